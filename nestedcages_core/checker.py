@@ -117,7 +117,7 @@ def rings_of(shape: Any) -> list[Any]:
         shape = [ring for polygon in polygons for ring in polygon]
     if _depth(shape) not in (2, 3):
         raise ValueError("a shape is a mesh, rings of points (x, y), or a Polygon or MultiPolygon of GeoJSON")
-    rings = [np.asarray(ring, float)[:, :2] for ring in ([shape] if _depth(shape) == 2 else shape)]
+    rings = [np.array([p[:2] for p in ring], float) for ring in ([shape] if _depth(shape) == 2 else shape)]
     rings = [ring[:-1] if (ring[0] == ring[-1]).all() else ring for ring in rings]
     whole = np.split(whole_numbers(np.concatenate(rings))[0], np.cumsum([len(ring) for ring in rings])[:-1])
     ends = [(ring, np.roll(ring, -1, axis=0)) for ring in whole]

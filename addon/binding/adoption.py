@@ -18,12 +18,15 @@ from . import field
 
 
 def waiting(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Object]:
-    """The objects without a set whose drawing one of some objects is, or has in common with them."""
-    drawings = {record.described(obj).of or obj for obj in objects}
-    if not drawings:
+    """The objects without a set whose drawing one of some objects is, shares, or is a part of."""
+    near = {record.described(obj).of or obj for obj in objects}
+    if not near:
         return []
-    found = [each for each in bpy.data.objects if record.described(each).of in drawings]
-    return [each for each in found if _is_waiting(each)]
+    found = [each for each in bpy.data.objects if record.described(each).of is not None and _is_waiting(each)]
+    drawings = {
+        own.of for own in map(record.described, found) if near & {own.of, *(p.object for p in own.kept.sources)}
+    }
+    return [each for each in found if record.described(each).of in drawings]
 
 
 def _is_waiting(obj: bpy.types.Object) -> bool:
@@ -133,3 +136,21 @@ def _own_fields(
         field.shown_by(obj).update_tag()
     for own in made.values():
         own.update_tag()
+
+
+@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
+def _on_import(_context: object) -> None:
+    """Removes the objects that *Append* makes of meshes that bound objects keep for later."""
+    parked = {mesh for obj in bpy.data.objects if (mesh := record.before(obj).mesh) is not None}
+    for stray in [obj for obj in bpy.data.objects if obj.data in parked and record.member(obj).role == "NONE"]:
+        bpy.data.objects.remove(stray)
+
+
+def register() -> None:
+    if hasattr(bpy.app.handlers, "blend_import_post"):  # since Blender 4.3
+        bpy.app.handlers.blend_import_post.append(_on_import)
+
+
+def unregister() -> None:
+    if hasattr(bpy.app.handlers, "blend_import_post"):
+        bpy.app.handlers.blend_import_post.remove(_on_import)

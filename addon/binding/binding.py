@@ -21,7 +21,7 @@ from ..core import core
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work, completed
 from ..rigging.pose import unshaped
-from ..scene import display, filling, nodes, ownership
+from ..scene import display, filling, nodes, ownership, placement
 from ..scene.areas import paints
 from ..scene.plane import PLANARITY, scale_of, size, space_to_space, transform
 from ..scene.selection import scene_of
@@ -104,8 +104,12 @@ def take_in(context: bpy.types.Context, collection: bpy.types.Collection) -> Wor
     if made is None:
         raise UserError(f"'{collection.name}' was bound by an earlier version: press Rebind first")
     parts = newcomers(context, collection)
+    coarsest = ownership.members(collection)[-1]
+    armature = next((m.object for m in coarsest.modifiers if isinstance(m, bpy.types.ArmatureModifier)), None)
     for part in parts:
         field.follow(part, made, in_place=False)
+        if armature is not None:
+            placement.attach(part, armature)
         record.written(collection).sources.add().object = part
     record.keep(collection)
     yield from ()
@@ -113,9 +117,7 @@ def take_in(context: bpy.types.Context, collection: bpy.types.Collection) -> Wor
 
 
 def unbind(collection: bpy.types.Collection) -> list[str]:
-    """Restores the state before binding and keeps the artist's later work, except for poses of vertices. Returns
-    sentences about anything else that is lost.
-    """
+    """Restores the state before binding, with the artist's later work but poses of vertices; returns what is lost."""
     levels = ownership.members(collection)
     _disconnect(collection, levels)
     lost = [f"'{obj.name}': {what} could not be kept" for obj in levels for what in shown.unpark(obj)]
@@ -125,9 +127,7 @@ def unbind(collection: bpy.types.Collection) -> list[str]:
 
 
 def forget(collection: bpy.types.Collection) -> str:
-    """Removes the remains of a binding from output that has been written again; returns the method it was bound by,
-    empty if it was not bound.
-    """
+    """Removes the remains of a binding from output written again; returns the method it was bound by, or nothing."""
     if not ownership.is_bound(collection):
         return ""
     levels = ownership.members(collection)

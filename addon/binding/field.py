@@ -67,12 +67,13 @@ def make(cage: bpy.types.Object, space: bpy.types.Object, method: str) -> bpy.ty
 
 
 def follow(obj: bpy.types.Object, field: bpy.types.Object, *, in_place: bool) -> None:
-    """Makes an object follow a field by a modifier after its others. Raises: UserError.
+    """Makes an object follow a field, and no other, by a modifier after its others. Raises: UserError.
 
     in_place: the field is in the object's own space, so that copies and instances elsewhere show the same.
     """
     if problem := why_not(obj):
         raise UserError(problem)
+    release(obj)
     if instances_collection(obj):
         obj = _proxy(obj)
     inputs = {"Object": field, "In Place": in_place, "Subdivide": _halvings(obj)}
@@ -112,7 +113,8 @@ def field_of(cage: bpy.types.Object) -> bpy.types.Object | None:
 def followed(obj: bpy.types.Object) -> bpy.types.Object | None:
     """The field that an object follows, or the object that shows what it instances."""
     modifier = display.nodes_modifier(shown_by(obj), FOLLOW)
-    if modifier is None or modifier.node_group != bpy.data.node_groups.get(nodes.FOLLOW):
+    # A group that was appended to a file with its own has a number after its name.
+    if modifier is None or modifier.node_group is None or modifier.node_group.name.partition(".")[0] != nodes.FOLLOW:
         return None
     found: bpy.types.Object | None = display.get_input(modifier, "Object")
     return found

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 from ..core import core
 from ..errors import UserError
@@ -24,7 +24,9 @@ def bones_of(armature: bpy.types.Object, frame: Frame) -> tuple[core.Bone, ...]:
     found: list[core.Bone] = []
     numbers: dict[str, int] = {}
     for bone in armature.data.bones:
-        ends = np.array([bone.head_local, bone.tail_local], dtype=np.float64)
+        # What Blender poses: children of bones nearly along -Y are beside their head_local, 2.5e-4 of a length at most.
+        rest = bone.matrix_local
+        ends = np.array([rest.translation, rest @ Vector((0.0, bone.length, 0.0))], dtype=np.float64)
         head, tail = frame.from_world(transform(matrix, ends))[0].tolist()
         seen = float(np.hypot(tail[0] - head[0], tail[1] - head[1])) * frame.scale
         length = float(np.linalg.norm(np.diff(transform(matrix, ends), axis=0)))

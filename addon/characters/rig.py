@@ -16,11 +16,12 @@ from ..errors import UserError
 from ..generation import output
 from ..generation.generate import Generation, Options, Request, Result
 from ..generation.job import Work, completed
-from ..scene import filling, ownership
+from ..scene import filling, ownership, placement
 from ..scene.convert import Drawing
 from ..scene.plane import Frame
 from ..scene.selection import scene_of
 from .bones import bones_of
+from .drawing import set_of
 
 # Vertices of a cage before those at joints: of its first loop, of each other one, and at most.
 FIRST_LOOP, PER_LOOP, MOST = 40, 4, 200
@@ -43,6 +44,9 @@ def make(
     count = vertices or min(MOST, FIRST_LOOP + PER_LOOP * (len(drawing.mesh().loops) - 1))
     generation = Generation([Request(drawing)], Options(levels=(count,), clearance_share=CLEARANCE_SHARE))
     yield from generation
+    earlier = set_of([obj for each in (drawing, *drawing.others) if (obj := each.source) is not None])
+    if earlier is not None and drawing.source is not None and ownership.source_of(earlier) is None:
+        ownership.hand_over(earlier, drawing.source)
     scene, results = scene_of(context), [_jointed(result, bones) for result in generation.results]
     (collection,), _ = output.write(scene, results, Timing(show_flow=False))
     binding.forget(collection)
@@ -52,6 +56,8 @@ def make(
     cage = ownership.members(collection)[-1]
     weigh(cage, armature, drawing.frame)
     completed(binding.bind(context, collection))
+    for part in ownership.originals(collection):
+        placement.attach(part, armature)
     return collection
 
 

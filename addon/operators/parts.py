@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import bpy
 
 from ..binding import field
+from ..binding.adoption import adopt
 from ..characters import bones, drawing, rig
 from ..core import core
 from ..errors import UserError, counted
@@ -17,7 +18,7 @@ from ..properties.kinds import choice, flag, length, number, whole
 from ..scene import ownership
 from ..scene.areas import paints
 from ..scene.convert import Drawing
-from ..scene.selection import select
+from ..scene.selection import chosen, scene_of, select
 from .base import JobOperator
 
 
@@ -54,6 +55,7 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
     def work(self, context: bpy.types.Context) -> Work[None]:
         armature = _armature(context)
         assert armature is not None
+        adopt(scene_of(context), chosen(context))
         identity, parts = armature.session_uid, _drawings(context)
         whole, problems = self.united(context, parts)
         yield Progress(0.0, "uniting painted areas")
@@ -135,9 +137,7 @@ PLANE_ITEMS = (
 
 
 class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
-    """Unite the selected objects, layers and strokes into one flat outline, even if they overlap or lie at different
-    depths
-    """
+    """Unite the selected objects, layers and strokes into one flat outline, also across overlaps and depths"""
 
     bl_label = "Silhouette"
 

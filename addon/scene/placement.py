@@ -75,6 +75,12 @@ def keep_carried(obj: bpy.types.Object, source: bpy.types.Object) -> None:
         carry(obj, *carrier_of(obj))
 
 
+def attach(obj: bpy.types.Object, carrier: bpy.types.Object) -> None:
+    """Makes an object that nothing carries a child of another one, where it stands."""
+    if obj.parent is None and obj not in _line_of(carrier):
+        obj.parent, obj.matrix_parent_inverse = carrier, carrier.matrix_world.inverted_safe()
+
+
 def rebase(obj: bpy.types.Object, source: bpy.types.Object, back: Matrix) -> None:
     """Leaves an object where it is while the space of the drawing that carries it by a constraint has changed.
 

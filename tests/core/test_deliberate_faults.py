@@ -20,6 +20,8 @@ from nestedcages_core import (
     Settings,
     Tightening,
     Within,
+    animated_cages,
+    check,
     followed,
     nested_cages,
     to_engine_json,
@@ -29,16 +31,20 @@ from nestedcages_core.batch import many
 from nestedcages_core.batch.tasks import Outcome, Task
 from nestedcages_core.checker import faults_of_motion
 from nestedcages_core.command import main, making
+from nestedcages_core.contact.pairs import Bodies
 from nestedcages_core.decimation import Start
 from nestedcages_core.geometry.predicates import orientation
 from nestedcages_core.level.builder import LevelBuilder
+from nestedcages_core.motion import level as following_level
 from nestedcages_core.motion import stepping
+from nestedcages_core.motion.still import certified_still
 from nestedcages_core.needs.convex import need as convex
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QPSolution
-from nestedcages_core.tasks import Stage
+from nestedcages_core.tasks import Stage, drain
 from nestedcages_core.tightening.trial import Trial
 from nestedcages_core.tightening.trust_region import TrustRegion
 from nestedcages_core.tolerance.reach import reach
+from nestedcages_core.verification import motion
 from shapes import islands, letter_a, letter_a_coarse, resampled, ring, star
 from test_quadratic_program import random_program
 
@@ -146,13 +152,40 @@ def test_the_interval_between_two_blocks_of_steps_is_looked_at(jump: int) -> Non
     assert found.step == jump
 
 
-def test_earlier_steps_of_a_block_count_as_travelled() -> None:
+def test_earlier_steps_of_a_block_count_as_travelled(monkeypatch: pytest.MonkeyPatch) -> None:
     """Small steps to the wall: those that meet it are shorter than its distance at first."""
     moves = np.linspace(0.0, 1.2, 9)[:, None, None] * [1.0, 0.0]
-    room = Mesh.from_loops([2.0 * ring(4, angle=np.pi / 4.0)])
-    found = certificate(room, DOT, DOT.vertices + 0.5 + moves)
+    room, steps = Mesh.from_loops([2.0 * ring(4, angle=np.pi / 4.0)]), DOT.vertices + 0.5 + moves
+    meets = int(np.argmax(0.6 + moves[:, 0, 0] >= np.sqrt(2.0))) - 1
+    found = certificate(room, DOT, steps)
     assert not found
-    assert found.step == int(np.argmax(0.6 + moves[:, 0, 0] >= np.sqrt(2.0))) - 1
+    assert found.step == meets
+    block = motion._Block(Bodies.of(room, DOT), [room.vertices] * 9, steps)
+    monkeypatch.setattr(motion, "BLOCK_NUMBERS", 1)  # the pairs of one step at a time
+    assert next(block.may_meet())[0] == meets
+
+
+PRONGS = Mesh.from_loops(
+    [np.array([[-3, 0], [3, 0], [3, 5], [0.5, 5], [0.5, 2], [-0.5, 2], [-0.5, 5], [-3, 5]], float)]
+)
+
+
+@pytest.mark.parametrize(
+    ("cage", "moves", "place"),
+    [
+        pytest.param(PRONGS, {3: (-0.7, 0.0), 6: (0.7, 0.0)}, (0.0, 1.0), id="two corners of the cage"),
+        *(
+            pytest.param(Mesh.from_loops([4.0 * ring(4)]), {0: (-2.0, 0.0)}, (1.7, side * 1.7), id=f"at edge {side}")
+            for side in (-1.0, 1.0)
+        ),
+    ],
+)
+def test_what_moves_on_either_side_of_a_pair_counts(cage: Mesh, moves: dict[int, Any], place: Any) -> None:
+    """Two corners that each go more than half of their distance; an edge of which only the start or the end moves."""
+    fine, after = DOT.moved(DOT.vertices + np.array(place)), cage.vertices.copy()
+    for corner, move in moves.items():
+        after[corner] += move
+    assert not verify_motion(cage, fine, np.stack([cage.vertices, after]), np.stack([fine.vertices] * 2))
 
 
 def test_distances_count_with_the_rounding_of_large_coordinates() -> None:
@@ -242,6 +275,35 @@ def test_a_step_that_leaves_the_drawing_is_no_cage(monkeypatch: pytest.MonkeyPat
     assert followed(cage, fine, fine, 0.0) is not None
     monkeypatch.setattr(stepping.Follower, "next", lambda self, cage, before, after: [cage, cage + 3.0])
     assert followed(cage, fine, fine, 0.0) is None
+
+
+def test_a_key_that_leaves_the_drawing_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The cage of each key is certified, whatever follower and motion certificate say."""
+    monkeypatch.setattr(stepping.Follower, "next", lambda self, cage, before, after: [cage + 3.0])
+    monkeypatch.setattr(following_level, "verify_motion", lambda *_: True)
+    with pytest.raises(NestingError, match="The cage of pose 1 could not be certified"):
+        animated_cages(star(), [star().vertices] * 2, [12])
+
+
+def test_a_still_cage_holds_between_the_poses_too() -> None:
+    """A jump through the corner, from one place inside to another."""
+    poses = DOT.vertices + np.array([(3.5, 0.5), (0.5, 3.5)])[:, None]
+    assert drain(certified_still(AROUND_A_CORNER, DOT, poses[[0, 0]]))
+    with pytest.raises(NestingError, match="does not hold at pose 1: The drawing crosses it before"):
+        drain(certified_still(AROUND_A_CORNER, DOT, poses))
+
+
+@pytest.mark.parametrize("need", [Within(distance=0.08), Within(excess=0.2)], ids=str)
+def test_the_fewest_vertices_keep_the_tolerance(need: Within) -> None:
+    level = nested_cages(star(), [need]).levels[0]
+    assert need.measured(level.cage, star()) <= need.limit
+    assert check(star(), level, distance=need.distance, motions=4)
+
+
+def test_the_least_number_of_vertices_is_a_lower_bound() -> None:
+    """Around a square within a tenth of its side, there are four."""
+    level = nested_cages(Mesh.from_loops([ring(4)]), [Within(distance=0.1)]).levels[0]
+    assert len(level.cage.vertices) == level.report.fewest == 4
 
 
 def test_an_outcome_made_of_nothing_is_not_reused() -> None:
