@@ -10,8 +10,8 @@ import numpy as np
 from ..errors import InvalidMeshError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..geometry.mesh.validation import place
 from ..geometry.predicates import orientation
+from ..geometry.vectors import place
 from .crossings import edges_in, spend_crossings
 from .fill import united
 from .hairlines import has_hairlines
