@@ -17,6 +17,7 @@ from ..core import core, predicates
 from ..errors import UserError
 from ..notes import note
 from ..scene.convert import Drawing, Outline, drawing_in, fine_drawing, read
+from ..scene.filling import evaluated_mesh, stored
 from ..scene.plane import Frame
 from .folding import Fold, Folding
 from .job import Progress, Work
@@ -218,13 +219,9 @@ def _edges(drawing: Drawing) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 def select_points(context: bpy.types.Context, obj: bpy.types.Object, points: NDArray[np.float32]) -> int:
     """Selects the vertices of a mesh object that are at evaluated points (k, 3), and only these; returns how many."""
-    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    shape = evaluated.to_mesh()
-    try:
-        places = np.empty((len(shape.vertices), 3), np.float32)
-        shape.vertices.foreach_get("co", places.ravel())
-    finally:
-        evaluated.to_mesh_clear()
+    with evaluated_mesh(obj.evaluated_get(context.evaluated_depsgraph_get())) as shape:
+        assert shape is not None
+        places = stored(shape.vertices, "co", 3)
     mesh = obj.data
     wanted = {point.tobytes() for point in np.ascontiguousarray(points)}
     chosen = np.array([place.tobytes() in wanted for place in places], dtype=bool)

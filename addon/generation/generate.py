@@ -10,7 +10,7 @@ from ..core import core, memory, steps
 from ..errors import UserError
 from ..scene.convert import Drawing
 from .advice import check_room, excess_note
-from .job import Progress
+from .job import Progress, Work
 from .levels import Level, Wanted, are_counts, wanted_levels
 from .memory import known, remembered
 from .methods import Methods
@@ -133,7 +133,7 @@ class Generation:
         if self.problems and not found:
             raise self.problems[0]
 
-    def __iter__(self) -> Iterator[Progress]:
+    def __iter__(self) -> Work[None]:
         total = sum(len(plan.levels) for plan in self._plans)
         done, reached = 0, 0.0
         for plan in self._plans:

@@ -20,6 +20,7 @@ from ..rigging.rig import Rig, is_rigged
 from ..scene import display, ownership, placement
 from ..scene.ownership import collection_of, colours_of, level_of, member, members
 from .generate import Result
+from .job import Progress, Work, completed
 from .rollback import Rollback
 
 
@@ -32,12 +33,18 @@ def length(collection: bpy.types.Collection, timing: Timing) -> int | None:
     return timeline.last_frame(timeline.spans(phases, timing), timing) - timing.start_frame + 1
 
 
-def write(
-    scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0
-) -> tuple[list[bpy.types.Collection], list[str]]:
-    """Writes the output of each drawing; returns the collections, and sentences about the artist's work on earlier
-    output that could not be transferred. Raises: UserError, before anything is changed, if earlier output cannot be
-    replaced.
+# The collections of a run, and sentences about the artist's work on earlier output that could not be transferred.
+Written = tuple[list[bpy.types.Collection], list[str]]
+
+
+def write(scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0) -> Written:
+    """Writes the output of each drawing at once; see `writing`."""
+    return completed(writing(scene, results, timing, thickness))
+
+
+def writing(scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0) -> Work[Written]:
+    """Writes the output of each drawing, one by one; closing it restores the scene. Raises: UserError, before anything
+    is changed, if earlier output cannot be replaced.
     """
     earlier = [earlier_output(scene, result) for result in results]
     for collection in earlier:
@@ -55,7 +62,8 @@ def write(
         dropped: list[timeline.Mark] = []
         added: list[timeline.Mark] = []
         collections = []
-        for result, each, when, before in zip(results, phases, timings, earlier, strict=True):
+        for number, (result, each, when, before) in enumerate(zip(results, phases, timings, earlier, strict=True)):
+            yield Progress(number / len(results), f"{result.drawing.name}, writing")
             collection = before or _new_collection(home, result)
             dropped += timeline.stop(scene, collection)
             played = timeline.spans(each, when)

@@ -81,6 +81,9 @@ def exists(obj: bpy.types.Object | None) -> bool:
     """Whether an object is in a scene: deleted ones may still be referred to."""
     if obj is None:
         return False
+    # Blender knows at once whether it shows an object, but goes through all of a scene to find one by name.
+    if obj.visible_get():
+        return True
     return any(scene.objects.get(obj.name) == obj for scene in bpy.data.scenes) or bool(obj.users_scene)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..errors import UserError
 from . import strokes
 from .display import add_nodes_modifier, is_ours
-from .filling import mesh_of
+from .filling import evaluated_mesh, loop_edges, mesh_of, stored
 
 # Removes temporary blocks, now or later.
 Remove = Callable[[list[Any]], None]
@@ -200,21 +200,10 @@ READERS: dict[str, Reader] = {
 
 def _evaluated_lines(context: bpy.types.Context, obj: bpy.types.Object) -> Lines:
     """The evaluated object's edges with no face (wire) or one face (boundary)."""
-    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    mesh = evaluated.to_mesh()
-    if mesh is None:  # an object without geometry
-        return Lines(np.empty((0, 3), np.float32), np.empty((0, 2), np.int64))
-    try:
-        vertices = np.empty((len(mesh.vertices), 3), np.float32)
-        edges = np.empty((len(mesh.edges), 2), np.int32)
-        corners = np.empty(len(mesh.loops), np.int32)
-        mesh.vertices.foreach_get("co", vertices.ravel())
-        mesh.edges.foreach_get("vertices", edges.ravel())
-        mesh.loops.foreach_get("edge_index", corners)
-    finally:
-        evaluated.to_mesh_clear()
-    faces = np.bincount(corners, minlength=len(edges))
-    return Lines(vertices, edges[faces <= 1].astype(np.int64))
+    with evaluated_mesh(obj.evaluated_get(context.evaluated_depsgraph_get())) as mesh:
+        if mesh is None:
+            return Lines(np.empty((0, 3), np.float32), np.empty((0, 2), np.int64))
+        return Lines(stored(mesh.vertices, "co", 3), loop_edges(mesh))
 
 
 def _selected_edges(obj: bpy.types.Object) -> Lines:

@@ -101,14 +101,6 @@ def symmetry(text: str) -> Mirror | Rotation | Found:
     return Mirror(None, AXES[text]) if text in AXES else Rotation(None, _order(text))
 
 
-def _merge(text: str) -> float:
-    return inf if text == "all" else float(length(text))
-
-
-def _width(text: str) -> float:
-    return float(length(text.removesuffix("px")))
-
-
 def _limit(text: str) -> tuple[str, int]:
     name, _, number = text.partition("=")
     if name not in vars(Limits()):
@@ -146,8 +138,9 @@ OPTIONS = {
     ),
     "shape": (
         _option("--convex", help="convex cages: this many vertices around each part, holes filled"),
-        _option("--merge", type=_merge, metavar="LENGTH", help="parts closer than this share a loop of the cage, and "
-                "smaller holes are filled; all: one loop around everything"),
+        _option("--merge", type=lambda text: inf if text == "all" else length(text), metavar="LENGTH", help="parts "
+                "closer than this share a loop of the cage, and smaller holes are filled; all: one loop around "
+                "everything"),
         _option("--symmetry", type=symmetry, metavar="WHAT", help="x (left and right alike), y (top and bottom alike), "
                 "both about the middle of the drawing, a number (rotations of that order about its centroid), or found "
                 "(the drawing's own)"),
@@ -173,9 +166,9 @@ OPTIONS = {
     ),
     "maps": (
         _option("--jobs", type=_whole(1), metavar="N", help="processes for the features (default: 1)"),
-        _option("--borders", type=_width, nargs="?", const=0.0, metavar="WIDTH", help="cut cages at the borders that "
-                "features share, so that they overlap as little as cages can; with a width, 0.5, the borders are "
-                "simplified within it first, so that the map gets smaller too"),
+        _option("--borders", type=lambda text: length(text.removesuffix("px")), nargs="?", const=0.0, metavar="WIDTH",
+                help="cut cages at the borders that features share, so that they overlap as little as cages can; with "
+                "a width, 0.5, they follow borders within it, with few points"),
     ),
     "pictures": (
         _option("--padding", type=length, metavar="PIXELS", help="the clearance; parts closer are joined"),
@@ -281,16 +274,14 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
         if is_given(one) and is_given(other):
             both = f"--{one} and --{other}".replace("_", "-")
             options.error(f"{both} do not go together; give only one of them")
-    if given.format and STREAM not in given.output:
+    to_stream, outlines = STREAM in given.output, any(path.lower().endswith((".json", STREAM)) for path in given.output)
+    if given.format and not to_stream:
         options.error("--format is for the standard output (-o -); files are written by their extension")
-    if [*given.output, given.report].count(STREAM) > 1:
-        options.error("the standard output takes one of the outputs and the report")
-    if STREAM in given.output and len(paths) > 1:
-        options.error("the standard output takes the cages of one file")
-    outlines = any(Path(path).suffix.lower() == ".json" or path == STREAM for path in given.output)
-    for names, _ in OPTIONS["outlines"]:
-        if is_given(_word(names[0])) and not outlines:
-            options.error(f"{names[0]} is for collision outlines; write one with -o FILE.json")
+    if [*given.output, given.report].count(STREAM) > 1 or (to_stream and len(paths) > 1):
+        options.error("the standard output takes one of the outputs and the report, and the cages of one file")
+    for name in (names[0] for names, _ in OPTIONS["outlines"]):
+        if is_given(_word(name)) and not outlines:
+            options.error(f"{name} is for collision outlines; write one with -o FILE.json")
     _check_files(options, given, paths)
     if given.decimals is not None:
         given.grid = Grid.of_decimals(given.decimals).spacing

@@ -127,6 +127,7 @@ def test_suggested_bones_move_all_parts_of_a_figure(tmp_path) -> None:
         np.testing.assert_allclose(points(bpy.data.objects[name]), after[name], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_own_keys_of_a_part_play_before_the_bend_and_the_whole_moves() -> None:
     parts = figure()
     armature, _ = rigged(parts)
@@ -193,6 +194,7 @@ def instanced(empty):
     )
 
 
+@pytest.mark.slow
 def test_parts_added_later_and_instances_follow_and_are_verified() -> None:
     parts = figure()
     armature, cage = rigged(parts)
@@ -215,6 +217,7 @@ def test_parts_added_later_and_instances_follow_and_are_verified() -> None:
     assert not ring.modifiers and empty.instance_type == "COLLECTION" and not empty.children
 
 
+@pytest.mark.slow
 def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
     head, eye = face("Head", capsule((0.0, 0.0), (0.0, 0.2), 1.0)), face("Eye", capsule((0.3, 0.2), (0.3, 0.3), 0.1))
     select(eye, head)
@@ -233,6 +236,7 @@ def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
         select(eye, head)
 
 
+@pytest.mark.slow
 def test_rigging_again_fits_the_cage_to_new_parts() -> None:
     parts = figure()
     armature, cage = rigged(parts)
@@ -272,6 +276,7 @@ def test_verification_says_where_a_limb_folds_over_itself(capfd) -> None:
     assert 0.1 < float(found[2]) < 20.0
 
 
+@pytest.mark.slow
 def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> None:
     parts = figure()
     armature, cage = rigged(parts)
@@ -307,6 +312,7 @@ def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> Non
         bpy.ops.object.nested_cages_export(filepath=str(path), kind="CHARACTER")
 
 
+@pytest.mark.slow
 def test_parts_are_swapped_on_frames_and_by_one_control_and_change_their_order() -> None:
     """The steps of the guide."""
     parts = figure()
@@ -340,6 +346,7 @@ def test_parts_are_swapped_on_frames_and_by_one_control_and_change_their_order()
         assert shown[:, 0].mean() < -0.05  # nods with the head
 
 
+@pytest.mark.slow
 def test_a_character_is_copied_appended_and_redrawn(tmp_path) -> None:
     parts = figure()
     armature, cage = rigged(parts)
@@ -446,6 +453,7 @@ def test_gradients_patterns_uses_and_lines_become_parts_and_the_rest_is_told(tmp
     assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
 
 
+@pytest.mark.slow
 def test_a_layered_svg_of_twelve_parts_is_posed_after_four_actions(tmp_path) -> None:
     file = tmp_path / "figure.svg"
     file.write_text(layered_svg())

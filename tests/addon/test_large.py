@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+import pytest
 
 from drawings import at_frame, circle, evaluated
 
@@ -27,6 +28,7 @@ def result(addon, core):
     return addon.generation.generate.Result(drawing, (level,)), moving, growing
 
 
+@pytest.mark.slow
 def test_a_large_drawing_is_written_saved_and_loaded(addon, core, tmp_path) -> None:
     made, moving, growing = result(addon, core)
     timing = addon.animation.timeline.Timing(1, 2)

@@ -258,6 +258,7 @@ def test_a_modifiers_slider_is_followed(addon, core, live, tick) -> None:
         assert not live.current().behind and holds(core, addon, collection, obj)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("levels", "settings"), [("0.05u", {}), ("24, +20%", {}), ("24, 12", {"clearance": 0.05})])
 def test_a_cage_keeps_the_promises_that_it_was_made_with(addon, core, live, tick, levels, settings) -> None:
     """Whatever the panel shows; a step that would break one makes the cages again."""

@@ -34,7 +34,7 @@ def farthest(cage, fine):
     return shapely.hausdorff_distance(cage, fine, densify=0.01)
 
 
-@pytest.mark.parametrize("scale", [1.0, 1000.0, 0.001])
+@pytest.mark.parametrize("scale", [1.0, *(pytest.param(scale, marks=pytest.mark.slow) for scale in (1000.0, 0.001))])
 def test_a_distance_is_kept_in_units_of_the_scene(addon, scale) -> None:
     obj = poly_curve("Drawing", [circle(90)])
     obj.scale = (scale, scale, scale)

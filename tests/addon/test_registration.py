@@ -76,7 +76,7 @@ def test_the_operator_and_the_scene_have_the_same_settings(extension, addon) -> 
 PRESETS = ("Collision", "Outline", "Rig", "Tight", "IPC 2022 Repaired", "Nested Cages 2015", "Simple Cages 2022")
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", [*PRESETS[:4], *(pytest.param(name, marks=pytest.mark.slow) for name in PRESETS[4:])])
 def test_a_preset_sets_all_that_makes_a_cage_relative_to_the_drawing(addon, name) -> None:
     """Whatever was chosen before; cages are equally tight around a drawing of any size."""
     settings = bpy.context.scene.nested_cages

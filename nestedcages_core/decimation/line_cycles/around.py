@@ -191,8 +191,9 @@ class Around:
             if halves is not None:
                 self.searches[k] = MirrorSearch(chain, lines, own_free, width=width, sizes=sizes, halves=halves)
             else:
+                likely = (target if len(chains) == 1 else expected) / parts
                 self.searches[k] = LoopSearch(
-                    chain, lines, own_free, width=width, sizes=sizes, expected=expected / parts, parts=parts
+                    chain, lines, own_free, width=width, sizes=sizes, expected=likely, parts=parts
                 )
             yield
             yield from self.searches[k].solve()
