@@ -245,8 +245,7 @@ def give_animation(old: bpy.types.Key | None, new: bpy.types.Key, name: str) -> 
 
 
 def _take_action(old: bpy.types.Key, new: bpy.types.Key, copy: str) -> None:
-    """Gives new shape keys the action of the old ones; if that plays steps too, a copy without them, of the same
-    name."""
+    """Gives new shape keys the action of the old ones, or a copy of it of the same name, without the steps in it."""
     action, slot = old.animation_data.action, getattr(old.animation_data, "action_slot", None)
     if copy:
         action = action.copy()

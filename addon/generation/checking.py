@@ -108,9 +108,7 @@ def _pairs(context: bpy.types.Context, chain: Chain) -> Iterator[tuple[Outline, 
 
 
 def check_animation(context: bpy.types.Context, chains: Sequence[Chain]) -> Work[list[Finding]]:
-    """Checks all frames of the scene's range, up to the first on which something leaves its cage, which becomes the
-    current one. Of folds it finds the largest. Raises: UserError, with the frame.
-    """
+    """Checks all frames up to the first fault, which becomes current; finds the largest fold. Raises: UserError."""
     scene = context.scene
     first, last = scene.frame_start, scene.frame_end
     findings: list[Finding] = []

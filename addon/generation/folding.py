@@ -19,9 +19,7 @@ SMALLEST = 1e-4
 
 @dataclass(frozen=True)
 class Fold:
-    """What part of the area is folded, the place in the world where most of it is, and the bone that bends it there,
-    empty without bones.
-    """
+    """What part of the area is folded, where most of it is in the world, and the bone that bends it, if any."""
 
     share: float
     place: tuple[float, float, float]
@@ -74,9 +72,7 @@ class Folding:
         return Fold(share, (x, y, z), self._bone(worst))
 
     def _bone(self, triangle: NDArray[np.int64]) -> str:
-        """Of the bones that move a triangle, through the corners of the cage, the one that bends it most; empty without
-        bones.
-        """
+        """Of the bones that move a triangle through the cage's corners, the one that bends it most; maybe none."""
         armatures = [each.object for each in self.cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)]
         bends = {bone.name: _bend(bone) for each in armatures if each is not None for bone in each.pose.bones}
         names = {group.index: group.name for group in self.cage.vertex_groups if group.name in bends}

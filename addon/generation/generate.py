@@ -50,9 +50,7 @@ class Options:
 
 @dataclass(frozen=True)
 class Request:
-    """A drawing, and the user's own coarse drawings for it, finest first: one for each `OWN` in `Options.levels`, or
-    all levels if there is no `OWN`.
-    """
+    """A drawing, and the user's own coarse ones, finest first: one for each `OWN` in the levels, or for all levels."""
 
     fine: Drawing
     coarse: tuple[Drawing, ...] = ()
@@ -61,9 +59,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Result:
-    """All levels around one drawing, or inside of it, what they are by the rules for them, and the settings that were
-    used, by name; None if they are unknown.
-    """
+    """All levels of one drawing, what they are by its rules, and the settings used, by name; None if unknown."""
 
     drawing: Drawing
     levels: tuple[core.Level, ...]

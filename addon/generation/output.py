@@ -90,8 +90,7 @@ def writing(scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, t
 
 
 def _home(scene: bpy.types.Scene, results: Sequence[Result]) -> bpy.types.Collection:
-    """The collection for the new outputs of a run: that of the first drawing, or for several outputs a new one in
-    it."""
+    """The collection for new outputs: that of the first drawing, or for several outputs a new one in it."""
     source = results[0].drawing.source if results else None
     own = ownership.home_of(scene, source)
     if len(results) < 2:
@@ -111,9 +110,7 @@ def _new_collection(home: bpy.types.Collection, result: Result) -> bpy.types.Col
 
 
 def _set_thickness(collection: bpy.types.Collection, result: Result, thickness: float) -> None:
-    """Gives the lines of an output a thickness in renders, in scene units; 0: only the cages, in proportion to the
-    drawing.
-    """
+    """Gives lines a thickness in renders, in scene units; 0: the cages alone, in proportion to the drawing."""
     automatic = display.AUTOMATIC_PART * result.levels[0].fine.diagonal
     for obj in members(collection):
         if thickness > 0.0:
@@ -218,9 +215,7 @@ def _member_with_mesh(
     result: Result,
     rollback: Rollback,
 ) -> bpy.types.Object:
-    """The collection's object of a level with a new mesh, at the drawing's place. An existing object is kept, with the
-    artist's work on its mesh.
-    """
+    """An object of a level with a new mesh, in the drawing's place; an existing one with the artist's work on it."""
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(shape.vertices))
     mesh.edges.add(len(shape.edges))

@@ -189,9 +189,7 @@ def _poses(collection: bpy.types.Collection) -> dict[int | None, Pose]:
 
 
 def _drawings_of(obj: bpy.types.Object, selected: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
-    """The drawings that an object stands for: those of a bound output, none of a moving copy, else itself. A cage that
-    is neither bound nor selected with its drawing is a drawing like any other.
-    """
+    """The drawings that an object stands for: those of a bound output, none of a moving copy, else itself."""
     if record.shown(obj, record.FILL) is not None:
         return []
     if ownership.level_of(obj) is None:

@@ -49,9 +49,7 @@ class Placement:
 
 @dataclass(frozen=True)
 class Pose:
-    """The placement of an output object; if it was bound, its transform when bound, and the offsets (n, 3) of its
-    vertices since.
-    """
+    """The placement of an output object; if bound, its transform then, and offsets (n, 3) of its vertices since."""
 
     placement: Placement
     own_parent: bool

@@ -20,9 +20,7 @@ def painted(
     group: str,
     points: NDArray[np.float64],
 ) -> NDArray[np.float64] | None:
-    """(n,) weight of the evaluated vertex closest to each point (n, 2) of a drawing's frame; None if no object has a
-    vertex group of that name.
-    """
+    """(n,) weight of the evaluated vertex closest to each point (n, 2) of a frame; None without such a group."""
     places, values = [], []
     for obj in objects:
         if obj.type == "MESH":

@@ -49,9 +49,7 @@ def lines_of(context: bpy.types.Context, obj: bpy.types.Object, resolution: int 
 def lines_of_all(
     context: bpy.types.Context, objects: Sequence[bpy.types.Object], resolution: int = 0
 ) -> dict[bpy.types.Object, Lines]:
-    """`lines_of` several objects by one evaluation of the scene, which takes as long as it has objects; without those
-    that have to be read by themselves, as in Edit Mode, or cannot be.
-    """
+    """`lines_of` several objects by one evaluation of the scene; without those that must be read by themselves."""
     found, garbage = {}, list[Any]()
     meshes_first = sorted(objects, key=lambda obj: obj.type != "MESH")  # these need no copy, which would be evaluated
     with ExitStack() as stack:
@@ -88,8 +86,7 @@ def _itself(
 def _plain_copy(
     context: bpy.types.Context, obj: bpy.types.Object, resolution: int, remove: Remove
 ) -> Iterator[bpy.types.Object]:
-    """A temporary copy of a curve or text, in the scene so that its modifiers apply, without bevel, extrusion and
-    fill."""
+    """A temporary copy of a curve or text, with its modifiers, without bevel, extrusion and fill."""
     copy = obj.copy()
     data: Any = obj.data.copy()
     try:
@@ -207,8 +204,7 @@ def _evaluated_lines(context: bpy.types.Context, obj: bpy.types.Object) -> Lines
 
 
 def _selected_edges(obj: bpy.types.Object) -> Lines:
-    """The selected edges of a mesh in Edit Mode; of selected faces, only the border. Raises: UserError if there are
-    none."""
+    """The selected edges of a mesh in Edit Mode; of faces, the border. Raises: UserError without any."""
     mesh = bmesh.from_edit_mesh(mesh_of(obj))
     mesh.verts.index_update()
     faces = [sum(face.select for face in edge.link_faces) for edge in mesh.edges]
