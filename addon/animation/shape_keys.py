@@ -7,12 +7,15 @@ interpolation, so the evaluated mesh is the step on its frame and the linear ble
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
+
+from ..scene.filling import stored
 
 # Names of the shape keys that `add_steps` makes; other keys are the artist's.
 STEP = re.compile(r"Level \d+ Step \d+(\.\d+)?")
@@ -55,8 +58,7 @@ def add_steps(
     the last; `from_rest`: the mesh itself shows until one frame before the first. The steps play once more on the
     frames `back` (S,), which decrease and are later than all `frames`.
     """
-    basis = np.empty((steps.shape[1], 3), np.float32)
-    obj.data.vertices.foreach_get("co", basis.ravel())
+    basis = stored(obj.data.vertices, "co", 3)
     coordinates = basis.copy()
     runs = _runs_of_equal(steps)
     at_rest = (steps == basis[:, :2]).all(axis=(1, 2))
@@ -107,8 +109,7 @@ def remove_steps(obj: bpy.types.Object) -> None:
         obj.shape_key_remove(key)
     if len(shapes.key_blocks) == 1:
         remove_animation(shapes)
-        home = np.empty((len(obj.data.vertices), 3), np.float32)
-        shapes.reference_key.points.foreach_get("co", home.ravel())
+        home = stored(shapes.reference_key.points, "co", 3)
         obj.shape_key_clear()
         obj.data.vertices.foreach_set("co", home.ravel())
     obj.data.update()
@@ -185,18 +186,18 @@ def discard(
 ) -> None:
     """Removes objects, and then the meshes and actions that nothing uses any more, also those of their animation.
 
-    Each kind in one pass over the file: removing blocks one by one takes as many passes.
+    In one pass over the file: removing blocks one by one, or kind by kind, takes as many passes.
     """
-    gone, old = list(objects), set(meshes)
-    animated: list[Any] = [*gone, *old, *(mesh.shape_keys for mesh in old if mesh.shape_keys is not None)]
+    gone, old = set(objects), set(meshes)
+    shown = Counter(obj.data for obj in gone)
+    unused = [mesh for mesh in old if mesh.users == shown[mesh]]
+    shapes = [mesh.shape_keys for mesh in unused if mesh.shape_keys is not None]
+    animated: list[Any] = [*gone, *unused, *shapes]
     data = [owner.animation_data for owner in animated if owner.animation_data is not None]
-    played = {*actions, *(found.action for found in data)} - {None}
-    if gone:  # an empty pass takes as long as any
-        bpy.data.batch_remove(gone)
-    if unused := [mesh for mesh in old if mesh.users == 0]:
-        bpy.data.batch_remove(unused)
-    if idle := [action for action in played if action is not None and action.users == 0]:
-        bpy.data.batch_remove(idle)
+    played = Counter(found.action for found in data if found.action is not None)
+    idle = [action for action in {*actions, *played} if action is not None and action.users == played[action]]
+    if blocks := [*gone, *unused, *idle]:  # an empty pass takes as long as any
+        bpy.data.batch_remove(blocks)
 
 
 def _runs_of_equal(steps: NDArray[np.float32]) -> list[tuple[int, int]]:
@@ -212,9 +213,7 @@ def copy_keyframes(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:
     target.extrapolation = source.extrapolation
     target.keyframe_points.add(count)
     for name, width, kind in KEYFRAME:
-        values = np.empty(count * width, kind)
-        source.keyframe_points.foreach_get(name, values)
-        target.keyframe_points.foreach_set(name, values)
+        target.keyframe_points.foreach_set(name, stored(source.keyframe_points, name, width, kind).ravel())
     target.update()
 
 
@@ -246,8 +245,7 @@ def give_animation(old: bpy.types.Key | None, new: bpy.types.Key, name: str) -> 
 
 
 def _take_action(old: bpy.types.Key, new: bpy.types.Key, copy: str) -> None:
-    """Gives new shape keys the action of the old ones; if that plays steps too, a copy without them, of the same
-    name."""
+    """Gives new shape keys the action of the old ones, or a copy of it of the same name, without the steps in it."""
     action, slot = old.animation_data.action, getattr(old.animation_data, "action_slot", None)
     if copy:
         action = action.copy()

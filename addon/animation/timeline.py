@@ -51,9 +51,7 @@ class Timing:
 
 @dataclass(frozen=True)
 class Phases:
-    """The phases of a level as indices of its steps: the last of the flow, the first of the tightening, and the last of
-    all.
-    """
+    """The phases of a level as indices of steps: last of the flow, first of the tightening, and last of all."""
 
     flow_end: int
     tightening: int

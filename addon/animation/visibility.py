@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import bpy
-import numpy as np
 
+from ..scene.filling import stored
 from . import shape_keys
 
 # The properties that hide an object.
@@ -80,7 +80,9 @@ class VisibilityAnimation:
 def detach(obj: bpy.types.Object) -> VisibilityAnimation:
     """Undoes `hide_until`. An action with nothing else in it is kept for `restore`; other animation stays."""
     data = obj.animation_data
-    obj.hide_viewport = obj.hide_render = False
+    for name in VISIBILITY:
+        if getattr(obj, name):  # setting it makes Blender go through all objects
+            setattr(obj, name, False)
     if data is None or data.action is None:
         return VisibilityAnimation(None, None, (), False)
     curves = shape_keys.curves_of(obj)
@@ -107,6 +109,4 @@ def always_show(obj: bpy.types.Object) -> None:
 
 def _keyframes(curve: bpy.types.FCurve) -> tuple[float, ...]:
     """Frame, value, frame, value ..."""
-    found = np.empty(2 * len(curve.keyframe_points), np.float32)
-    curve.keyframe_points.foreach_get("co", found)
-    return tuple(found.tolist())
+    return tuple(stored(curve.keyframe_points, "co", 2).ravel().tolist())

@@ -136,3 +136,21 @@ def _own_fields(
         field.shown_by(obj).update_tag()
     for own in made.values():
         own.update_tag()
+
+
+@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
+def _on_import(_context: object) -> None:
+    """Removes the objects that *Append* makes of meshes that bound objects keep for later."""
+    parked = {mesh for obj in bpy.data.objects if (mesh := record.before(obj).mesh) is not None}
+    for stray in [obj for obj in bpy.data.objects if obj.data in parked and record.member(obj).role == "NONE"]:
+        bpy.data.objects.remove(stray)
+
+
+def register() -> None:
+    if hasattr(bpy.app.handlers, "blend_import_post"):  # since Blender 4.3
+        bpy.app.handlers.blend_import_post.append(_on_import)
+
+
+def unregister() -> None:
+    if hasattr(bpy.app.handlers, "blend_import_post"):
+        bpy.app.handlers.blend_import_post.remove(_on_import)

@@ -117,9 +117,7 @@ def take_in(context: bpy.types.Context, collection: bpy.types.Collection) -> Wor
 
 
 def unbind(collection: bpy.types.Collection) -> list[str]:
-    """Restores the state before binding and keeps the artist's later work, except for poses of vertices. Returns
-    sentences about anything else that is lost.
-    """
+    """Restores the state before binding, with the artist's later work but poses of vertices; returns what is lost."""
     levels = ownership.members(collection)
     _disconnect(collection, levels)
     lost = [f"'{obj.name}': {what} could not be kept" for obj in levels for what in shown.unpark(obj)]
@@ -129,9 +127,7 @@ def unbind(collection: bpy.types.Collection) -> list[str]:
 
 
 def forget(collection: bpy.types.Collection) -> str:
-    """Removes the remains of a binding from output that has been written again; returns the method it was bound by,
-    empty if it was not bound.
-    """
+    """Removes the remains of a binding from output written again; returns the method it was bound by, or nothing."""
     if not ownership.is_bound(collection):
         return ""
     levels = ownership.members(collection)

@@ -28,9 +28,7 @@ def handles_of(cage: bpy.types.Object) -> list[bpy.types.Object]:
 
 
 def add(context: bpy.types.Context, cages: Sequence[bpy.types.Object], kind: str) -> list[bpy.types.Object]:
-    """Adds handles of a kind to cages in Object Mode, each with full weight on its corner; returns the new objects:
-    one armature for all cages, or an empty per corner.
-    """
+    """Adds handles of a kind, each moving its corner alone: one armature for all cages, or an empty per corner."""
     made = _bones(context, cages) if kind == BONES else [empty for cage in cages for empty in _empties(cage)]
     for obj in made:
         if not record.is_helper(obj, record.HANDLES):

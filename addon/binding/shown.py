@@ -25,9 +25,7 @@ NAMES = (
 
 
 def park(obj: bpy.types.Object) -> None:
-    """Gives an object a copy of its mesh without the steps of our animation, and keeps the original mesh. Its own
-    action keeps playing, but no longer hides it.
-    """
+    """Shows a copy of an object's mesh without our steps; its own action keeps playing, but no longer hides it."""
     hidden = (obj.hide_render, obj.hide_viewport, obj.hide_get())
     mesh, rig = filling.mesh_of(obj), Rig.of(obj)
     record.set_before(obj, record.Before(mesh, obj.matrix_basis, hidden))

@@ -17,9 +17,7 @@ from .bones import bones_of
 
 
 def json_of(context: bpy.types.Context, collection: bpy.types.Collection, *, flip_y: bool, frames: bool) -> str:
-    """The JSON of a drawing whose coarsest cage follows an armature, with all frames of the scene on request. Raises:
-    UserError.
-    """
+    """The JSON of a rigged drawing, with all frames of the scene on request. Raises: UserError."""
     fine, cage = ownership.members(collection)[0], ownership.members(collection)[-1]
     armature = next((each.object for each in cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)), None)
     if armature is None:

@@ -40,9 +40,7 @@ _stood: dict[int, tuple[Matrix, list[Vector]]] = {}
 
 
 def chain_of(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Chain:
-    """The objects with the originals of the fine mesh among them, if they are visible too: not while the animation
-    plays on a copy, nor if they cannot follow exactly.
-    """
+    """The objects with the visible originals of the fine mesh: not those played by a copy, nor followed inexactly."""
     fine = next((obj for obj in objects if ownership.level_of(obj) == 0), None)
     collection = ownership.collection_about(scene_of(context), fine) if fine is not None else None
     if (
@@ -144,9 +142,7 @@ def _carried(collection: bpy.types.Collection) -> list[bpy.types.Object]:
 
 
 def _stay(collection: bpy.types.Collection, source: bpy.types.Object) -> None:
-    """Leaves cages where they are when a transform of their drawing was applied, or its origin set: its points have
-    other coordinates and the same places.
-    """
+    """Leaves cages in place when a transform of their drawing was applied, or its origin set: its points stay too."""
     before, now = _stood.get(source.session_uid), (source.matrix_world.copy(), _corners(source))
     _stood[source.session_uid] = now
     if before is None or before[0] == now[0] or before[1] == now[1] or len(before[1]) != len(now[1]):

@@ -165,9 +165,7 @@ class Live:
         return scale_of(drawing.source) if drawing.source is not None else 1.0
 
     def _begin(self, collection: bpy.types.Collection, drawing: Drawing) -> None:
-        """Starts to make cages again, within the same distance or excess, or with the same vertex counts as far as the
-        drawing has as many vertices.
-        """
+        """Starts to make cages again, within the same tolerance or with the same vertex counts as far as possible."""
         fine, cages = drawing.mesh(), ownership.members(collection)[1:]
         tolerances = self._tolerances(drawing, fine, len(cages))
         levels = tuple(

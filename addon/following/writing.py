@@ -26,9 +26,7 @@ from .moving import Moving
 def write(
     scene: bpy.types.Scene, results: Sequence[Moving], thickness: float = 0.0, used: dict[str, Any] | None = None
 ) -> list[str]:
-    """Writes the output of each drawing in place of earlier output; returns sentences about the artist's work on that
-    which could not be transferred. Raises: UserError, before anything is changed.
-    """
+    """Writes the output of each drawing; returns sentences on what of earlier output is lost. Raises: UserError."""
     for result in results:
         source = result.poses.drawing.source
         if source is None:

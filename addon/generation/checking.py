@@ -17,6 +17,7 @@ from ..core import core, predicates
 from ..errors import UserError
 from ..notes import note
 from ..scene.convert import Drawing, Outline, drawing_in, fine_drawing, read
+from ..scene.filling import evaluated_mesh, stored
 from ..scene.plane import Frame
 from .folding import Fold, Folding
 from .job import Progress, Work
@@ -107,9 +108,7 @@ def _pairs(context: bpy.types.Context, chain: Chain) -> Iterator[tuple[Outline, 
 
 
 def check_animation(context: bpy.types.Context, chains: Sequence[Chain]) -> Work[list[Finding]]:
-    """Checks all frames of the scene's range, up to the first on which something leaves its cage, which becomes the
-    current one. Of folds it finds the largest. Raises: UserError, with the frame.
-    """
+    """Checks all frames up to the first fault, which becomes current; finds the largest fold. Raises: UserError."""
     scene = context.scene
     first, last = scene.frame_start, scene.frame_end
     findings: list[Finding] = []
@@ -218,13 +217,9 @@ def _edges(drawing: Drawing) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 def select_points(context: bpy.types.Context, obj: bpy.types.Object, points: NDArray[np.float32]) -> int:
     """Selects the vertices of a mesh object that are at evaluated points (k, 3), and only these; returns how many."""
-    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    shape = evaluated.to_mesh()
-    try:
-        places = np.empty((len(shape.vertices), 3), np.float32)
-        shape.vertices.foreach_get("co", places.ravel())
-    finally:
-        evaluated.to_mesh_clear()
+    with evaluated_mesh(obj.evaluated_get(context.evaluated_depsgraph_get())) as shape:
+        assert shape is not None
+        places = stored(shape.vertices, "co", 3)
     mesh = obj.data
     wanted = {point.tobytes() for point in np.ascontiguousarray(points)}
     chosen = np.array([place.tobytes() in wanted for place in places], dtype=bool)

@@ -19,9 +19,7 @@ SMALLEST = 1e-4
 
 @dataclass(frozen=True)
 class Fold:
-    """What part of the area is folded, the place in the world where most of it is, and the bone that bends it there,
-    empty without bones.
-    """
+    """What part of the area is folded, where most of it is in the world, and the bone that bends it, if any."""
 
     share: float
     place: tuple[float, float, float]
@@ -51,11 +49,10 @@ class Folding:
     def of(cls, cage: bpy.types.Object, inner: bpy.types.Object, shows: bpy.types.Object) -> Folding:
         """The field of a cage, and an inner object that follows it. Raises: UserError."""
         outline, data = filling.outline(inner), filling.mesh_of(shows)
-        rest, corners = filling.points_of(data), np.empty(3 * len(data.polygons), np.int32)
-        data.polygons.foreach_get("vertices", corners)
+        rest, corners = filling.points_of(data), filling.stored(data.polygons, "vertices", 3, np.int32)
         places = np.column_stack([outline.vertices, np.zeros(len(outline.vertices))])
         shape = outline.moved(transform(space_to_space(shows, inner), places)[:, :2])
-        triangles = corners.reshape(-1, 3).astype(np.int64)
+        triangles = corners.astype(np.int64)
         triangles = triangles[core.coordinates.holding(rest[:, :2], triangles, shape)]
         return cls(cage, inner, shows, rest, triangles, _areas(rest, triangles))
 
@@ -65,9 +62,7 @@ class Folding:
         motion = data.attributes.get(keys.MOTION)
         if motion is None or len(motion.data) != len(self.rest):
             return None
-        moved = np.empty(self.rest.shape, np.float32)
-        motion.data.foreach_get("vector", moved.ravel())
-        posed = self.rest + moved
+        posed = self.rest + filling.stored(motion.data, "vector", 3)
         folded = core.coordinates.folded(posed[:, :2], self.triangles)
         share = float(self.areas[folded].sum() / self.areas.sum())
         if share < SMALLEST:
@@ -77,9 +72,7 @@ class Folding:
         return Fold(share, (x, y, z), self._bone(worst))
 
     def _bone(self, triangle: NDArray[np.int64]) -> str:
-        """Of the bones that move a triangle, through the corners of the cage, the one that bends it most; empty without
-        bones.
-        """
+        """Of the bones that move a triangle through the cage's corners, the one that bends it most; maybe none."""
         armatures = [each.object for each in self.cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)]
         bends = {bone.name: _bend(bone) for each in armatures if each is not None for bone in each.pose.bones}
         names = {group.index: group.name for group in self.cage.vertex_groups if group.name in bends}

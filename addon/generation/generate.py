@@ -10,7 +10,7 @@ from ..core import core, memory, steps
 from ..errors import UserError
 from ..scene.convert import Drawing
 from .advice import check_room, excess_note
-from .job import Progress
+from .job import Progress, Work
 from .levels import Level, Wanted, are_counts, wanted_levels
 from .memory import known, remembered
 from .methods import Methods
@@ -50,9 +50,7 @@ class Options:
 
 @dataclass(frozen=True)
 class Request:
-    """A drawing, and the user's own coarse drawings for it, finest first: one for each `OWN` in `Options.levels`, or
-    all levels if there is no `OWN`.
-    """
+    """A drawing, and the user's own coarse ones, finest first: one for each `OWN` in the levels, or for all levels."""
 
     fine: Drawing
     coarse: tuple[Drawing, ...] = ()
@@ -61,9 +59,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Result:
-    """All levels around one drawing, or inside of it, what they are by the rules for them, and the settings that were
-    used, by name; None if they are unknown.
-    """
+    """All levels of one drawing, what they are by its rules, and the settings used, by name; None if unknown."""
 
     drawing: Drawing
     levels: tuple[core.Level, ...]
@@ -133,7 +129,7 @@ class Generation:
         if self.problems and not found:
             raise self.problems[0]
 
-    def __iter__(self) -> Iterator[Progress]:
+    def __iter__(self) -> Work[None]:
         total = sum(len(plan.levels) for plan in self._plans)
         done, reached = 0, 0.0
         for plan in self._plans:

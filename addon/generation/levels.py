@@ -88,8 +88,7 @@ def wanted_levels(
 
 
 def _in_order(wanted: Wanted, before: Sequence[Wanted]) -> Wanted:
-    """A vertex count, no larger than that of the level before: a cage has at most as many vertices as what it is
-    around."""
+    """A vertex count, lowered to that of the level before: no cage has more vertices than what it is around."""
     last = before[-1].level if before else None
     if not (isinstance(last, int) and isinstance(wanted.level, int) and wanted.level > last):
         return wanted

@@ -20,6 +20,7 @@ from ..rigging.rig import Rig, is_rigged
 from ..scene import display, ownership, placement
 from ..scene.ownership import collection_of, colours_of, level_of, member, members
 from .generate import Result
+from .job import Progress, Work, completed
 from .rollback import Rollback
 
 
@@ -32,12 +33,18 @@ def length(collection: bpy.types.Collection, timing: Timing) -> int | None:
     return timeline.last_frame(timeline.spans(phases, timing), timing) - timing.start_frame + 1
 
 
-def write(
-    scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0
-) -> tuple[list[bpy.types.Collection], list[str]]:
-    """Writes the output of each drawing; returns the collections, and sentences about the artist's work on earlier
-    output that could not be transferred. Raises: UserError, before anything is changed, if earlier output cannot be
-    replaced.
+# The collections of a run, and sentences about the artist's work on earlier output that could not be transferred.
+Written = tuple[list[bpy.types.Collection], list[str]]
+
+
+def write(scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0) -> Written:
+    """Writes the output of each drawing at once; see `writing`."""
+    return completed(writing(scene, results, timing, thickness))
+
+
+def writing(scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0) -> Work[Written]:
+    """Writes the output of each drawing, one by one; closing it restores the scene. Raises: UserError, before anything
+    is changed, if earlier output cannot be replaced.
     """
     earlier = [earlier_output(scene, result) for result in results]
     for collection in earlier:
@@ -55,7 +62,8 @@ def write(
         dropped: list[timeline.Mark] = []
         added: list[timeline.Mark] = []
         collections = []
-        for result, each, when, before in zip(results, phases, timings, earlier, strict=True):
+        for number, (result, each, when, before) in enumerate(zip(results, phases, timings, earlier, strict=True)):
+            yield Progress(number / len(results), f"{result.drawing.name}, writing")
             collection = before or _new_collection(home, result)
             dropped += timeline.stop(scene, collection)
             played = timeline.spans(each, when)
@@ -82,8 +90,7 @@ def write(
 
 
 def _home(scene: bpy.types.Scene, results: Sequence[Result]) -> bpy.types.Collection:
-    """The collection for the new outputs of a run: that of the first drawing, or for several outputs a new one in
-    it."""
+    """The collection for new outputs: that of the first drawing, or for several outputs a new one in it."""
     source = results[0].drawing.source if results else None
     own = ownership.home_of(scene, source)
     if len(results) < 2:
@@ -103,9 +110,7 @@ def _new_collection(home: bpy.types.Collection, result: Result) -> bpy.types.Col
 
 
 def _set_thickness(collection: bpy.types.Collection, result: Result, thickness: float) -> None:
-    """Gives the lines of an output a thickness in renders, in scene units; 0: only the cages, in proportion to the
-    drawing.
-    """
+    """Gives lines a thickness in renders, in scene units; 0: the cages alone, in proportion to the drawing."""
     automatic = display.AUTOMATIC_PART * result.levels[0].fine.diagonal
     for obj in members(collection):
         if thickness > 0.0:
@@ -210,9 +215,7 @@ def _member_with_mesh(
     result: Result,
     rollback: Rollback,
 ) -> bpy.types.Object:
-    """The collection's object of a level with a new mesh, at the drawing's place. An existing object is kept, with the
-    artist's work on its mesh.
-    """
+    """An object of a level with a new mesh, in the drawing's place; an existing one with the artist's work on it."""
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(shape.vertices))
     mesh.edges.add(len(shape.edges))

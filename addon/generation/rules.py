@@ -33,9 +33,7 @@ CENTRED = 1e-3
 
 @dataclass(frozen=True)
 class Places:
-    """Where it matters in a drawing: weights (n,) of its vertices, numbers of those to pin, ends of bones (k, 2), and
-    what is to be said about them.
-    """
+    """Where it matters: weights (n,) of vertices, numbers of those to pin, ends of bones (k, 2), and notes."""
 
     weights: tuple[float, ...] = ()
     pins: tuple[int, ...] = ()

@@ -117,10 +117,8 @@ def _on_faces(obj: bpy.types.Object, matrix: Points) -> Canvas:
     mesh = filling.mesh_of(obj)
     if mesh.uv_layers.active is None:
         raise UserError(f"'{obj.name}' has no texture coordinates, so where its picture lies is not known")
-    uv, corners = np.empty((len(mesh.loops), 2), np.float32), np.empty(len(mesh.loops), np.int32)
-    mesh.uv_layers.active.data.foreach_get("uv", uv.ravel())
-    mesh.loops.foreach_get("vertex_index", corners)
-    points = filling.points_of(mesh)[corners]
+    uv = filling.stored(mesh.uv_layers.active.data, "uv", 2)
+    points = filling.points_of(mesh)[filling.stored(mesh.loops, "vertex_index", 1, np.int32).ravel()]
     parts = np.column_stack([uv, np.ones(len(uv))]).astype(np.float64)
     found, _, rank, _ = np.linalg.lstsq(parts, points, rcond=None)
     if rank < 3 or np.abs(parts @ found - points).max() > PLANARITY * np.ptp(points, axis=0).max():
@@ -138,8 +136,7 @@ def filled(name: str, outline: core.Mesh, canvas: Canvas, image: bpy.types.Image
     sides = np.array([np.linalg.norm(canvas.width), np.linalg.norm(canvas.height)])
     parts = points / sides + 0.5
     layer = data.uv_layers.new(name="UVMap")
-    used = np.empty(len(data.loops), np.int32)
-    data.loops.foreach_get("vertex_index", used)
+    used = filling.stored(data.loops, "vertex_index", 1, np.int32).ravel()
     layer.data.foreach_set("uv", parts[used].astype(np.float32).ravel())
     data.materials.append(material_of(image))
     data.update()

@@ -154,19 +154,18 @@ class JobOperator(Operator):
             self.cancel(context)
             self.report({"INFO"}, "Nested Cages: cancelled, nothing was changed")
             return {"CANCELLED"}
-        onward: Outcome = {"RUNNING_MODAL"} if self.exclusive else {"PASS_THROUGH"}
-        if event.type != "TIMER":
-            return onward
         try:
-            if not job.advance():
-                self._show(context)
-                return onward
+            done = event.type == "TIMER" and job.advance()
         except UserError as error:
             self.cancel(context)
             return self.fail(error)
         except BaseException:
             self.cancel(context)
             raise
+        if not done:
+            if event.type == "TIMER":
+                self._show(context)
+            return {"RUNNING_MODAL"} if self.exclusive else {"PASS_THROUGH"}
         self.cancel(context)
         self.show_result_in(context)
         return {"FINISHED"}

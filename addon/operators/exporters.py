@@ -137,9 +137,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
 
 
 def outlines(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The selected outlines, and of a drawing with cages, or of what moves them, the drawing and all its cages; drawing
-    by drawing, the coarsest last.
-    """
+    """The selected outlines, and all of what has cages or moves them; drawing by drawing, the coarsest last."""
     found: list[bpy.types.Object] = []
     selected = list(context.selected_objects or chosen(context)[:1])
     for obj in sorted(selected, key=lambda obj: (ownership.level_of(obj) or 0, obj.name)):
@@ -169,9 +167,7 @@ BODY_ITEMS = (
 
 
 class OBJECT_OT_nested_cages_pieces(OnOutlines, bpy.types.Operator):
-    """Make objects that tile the selected cages, or the coarsest cage of a drawing, with convex polygons of few
-    vertices, for collisions
-    """
+    """Tile the selected cages, or the coarsest of a drawing, with convex polygons of few vertices, for collisions"""
 
     bl_label = "Convex Pieces"
 

@@ -14,9 +14,9 @@ from ..binding import binding, field
 from ..binding.adoption import adopt
 from ..errors import UserError, counted
 from ..generation import output
-from ..generation.advice import part
+from ..generation.advice import part as percentage
 from ..generation.generate import Generation, Request, Result
-from ..generation.job import Work, completed, running
+from ..generation.job import Work, completed, part, running
 from ..generation.levels import OWN
 from ..generation.rules import Places
 from ..notes import in_scene, note
@@ -30,6 +30,8 @@ from .base import JobOperator, Operator
 
 # Weight in a vertex group from which on a vertex is pinned.
 PINNED = 0.5
+# Fraction of the work after which only writing is left.
+COMPUTED = 0.9
 
 
 class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types.Operator):
@@ -66,11 +68,12 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
         with field.unposed(sources(context)):
             asked, problems = requests(context, self)
             generation = Generation(asked, options)
-        yield from generation
+        yield from part(iter(generation), 0, 1, end=COMPUTED)
         problems += generation.problems
         scene = scene_again(name)
         used = conversion.used(self)
-        self._write(scene, [replace(result, used=used) for result in generation.results])
+        self.exclusive = True
+        yield from self._write(scene, [replace(result, used=used) for result in generation.results])
         self.tell_skipped(problems)
 
     def show_result_in(self, context: bpy.types.Context) -> None:
@@ -79,7 +82,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
         if isinstance(space, bpy.types.SpaceView3D) and space.shading.wireframe_color_type == "THEME":
             space.shading.wireframe_color_type = "OBJECT"
 
-    def _write(self, scene: bpy.types.Scene, results: Sequence[Result]) -> None:
+    def _write(self, scene: bpy.types.Scene, results: Sequence[Result]) -> Work[None]:
         """Puts the results into the scene. Raises: UserError."""
         gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
         if gone is not None:
@@ -90,7 +93,8 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
         adopt(scene, [result.drawing.source for result in results if result.drawing.source is not None])
         earlier = [found for result in results if (found := output.earlier_output(scene, result)) is not None]
         poses = {found: _poses(found) for found in earlier}
-        collections, lost = output.write(scene, results, conversion.timing(self), self.thickness)
+        writing = output.writing(scene, results, conversion.timing(self), self.thickness)
+        collections, lost = yield from part(writing, 0, 1, begin=COMPUTED)
         bound = {collection: binding.forget(collection) for collection in collections}
         if self.show_result:
             scene.frame_set(max(record.of(collection).frames[1] for collection in collections))
@@ -107,10 +111,10 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
         for said in dict.fromkeys(said for level in cages for said in level.report.notes):
             self.report({"INFO"} if said.code == record.TOLERANCE else {"WARNING"}, in_scene(said, scale))
         sizes = [abs(level.excess) for level in cages]
-        around, shown = "", ", ".join(map(part, sizes))
+        around, shown = "", ", ".join(map(percentage, sizes))
         if len(results) > 1:
             around = f" for {len(results)} drawings"
-            shown = f"{part(min(sizes))} to {part(max(sizes))}"
+            shown = f"{percentage(min(sizes))} to {percentage(max(sizes))}"
         kind, measure = ("certified inner cage", "less area") if results[0].inside else ("certified cage", "excess")
         self.report({"INFO"}, f"{counted(len(cages), kind)}{around}; {measure} {shown}")
 
@@ -185,9 +189,7 @@ def _poses(collection: bpy.types.Collection) -> dict[int | None, Pose]:
 
 
 def _drawings_of(obj: bpy.types.Object, selected: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
-    """The drawings that an object stands for: those of a bound output, none of a moving copy, else itself. A cage that
-    is neither bound nor selected with its drawing is a drawing like any other.
-    """
+    """The drawings that an object stands for: those of a bound output, none of a moving copy, else itself."""
     if record.shown(obj, record.FILL) is not None:
         return []
     if ownership.level_of(obj) is None:

@@ -33,9 +33,7 @@ EXTENSIONS = (*importers.SVG, *importers.MAPS)
 
 
 class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Read drawings to be caged: the filled area of an SVG with overlaps united, each feature of a GeoJSON, or a
-    collision outline
-    """
+    """Read drawings: the filled area of an SVG, each feature of a GeoJSON, or a collision outline"""
 
     bl_label = "Import Outlines"
     bl_options = {"REGISTER", "UNDO", "PRESET"}

@@ -137,9 +137,7 @@ PLANE_ITEMS = (
 
 
 class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
-    """Unite the selected objects, layers and strokes into one flat outline, even if they overlap or lie at different
-    depths
-    """
+    """Unite the selected objects, layers and strokes into one flat outline, also across overlaps and depths"""
 
     bl_label = "Silhouette"
 

@@ -65,9 +65,7 @@ class Part:
 
 
 class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Cut out image files, or the selected image planes and image empties, along their opaque pixels, as textured
-    meshes that follow a cage
-    """
+    """Cut out image files, or selected image planes and empties, as textured meshes that follow a cage"""
 
     bl_label = "Cutout"
     exclusive = True

@@ -24,9 +24,7 @@ from .base import JobOperator, Operator, OutputOperator, last_fault
 
 
 class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
-    """Check whether cages are simple and strictly enclose their contents on this frame, and select the vertices at
-    fault
-    """
+    """Check that cages are simple and strictly enclose their contents on this frame, and select what is at fault"""
 
     bl_label = "Verify Cages"
 

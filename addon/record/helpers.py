@@ -79,9 +79,7 @@ def set_range(scene: bpy.types.Scene, given: tuple[int, int, int, int] | None) -
 
 
 class Before(NamedTuple):
-    """A bound object as it was: mesh, own transform, and whether it was hidden in renders, viewports and the view, as
-    far as that is known. Earlier versions stored its action too.
-    """
+    """A bound object as it was: mesh, own transform, whether it was hidden, and of earlier versions its action."""
 
     mesh: bpy.types.Mesh | None = None
     matrix: Matrix | None = None

@@ -16,7 +16,7 @@ from .. import record
 from ..animation import shape_keys
 from ..core import outlines
 from ..scene import placement
-from ..scene.filling import loop_edges, mesh_of, points_of
+from ..scene.filling import loop_edges, mesh_of, points_of, stored
 from ..scene.plane import size
 from .rig import rest_points
 
@@ -49,9 +49,7 @@ class Placement:
 
 @dataclass(frozen=True)
 class Pose:
-    """The placement of an output object; if it was bound, its transform when bound, and the offsets (n, 3) of its
-    vertices since.
-    """
+    """The placement of an output object; if bound, its transform then, and offsets (n, 3) of its vertices since."""
 
     placement: Placement
     own_parent: bool
@@ -100,9 +98,7 @@ def move(mesh: bpy.types.Mesh, offsets: NDArray[np.float64]) -> None:
     shapes: Any = mesh.shape_keys.key_blocks if mesh.shape_keys is not None else ()
     blocks: tuple[Any, ...] = (mesh.vertices, *(key.points for key in shapes))
     for block in blocks:
-        places = np.empty((len(offsets), 3), np.float32)
-        block.foreach_get("co", places.ravel())
-        block.foreach_set("co", (places + offsets).astype(np.float32).ravel())
+        block.foreach_set("co", (stored(block, "co", 3) + offsets).astype(np.float32).ravel())
     mesh.update()
 
 

@@ -18,7 +18,7 @@ from .. import keys, record
 from ..animation import shape_keys
 from ..core import outlines
 from ..scene import display, placement
-from ..scene.filling import loop_edges, mesh_of, points_of
+from ..scene.filling import loop_edges, mesh_of, points_of, stored
 
 Points = NDArray[np.float64]
 
@@ -151,7 +151,7 @@ class Rig:
         shape_keys.add_basis(obj)
         block: Any = obj.data.shape_keys
         block.use_relative = True
-        basis = _points(block.reference_key)
+        basis = points_of(block.reference_key)
         block.reference_key.name = next((key.name for key in self.keys if not len(key.offsets)), "Basis")
         made: dict[str, Any] = {
             key.name: obj.shape_key_add(name=key.name, from_mix=False) for key in self.keys if len(key.offsets)
@@ -204,22 +204,14 @@ def rest_points(mesh: bpy.types.Mesh) -> Points:
     """Vertices (n, 3) of a mesh at rest: as bound, or of the basis of its shape keys."""
     attribute: Any = mesh.attributes.get(keys.REST)
     if attribute is not None and attribute.data_type == "FLOAT_VECTOR" and attribute.domain == "POINT":
-        found = np.empty((len(mesh.vertices), 3), np.float32)
-        attribute.data.foreach_get("vector", found.ravel())
-        return found.astype(np.float64)
-    return points_of(mesh) if mesh.shape_keys is None else _points(mesh.shape_keys.reference_key)
+        return stored(attribute.data, "vector", 3).astype(np.float64)
+    return points_of(mesh if mesh.shape_keys is None else mesh.shape_keys.reference_key)
 
 
 def artists_keys(block: bpy.types.Key | None) -> list[bpy.types.ShapeKey]:
     """The shape keys of a mesh that are neither its basis nor steps of our animation."""
     found = block.key_blocks if block is not None else ()
     return [key for key in found if key != block.reference_key and not shape_keys.STEP.fullmatch(key.name)]
-
-
-def _points(key: bpy.types.ShapeKey) -> Points:
-    found = np.empty((len(key.points), 3), np.float32)
-    key.points.foreach_get("co", found.ravel())
-    return found.astype(np.float64)
 
 
 def _groups(obj: bpy.types.Object) -> tuple[Group, ...]:
@@ -248,7 +240,7 @@ def _shape_keys(block: bpy.types.Key | None) -> tuple[ShapeKey, ...]:
 
 def _shape_key(key: bpy.types.ShapeKey) -> ShapeKey:
     values = {name: getattr(key, name) for name in KEY_VALUES if hasattr(key, name)}
-    return ShapeKey(key.name, _points(key) - _points(key.relative_key), key.relative_key.name, values)
+    return ShapeKey(key.name, points_of(key) - points_of(key.relative_key), key.relative_key.name, values)
 
 
 def _attributes(mesh: bpy.types.Mesh) -> tuple[dict[str, tuple[str, Points]], list[str]]:
@@ -261,8 +253,7 @@ def _attributes(mesh: bpy.types.Mesh) -> tuple[dict[str, tuple[str, Points]], li
         if name.startswith((".", keys.PREFIX)) or name in BUILT_IN:
             continue
         if attribute.domain == "POINT" and kind in WIDTHS:
-            values = np.empty((len(mesh.vertices), WIDTHS[kind]), np.float32)
-            attribute.data.foreach_get(PROPERTY_OF.get(kind, "color"), values.ravel())
+            values = stored(attribute.data, PROPERTY_OF.get(kind, "color"), WIDTHS[kind])
             found[name] = (kind, values.astype(np.float64))
         else:
             others.append(f"the attribute '{name}'")

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..core import chains
 from ..errors import UserError
 from .convert import read
+from .filling import evaluated_mesh, loop_edges, points_of, stored
 from .plane import transform, world_matrix
 from .reading import READERS, has_nodes, realized
 from .strokes import SMOOTH, STRAIGHT, style_of, unseen
@@ -104,25 +105,15 @@ def _shape(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
 
 
 def _faces(evaluated: bpy.types.Object, matrix: Points) -> Iterator[Area]:
-    mesh = evaluated.to_mesh()
-    if mesh is None:
-        return
-    try:
+    with evaluated_mesh(evaluated) as mesh:
+        if mesh is None:
+            return
         mesh.calc_loop_triangles()
-        points = np.empty((len(mesh.vertices), 3), np.float32)
-        edges = np.empty((len(mesh.edges), 2), np.int32)
-        used = np.empty(len(mesh.loops), np.int32)
-        triangles = np.empty((len(mesh.loop_triangles), 3), np.int32)
-        mesh.vertices.foreach_get("co", points.ravel())
-        mesh.edges.foreach_get("vertices", edges.ravel())
-        mesh.loops.foreach_get("edge_index", used)
-        mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
-    finally:
-        evaluated.to_mesh_clear()
-    world = transform(matrix, points.astype(np.float64))
+        points, lone = points_of(mesh), loop_edges(mesh, 0)
+        triangles = stored(mesh.loop_triangles, "vertices", 3, np.int32)
+    world = transform(matrix, points)
     if len(triangles):
         yield Faces(world, triangles)
-    lone = edges[np.bincount(used, minlength=len(edges)) == 0].astype(np.int64)
     loops = tuple(world[loop] for loop in chains.chains(lone, len(points)).closed if len(loop) >= chains.SMALLEST_LOOP)
     if loops:
         yield Patch(loops, evenodd=True)

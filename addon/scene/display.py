@@ -42,9 +42,7 @@ def colour(level: int, drawing: int = 0) -> tuple[float, float, float, float]:
 
 
 def apply_display(obj: bpy.types.Object, level: int, drawing: int = 0) -> None:
-    """Displays a new output object as a wire in front of everything, in the colour of its level; of a mesh with faces,
-    only the outline.
-    """
+    """Displays a new output object as a wire in front of everything, in its level's colour; of faces, the outline."""
     obj.display_type = "WIRE"
     obj.show_in_front = True
     obj.show_all_edges = False

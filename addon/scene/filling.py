@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, Literal
 
 import bpy
@@ -24,20 +26,35 @@ def mesh_of(obj: bpy.types.Object) -> bpy.types.Mesh:
     return obj.data
 
 
-def points_of(mesh: bpy.types.Mesh) -> Points:
-    """Vertices (n, 3) of a mesh as they are stored."""
-    found = np.empty((len(mesh.vertices), 3), np.float32)
-    mesh.vertices.foreach_get("co", found.ravel())
-    return found.astype(np.float64)
+def stored(items: Any, name: str, width: int, kind: type[Any] = np.float32) -> NDArray[Any]:
+    """A property (n, width) of all n items of a collection of Blender's, such as the coordinates of vertices."""
+    found = np.empty((len(items), width), kind)
+    items.foreach_get(name, found.ravel())
+    return found
 
 
-def loop_edges(mesh: bpy.types.Mesh) -> NDArray[np.int64]:
-    """Edges (m, 2) of a mesh that at most one face uses: its outline."""
-    edges = np.empty((len(mesh.edges), 2), np.int32)
-    corners = np.empty(len(mesh.loops), np.int32)
-    mesh.edges.foreach_get("vertices", edges.ravel())
-    mesh.loops.foreach_get("edge_index", corners)
-    return edges[np.bincount(corners, minlength=len(edges)) <= 1].astype(np.int64)
+def points_of(owner: bpy.types.Mesh | bpy.types.ShapeKey) -> Points:
+    """Vertices (n, 3) of a mesh or shape key as they are stored."""
+    items = owner.points if isinstance(owner, bpy.types.ShapeKey) else owner.vertices
+    return stored(items, "co", 3).astype(np.float64)
+
+
+def loop_edges(mesh: bpy.types.Mesh, most: int = 1) -> NDArray[np.int64]:
+    """Edges (m, 2) of a mesh that at most one face uses: its outline; most: another number of faces."""
+    edges = stored(mesh.edges, "vertices", 2, np.int32)
+    faces = np.bincount(stored(mesh.loops, "edge_index", 1, np.int32).ravel(), minlength=len(edges))
+    return edges[faces <= most].astype(np.int64)
+
+
+@contextmanager
+def evaluated_mesh(evaluated: bpy.types.Object) -> Iterator[bpy.types.Mesh | None]:
+    """The mesh that an evaluated object shows, for a while; None without geometry."""
+    mesh = evaluated.to_mesh()
+    try:
+        yield mesh
+    finally:
+        if mesh is not None:
+            evaluated.to_mesh_clear()
 
 
 def outline(obj: bpy.types.Object) -> core.Mesh:

@@ -32,9 +32,7 @@ def home_of_member(obj: bpy.types.Object) -> bpy.types.Collection | None:
 
 
 def _went_along(obj: bpy.types.Object) -> bool:
-    """Whether an object without a set is the copy of a drawing's cage that was copied with its drawing, or has lost its
-    collection.
-    """
+    """Whether an object without a set is a cage copied with its drawing, or has lost its collection."""
     found = record.member(obj)
     return found.of is not None and (found.home is None or found.of != source_of(found.home))
 
@@ -81,6 +79,9 @@ def exists(obj: bpy.types.Object | None) -> bool:
     """Whether an object is in a scene: deleted ones may still be referred to."""
     if obj is None:
         return False
+    # Blender knows at once whether it shows an object, but goes through all of a scene to find one by name.
+    if obj.visible_get():
+        return True
     return any(scene.objects.get(obj.name) == obj for scene in bpy.data.scenes) or bool(obj.users_scene)
 
 
@@ -142,9 +143,7 @@ def hand_over(collection: bpy.types.Collection, drawing: bpy.types.Object) -> No
 
 
 def originals(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """The source objects of an output, first the one that it is named after, and those whose silhouette that is;
-    without deleted ones.
-    """
+    """The source objects of an output, and what a silhouette among them shows; without deleted ones."""
     found = [part.object for part in record.of(collection).sources if exists(part.object)]
     found += [obj for obj in (record.shown_in(found[0]) if found else ()) if exists(obj)]
     return list(dict.fromkeys(found))

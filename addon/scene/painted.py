@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from .filling import evaluated_mesh, points_of
 from .plane import Frame, nearest, transform
 
 
@@ -19,9 +20,7 @@ def painted(
     group: str,
     points: NDArray[np.float64],
 ) -> NDArray[np.float64] | None:
-    """(n,) weight of the evaluated vertex closest to each point (n, 2) of a drawing's frame; None if no object has a
-    vertex group of that name.
-    """
+    """(n,) weight of the evaluated vertex closest to each point (n, 2) of a frame; None without such a group."""
     places, values = [], []
     for obj in objects:
         if obj.type == "MESH":
@@ -53,17 +52,13 @@ def _weights(
     """Evaluated vertices (n, 3) in the object's own space and their weights (n,), None without the group."""
     if obj.mode == "EDIT":
         obj.update_from_editmode()
-    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    mesh = evaluated.to_mesh()
-    try:
-        points = np.empty((len(mesh.vertices), 3), np.float32)
-        mesh.vertices.foreach_get("co", points.ravel())
-        named = obj.vertex_groups.get(group)
+    named = obj.vertex_groups.get(group)
+    with evaluated_mesh(obj.evaluated_get(context.evaluated_depsgraph_get())) as mesh:
+        assert mesh is not None
+        points = points_of(mesh)
         if named is None:
-            return points.astype(np.float64), None
+            return points, None
         weights = [
             next((each.weight for each in vertex.groups if each.group == named.index), 0.0) for vertex in mesh.vertices
         ]
-    finally:
-        evaluated.to_mesh_clear()
-    return points.astype(np.float64), np.array(weights, dtype=np.float64)
+    return points, np.array(weights, dtype=np.float64)

@@ -102,9 +102,7 @@ def size(points: Array) -> float:
 
 
 def own_frame(matrix: Array, points: Array) -> Frame | None:
-    """The object's own frame if its points (n, 3) are flat in z and its matrix scales uniformly without mirroring; else
-    None.
-    """
+    """An object's own frame if its points (n, 3) are flat in z and it scales evenly, unmirrored; else None."""
     axes = matrix[:3, :3]
     lengths = np.linalg.norm(axes, axis=0)
     if not lengths.min() > 0.0:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..errors import UserError
 from . import strokes
 from .display import add_nodes_modifier, is_ours
-from .filling import mesh_of
+from .filling import evaluated_mesh, loop_edges, mesh_of, stored
 
 # Removes temporary blocks, now or later.
 Remove = Callable[[list[Any]], None]
@@ -49,9 +49,7 @@ def lines_of(context: bpy.types.Context, obj: bpy.types.Object, resolution: int 
 def lines_of_all(
     context: bpy.types.Context, objects: Sequence[bpy.types.Object], resolution: int = 0
 ) -> dict[bpy.types.Object, Lines]:
-    """`lines_of` several objects by one evaluation of the scene, which takes as long as it has objects; without those
-    that have to be read by themselves, as in Edit Mode, or cannot be.
-    """
+    """`lines_of` several objects by one evaluation of the scene; without those that must be read by themselves."""
     found, garbage = {}, list[Any]()
     meshes_first = sorted(objects, key=lambda obj: obj.type != "MESH")  # these need no copy, which would be evaluated
     with ExitStack() as stack:
@@ -88,8 +86,7 @@ def _itself(
 def _plain_copy(
     context: bpy.types.Context, obj: bpy.types.Object, resolution: int, remove: Remove
 ) -> Iterator[bpy.types.Object]:
-    """A temporary copy of a curve or text, in the scene so that its modifiers apply, without bevel, extrusion and
-    fill."""
+    """A temporary copy of a curve or text, with its modifiers, without bevel, extrusion and fill."""
     copy = obj.copy()
     data: Any = obj.data.copy()
     try:
@@ -200,26 +197,14 @@ READERS: dict[str, Reader] = {
 
 def _evaluated_lines(context: bpy.types.Context, obj: bpy.types.Object) -> Lines:
     """The evaluated object's edges with no face (wire) or one face (boundary)."""
-    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    mesh = evaluated.to_mesh()
-    if mesh is None:  # an object without geometry
-        return Lines(np.empty((0, 3), np.float32), np.empty((0, 2), np.int64))
-    try:
-        vertices = np.empty((len(mesh.vertices), 3), np.float32)
-        edges = np.empty((len(mesh.edges), 2), np.int32)
-        corners = np.empty(len(mesh.loops), np.int32)
-        mesh.vertices.foreach_get("co", vertices.ravel())
-        mesh.edges.foreach_get("vertices", edges.ravel())
-        mesh.loops.foreach_get("edge_index", corners)
-    finally:
-        evaluated.to_mesh_clear()
-    faces = np.bincount(corners, minlength=len(edges))
-    return Lines(vertices, edges[faces <= 1].astype(np.int64))
+    with evaluated_mesh(obj.evaluated_get(context.evaluated_depsgraph_get())) as mesh:
+        if mesh is None:
+            return Lines(np.empty((0, 3), np.float32), np.empty((0, 2), np.int64))
+        return Lines(stored(mesh.vertices, "co", 3), loop_edges(mesh))
 
 
 def _selected_edges(obj: bpy.types.Object) -> Lines:
-    """The selected edges of a mesh in Edit Mode; of selected faces, only the border. Raises: UserError if there are
-    none."""
+    """The selected edges of a mesh in Edit Mode; of faces, the border. Raises: UserError without any."""
     mesh = bmesh.from_edit_mesh(mesh_of(obj))
     mesh.verts.index_update()
     faces = [sum(face.select for face in edge.link_faces) for edge in mesh.edges]

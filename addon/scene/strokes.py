@@ -56,9 +56,7 @@ def is_shown(layer: Any) -> bool:
 
 
 def unseen(obj: bpy.types.Object) -> dict[Any, list[int]]:
-    """The shown layers of an object, and the numbers of the strokes on each that are fully transparent or of a hidden
-    material. Raises: UserError for masks, which cut strokes.
-    """
+    """Shown layers, each with the numbers of its strokes that do not show. Raises: UserError for masks."""
     layers = [layer for layer in obj.data.layers if is_shown(layer)]
     for layer in layers:
         if layer.use_masks and any(not mask.hide for mask in layer.mask_layers):

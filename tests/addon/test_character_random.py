@@ -138,6 +138,9 @@ class Animator:
         bpy.ops.wm.read_homefile(use_empty=True)
         bpy.ops.wm.append(directory=f"{path}/Object/", files=[{"name": name} for name in names])
         self.others = {}
+        if bpy.app.version >= (4, 3):
+            kept = {obj.nested_cages_member.before.mesh for obj in bpy.data.objects} - {None}
+            assert kept and not [obj.name for obj in bpy.data.objects if obj.data in kept]
 
     EDITS = (rig, turn, move, nudge, redraw, swap, add, delete, copy, undo, reload, append)
 

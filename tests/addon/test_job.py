@@ -200,10 +200,9 @@ def test_in_a_window_it_works_on_ticks_and_lets_other_events_through(addon, moda
     assert operator._job.end == operator.cancel
     assert operator.modal(context, OTHER) == {"PASS_THROUGH"}
     outcome = {"PASS_THROUGH"}
-    while outcome == {"PASS_THROUGH"}:
-        assert addon.generation.job.running() is operator._job
+    while outcome != {"FINISHED"}:
+        assert addon.generation.job.running() is operator._job and outcome <= {"PASS_THROUGH", "RUNNING_MODAL"}
         outcome = operator.modal(context, TIMER)
-    assert outcome == {"FINISHED"}
     assert addon.generation.job.running() is None
     assert "timer" in modal.log and None in modal.log  # the timer and the status text are gone
     assert len(bpy.data.collections["Drawing Cages"].objects) == 3
@@ -229,6 +228,24 @@ def test_in_a_window_cancelling_leaves_the_scene(addon, modal, monkeypatch, tick
         assert operator.modal(context, ESCAPE if how == "escape" else TIMER) == {"CANCELLED"}
         assert modal.log[-1] == ("INFO", "Nested Cages: cancelled, nothing was changed")
     assert "timer" in modal.log and addon.generation.job.running() is None
+    assert snapshot() == before
+
+
+def test_cancelling_while_several_drawings_are_written_leaves_the_scene(addon, modal, monkeypatch) -> None:
+    monkeypatch.setattr(addon.generation.job.Job.advance, "__defaults__", (0.0,))
+    for name in ("One", "Two", "Three"):
+        poly_curve(name, [star()])
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.nested_cages_generate(levels="12")
+    bpy.context.view_layer.update()
+    before = snapshot()
+    assert len(bpy.context.scene.timeline_markers) == 1
+    operator, context = modal.operator, on_selection(modal)
+    operator.invoke(context, None)
+    while operator._job.message != "Two, writing":
+        outcome = operator.modal(context, TIMER)
+    assert outcome == operator.modal(context, OTHER) == {"RUNNING_MODAL"}  # nothing else may change the scene
+    assert operator.modal(context, ESCAPE) == {"CANCELLED"}
     assert snapshot() == before
 
 

@@ -147,6 +147,13 @@ def test_cages_are_the_same_in_every_position(angle: float) -> None:
         assert excess[1] == pytest.approx(excess[0], rel=0.01)
 
 
+def test_a_small_shape_gets_the_best_cage_there_is() -> None:
+    """All lines a degree apart, in all cycles, lead to 13.04 % (benchmarks/optimum.py, seed 16)."""
+    points = [(0.715, 0.0), (0.443, 0.322), (0.208, 0.641), (-0.251, 0.771), (-0.413, 0.3), (-0.937, 0.0)]
+    fine = Mesh.from_loops([[*points, (-0.75, -0.545), (-0.161, -0.497), (0.278, -0.857), (0.479, -0.348)]])
+    assert nested_cages(fine, [6]).levels[0].report.excess < 0.132
+
+
 def test_more_vertices_are_never_worse_where_one_loop_has_long_edges() -> None:
     fine = Mesh.from_loops([disc(24, 2.0, 0.0, 0.0), disc(40, 1.0, 10.0, 0.0), disc(44, 1.0, 0.0, 10.0)])
     areas = [LineCycles().decimate(fine, count).area for count in (48, 50, 52, 55)]

@@ -22,14 +22,13 @@ from .chain import Chain, Lines, without_doubles
 from .crossings import Choice, Search, again, give_way
 from .frame import Frame
 from .free_rays import Obstacles
-from .images import Images
 from .loop_search import LoopSearch, shares
-from .mirrored import MirrorSearch
 from .places import places, weights
 from .turns import SLACK
 
 if TYPE_CHECKING:
     from ..importance import Importance
+    from .images import Images
 
 REACH = 1.5
 """Longest part of an edge on either side of its contact, in diameters."""
@@ -74,7 +73,11 @@ class Around:
     ) -> None:
         self.symmetry, self.importance, self.request, self.shift = symmetry, importance, request, shift
         self.frame = Frame.of(outline)
-        self.images = None if symmetry is None else Images.of(outline, symmetry, self.frame)
+        self.images: Images | None = None
+        if symmetry is not None:
+            from .images import Images
+
+            self.images = Images.of(outline, symmetry, self.frame)
         self.chains = self._chains(outline)
         self.outline = outline.moved(self.frame.into(outline.vertices))
         self.searches: dict[int, Search] = {}
@@ -189,10 +192,13 @@ class Around:
                 width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
             sizes = self._sizes(k, deserved_lines, count, self._copies(k), parts)
             if halves is not None:
+                from .mirrored import MirrorSearch
+
                 self.searches[k] = MirrorSearch(chain, lines, own_free, width=width, sizes=sizes, halves=halves)
             else:
+                likely = (target if len(chains) == 1 else expected) / parts
                 self.searches[k] = LoopSearch(
-                    chain, lines, own_free, width=width, sizes=sizes, expected=expected / parts, parts=parts
+                    chain, lines, own_free, width=width, sizes=sizes, expected=likely, parts=parts
                 )
             yield
             yield from self.searches[k].solve()
