@@ -8,9 +8,8 @@ from math import ceil, sqrt
 import numpy as np
 
 from ..contact.reinflation import Reinflation
-from ..decimation import LineCycles, OuterHull
-from ..decimation.base import LEAST_PER_LOOP
-from ..decimation.line_cycles.method import MOST_LINES
+from ..decimation import OuterHull
+from ..decimation.base import LEAST_PER_LOOP, KnowsCounts
 from ..errors import InvalidMeshError, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh, Nesting
@@ -38,8 +37,9 @@ CLOSE_TO_BOUND = 2
 """Vertices of each loop above the bound up to which no fewer are tried: a greedy polygon has one too many at most, and
 the bound may lose one."""
 
-FIRST_MOST, GAIN = 32, 1.06
-"""Vertices per loop up to which a first search for an excess looks; excess before the tightening to that after it."""
+FIRST_MOST, LARGEST_GUESS, GAIN = 32, 128, 1.06
+"""Vertices per loop up to which a first search for an excess looks, and the last; excess before the tightening to that
+after it."""
 
 LARGEST_GROWTH = 2.0
 """Largest factor on the number of vertices from one trial to the next."""
@@ -164,10 +164,10 @@ class _Search:
         """About how many vertices an excess takes, by searches that know all numbers of them."""
         method, plan = self.builder.settings.decimation, self.builder.plan
         needed = plan.inside or plan.needs or plan.group is not None
-        if self.need.excess is None or needed or not isinstance(method, LineCycles):
+        if self.need.excess is None or needed or not isinstance(method, KnowsCounts):
             return None
         area, most = (1.0 + GAIN * self.need.limit) * self.fine.area, FIRST_MOST * len(self.inner.loops)
-        while most < min(MOST_LINES, len(self.inner.vertices)):
+        while most < min(LARGEST_GUESS * len(self.inner.loops), len(self.inner.vertices)):
             search = method.fewest(self.inner, most, area)
             guess = yield from self.builder.progress.follow(search, lambda done: (done, "decimation"))
             if guess is not None:
