@@ -135,7 +135,7 @@ def united(
     Raises InvalidMeshError where nothing is inside, NestedCagesError beyond the budget.
     """
     spend_crossings(edges_in(shapely, parts), budget)
-    bounds = shapely.total_bounds(parts) if len(parts) else np.zeros(4)  # nothing is left of a repair
+    bounds = np.zeros(4) if np.all(shapely.is_empty(parts)) else shapely.total_bounds(parts)
     size = float(np.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]))
     if not size > 0.0:
         raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
