@@ -280,7 +280,12 @@ positions of a case. The first row switches nothing off and compares two positio
 that cannot be made without it, *changed* those whose excess differs at all. [All columns](measured/ablation.txt), with
 shapes with needles, whose excess round-off decides, apart.
 """
-    return "\n".join([about, *(_shown(row) for row in (*HEAD, *rows)), "", STAYS])
+    cells = [[cell.strip() for cell in row.split("|")] for row in rows]
+    idle = [name for _, _, name, lost, _, _, _, worst, *_ in cells if (lost, worst) == ("0", "1.000")]
+    table = [
+        _shown(row) for row in (*HEAD, *(row for row, each in zip(rows, cells, strict=True) if each[2] not in idle))
+    ]
+    return "\n".join([about, *table, "", f"None lost and none looser: {'; '.join(idle)}.", "", STAYS])
 
 
 def _shown(row: str) -> str:

@@ -1,6 +1,6 @@
 """Every known attack and thousands of documents that are nearly right, and how many were held, as a table.
 
-    python benchmarks/robustness.py --examples 3000 --seed 20260101 --output docs/robustness.md
+    python benchmarks/robustness.py --examples 3000 --seed 20260101 --output docs/measured/robustness.txt
 
 Held is a call that ends with a result or with one sentence that says what is wrong, within 10 s of processor time and
 700 MB. Exit status 1 when one was not. Needs hypothesis.
@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
@@ -24,6 +25,7 @@ import clone  # noqa: F401
 from hostile.attacks import ATTACKS
 from hostile.outcome import MEGABYTES, SECONDS, Outcome, outcome
 from hostile.readers import READERS
+from page import commit
 
 FAULTS_SHOWN = 5
 """Faults of each kind of attack that are printed."""
@@ -105,13 +107,15 @@ def main() -> int:
 
 
 def page(rows: list[Row], options: argparse.Namespace) -> str:
-    """The rows as a Markdown page."""
+    """The command, its commit and date, and the rows as a table."""
     lines = [
-        "# Hostile and broken input",
+        f"python benchmarks/robustness.py --examples {options.examples} --seed {options.seed} "
+        f"--output {options.output}",
+        f"commit {commit()}, {time.strftime('%Y-%m-%d')}",
         "",
-        f"Made by `python benchmarks/robustness.py --examples {options.examples} --seed {options.seed} --output "
-        "docs/robustness.md`. A call is held if it ends with a valid result or with one sentence that says what is "
-        f"wrong, within {SECONDS:g} s of processor time and {MEGABYTES} MB.",
+        "A call is held if it ends with a valid result or with one sentence that says what is wrong, within "
+        f"{SECONDS:g} s of",
+        f"processor time and {MEGABYTES} MB.",
         "",
         "| attack | cases | held | with a result | with a sentence |",
         "|---|---:|---:|---:|---:|",

@@ -23,6 +23,9 @@ DOCS, STORIES = ROOT / "docs", ROOT / "build" / "stories"
 CLIPS = {"demo": ("build/demo/letter_a.png", "demo.png"), "clip": ("build/clip/letter_a.gif", "letter_a.gif")}
 """Examples whose picture has another name in docs: the file that they make, and its name there."""
 
+TEXTS = (b"tEXt", b"zTXt", b"iTXt")
+"""Chunks of a PNG that hold texts."""
+
 PLACES = {"character.gif": DOCS, "waving.gif": DOCS}
 """Folders of pictures that are not in docs/gallery."""
 
@@ -38,10 +41,23 @@ def renew(name: str) -> list[Path]:
     subprocess.run([sys.executable, str(ROOT / "examples" / f"{name}.py")], cwd=ROOT, check=True)
     if name in CLIPS:
         made, target = CLIPS[name]
-        return [Path(shutil.copy(ROOT / made, DOCS / target))]
+        return [without_paths(Path(shutil.copy(ROOT / made, DOCS / target)))]
     made_files = [STORIES / f"{name}{ending}" for ending in (".png", ".gif")]
     targets = [(path, PLACES.get(path.name, DOCS / "gallery") / path.name) for path in made_files if path.is_file()]
-    return [Path(shutil.copy(path, target)) for path, target in targets if target.is_file()]
+    return [without_paths(Path(shutil.copy(path, target))) for path, target in targets if target.is_file()]
+
+
+def without_paths(picture: Path) -> Path:
+    """The picture; of a PNG, texts such as the path that Blender rendered it to are left out."""
+    data = picture.read_bytes()
+    if data.startswith(b"\x89PNG"):
+        kept, at = [data[:8]], 8
+        while at < len(data):
+            end = at + 12 + int.from_bytes(data[at : at + 4], "big")
+            kept += [data[at:end]] if data[at + 4 : at + 8] not in TEXTS else []
+            at = end
+        picture.write_bytes(b"".join(kept))
+    return picture
 
 
 def main() -> int:

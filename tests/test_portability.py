@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import ast
 import json
+import os
 import re
 import subprocess
+import sys
 from collections.abc import Iterator
-from pathlib import Path, PurePosixPath
+from pathlib import Path, PurePosixPath, PureWindowsPath
 
 import numpy as np
 import pytest
 
 from nestedcages_core import Mesh, to_engine_json, to_svg
-from nestedcages_core.command import main
+from nestedcages_core.command import main, outputs, sources
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("nestedcages_core", "addon", "packaging", "examples", "benchmarks")
@@ -85,6 +87,33 @@ def test_names_of_files_are_allowed_and_distinct_everywhere() -> None:
         assert len(name) <= LONGEST_PATH, name
         parts = PurePosixPath(name).parts
         assert not any(RESERVED.fullmatch(part) or part.endswith((".", " ")) for part in parts), name
+
+
+def test_names_with_backslashes_are_understood(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As Windows reads them: with its separators, drives and endings of any case."""
+    for module in (sources, outputs):
+        monkeypatch.setattr(module, "Path", PureWindowsPath)
+    source = sources.Source("C:\\icons.set\\a b.SVG", "drawing")
+    assert sources.kind_of(source.path) == "drawing"
+    names = ["D:\\cages.d\\{stem}.JSON", "cages/{stem}.GeoJSON", "..\\out.svg"]
+    written = [("D:\\cages.d\\a b.JSON", "json"), ("cages/a b.GeoJSON", "geojson"), ("..\\out.svg", "svg")]
+    assert outputs.targets(names, source, None) == written
+
+
+def test_spawned_workers_and_a_console_of_few_characters(tmp_path: Path) -> None:
+    """What Windows does: workers import everything anew, and the console has no snowman."""
+    feature = {"type": "Feature", "properties": {"name": "☃"}, "geometry": STAR.__geo_interface__}
+    path = tmp_path / "☃.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": [feature] * 2}), encoding="utf-8")
+    words = [str(path), "--levels", "4", "--jobs", "2", "-o", str(tmp_path / "{stem} out.geojson")]
+    code = "import multiprocessing as m, sys; m.set_start_method('spawn'); from nestedcages_core.command import main; "
+    done = subprocess.run(
+        [sys.executable, "-c", f"{code}sys.exit(main(sys.argv[1:]))", *words],
+        cwd=ROOT, capture_output=True, env={**os.environ, "PYTHONIOENCODING": "cp1252", "PYTHONUTF8": "0"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert b"Traceback" not in done.stderr
+    assert len(json.loads((tmp_path / "☃ out.geojson").read_text(encoding="utf-8"))["features"]) == 2
 
 
 STAR = Mesh.from_loops([np.array([[0, 0], [10, 0], [10, 10], [6, 10], [5, 4], [4, 10], [0, 10]], float)])

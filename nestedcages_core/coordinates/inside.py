@@ -7,8 +7,8 @@ import numpy as np
 from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..geometry.mesh.validation import place
 from ..geometry.predicates import winding_number
+from ..geometry.vectors import place
 
 
 def require_inside(points: FloatArray, cage: Mesh) -> None:

@@ -11,7 +11,7 @@ from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from ..geometry.lattice import Grid
 from ..geometry.mesh import Mesh
-from ..geometry.mesh.validation import place
+from ..geometry.vectors import place
 from .limits import invalid
 
 MAX_DECIMALS = 15

@@ -15,7 +15,7 @@ from ..geometry.loops import enclosing_pairs, extreme_places
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import ON_BOUNDARY, winding_number
 from .crossings import edges_in, spend_crossings
-from .hairlines import comes_close, has_hairlines, without_hairlines, without_short_edges
+from .hairlines import MARGIN, comes_close, has_hairlines, without_hairlines, without_short_edges
 from .libraries import load_shapely
 from .limits import Budget, no_outline
 
@@ -135,7 +135,7 @@ def united(
     Raises InvalidMeshError where nothing is inside, NestedCagesError beyond the budget.
     """
     spend_crossings(edges_in(shapely, parts), budget)
-    bounds = shapely.total_bounds(parts) if len(parts) else np.zeros(4)  # nothing is left of a repair
+    bounds = np.zeros(4) if np.all(shapely.is_empty(parts)) else shapely.total_bounds(parts)
     size = float(np.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]))
     if not size > 0.0:
         raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
@@ -183,8 +183,12 @@ def _mesh(shapely: Any, region: Any, width: float) -> Mesh:
 
 
 def _without_remnants(rings: list[FloatArray], width: float) -> Mesh:
-    """The mesh of rings without the short edges and specks that closed gaps leave. Raises InvalidMeshError."""
-    wide = [without_short_edges(ring, width) for ring in rings if np.ptp(ring, axis=0).max() >= width]
+    """The mesh of rings without the short edges, specks and slivers that closed gaps leave. Raises InvalidMeshError."""
+    wide = [
+        without_short_edges(ring, width)
+        for ring in rings
+        if np.ptp(ring, axis=0).max() >= width and abs(thickness([ring])) >= MARGIN * width
+    ]
     return Mesh.from_loops(wide or rings)
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from ..errors import InvalidMeshError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..geometry.mesh.validation import place
 from ..geometry.predicates import orientation
+from ..geometry.vectors import place
 from .crossings import edges_in, spend_crossings
 from .fill import united
 from .hairlines import has_hairlines
@@ -50,28 +50,27 @@ def mesh_of(
     diagonal = float(np.hypot(*np.ptp(corners, axis=0)))
     width = DEFAULT_HAIRLINE * diagonal if tolerance is None else HAIRLINE_PART * tolerance
     least = width if clean or tolerance is not None else LEAST_HAIRLINE * diagonal
-    mesh, touching = None, []
+    mesh, fault = None, ""
     try:
         mesh = strict(kept)
         if not has_hairlines(mesh, least):
             return mesh, notes
         width = least
     except InvalidMeshError as error:
-        touching = [f"parts that touch are joined: {_first(error)}"]
+        fault = _first(error)
+    touching = [f"parts that touch are joined: {fault}"] if fault else []
     shapely = load_shapely(NEEDED_FOR)
     shape = shape_of(kept)
-    if mesh is None:
-        spend_crossings(edges_in(shapely, [shape]), budget, own=True)
-        faults = _faults(shapely, shape)
-        if faults:
-            try:
-                shape = shapely.make_valid(shape, method="structure", keep_collapsed=False)
-            except shapely.errors.GEOSException as error:
-                problem = f"{faults[0]}, which cannot be repaired ({error})."
-                raise no_outline(problem) from error
-            touching = [f"{fault}: repaired" for fault in faults]
     narrow: list[str] = []
-    mended = united(shapely, shapely.get_parts(shape), seam=width, spike=width, notes=narrow)
+    try:
+        if mesh is None:
+            spend_crossings(edges_in(shapely, [shape]), budget, own=True)
+            faults = _faults(shapely, shape)
+            shape = shapely.make_valid(shape, method="structure", keep_collapsed=False) if faults else shape
+            touching = [f"{each}: repaired" for each in faults] or touching
+        mended = united(shapely, shapely.get_parts(shape), seam=width, spike=width, notes=narrow)
+    except shapely.errors.GEOSException as error:
+        raise no_outline(f"{fault or 'narrow places'}, which cannot be repaired ({error}).") from error
     return mesh if mesh is not None and not narrow else mended, [*notes, *touching, *narrow]
 
 

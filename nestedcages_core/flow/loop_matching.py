@@ -15,7 +15,7 @@ import scipy
 from ..errors import FlowError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
-from ..geometry.predicates import ALL_WINDINGS_LIMIT, BoxTree, loop_windings, ray_crossings
+from ..geometry.predicates import ALL_WINDINGS_LIMIT, BoxTree, loop_windings
 from ..geometry.signed_distance import SignedDistance
 from .base import FlowResult, Obstacle, stuck
 
@@ -91,6 +91,8 @@ def windings(points: FloatArray, mesh: Mesh, vertices: FloatArray) -> IntArray:
     if len(points) * len(vertices) <= ALL_WINDINGS_LIMIT:
         return loop_windings(points, vertices, vertices.take(mesh.successor, axis=0), mesh.loop_of_vertex)
     result = np.zeros((len(points), len(mesh.loops)), np.int64)
+    from ..geometry.predicates.rays import ray_crossings
+
     tree, order = loop_tree(mesh, vertices)
     crossings = ray_crossings(points, tree)
     loop_of_chain = mesh.loop_of_vertex[order[tree.order[tree.chain_starts[:-1]]]]

@@ -19,7 +19,6 @@ from .predicates import (
     as_integers,
     loop_windings,
     orientation,
-    ray_crossings,
 )
 from .vectors import norm
 
@@ -231,6 +230,8 @@ def enclosing_pairs(extremes: FloatArray, order: Loops, tree: BoxTree) -> tuple[
     if len(extremes) * len(tree) <= ALL_WINDINGS_LIMIT:
         inner, outer = loop_windings(extremes, tree.starts, tree.ends, order.loop).nonzero()
         return inner, outer
+    from .predicates.rays import ray_crossings  # for many loops only
+
     crossings = ray_crossings(extremes, tree)
     crossed = order.loop[tree.order[tree.chain_starts[crossings.chain]]]
     count = len(order.sizes)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from .arrays import FloatArray
@@ -54,3 +56,8 @@ def crossing_point(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -
         return np.asarray(0.25 * (a + b + c + d))
     share = ((c - a)[0] * across[1] - (c - a)[1] * across[0]) / determinant
     return np.asarray(a + np.clip(share, 0.0, 1.0) * along)
+
+
+def place(point: Sequence[float] | FloatArray) -> str:
+    """A point in words, for messages."""
+    return f"({float(point[0]):.6g}, {float(point[1]):.6g})"

@@ -8,12 +8,15 @@ from ..geometry.group import Symmetry
 from ..level.choices import DEFAULT_CLEARANCE
 from ..level.report import Hierarchy, Level, NestingReport, Progress
 from ..tolerance.within import Within
-from .levels import LEAST, Rising, Share, level_words, order_of, parse_level, wanted_levels
+from .levels import LEAST, Rising, Share, wanted_levels
 from .run import InnerCagesRun, NestedCagesRun, inner_cages, nested_cages
 from .settings import Settings
 
 if TYPE_CHECKING:
     from ..level.tightest_place import tightest_place as tightest_place
+    from .level_text import level_words as level_words
+    from .level_text import order_of as order_of
+    from .level_text import parse_level as parse_level
 
 __all__ = [
     "DEFAULT_CLEARANCE",
@@ -41,8 +44,12 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """What few runs need is imported when it is asked for."""
-    if name != "tightest_place":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from ..level.tightest_place import tightest_place
+    if name == "tightest_place":
+        from ..level.tightest_place import tightest_place
 
-    return tightest_place
+        return tightest_place
+    if name not in {"level_words", "order_of", "parse_level"}:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from . import level_text
+
+    return getattr(level_text, name)

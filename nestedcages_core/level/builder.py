@@ -22,7 +22,7 @@ from ..geometry.mesh import Mesh, Nesting
 from ..tasks import Stage
 from ..verification import verify
 from ..verification.motion import certifying
-from .assembly import Assembly, CageInProgress, collides, deviations, failed, in_words, is_only_too_close
+from .assembly import Assembly, CageInProgress, deviations, in_words, is_only_too_close
 from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn
 from .choices import Choices
 from .plan import Plan
@@ -295,11 +295,15 @@ class LevelBuilder:
             if not is_only_too_close(certificate, clearance):
                 break
         if not certificate.holds:
+            from .failures import failed
+
             raise NestingError(failed(certificate, self.plan, clearance, wanted))
         motion_check = certifying(Bodies.of(result, self.fine), list(reinflation.cage_steps), reinflation.fine_path)
         motion = yield from self.progress.follow(motion_check, lambda done: (done, "verification"))
         if not motion:
             assert motion.step is not None
+            from .failures import collides
+
             raise NestingError(collides(motion.step, self.plan))
         notes = (*notes, *deviations(self.plan, result, clearance, wanted))
         if len(reinflation.cage_steps) == 1 and not getattr(self.settings.energy, "is_area", False):

@@ -11,8 +11,8 @@ from ..decimation.hull.small_holes import largest_circle
 from ..errors import Fault
 from ..geometry.arrays import IntArray
 from ..geometry.mesh import Mesh
-from ..geometry.mesh.validation import place
 from ..geometry.signed_distance import EdgeSearch
+from ..geometry.vectors import place
 
 BOUND_ROUNDING = 1e-6
 """Relative difference between a bound and the wanted clearance that counts as rounding."""

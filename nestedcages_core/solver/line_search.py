@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..geometry.arrays import FloatArray
-from .base import NewtonModel, Objective
+
+if TYPE_CHECKING:
+    from .base import NewtonModel, Objective
 
 SUFFICIENT_DECREASE = 1e-4
 """Armijo's constant: fraction of the predicted decrease that a step must reach (Nocedal & Wright 2006, section 3.1)."""

@@ -9,9 +9,8 @@ import numpy as np
 from ..errors import Fault, InvalidMeshError
 from ..geometry.arrays import IntArray
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, Nesting, is_mesh_like
-from ..geometry.mesh.validation import place
 from ..geometry.smallest_gap import smallest_gap
-from ..geometry.vectors import crossing_point
+from ..geometry.vectors import crossing_point, place
 
 CLEARANCE_TOLERANCE = 1e-9
 """Relative shortfall of the measured clearance that is accepted; above the rounding of a distance."""

@@ -48,6 +48,15 @@ def add(name: str, data: Any, select: bool = True) -> Any:
     return obj
 
 
+def choose(*objects: Any) -> None:
+    """Selects these objects alone, the last of them active."""
+    for obj in bpy.context.selected_objects:
+        obj.select_set(False)
+    for obj in objects:
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = objects[-1]
+
+
 def poly_curve(name: str, loops: Sequence[Loop], cyclic: bool = True, dimensions: str = "2D") -> Any:
     """A curve object with one poly spline per loop."""
     data = bpy.data.curves.new(name, "CURVE")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mathutils import Color, Matrix
 
-from drawings import add, at_frame, evaluated, grease_pencil, in_world, poly_curve, text, wire
+from drawings import add, at_frame, choose, evaluated, grease_pencil, in_world, poly_curve, text, wire
 
 # Ends and radius of each limb of a figure.
 LIMBS = {
@@ -160,14 +160,6 @@ def test_rigging_needs_bones_in_the_plane() -> None:
     assert rig.select_get() and not [o for o in bpy.data.objects if "Cage" in o.name]
 
 
-def select(*objects):
-    for obj in bpy.context.selected_objects:
-        obj.select_set(False)
-    for obj in objects:
-        obj.select_set(True)
-    bpy.context.view_layer.objects.active = objects[-1]
-
-
 def instance():
     """An empty that shows a collection of one face, at the left hand."""
     home = bpy.data.collections.new("Glove")
@@ -201,13 +193,13 @@ def test_parts_added_later_and_instances_follow_and_are_verified() -> None:
     ring = face("Ring", capsule((1.2, 1.1), (1.25, 1.1), 0.04))
     empty = instance()
     rest = {"Ring": points(ring), "Glove": instanced(empty)}
-    select(ring, empty, cage)
+    choose(ring, empty, cage)
     assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
     np.testing.assert_allclose(instanced(empty), rest["Glove"], atol=1e-5)
     turn(armature, bone_at(armature, 1.3, 1.1), 40.0)
     assert np.abs(points(ring) - rest["Ring"]).max() > 0.1
     assert np.abs(instanced(empty) - rest["Glove"]).max() > 0.3
-    select(cage)
+    choose(cage)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
     ring.location.y += 1.0
@@ -220,7 +212,7 @@ def test_parts_added_later_and_instances_follow_and_are_verified() -> None:
 @pytest.mark.slow
 def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
     head, eye = face("Head", capsule((0.0, 0.0), (0.0, 0.2), 1.0)), face("Eye", capsule((0.3, 0.2), (0.3, 0.3), 0.1))
-    select(eye, head)
+    choose(eye, head)
     for silhouette in (False, True):
         if silhouette:
             assert bpy.ops.object.nested_cages_silhouette() == {"FINISHED"}
@@ -233,7 +225,7 @@ def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
         bpy.context.view_layer.update()
         np.testing.assert_allclose(points(eye), before * (1.5, 1.0, 1.0), atol=1e-5)
         assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
-        select(eye, head)
+        choose(eye, head)
 
 
 @pytest.mark.slow
@@ -242,13 +234,13 @@ def test_rigging_again_fits_the_cage_to_new_parts() -> None:
     armature, cage = rigged(parts)
     turn(armature, bone_at(armature, 1.3, 1.1), 10.0)
     hat = face("Hat", capsule((-0.3, 2.1), (0.3, 2.1), 0.1))
-    select(*parts.values(), hat, armature)
+    choose(*parts.values(), hat, armature)
     assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     assert cage.name in bpy.data.objects and [m.type for m in cage.modifiers].count("ARMATURE") == 1
     assert [m.name for m in hat.modifiers] == ["Nested Cages Follow"]
     assert all([m.name for m in part.modifiers] == ["Nested Cages Follow"] for part in parts.values())
-    select(cage)
+    choose(cage)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
 
@@ -261,7 +253,7 @@ def test_verification_says_where_a_limb_folds_over_itself(capfd) -> None:
     for frame, bent, nod in ((1, 0.0, 0.0), (3, 120.0, 0.0), (4, 0.0, 0.0), (5, 0.0, 170.0), (6, 0.0, 170.0)):
         key_turn(elbow, frame, bent)
         key_turn(neck, frame, nod)
-    select(cage)
+    choose(cage)
     for first, last, verdict in ((1, 3, "Holds on 1 – 3"), (5, 6, "Broken on frame 5")):
         scene.frame_start, scene.frame_end = first, last
         assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
@@ -280,7 +272,7 @@ def test_verification_says_where_a_limb_folds_over_itself(capfd) -> None:
 def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> None:
     parts = figure()
     armature, cage = rigged(parts)
-    select(cage)
+    choose(cage)
     path = tmp_path / "figure.json"
     assert bpy.ops.object.nested_cages_export(filepath=str(path), kind="CHARACTER", flip_y=False) == {"FINISHED"}
     found = core.character_from_engine_json(path.read_text())
@@ -357,20 +349,20 @@ def test_a_character_is_copied_appended_and_redrawn(tmp_path) -> None:
     hand.data = face("Drawn", capsule((-0.9, 1.12), (-1.75, 1.2), 0.13)).data
     bpy.data.objects.remove(bpy.data.objects["Drawn"])
     wanted["Hand.R"] = None
-    select(*parts.values(), armature)
+    choose(*parts.values(), armature)
     assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     assert np.linalg.norm(points(parts["Hand.L"]) - wanted["Hand.L"], axis=1).max() < 0.1
-    select(cage)
+    choose(cage)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
     wanted = {name: points(obj) for name, obj in parts.items()}
     # A copy of everything that is seen moves on its own.
-    select(*parts.values(), cage, armature)
+    choose(*parts.values(), cage, armature)
     assert bpy.ops.object.duplicate() == {"FINISHED"}
     copies = {obj.name.rsplit(".", 1)[0]: obj for obj in bpy.context.selected_objects}
     double = next(obj for obj in bpy.context.selected_objects if obj.type == "ARMATURE")
-    select(copies["Torso"])
+    choose(copies["Torso"])
     assert bpy.ops.object.nested_cages_adopt() == {"FINISHED"}
     turn(double, bone_at(double, 0.0, 1.7), 40.0)
     for name, obj in parts.items():
@@ -492,6 +484,6 @@ def test_a_layered_svg_of_twelve_parts_is_posed_after_four_actions(tmp_path) -> 
     moved = {name: np.abs(points(obj) - before[name]).max() for name, obj in parts.items()}
     assert moved["Hand.L"] > 0.3 > 6.0 * max(moved[name] for name in ("Hand.R", "Leg.L", "Shoe.R", "Badge"))
     bpy.ops.object.mode_set(mode="OBJECT")
-    select(cage)
+    choose(cage)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import at_frame, circle, evaluated, grease_pencil, in_world, solid, star, text, wire
+from drawings import at_frame, choose, circle, evaluated, grease_pencil, in_world, solid, star, text, wire
 
 
 def bezier():
@@ -143,10 +143,7 @@ def test_a_transform_that_is_applied_moves_no_cage(add, bound) -> None:
     end = bpy.context.scene.frame_current
     if bound:
         bpy.ops.object.nested_cages_bind()
-    for obj in bpy.context.selected_objects:
-        obj.select_set(False)
-    source.select_set(True)
-    bpy.context.view_layer.objects.active = source
+    choose(source)
     bpy.ops.object.transform_apply()
     for cage in cages:
         check_enclosed(source, cage, end)
@@ -237,10 +234,7 @@ def carried(random, source):
         home.objects.link(source)
         bpy.ops.object.collection_instance_add(collection="Home", location=(5.0, 0.0, 0.0))
     source.location, source.rotation_euler = (1.0, 2.0, 3.0), (0.4, 0.3, 0.2)
-    for obj in bpy.context.selected_objects:
-        obj.select_set(False)
-    source.select_set(True)
-    bpy.context.view_layer.objects.active = source
+    choose(source)
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, circle, evaluated, in_world, poly_curve, star
+from drawings import at_frame, choose, circle, evaluated, in_world, poly_curve, star
 
 # Frames at which a step is shown, and frames between two steps.
 PER_STEP = 3
@@ -33,14 +33,8 @@ def seen(objects, frames):
     return found
 
 
-def choose(objects) -> None:
-    for obj in bpy.data.objects:
-        obj.select_set(obj in objects)
-    bpy.context.view_layer.objects.active = objects[-1]
-
-
 def animated_faces(cages):
-    choose(cages)
+    choose(*cages)
     assert bpy.ops.object.nested_cages_to_objects(shape="ANIMATED") == {"FINISHED"}
     return sorted(bpy.context.selected_objects, key=lambda obj: obj.name)
 
@@ -90,7 +84,7 @@ def test_gltf_carries_the_animation_as_morph_targets(cages, tmp_path, faces) -> 
     first frame is left out, so of the cages themselves only the fine mesh goes.
     """
     made = animated_faces(cages) if faces else cages[:1]
-    choose(made)
+    choose(*made)
     frames = frames_to_compare()
     expected = seen(made, frames)
     path = str(tmp_path / "cages.glb")

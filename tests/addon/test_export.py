@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import circle, evaluated, in_world, poly_curve, solid, star
+from drawings import choose, circle, evaluated, in_world, poly_curve, solid, star
 
 SIDE = 40
 
@@ -27,12 +27,6 @@ def cages():
     members = [obj for obj in bpy.data.objects if "nested_cages_level" in obj]
     fine, *found = sorted(members, key=lambda obj: obj["nested_cages_level"])
     return source, fine, found
-
-
-def choose(*objects):
-    for obj in bpy.data.objects:
-        obj.select_set(obj in objects)
-    bpy.context.view_layer.objects.active = objects[-1]
 
 
 def test_faces_fill_the_cage(cages) -> None:
@@ -306,9 +300,7 @@ def test_cages_as_grease_pencil_strokes() -> None:
     poly_curve("Drawing", [star(), circle(12, 0.3)])
     assert bpy.ops.object.nested_cages_generate(levels="24") == {"FINISHED"}
     cage = bpy.data.objects["Drawing Cage 1"]
-    bpy.ops.object.select_all(action="DESELECT")
-    cage.select_set(True)
-    bpy.context.view_layer.objects.active = cage
+    choose(cage)
     if bpy.app.version < (4, 3):
         with pytest.raises(RuntimeError, match=r"need Blender 4.3 or later"):
             bpy.ops.object.nested_cages_to_objects(shape="GREASE_PENCIL")

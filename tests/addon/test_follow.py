@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import add, at_frame, circle, edges_of, evaluated, poly_curve, snapshot, solid, star, text, wire
+from drawings import add, at_frame, choose, circle, edges_of, evaluated, poly_curve, snapshot, solid, star, text, wire
 
 pytestmark = pytest.mark.slow
 
@@ -104,15 +104,8 @@ def spaced_text():
 MOTIONS = {f.__name__: f for f in (bent_by_armature, keyed_points, shaped, in_lattice, spaced_text)}
 
 
-def only(obj) -> None:
-    for other in bpy.context.selected_objects:
-        other.select_set(False)
-    obj.select_set(True)
-    bpy.context.view_layer.objects.active = obj
-
-
 def follow(obj, **values):
-    only(obj)
+    choose(obj)
     values = {"levels": "16, 10", "frame_start": FIRST, "frame_end": LAST, "frame_step": 2} | values
     assert bpy.ops.object.nested_cages_follow(**values) == {"FINISHED"}
     return bpy.data.collections[f"{obj.name} Cages"]
@@ -211,7 +204,7 @@ def test_the_whole_animation_can_be_verified(addon) -> None:
 
 
 def refused(obj, **values) -> str:
-    only(obj)
+    choose(obj)
     bpy.context.scene.frame_set(FIRST)
     before = snapshot()
     with pytest.raises(RuntimeError) as error:
@@ -251,19 +244,19 @@ def test_what_cannot_be_followed_is_refused(values, words) -> None:
 
 def test_bound_drawings_are_not_followed() -> None:
     obj = shaped()
-    only(obj)
+    choose(obj)
     bpy.ops.object.nested_cages_generate(levels="16")
     bpy.ops.object.nested_cages_bind(method="AUTO")
-    only(obj)
+    choose(obj)
     assert "unbind" in refused(obj)
 
 
 def test_follow_and_generate_replace_each_other(addon) -> None:
     obj = shaped()
-    only(obj)
+    choose(obj)
     bpy.ops.object.nested_cages_generate(levels="20, 10")
     follow(obj)
-    only(obj)
+    choose(obj)
     bpy.ops.object.nested_cages_generate(levels="20, 10")
     collection = bpy.data.collections["Shaped Cages"]
     assert addon.keys.MOVING not in collection and len(collection.objects) == 3
@@ -271,14 +264,14 @@ def test_follow_and_generate_replace_each_other(addon) -> None:
     for member in collection.objects:
         assert np.allclose(member.matrix_world, obj.matrix_world, atol=1e-6)
     follow(obj)
-    only(obj)
+    choose(obj)
     assert bpy.ops.object.nested_cages_remove_animation() == {"FINISHED"}
     assert addon.keys.MOVING not in collection
 
 
 def test_the_range_is_the_scenes_if_it_is_not_given(addon) -> None:
     obj = shaped()
-    only(obj)
+    choose(obj)
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 2, 6
     bpy.ops.object.nested_cages_follow(levels="12")
     cage = bpy.data.collections["Shaped Cages"].objects[1]
@@ -299,7 +292,7 @@ def follower(addon, **values):
 @pytest.mark.parametrize("steps", [0, 1, 3, 12, 24])
 def test_cancelling_leaves_the_scene(addon, steps) -> None:
     obj = shaped()
-    only(obj)
+    choose(obj)
     bpy.context.scene.frame_set(3)
     bpy.context.view_layer.update()
     before = snapshot()
@@ -329,7 +322,7 @@ def test_a_user_s_following_begins_with_the_settings_of_the_cages(addon, levels)
     found = bpy.data.collections["Keyed Cages"]
     counts = [len(each.data.vertices) for each in found.objects][1:]
     bpy.context.scene.nested_cages.levels, bpy.context.scene.nested_cages.clearance = "33", 0.5
-    only(obj)
+    choose(obj)
     kind, operator = follower(addon)
     kind.prepare(operator, bpy.context)
     assert operator.levels in (levels, ", ".join(map(str, counts)))

@@ -11,7 +11,7 @@ import pytest
 import shapely
 from mathutils import Euler
 
-from drawings import at_frame, circle, poly_curve, solid, star
+from drawings import at_frame, choose, circle, poly_curve, solid, star
 
 
 def corners(obj):
@@ -21,13 +21,6 @@ def corners(obj):
     return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
-def only(obj):
-    for other in bpy.context.selected_objects:
-        other.select_set(False)
-    obj.select_set(True)
-    bpy.context.view_layer.objects.active = obj
-
-
 @pytest.mark.parametrize("most", [3, 8])
 def test_pieces_tile_the_coarsest_cage_of_a_drawing(most) -> None:
     obj = poly_curve("Drawing", [star(), circle(30, 0.3)])
@@ -35,7 +28,7 @@ def test_pieces_tile_the_coarsest_cage_of_a_drawing(most) -> None:
     bpy.ops.object.nested_cages_generate(levels="40, 24")
     cage = bpy.data.objects["Drawing Cage 2"]
     shape = solid(cage, at_frame(9000))
-    only(obj)
+    choose(obj)
     assert bpy.ops.object.nested_cages_pieces(most=most) == {"FINISHED"}
     made = list(bpy.data.collections["Drawing Cage 2 Pieces"].objects)
     assert sorted(bpy.context.selected_objects, key=id) == sorted(made, key=id)

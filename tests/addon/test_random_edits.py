@@ -230,7 +230,7 @@ class Artist:
         levels = self.random.choice(["12", "20, 10", "4", "50%", "8, 9", "x", "", "1e9"])
         self.tell(f"generate {levels!r}")
         operator, context = self.modal.operator, on_selection(self.modal)
-        operator.levels = levels
+        operator.levels, operator.exclusive = levels, False
         context.view_layer = bpy.context.view_layer
         before = repr(snapshot())
         self.modal.log.clear()
@@ -241,7 +241,7 @@ class Artist:
             if chance < 0.02:
                 self.stop(operator, context, before if not edited else None)
                 return
-            if chance < 0.1:
+            if chance < 0.1 and not operator.exclusive:  # else it gets no event of an edit
                 edited, self.opened = True, False
                 self.edit()
                 self.object_mode()
@@ -249,7 +249,8 @@ class Artist:
                     operator.cancel(context)
                     return
             if chance < 0.2:
-                assert operator.modal(context, OTHER) == {"PASS_THROUGH"}
+                passed = {"RUNNING_MODAL"} if operator.exclusive else {"PASS_THROUGH"}
+                assert operator.modal(context, OTHER) == passed
             for name in ("mode", "view_layer", "scene", "collection"):
                 setattr(context, name, getattr(bpy.context, name))
             outcome = operator.modal(context, TIMER)

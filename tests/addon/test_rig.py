@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-from drawings import bezier_circle, circle, evaluated, in_world, poly_curve, snapshot, star, text, wire
+from drawings import bezier_circle, choose, circle, evaluated, in_world, poly_curve, snapshot, star, text, wire
 
 GROUP = "Right"
 
 
 def generate(source, levels="24, 12", **values):
     """Generates from an object alone; returns its fine mesh and cages."""
-    activate(source)
+    choose(source)
     assert bpy.ops.object.nested_cages_generate(levels=levels, **values) == {"FINISHED"}
     bpy.context.view_layer.update()
     return levels_of(source)
@@ -24,12 +24,6 @@ def levels_of(source):
     collection = next(c for c in bpy.data.collections if c.get("nested_cages_source") == source)
     found = {obj["nested_cages_level"]: obj for obj in collection.objects if "nested_cages_level" in obj}
     return [found[level] for level in sorted(found)]
-
-
-def activate(obj):
-    for other in bpy.data.objects:
-        other.select_set(other == obj)
-    bpy.context.view_layer.objects.active = obj
 
 
 def base(obj):
@@ -225,7 +219,7 @@ def test_work_is_back_after_a_failure(addon, monkeypatch) -> None:
         raise RuntimeError("Injected")
 
     monkeypatch.setattr(addon.generation.output.timeline, "settle", fails)
-    activate(source)
+    choose(source)
     with pytest.raises(RuntimeError, match="Injected"):
         bpy.ops.object.nested_cages_generate(levels="20, 10")
     monkeypatch.undo()
@@ -293,7 +287,7 @@ def test_a_copy_of_a_bound_drawing_shows_the_same_where_it_is(kind, linked) -> N
     cage.location.x += 0.25
     cage.data.vertices[2].co.x += 0.1
     cage.data.update()
-    activate(source)
+    choose(source)
     bpy.ops.object.duplicate(linked=linked)
     copy = bpy.context.view_layer.objects.active
     copy.location.y += 4.0
@@ -351,7 +345,7 @@ def test_cages_of_a_keyed_drawing_stand_where_it_is(draw) -> None:
 def test_verify_looks_at_the_drawing_as_it_is_seen() -> None:
     source = wire("Drawing", [star()])
     _, cage = generate(source, "12")
-    activate(source)
+    choose(source)
     bpy.ops.object.nested_cages_verify()
     assert cage["nested_cages_check"].startswith("Holds")
     source.data.vertices[0].co.x += 2.0
@@ -417,10 +411,10 @@ def test_an_override_is_posed_and_moved_and_says_what_it_cannot(saved) -> None:
     assert cage.matrix_world.translation.y == pytest.approx(4.0)
     before = snapshot()
     for work in (bpy.ops.object.nested_cages_rebind, bpy.ops.object.nested_cages_unbind):
-        activate(source)
+        choose(source)
         with pytest.raises(RuntimeError, match="is an override of another file"):
             work()
-    activate(source)
+    choose(source)
     with pytest.raises(RuntimeError, match="is an override of another file"):
         bpy.ops.object.nested_cages_generate(levels="10")
     assert snapshot()["meshes"] == before["meshes"]
@@ -432,7 +426,7 @@ def test_handles_move_the_drawing_with_new_cages_too(kind) -> None:
     source = wire("Drawing", [star() * 2.0])
     *_, cage = generate(source, "12")
     bpy.ops.object.nested_cages_bind()
-    activate(cage)
+    choose(cage)
     assert bpy.ops.object.nested_cages_add_handles(kind=kind) == {"FINISHED"}
     generate(source, "16")
     rest = evaluated(source)

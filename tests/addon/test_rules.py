@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import at_frame, circle, poly_curve, solid, star
+from drawings import at_frame, choose, circle, poly_curve, solid, star
 
 
 def mesh_object(name, loops):
@@ -23,10 +23,7 @@ def mesh_object(name, loops):
     data.from_pydata(np.column_stack([points, np.zeros(len(points))]).tolist(), edges, [])
     obj = bpy.data.objects.new(name, data)
     bpy.context.scene.collection.objects.link(obj)
-    for other in bpy.context.selected_objects:
-        other.select_set(False)
-    obj.select_set(True)
-    bpy.context.view_layer.objects.active = obj
+    choose(obj)
     bpy.context.view_layer.update()
     return obj
 

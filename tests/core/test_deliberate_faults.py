@@ -33,12 +33,15 @@ from nestedcages_core.checker import faults_of_motion
 from nestedcages_core.command import main, making
 from nestedcages_core.contact.pairs import Bodies
 from nestedcages_core.decimation import Start
+from nestedcages_core.geometry.lattice import Grid
 from nestedcages_core.geometry.predicates import orientation
 from nestedcages_core.level.builder import LevelBuilder
 from nestedcages_core.motion import level as following_level
 from nestedcages_core.motion import stepping
 from nestedcages_core.motion.still import certified_still
 from nestedcages_core.needs.convex import need as convex
+from nestedcages_core.needs.grid.need import Lattice, OnNumbers, StoredNumbers
+from nestedcages_core.needs.symmetry.need import Symmetric
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QPSolution
 from nestedcages_core.tasks import Stage, drain
 from nestedcages_core.tightening.trial import Trial
@@ -311,6 +314,16 @@ def test_an_outcome_made_of_nothing_is_not_reused() -> None:
     task = Task("key", star(), [8], Settings(), None)
     assert many._known(replace(task, made_of="a"), {"key": Outcome("key", 1, made_of="a")}) is not None
     assert many._known(task, {"key": Outcome("key", 1)}) is None
+
+
+def test_needs_find_cages_that_miss_them() -> None:
+    """By less than a certificate of nesting would see: one corner of a square is off by a rounding or a little more."""
+    square = Mesh.from_loops([[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]])
+    plan: Any = SimpleNamespace(numbers=None)
+    for need, off in ((Symmetric(Rotation((0.0, 0.0), 4)), 1e-12), (OnNumbers(Lattice(Grid(0.5))), 1e-15),
+                      (OnNumbers(StoredNumbers("float32", 1.0)), 1e-15)):  # fmt: skip
+        assert need.fault(plan, square) is None
+        assert need.fault(plan, square.moved(square.vertices + off * np.eye(4, 2))) is not None
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ import pytest
 import shapely
 
 from nestedcages_core import IPC, Area, Mesh, ProjectedNewton, ReinflationError, SequentialQP, Settings, nested_cages
-from nestedcages_core.contact import facing_gaps as facing
 from nestedcages_core.contact.barrier_ranges import BarrierRanges
 from nestedcages_core.contact.facing_gaps import facing_gaps
 from nestedcages_core.contact.incremental_potential import IncrementalPotential, PotentialWeights
@@ -122,20 +121,6 @@ def test_gaps_are_seen_across_the_outside_only() -> None:
     assert gap[inner] == pytest.approx(0.6)
     outer = [0, 1, 2, 7]
     assert (gap[outer] == np.inf).all()
-
-
-@pytest.mark.parametrize("waves", [25, 100, 400])
-@pytest.mark.parametrize("reach", [0.1, 0.3])
-def test_the_tree_finds_the_gaps_that_all_pairs_have(waves: int, reach: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    random, count = np.random.default_rng(waves), 1500
-    angle, k = np.arange(count) * 2 * np.pi / count, np.arange(1, waves + 1)
-    radius = 2.0 + (0.6 / k**1.1 * np.cos(angle[:, None] * k + random.uniform(0, 7, waves))).sum(axis=1)
-    points = (np.abs(radius) + 0.1)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    loops = points, np.roll(np.arange(count), -1), np.roll(np.arange(count), 1)
-    by_tree = facing_gaps(*loops, reach)
-    monkeypatch.setattr(facing, "FEW_VERTICES", count)
-    np.testing.assert_array_equal(by_tree, facing_gaps(*loops, reach))
-    assert 0 < np.isfinite(by_tree).sum() < count
 
 
 @pytest.mark.parametrize("count", [16, 60, 256])

@@ -32,6 +32,7 @@ from nestedcages_core.exchange import (
 from shapes import polygon, ring
 
 SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]
+SLIM = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.01], [0.0, 0.01]])
 BOW_TIE = [[0, 0], [1, 1], [1, 0], [0, 1], [0, 0]]
 
 
@@ -98,6 +99,14 @@ def test_faults_are_repaired_as_geos_does_and_named(name: str) -> None:
     assert len([repair for repair in found.repairs if not repair.startswith("narrower")]) == 1
     given = {tuple(map(float, point)) for each in rings for point in each}
     assert {tuple(point) for point in found.mesh.vertices.tolist()} & given
+
+
+@pytest.mark.parametrize("size", [1e-285, 1e-300])
+def test_shapes_too_small_for_a_repair_get_a_sentence(size: float) -> None:
+    """GEOS leaves nothing of a rectangle with a hole that begins at its corner, or can't read a ring of few numbers."""
+    for rings in (np.array([SLIM, 0.4 * SLIM]) * size, [size * (1.0 + 1e-15 * ring(40))]):
+        with pytest.raises(NestedCagesError, match=r"no inside|cannot be repaired|encloses an area"):
+            from_geojson(collection(feature([each.tolist() for each in rings])))
 
 
 def test_polygons_that_touch_overlap_or_lie_in_each_other() -> None:

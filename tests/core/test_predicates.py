@@ -22,6 +22,7 @@ from nestedcages_core.geometry.predicates import (
     crossing_pairs,
     orientation,
     orientation_sign,
+    rays,
     segments_intersect,
     winding,
     winding_number,
@@ -406,22 +407,22 @@ def test_winding_number_on_grids(crowded: int, at_height: int, shuffled: bool, d
         order = data.draw(st.permutations(range(len(starts))))
         starts, ends = [starts[k] for k in order], [ends[k] for k in order]
     queries = list(itertools.product(range(-1, 8), range(-1, 8)))
-    before = winding.CROWDED, winding.AT_HEIGHT
-    winding.CROWDED, winding.AT_HEIGHT = crowded, at_height
+    before = rays.CROWDED, winding.AT_HEIGHT
+    rays.CROWDED, winding.AT_HEIGHT = crowded, at_height
     try:
         given_ = np.array(queries, float), np.array(starts, float), np.array(ends, float)
         found, around = winding_number(*given_), winding.winding_around(*given_)
     finally:
-        winding.CROWDED, winding.AT_HEIGHT = before
+        rays.CROWDED, winding.AT_HEIGHT = before
     assert found.tolist() == [exact_winding(q, starts, ends) for q in queries]
     assert (around == found)[found != ON_BOUNDARY].all()
 
 
 @pytest.mark.parametrize("crowded", [-1, box_tree.CROWDED])
 def test_winding_number_of_many_points_against_shapely(crowded: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(winding, "CROWDED", crowded)
+    monkeypatch.setattr(rays, "CROWDED", crowded)
     monkeypatch.setattr(winding, "AT_HEIGHT", -(10**6))
-    monkeypatch.setattr(winding, "PAIR_BLOCK", 1000)
+    monkeypatch.setattr(rays, "PAIR_BLOCK", 1000)
     random = np.random.default_rng(15)
     outer, inner = segments_of("star", 2000, random)[0], 0.4 * segments_of("loop", 500, random)[0][::-1]
     starts = np.concatenate((outer, inner))

@@ -13,7 +13,7 @@ from ...geometry.broad_phase import near_pairs
 from ...geometry.distance import point_edge
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
-from ...geometry.mesh.validation import place as in_words
+from ...geometry.vectors import place as in_words
 from ...tasks import Stage, mapped
 from ..request import Request
 from .clearing import cleared, without_small_details

@@ -22,14 +22,13 @@ from .chain import Chain, Lines, without_doubles
 from .crossings import Choice, Search, again, give_way
 from .frame import Frame
 from .free_rays import Obstacles
-from .images import Images
 from .loop_search import LoopSearch, shares
-from .mirrored import MirrorSearch
 from .places import places, weights
 from .turns import SLACK
 
 if TYPE_CHECKING:
     from ..importance import Importance
+    from .images import Images
 
 REACH = 1.5
 """Longest part of an edge on either side of its contact, in diameters."""
@@ -74,7 +73,11 @@ class Around:
     ) -> None:
         self.symmetry, self.importance, self.request, self.shift = symmetry, importance, request, shift
         self.frame = Frame.of(outline)
-        self.images = None if symmetry is None else Images.of(outline, symmetry, self.frame)
+        self.images: Images | None = None
+        if symmetry is not None:
+            from .images import Images
+
+            self.images = Images.of(outline, symmetry, self.frame)
         self.chains = self._chains(outline)
         self.outline = outline.moved(self.frame.into(outline.vertices))
         self.searches: dict[int, Search] = {}
@@ -104,6 +107,25 @@ class Around:
                     yield len(searches) / loops
             numbers = self._shares(searches)
         return self._mesh(choice)
+
+    def fewest(self, area: float) -> Stage[float, int | None]:
+        """The fewest lines that enclose at most an area, in the input's units, crossings aside; None if not enough.
+
+        One search knows all numbers of lines up to the wanted one.
+        """
+        for _ in self._search():
+            yield len(self.searches) / (len(self.outline.sizes) + 1)
+        totals, room = [search.totals for search in self.searches.values()], area / self.frame.scale**2
+        low, high = LEAST_PER_LOOP * len(totals) - 1, self.request.target + 1
+        while high - low > 1:
+            middle = (low + high) // 2
+            numbers = shares(totals, middle, [1] * len(totals))
+            more = sum(float(total[n]) for total, n in zip(totals, numbers or [], strict=bool(numbers)))
+            if numbers and self.outline.area + more <= room:
+                high = middle
+            else:
+                low = middle
+        return high if high <= self.request.target else None
 
     def _chains(self, outline: Loops) -> list[Chain]:
         """The loops in the frame of the search, with what matters there."""
@@ -189,6 +211,8 @@ class Around:
                 width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
             sizes = self._sizes(k, deserved_lines, count, self._copies(k), parts)
             if halves is not None:
+                from .mirrored import MirrorSearch
+
                 self.searches[k] = MirrorSearch(chain, lines, own_free, width=width, sizes=sizes, halves=halves)
             else:
                 likely = (target if len(chains) == 1 else expected) / parts

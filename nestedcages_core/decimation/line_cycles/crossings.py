@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -13,8 +13,10 @@ from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.predicates import BoxTree, segments_intersect
 from ...geometry.vectors import cross
 from .chain import Lines
-from .images import Images
 from .turns import SLACK
+
+if TYPE_CHECKING:
+    from .images import Images
 
 SHORTENED = 0.999
 """Fraction of the distance to the crossing that stays free."""

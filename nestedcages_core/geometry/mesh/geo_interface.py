@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 from ...errors import InvalidMeshError
+from ..arrays import IntArray
+from ..vectors import place
 
 MAX_NESTING_DEPTH = 64
 """Maximum nesting depth of collections; a deeper one is assumed to contain itself."""
-
-
-class HasGeoInterface(Protocol):
-    """An object that describes itself as a geometry, for instance one of shapely or geopandas."""
-
-    @property
-    def __geo_interface__(self) -> dict[str, Any]:
-        """A mapping as in GeoJSON."""
 
 
 def rings_of(geometry: Any) -> list[list[Any]]:
@@ -91,3 +85,21 @@ def to_geo_interface(polygons: Sequence[Sequence[Sequence[Sequence[float]]]]) ->
     if len(closed) == 1:
         return {"type": "Polygon", "coordinates": closed[0]}
     return {"type": "MultiPolygon", "coordinates": closed}
+
+
+def check_roles(polygons: list[list[Any]], signs: IntArray, components: IntArray) -> None:
+    """Check that in the mesh of all rings, in order, each polygon is one component. Raises InvalidMeshError."""
+    first = 0
+    for k, polygon in enumerate(polygons):
+        roles, owners = signs[first : first + len(polygon)], components[first : first + len(polygon)]
+        if roles[0] < 0:
+            raise InvalidMeshError(
+                f"Polygon {k} near {place(polygon[0][0])} lies inside another polygon; unite them or remove one.",
+                code="mesh.nesting",
+            )
+        if (roles[1:] > 0).any() or (owners != owners[0]).any():
+            raise InvalidMeshError(
+                f"A hole of polygon {k} near {place(polygon[0][0])} is not directly inside it; move or remove it.",
+                code="mesh.nesting",
+            )
+        first += len(polygon)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeAlias, TypeGuard, TypeVar
+from typing import Any, Protocol, TypeAlias, TypeGuard, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,27 +15,16 @@ from ..arrays import FloatArray, IntArray
 from ..drawable import Drawable
 from ..loops import Loops, enclosing_pairs, extreme_places, parents, trace_loops, turning_senses
 from ..predicates import BoxTree
-from ..vectors import norm
-from .geo_interface import HasGeoInterface, rings_of, to_geo_interface
-from .validation import as_edges, as_rings, as_vertices, check_simple, place
+from ..vectors import norm, place
+from .validation import as_rings, as_vertices, check_simple
 
 Number = TypeVar("Number", bound=np.generic)
 
 EXTENT_FACTOR = 2.4
 """The extent of a mesh in units of the largest distance of a vertex from their mean."""
 
-TOPOLOGY = frozenset(
-    (
-        "edges",
-        "successor",
-        "predecessor",
-        "loops",
-        "loop_signs",
-        "loop_of_vertex",
-        "parent_of_loop",
-        "component_of_loop",
-    )
-)
+TOPOLOGY = {"edges", "successor", "predecessor", "loops", "loop_signs"}
+TOPOLOGY |= {"loop_of_vertex", "parent_of_loop", "component_of_loop"}
 """Attributes that do not change when vertices move."""
 
 
@@ -72,6 +61,8 @@ class Mesh(Drawable):
     """The loops one after the other, for all that walks along them."""
 
     def __init__(self, vertices: ArrayLike, edges: ArrayLike) -> None:
+        from .edge_validation import as_edges
+
         checked = as_vertices(vertices)
         joined = as_edges(edges, len(checked))
         self._build(checked, joined, trace_loops(joined, checked))
@@ -126,23 +117,11 @@ class Mesh(Drawable):
 
         Raises InvalidMeshError also where a polygon lies inside another one, or a hole outside its polygon.
         """
+        from .geo_interface import check_roles, rings_of
+
         polygons = rings_of(geometry)
         mesh = cls.from_loops([ring for polygon in polygons for ring in polygon])
-        first = 0
-        for k, polygon in enumerate(polygons):
-            roles = mesh.loop_signs[first : first + len(polygon)]
-            components = mesh.component_of_loop[first : first + len(polygon)]
-            if roles[0] < 0:
-                raise InvalidMeshError(
-                    f"Polygon {k} near {place(polygon[0][0])} lies inside another polygon; unite them or remove one.",
-                    code="mesh.nesting",
-                )
-            if (roles[1:] > 0).any() or (components != components[0]).any():
-                raise InvalidMeshError(
-                    f"A hole of polygon {k} near {place(polygon[0][0])} is not directly inside it; move or remove it.",
-                    code="mesh.nesting",
-                )
-            first += len(polygon)
+        check_roles(polygons, mesh.loop_signs, mesh.component_of_loop)
         return mesh
 
     @classmethod
@@ -162,6 +141,8 @@ class Mesh(Drawable):
     @property
     def __geo_interface__(self) -> dict[str, Any]:
         """A Polygon, or a MultiPolygon if there are several components."""
+        from .geo_interface import to_geo_interface
+
         polygons: list[list[Any]] = [[] for _ in range(int(self.component_of_loop.max()) + 1)]
         for k in np.argsort(-self.loop_signs, kind="stable"):
             polygons[self.component_of_loop[k]].append(self.vertices[self.loops[k]].tolist())
@@ -282,6 +263,14 @@ class Mesh(Drawable):
                 if isinstance(array, np.ndarray):
                     array.flags.writeable = False
         self._fill(**state)
+
+
+class HasGeoInterface(Protocol):
+    """An object that describes itself as a geometry, for instance one of shapely or geopandas."""
+
+    @property
+    def __geo_interface__(self) -> dict[str, Any]:
+        """A mapping as in GeoJSON."""
 
 
 MeshLike: TypeAlias = Mesh | Sequence[ArrayLike] | NDArray[Any] | Mapping[str, Any] | HasGeoInterface

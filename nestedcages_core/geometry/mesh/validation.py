@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...errors import InvalidMeshError
-from ..arrays import AnyArray, FloatArray, IntArray
+from ..arrays import AnyArray, FloatArray
 from ..loops import Loops
 from ..predicates import orientation, segments_intersect
-from ..vectors import crossing_point
+from ..vectors import place
 
 MAX_COORDINATE, MIN_EXTENT = 1e150, 1e-150
 """Largest coordinate and smallest bounding box, in input units, whose squares stay within the range of a double."""
@@ -20,7 +20,7 @@ MAX_COORDINATE, MIN_EXTENT = 1e150, 1e-150
 
 def as_vertices(data: Any) -> FloatArray:
     """A read-only copy as (n, 2) float64, finite and of a workable size. Raises InvalidMeshError."""
-    given = _as_array(data, "vertices")
+    given = as_array(data, "vertices")
     if given.size == 0:
         raise InvalidMeshError(
             "The mesh is empty: it has no vertices; give at least one loop of three vertices.", code="mesh.empty"
@@ -30,7 +30,7 @@ def as_vertices(data: Any) -> FloatArray:
             f"The vertices have shape {given.shape}, but (n, 2) is needed; give two coordinates per vertex.",
             code="mesh.unreadable",
         )
-    vertices = _converted(given, np.float64, "vertices")
+    vertices = converted(given, np.float64, "vertices")
     if not np.isfinite(vertices).all():
         bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
         raise InvalidMeshError(
@@ -61,42 +61,7 @@ def as_vertices(data: Any) -> FloatArray:
     return vertices
 
 
-def as_edges(data: Any, count: int) -> IntArray:
-    """A copy as (m, 2) int64 that joins `count` vertices into closed loops. Raises InvalidMeshError."""
-    given = _as_array(data, "edges")
-    if given.size == 0:
-        raise InvalidMeshError("The mesh has no edges; join the vertices into closed loops.", code="mesh.empty")
-    if given.ndim != 2 or given.shape[1] != 2:
-        raise InvalidMeshError(
-            f"The edges have shape {given.shape}, but (m, 2) is needed; give two vertex indices per edge.",
-            code="mesh.unreadable",
-        )
-    if given.dtype.kind not in "iu":
-        numbers = _converted(given, np.float64, "edges")
-        bad = np.flatnonzero(~(np.floor(numbers) == numbers).all(axis=1))
-        if len(bad):
-            raise InvalidMeshError(
-                f"Edge {bad[0]} joins {place(numbers[bad[0]])}, but vertex indices are whole numbers; "
-                "give an array of integers.",
-                code="mesh.edge_index",
-                edges=[bad[0]],
-            )
-        given = numbers
-    if given.min() < 0 or given.max() >= count:
-        outside = np.flatnonzero(((given < 0) | (given >= count)).any(axis=1))
-        i, j = (f"{k:.17g}" if given.dtype.kind == "f" else str(k) for k in given[outside[0]].tolist())
-        raise InvalidMeshError(
-            f"Edge {outside[0]} joins vertices {i} and {j}, but the {count} vertices are numbered from 0 to "
-            f"{count - 1}; correct the index.",
-            code="mesh.edge_index",
-            edges=[outside[0]],
-        )
-    edges: IntArray = given.astype(np.int64)
-    _check_degrees(edges, count)
-    return edges
-
-
-def _as_array(data: Any, what: str) -> AnyArray:
+def as_array(data: Any, what: str) -> AnyArray:
     try:
         return np.asarray(data)
     except Exception as error:
@@ -106,7 +71,7 @@ def _as_array(data: Any, what: str) -> AnyArray:
         ) from error
 
 
-def _converted(given: AnyArray, dtype: type[np.float64], what: str) -> FloatArray:
+def converted(given: AnyArray, dtype: type[np.float64], what: str) -> FloatArray:
     """A float64 copy of an array of real numbers."""
     try:
         if given.dtype.kind not in "iufO":
@@ -117,62 +82,6 @@ def _converted(given: AnyArray, dtype: type[np.float64], what: str) -> FloatArra
         raise InvalidMeshError(
             f"The {what} are not all real numbers ({error}); give numbers only.", code="mesh.unreadable"
         ) from error
-
-
-def _check_degrees(edges: IntArray, count: int) -> None:
-    """Raise unless every vertex is the end of exactly two different edges."""
-    selfish = np.flatnonzero(edges[:, 0] == edges[:, 1])
-    if len(selfish):
-        raise InvalidMeshError(
-            f"Edge {selfish[0]} joins vertex {edges[selfish[0], 0]} to itself; remove the edge.",
-            code="mesh.edge_index",
-            edges=[selfish[0]],
-        )
-    degree = np.bincount(edges.ravel(), minlength=count)
-    wrong = np.flatnonzero(degree != 2)
-    if len(wrong) or _has_two_gon(edges, count):
-        low, high = edges.min(axis=1), edges.max(axis=1)
-        order = np.lexsort((high, low))
-        same = np.flatnonzero((low[order][1:] == low[order][:-1]) & (high[order][1:] == high[order][:-1]))
-        if len(same):
-            i, j = sorted(order[same[0] : same[0] + 2])
-            raise InvalidMeshError(
-                f"Edges {i} and {j} both join vertices {low[i]} and {high[i]}; remove one: a loop has each edge once "
-                "and at least three vertices.",
-                code="mesh.edge_index",
-                edges=[i, j],
-            )
-    if not len(wrong):
-        return
-    vertex, found = wrong[0], degree[wrong[0]]
-    if found == 0:
-        raise InvalidMeshError(
-            f"Vertex {vertex} belongs to no edge; remove it, or join it into a loop.",
-            code="mesh.open",
-            vertices=[vertex],
-        )
-    if found == 1:
-        raise InvalidMeshError(
-            f"The loop is open at vertex {vertex}, where only one edge ends; close it with an edge.",
-            code="mesh.open",
-            vertices=[vertex],
-        )
-    raise InvalidMeshError(
-        f"At vertex {vertex} meet {found} edges, but loops pass each vertex once; split the vertex or remove an edge.",
-        code="mesh.open",
-        vertices=[vertex],
-    )
-
-
-def _has_two_gon(edges: IntArray, count: int) -> bool:
-    """Whether two edges join the same two vertices, given that every degree is two."""
-    ends = edges.ravel()
-    total = np.bincount(ends, weights=ends[np.arange(len(ends)) ^ 1], minlength=count)
-    suspects = np.flatnonzero(total[edges[:, 0]] == 2.0 * edges[:, 1])
-    if len(suspects) < 2:
-        return False
-    pairs = np.sort(edges[suspects], axis=1)
-    return len(np.unique(pairs, axis=0)) < len(pairs)
 
 
 def as_rings(loops: Iterable[ArrayLike]) -> tuple[FloatArray, list[int]]:
@@ -217,11 +126,6 @@ def as_rings(loops: Iterable[ArrayLike]) -> tuple[FloatArray, list[int]]:
     return as_vertices(together), [len(ring) for ring in rings]
 
 
-def place(point: Sequence[float] | FloatArray) -> str:
-    """A point in words, for messages."""
-    return f"({float(point[0]):.6g}, {float(point[1]):.6g})"
-
-
 def check_simple(order: Loops) -> None:
     """Check that loops neither cross nor touch each other or themselves. Raises InvalidMeshError with a place."""
     points, vertex, loop, ahead, ends = order.vertices, order.numbers, order.loop, order.ahead, order.ends
@@ -243,7 +147,9 @@ def check_simple(order: Loops) -> None:
         i, j = i[apart], j[apart]
         hit = segments_intersect(*tree.segments(i), *tree.segments(j))
         if hit.any():
-            _raise_contact(order, i[hit], j[hit])
+            from .meeting_edges import raise_contact  # for the message
+
+            raise_contact(order, i[hit], j[hit])
 
 
 def _check_fold_back(order: Loops) -> None:
@@ -264,52 +170,3 @@ def _check_fold_back(order: Loops) -> None:
             vertices=[order.numbers[k]],
             place=points[k],
         )
-
-
-def _raise_contact(order: Loops, i: IntArray, j: IntArray) -> None:
-    """Raise for the first of the pairs (i, j) of edges in contact: a shared point, a touch or a crossing."""
-    points, vertex, loop, ahead, ends = order.vertices, order.numbers, order.loop, order.ahead, order.ends
-
-    def edge(k: int) -> str:
-        return f"edge {vertex[k]}-{vertex[ahead[k]]} of loop {loop[k]}"
-
-    for here, there in ((i, j), (ahead[i], j), (i, ahead[j]), (ahead[i], ahead[j])):
-        same = np.flatnonzero((points[here] == points[there]).all(axis=1))
-        if len(same):
-            k, m = int(here[same[0]]), int(there[same[0]])
-            raise InvalidMeshError(
-                f"Vertices {vertex[k]} of loop {loop[k]} and {vertex[m]} of loop {loop[m]} both lie at "
-                f"{place(points[k])}; move one of them, so that the boundary does not touch itself.",
-                code="mesh.repeated_vertex",
-                loops=[loop[k], loop[m]],
-                vertices=[vertex[k], vertex[m]],
-                place=points[k],
-            )
-    first = int(np.lexsort((j, i))[0])
-    k, m = int(i[first]), int(j[first])
-    for a, b in ((k, m), (int(ahead[k]), m), (m, k), (int(ahead[m]), k)):
-        if segments_intersect(points[[a]], points[[a]], points[[b]], ends[[b]])[0]:
-            raise InvalidMeshError(
-                f"Vertex {vertex[a]} of loop {loop[a]} lies on {edge(b)} at {place(points[a])}; move it off the edge.",
-                code="mesh.crossing",
-                loops=[loop[a], loop[b]],
-                vertices=[vertex[a], vertex[b], vertex[ahead[b]]],
-                place=points[a],
-            )
-    point = crossing_point(points[k], ends[k], points[m], ends[m])
-    where, corners = place(point), [vertex[k], vertex[ahead[k]], vertex[m], vertex[ahead[m]]]
-    if loop[k] == loop[m]:
-        raise InvalidMeshError(
-            f"Loop {loop[k]} crosses itself near {where}: {edge(k)} meets {edge(m)}; move their vertices apart.",
-            code="mesh.crossing",
-            loops=[loop[k]],
-            vertices=corners,
-            place=point,
-        )
-    raise InvalidMeshError(
-        f"Loops {loop[k]} and {loop[m]} cross near {where}: {edge(k)} meets {edge(m)}; move them apart, or unite them.",
-        code="mesh.crossing",
-        loops=[loop[k], loop[m]],
-        vertices=corners,
-        place=point,
-    )

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from .oriented_boxes import OrientedBoxes
 from .sweep import SWEEP_LIMIT, swept_pairs, swept_self_pairs
+
+if TYPE_CHECKING:
+    from .oriented_boxes import OrientedBoxes
 
 FANOUT = 4
 """Boxes that share a parent; 4 was the fastest of 2, 4 and 8 for loops of 1,000 to 100,000 segments."""
@@ -23,6 +26,9 @@ CROWDED = 8
 
 FEW_CHAINS = 8
 """Number of chains up to which sorting them costs more than it saves."""
+
+FEW_PAIRS = 20_000
+"""Number of point-segment pairs up to which testing all of them is faster than descending the tree (measured)."""
 
 MORTON_BITS = 16
 """Bits per coordinate of the space-filling curve that sorts chains of segments."""
@@ -201,6 +207,8 @@ class BoxTree:
     def oriented(self, level: int) -> OrientedBoxes:
         """The oriented boxes of a level, made on first use."""
         if not self._oriented:
+            from .oriented_boxes import OrientedBoxes  # for crowded segments only
+
             self._oriented.append(OrientedBoxes.of_segments(*self.sorted_segments))
         while len(self._oriented) <= level:
             self._oriented.append(self._oriented[-1].parents(FANOUT))

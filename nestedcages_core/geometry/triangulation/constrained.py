@@ -11,9 +11,8 @@ import scipy
 
 from ...errors import InvalidMeshError
 from ..arrays import BoolArray, FloatArray, IntArray
-from ..mesh.validation import place
 from ..predicates import Signs, orientation
-from ..vectors import cross
+from ..vectors import cross, place
 from .flips import Flips
 
 FRAME_DISTANCE = 4.0

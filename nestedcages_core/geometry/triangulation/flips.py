@@ -14,8 +14,8 @@ import numpy as np
 
 from ...errors import InvalidMeshError
 from ..arrays import FloatArray, IntArray
-from ..mesh.validation import place
 from ..predicates import orientation_sign
+from ..vectors import place
 
 CIRCLE_BOUND = (10.0 + 96.0 * 2.0**-53) * 2.0**-53
 """Relative error of the in-circle determinant of rounded differences (Shewchuk 1997, section 4.3, bound A)."""

@@ -10,8 +10,8 @@ from ...decimation.choices.douglas_peucker import DouglasPeucker
 from ...decimation.choices.edge_collapse import EdgeCollapse
 from ...errors import NestingError
 from ...geometry.mesh import Mesh, Nesting
-from ...geometry.mesh.validation import place
 from ...geometry.smallest_gap import smallest_gap
+from ...geometry.vectors import place
 from ...parameters import check_count, check_flag, check_part
 from .contour import Field
 from .level_set_loops import first_lost, loops_around, without_pockets
