@@ -11,19 +11,13 @@ than the patience is given up. Exit status 1 if a case of this commit fails.
 from __future__ import annotations
 
 import argparse
-import inspect
-import os
-import pickle
-import subprocess
 import sys
 from dataclasses import dataclass
-from pathlib import Path
-from select import select
 
 import numpy as np
 
 from clone import ROOT
-from speed import checkout
+from speed import Worker, checkout, forgetting
 
 SHAPES = """
 import numpy as np
@@ -84,8 +78,9 @@ def cases() -> list[Case]:
         found.append(Case(f"within 1 %, {n:,}", f"f = blob({n})", within, case.name))
     again = "f = blob(1000); nested_cages(f, [32])"
     found.append(Case("the same again, 1,000", again, "nested_cages(f, [32])", plain[1_000].name))
-    for number in (100, 300, 1_000):
+    for number in (100, 300, 1_000, 3_000):
         found.append(Case(f"loops {number:,}", f"f = islands({number})", f"nested_cages(f, [{6 * number}])", ""))
+    found += [Case(f"{n:,} at {n // 100}", f"f = blob({n})", f"nested_cages(f, [{n // 100}])") for n in (1_000, 10_000)]
     large = Case("100,000 at 1,000", "f = blob(100000)", "nested_cages(f, [1000])")
     found += [large, Case("100,000 at 32", large.ready, "nested_cages(f, [32])", large.name)]
     for n in (1_000, 5_000):
@@ -107,42 +102,23 @@ def cases() -> list[Case]:
     return found
 
 
-class Worker:
-    """A process that runs cases with the package of one work tree; a new one after a case that takes too long."""
+GROWTH = {
+    "loops": {100: "loops 100", 300: "loops 300", 1_000: "loops 1,000", 3_000: "loops 3,000"},
+    "vertices at 32": {1_000: "count 1,000", 10_000: "count 10,000", 100_000: "100,000 at 32"},
+    "vertices at a hundredth": {1_000: "1,000 at 10", 10_000: "10,000 at 100", 100_000: "100,000 at 1,000"},
+}
+"""The cases of each size over which the growth is told, by power laws."""
 
-    def __init__(self, tree: Path, patience: float) -> None:
-        self.tree, self.patience = tree, patience
-        self._start()
 
-    def _start(self) -> None:
-        self.process = subprocess.Popen(
-            [sys.executable, "-c", inspect.getsource(work) + f"work({SHAPES!r})"],
-            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
-            cwd=self.tree,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-        )
-
-    def run(self, case: Case, repeats: int) -> tuple[float, str]:
-        """CPU seconds, and why there are none."""
-        assert self.process.stdin is not None and self.process.stdout is not None
-        pickle.dump((case.ready, case.timed, case.steps, repeats), self.process.stdin)
-        self.process.stdin.flush()
-        if not select([self.process.stdout], [], [], self.patience)[0]:
-            self.close()
-            self._start()
-            return np.nan, f"more than {self.patience:.0f} s"
-        seconds, why = pickle.load(self.process.stdout)
-        return seconds, why
-
-    def close(self) -> None:
-        self.process.kill()
-        self.process.wait()
+def exponent(sizes: dict[int, str], seconds: dict[str, float]) -> str:
+    """The power of the size that time grows with; empty if a case is missing."""
+    points = [(size, seconds.get(name, np.nan)) for size, name in sizes.items()]
+    power = np.polyfit(*np.log(points).T, 1)[0] if np.isfinite(points).all() else np.nan
+    return f"n^{power:.2f}" if np.isfinite(power) else ""
 
 
 def work(shapes: str) -> None:
     """In a worker: CPU seconds of each case that comes in, everything forgotten before it is made ready."""
-    import importlib.util
     import operator
     import pickle
     import sys
@@ -150,8 +126,7 @@ def work(shapes: str) -> None:
 
     names: dict = {}
     exec(shapes, names)
-    found = [name for name in ("cache", "memory") if importlib.util.find_spec(f"nestedcages_core.{name}")]
-    forget = importlib.import_module(f"nestedcages_core.{found[0]}").forget if found else lambda: None
+    forget = forgetting()
     while True:
         try:
             ready, timed, steps, repeats = pickle.load(sys.stdin.buffer)
@@ -184,11 +159,20 @@ def main() -> int:
     failed = False
     print("| | before, s | now, s | ratio | to its plain request |\n|---|---|---|---|---|")
     with checkout(options.against) as tree:
-        workers = [Worker(place, options.patience) for place in (tree, ROOT)]
+        places = (tree, ROOT)
+        workers = [Worker(place, work, SHAPES) for place in places]
         seconds: dict[str, float] = {}
+        earlier: dict[str, float] = {}
         for case in wanted:
-            (before, why_before), (now, why) = (worker.run(case, options.repeats) for worker in workers)
-            seconds[case.name] = now
+            answers = []
+            for k, place in enumerate(places):
+                answer = workers[k].run((case.ready, case.timed, case.steps, options.repeats), options.patience)
+                if answer is None:  # a new process instead of the one that is still busy
+                    workers[k].close()
+                    workers[k], answer = Worker(place, work, SHAPES), (np.nan, f"more than {options.patience:.0f} s")
+                answers.append(answer)
+            (before, why_before), (now, why) = answers
+            earlier[case.name], seconds[case.name] = before, now
             failed |= bool(why)
             plain = seconds.get(case.beside, np.nan)
             cells = [why_before[:40] if why_before else f"{before:.3f}", why[:40] if why else f"{now:.3f}",
@@ -196,6 +180,9 @@ def main() -> int:
             print(f"| {case.name} | {' | '.join(cells)} |", flush=True)
         for worker in workers:
             worker.close()
+    print("\n| growth over | before | now |\n|---|---|---|")
+    for name, sizes in GROWTH.items():
+        print(f"| {name} | {exponent(sizes, earlier)} | {exponent(sizes, seconds)} |")
     return 1 if failed else 0
 
 

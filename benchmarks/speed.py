@@ -18,10 +18,12 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from select import select
+from typing import Any
 
 import numpy as np
 
@@ -103,45 +105,54 @@ def checkout(commit: str) -> Iterator[Path]:
 
 
 class Worker:
-    """A process that makes cages with the package of one work tree."""
+    """A process that runs a function of this file or another with the package of one work tree."""
 
-    def __init__(self, tree: Path) -> None:
+    def __init__(self, tree: Path, function: Callable[..., None], *arguments: str) -> None:
+        source = f"{inspect.getsource(forgetting)}\n{inspect.getsource(function)}\n"
         # the matrices here are small: threads of the linear algebra would only wait for each other
         self.process = subprocess.Popen(
-            [sys.executable, "-c", inspect.getsource(work) + "work()"],  # of the folder it runs in
+            [sys.executable, "-c", source + f"{function.__name__}{arguments!r}"],  # of the folder it runs in
             env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
             cwd=tree,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         )
 
-    def run(self, case: Case) -> Run:
+    def run(self, request: object, patience: float | None = None) -> Any:
+        """The answer to a request; None if it takes longer than the patience, in seconds."""
         assert self.process.stdin is not None and self.process.stdout is not None
-        pickle.dump((case.loops, case.count), self.process.stdin)
+        pickle.dump(request, self.process.stdin)
         self.process.stdin.flush()
-        return Run(*pickle.load(self.process.stdout))
+        if not select([self.process.stdout], [], [], patience)[0]:
+            return None
+        return pickle.load(self.process.stdout)
 
     def close(self) -> None:
-        assert self.process.stdin is not None
-        self.process.stdin.close()
+        self.process.kill()
         self.process.wait()
+
+
+def forgetting():  # type: ignore[no-untyped-def]
+    """In a worker: what makes this commit, or an earlier one, forget what it remembers."""
+    import importlib.util
+
+    memory = ("cache", "memory", "decimation.remembered")  # others remember nothing
+    found = [name for name in memory if importlib.util.find_spec(f"nestedcages_core.{name}")]
+    module = importlib.import_module(f"nestedcages_core.{found[0]}") if found else None
+    return getattr(module, "forget", lambda: None)
 
 
 def work() -> None:
     """In a worker: a cage for every case that comes in, without anything remembered from the repeat before."""
-    import importlib.util
     import pickle
     import sys
     import time
 
     from nestedcages_core import Mesh, NestedCagesError, nested_cages
 
-    memory = ("cache", "memory", "decimation.remembered")  # of this commit and of earlier ones; others remember nothing
-    found = [name for name in memory if importlib.util.find_spec(f"nestedcages_core.{name}")]
-    forget = getattr(importlib.import_module(f"nestedcages_core.{found[0]}"), "forget", None) if found else None
+    forget = forgetting()
     while True:
-        if forget is not None:
-            forget()
+        forget()
         try:
             loops, count = pickle.load(sys.stdin.buffer)
         except EOFError:
@@ -169,7 +180,7 @@ def main() -> int:
     if options.data is not None:
         cases += folder_cases(options.data)
     with checkout(options.against) as tree:
-        workers = Worker(tree), Worker(ROOT)
+        workers = Worker(tree, work), Worker(ROOT, work)
         try:
             return compare(cases, workers, options.repeats, options.against)
         finally:
@@ -183,7 +194,7 @@ def compare(cases: list[Case], workers: tuple[Worker, Worker], repeats: int, aga
           f"{'now %':>9}{'ratio':>8}  start")  # fmt: skip
     times, sizes, lost = [], [], 0
     for case in cases:
-        runs = [[worker.run(case) for worker in workers] for _ in range(repeats)]
+        runs = [[Run(*worker.run((case.loops, case.count))) for worker in workers] for _ in range(repeats)]
         before, now = runs[0]
         before_s, now_s = (min(run[k].seconds for run in runs) for k in (0, 1))
         size = float("nan")

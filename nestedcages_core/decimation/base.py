@@ -78,6 +78,15 @@ class CurveStarts(SeveralStarts, Protocol):
         ...
 
 
+@runtime_checkable
+class KnowsCounts(Protocol):
+    """A decimation one search of which knows the areas for all numbers of vertices."""
+
+    def fewest(self, fine: Mesh, most: int, area: float) -> Stage[float, int | None]:
+        """About how many vertices a mesh of at most an area around the fine one needs; None if more than so many."""
+        ...
+
+
 def clamped(count: int, fine: Mesh) -> tuple[int, tuple[Fault, ...]]:
     """A number of vertices, clamped to that of the fine mesh, with a note if it was larger."""
     available = len(fine.vertices)

@@ -15,7 +15,7 @@ from ..geometry.loops import enclosing_pairs, extreme_places
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import ON_BOUNDARY, winding_number
 from .crossings import edges_in, spend_crossings
-from .hairlines import comes_close, has_hairlines, without_hairlines, without_short_edges
+from .hairlines import MARGIN, comes_close, has_hairlines, without_hairlines, without_short_edges
 from .libraries import load_shapely
 from .limits import Budget, no_outline
 
@@ -183,8 +183,12 @@ def _mesh(shapely: Any, region: Any, width: float) -> Mesh:
 
 
 def _without_remnants(rings: list[FloatArray], width: float) -> Mesh:
-    """The mesh of rings without the short edges and specks that closed gaps leave. Raises InvalidMeshError."""
-    wide = [without_short_edges(ring, width) for ring in rings if np.ptp(ring, axis=0).max() >= width]
+    """The mesh of rings without the short edges, specks and slivers that closed gaps leave. Raises InvalidMeshError."""
+    wide = [
+        without_short_edges(ring, width)
+        for ring in rings
+        if np.ptp(ring, axis=0).max() >= width and abs(thickness([ring])) >= MARGIN * width
+    ]
     return Mesh.from_loops(wide or rings)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .all_pairs import nearest
 from .arrays import FloatArray
 from .mesh import Mesh
 from .vectors import norm
@@ -47,9 +48,7 @@ def _maps(mesh: Mesh, point: FloatArray, direction: FloatArray, tolerance: float
     """Whether the images of all vertices are vertices."""
     if len(mesh.loops) == 1:
         return True
-    import scipy
-
     off = mesh.vertices - point
     image = point + 2.0 * (off @ direction)[:, None] * direction - off
-    distance, _ = scipy.spatial.cKDTree(mesh.vertices).query(image)
+    distance, _ = nearest(image, mesh.vertices)
     return bool((distance <= tolerance).all())

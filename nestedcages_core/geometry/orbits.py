@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
+from .all_pairs import nearest
 from .arrays import BoolArray, FloatArray, IntArray
 from .group import Symmetry
 
@@ -31,8 +31,7 @@ class Orbits:
     def of(cls, vertices: FloatArray, successor: IntArray, symmetry: Symmetry, tolerance: float) -> Orbits | None:
         """The orbits of loops with vertices (m, 2); None where images are farther from vertices than a length."""
         m = len(vertices)
-        distance, partner = scipy.spatial.cKDTree(vertices).query(symmetry.image(vertices))
-        partner = partner.astype(np.int64)
+        distance, partner = nearest(symmetry.image(vertices), vertices)
         if not (distance <= tolerance).all() or len(np.unique(partner)) < m:
             return None
         ends = partner[successor]

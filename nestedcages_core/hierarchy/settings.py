@@ -42,7 +42,8 @@ class Settings(Choices):
     """Convex cages: around each part of the mesh the convex polygon of least area with as many vertices as the level
     says; holes are filled. Of the other settings only `clearance` and `grid` matter then."""
     symmetry: Symmetry | Found | None = None
-    """A symmetry that the cages have exactly: `Mirror`, `Rotation`, or `Found` for that of the drawing."""
+    """A symmetry that the cages have exactly: `Mirror`, `Rotation`, or `Found` for that of the drawing. Needs shapely
+    where the drawing does not have it."""
     weights: ArrayLike | None = field(default=None, repr=False)
     """(n,) how much each fine vertex matters, at least 0: more vertices and less excess where weights are high."""
     pins: Sequence[int | Sequence[float]] = ()

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..contact.reinflation import Reinflation
 from ..decimation import OuterHull
-from ..decimation.base import LEAST_PER_LOOP
+from ..decimation.base import LEAST_PER_LOOP, KnowsCounts
 from ..errors import InvalidMeshError, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh, Nesting
@@ -27,7 +27,7 @@ less of the distance: at first by this part, then by twice as much each time."""
 MAX_TESTED = 4
 """Greedy polygons of a round that are looked at."""
 
-MAX_CUTS = 4
+MAX_CUTS = 3
 """Earlier steps of a tightening that are looked at, by bisection."""
 
 SLACK = 0.01
@@ -36,6 +36,10 @@ SLACK = 0.01
 CLOSE_TO_BOUND = 2
 """Vertices of each loop above the bound up to which no fewer are tried: a greedy polygon has one too many at most, and
 the bound may lose one."""
+
+FIRST_MOST, LARGEST_GUESS, GAIN = 32, 128, 1.06
+"""Vertices per loop up to which a first search for an excess looks, and the last; excess before the tightening to that
+after it."""
 
 LARGEST_GROWTH = 2.0
 """Largest factor on the number of vertices from one trial to the next."""
@@ -112,10 +116,13 @@ class _Search:
 
     def _try_walks_in(self, bands: list[Band], bounds: list[int]) -> Stage[Progress, None]:
         """Polygons of longest links in a band around each loop; bounds: of their links."""
-        mesh = None
+        mesh, enough = None, bounds
         for number in range(MAX_ROUNDS):
-            made, share = zip(bands, bounds, strict=True), 1.0 - SHARE_STEP * (2**number - 1)
-            polygons = [band.walks(self.builder.clearances[0], share=share, enough=bound) for band, bound in made]
+            made, share = zip(bands, enough, strict=True), 1.0 - SHARE_STEP * (2**number - 1)
+            polygons = [band.walks(self.builder.clearances[0], share=share, enough=links) for band, links in made]
+            enough = [
+                max(links, len(found[0])) if found else links for links, found in zip(enough, polygons, strict=True)
+            ]
             polygons = self._filled(polygons, bounds)
             meshes = (self._nested([each[k] for each in polygons]) for k in range(min(MAX_TESTED, *map(len, polygons))))
             mesh = next((each for each in meshes if each is not None), None)
@@ -134,7 +141,12 @@ class _Search:
         least, most = self.bound, len(self.inner.vertices)
         low = least - 1
         if self.best is None or self.inner is not self.fine:
-            count = min(least, most)
+            guess = yield from self._guess()
+            count, step = min(guess or least, most), 1
+            if guess is not None and (yield from self._try(count)):
+                while self.count - step > low and (yield from self._try(self.count - step)):
+                    step *= 2
+                low = max(low, self.count - step)
             while count < self.count and not (yield from self._try(count)):
                 low = count
                 if count == most:
@@ -147,6 +159,21 @@ class _Search:
             middle = (self.count + low) // 2
             if not (yield from self._try(middle)):
                 low = middle
+
+    def _guess(self) -> Stage[Progress, int | None]:
+        """About how many vertices an excess takes, by searches that know all numbers of them."""
+        method, plan = self.builder.settings.decimation, self.builder.plan
+        needed = plan.inside or plan.needs or plan.group is not None
+        if self.need.excess is None or needed or not isinstance(method, KnowsCounts):
+            return None
+        area, most = (1.0 + GAIN * self.need.limit) * self.fine.area, FIRST_MOST * len(self.inner.loops)
+        while most < min(LARGEST_GUESS * len(self.inner.loops), len(self.inner.vertices)):
+            search = method.fewest(self.inner, most, area)
+            guess = yield from self.builder.progress.follow(search, lambda done: (done, "decimation"))
+            if guess is not None:
+                return guess
+            most *= 2
+        return None
 
     def taken_by(self, cage: Mesh) -> float:
         """The distance or the excess of a cage; of one inside, those of the fine mesh around it."""

@@ -63,7 +63,7 @@ BOUND_STARTS, WALK_STARTS = 2, 32
 SPREAD = 8
 """Starts from one to the next that is used, several times around."""
 
-MIN_WALKS, MAX_LINKS = 2, 120
+MIN_WALKS, MAX_LINKS = 1, 100
 """Walks that are made in any case, and links of all of them after which there are no more."""
 
 

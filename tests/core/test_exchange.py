@@ -34,6 +34,7 @@ from nestedcages_core.exchange import (
     write_geojson,
     write_svg,
 )
+from nestedcages_core.exchange.fill import _without_remnants
 from nestedcages_core.exchange.limits import Budget, Limits
 from nestedcages_core.exchange.svg.curves import flattened
 from nestedcages_core.exchange.svg.path_data import PathReader, Subpath
@@ -474,6 +475,11 @@ def test_hairlines_go_with_a_note(name: str, width: float) -> None:
         what = "1 spike cut off" if "spike" in name else "1 gap closed"
         assert re.fullmatch(rf"Narrower than 0.000\d+: {what}\.", " ".join(drawing.notes))
     assert nested_cages(drawing.mesh, [4]).levels[0].report.excess < 1e-3
+
+
+def test_slivers_that_closed_gaps_leave_go() -> None:
+    square, sliver = np.array([(0, 0), (9, 0), (9, 9), (0, 9)], float), np.array([(2, 2), (3, 2), (2, 2.0 + 1e-14)])
+    assert len(_without_remnants([square, sliver[::-1]], 1e-3).loops) == 1
 
 
 def test_narrow_parts_and_necks_stay() -> None:

@@ -108,6 +108,25 @@ class Around:
             numbers = self._shares(searches)
         return self._mesh(choice)
 
+    def fewest(self, area: float) -> Stage[float, int | None]:
+        """The fewest lines that enclose at most an area, in the input's units, crossings aside; None if not enough.
+
+        One search knows all numbers of lines up to the wanted one.
+        """
+        for _ in self._search():
+            yield len(self.searches) / (len(self.outline.sizes) + 1)
+        totals, room = [search.totals for search in self.searches.values()], area / self.frame.scale**2
+        low, high = LEAST_PER_LOOP * len(totals) - 1, self.request.target + 1
+        while high - low > 1:
+            middle = (low + high) // 2
+            numbers = shares(totals, middle, [1] * len(totals))
+            more = sum(float(total[n]) for total, n in zip(totals, numbers or [], strict=bool(numbers)))
+            if numbers and self.outline.area + more <= room:
+                high = middle
+            else:
+                low = middle
+        return high if high <= self.request.target else None
+
     def _chains(self, outline: Loops) -> list[Chain]:
         """The loops in the frame of the search, with what matters there."""
         vertices, importance = self.frame.into(outline.vertices), self.importance

@@ -139,6 +139,15 @@ class LineCycles:
                 raise
         return starts
 
+    def fewest(self, fine: Mesh, most: int, area: float) -> Stage[float, int | None]:
+        """About how many vertices a mesh of at most an area around the fine one needs; None if more than so many."""
+        request = Request.of(fine, most)
+        outline = without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter)
+        try:
+            return (yield from Around(request, outline, HULL_OFFSET, None, None).fewest(area))
+        except NoCyclesError:
+            return None
+
     def found(self, request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
         """The mesh of the best cycles and its source; of the hull where it is smaller, or counts are large."""
         plain = self.symmetry is None and self.importance is None

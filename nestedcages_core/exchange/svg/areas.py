@@ -27,8 +27,9 @@ from .transforms import moved, scaling, translation
 STROKE_FINENESS = 0.25
 """Tolerance of the centre line of a stroke, relative to that of its outline."""
 
-THIN, MAX_FINER = 0.02, 8.0
-"""Default tolerance of thin shapes over their thickness, and its largest ratio to that of other shapes."""
+SMALL, THIN, MAX_FINER = 0.005, 0.02, 8.0
+"""Default tolerance of small and thin fills over their thickness, the same of strokes over their width, and its largest
+ratio to that of other shapes."""
 
 
 AreasOf = Callable[[Shape, FloatArray], list[Area]]
@@ -100,7 +101,7 @@ class Areas:
         tolerance = self.tolerance
         loops = [self._flat(path, matrix, tolerance) for path in shape.subpaths]
         if self.options.tolerance is None and any(path.is_curved for path in shape.subpaths):
-            finer = max(THIN * abs(thickness(loops)), tolerance / MAX_FINER)
+            finer = max(SMALL * abs(thickness(loops)), tolerance / MAX_FINER)
             if finer < tolerance:
                 loops = [self._flat(path, matrix, finer) for path in shape.subpaths]
         return Painted(loops, shape.evenodd)

@@ -141,7 +141,8 @@ def _reach(share: float) -> float:
 def _numbers(item: ET.Element, key: str, missing: float = 0.0) -> FloatArray:
     """The first and the last number of an attribute, finite."""
     given = numbers(item.get(key, ""))[:2] or [missing]
-    return np.nan_to_num(np.array([given[0], given[-1]]), nan=missing)
+    finite: FloatArray = np.nan_to_num(np.array([given[0], given[-1]]), nan=missing)
+    return finite
 
 
 def _shadow(step: _Step, item: ET.Element) -> Layers:
