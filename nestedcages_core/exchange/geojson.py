@@ -20,7 +20,7 @@ from .decimals import check_decimals
 from .files import read_whole, write_whole
 from .limits import Budget, LimitError, Limits, invalid, no_outline
 from .repair import mesh_of
-from .rings import polygons_of, shown
+from .rings import meshes_of, polygons_of, shown
 
 GEOGRAPHIC = ("CRS84", "4326", "4269", "4258")
 """Substrings of the names of common coordinate reference systems in degrees."""
@@ -164,7 +164,8 @@ def to_geojson(
     if isinstance(shapes, Map):
         crs = shapes.crs if crs is None else crs
         shapes = shapes.features
-    given: Any = [shapes] if isinstance(shapes, Feature) else getattr(shapes, "meshes", shapes)
+    listed = isinstance(shapes, str | Mapping | list | tuple)
+    given: Any = [shapes] if isinstance(shapes, Feature) else shapes if listed else meshes_of(shapes)
     if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
         raise invalid("GeoJSON is written from meshes and features; give a list of these.")
     features = [item if isinstance(item, Feature) else Feature(item) for item in given]
@@ -178,7 +179,7 @@ def to_geojson(
 
 
 def write_geojson(
-    path: str | os.PathLike[str], shapes: Drawable | Feature | Map | Sequence[Mesh | Feature], **options: Any
+    path: str | os.PathLike[str], shapes: Drawable | MeshLike | Feature | Map | Sequence[Mesh | Feature], **options: Any
 ) -> None:
     """Write a GeoJSON file, whole or not at all; shapes and options as of `to_geojson`."""
     write_whole(path, to_geojson(shapes, **options))
