@@ -168,7 +168,7 @@ def main() -> int:
         f"{np.quantile(ratios, 0.75):.4f}, largest {max(ratios):.3f}; within 1 %: {reached:.0%}"
     )
     if options.write is not None:
-        options.write.write_text(json.dumps(records))
+        options.write.write_text(json.dumps(records), encoding="utf-8")
     return 0 if np.median(ratios) <= ALLOWED else 1
 
 

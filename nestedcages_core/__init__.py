@@ -188,34 +188,13 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
 ]
 
 _LATER = {
-    "geometry.quadrature": (
-        "EvenSamples",
-        "GaussLegendre",
-        "Midpoint",
-        "QuadraticFallOff",
-        "RandomSamples",
-    ),
+    "geometry.quadrature": ("EvenSamples", "GaussLegendre", "Midpoint", "QuadraticFallOff", "RandomSamples"),
     "energies.weighted_sum": ("WeightedSum",),
     "energies.no_energy": ("NoEnergy",),
-    "contact.pair_search": (
-        "AllPairs",
-        "Cells",
-        "UniformGrid",
-    ),
+    "contact.pair_search": ("AllPairs", "Cells", "UniformGrid"),
     "contact.ipc": ("IPC",),
-    "contact.step_filter": (
-        "NoFilter",
-        "SmallestDistance",
-        "TimeOfImpact",
-    ),
-    "decimation.choices": (
-        "OnCurve",
-        "ArcLength",
-        "DouglasPeucker",
-        "EdgeCollapse",
-        "OwnDecimation",
-        "Visvalingam",
-    ),
+    "contact.step_filter": ("NoFilter", "SmallestDistance", "TimeOfImpact"),
+    "decimation.choices": ("OnCurve", "ArcLength", "DouglasPeucker", "EdgeCollapse", "OwnDecimation", "Visvalingam"),
     "energies.choices": (
         "BoundaryARAP",
         "ElementEnergy",
@@ -225,11 +204,7 @@ _LATER = {
         "StepDisplacement",
     ),
     "geometry.triangulation": ("convex_pieces",),
-    "needs.symmetry": (
-        "Found",
-        "Mirror",
-        "Rotation",
-    ),
+    "needs.symmetry": ("Found", "Mirror", "Rotation"),
     "solver.newton": ("ProjectedNewton",),
     "batch": ("BatchProgress", "Outcome", "OutcomeFolder", "nested_cages_many"),
     "character": ("Bone", "Character", "Skeleton", "bone_weights", "suggest_bones", "with_joints"),

@@ -186,18 +186,23 @@ def discard(
 ) -> None:
     """Removes objects, and then the meshes and actions that nothing uses any more, also those of their animation.
 
-    In one pass over the file: removing blocks one by one, or kind by kind, takes as many passes.
+    In few passes over the file: removing blocks one by one, or kind by kind, takes as many.
     """
-    gone, old = set(objects), set(meshes)
-    shown = Counter(obj.data for obj in gone)
-    unused = [mesh for mesh in old if mesh.users == shown[mesh]]
-    shapes = [mesh.shape_keys for mesh in unused if mesh.shape_keys is not None]
-    animated: list[Any] = [*gone, *unused, *shapes]
-    data = [owner.animation_data for owner in animated if owner.animation_data is not None]
-    played = Counter(found.action for found in data if found.action is not None)
-    idle = [action for action in {*actions, *played} if action is not None and action.users == played[action]]
-    if blocks := [*gone, *unused, *idle]:  # an empty pass takes as long as any
-        bpy.data.batch_remove(blocks)
+    gone, left, played = set(objects), set(meshes), {*actions} - {None}
+    while True:
+        shown = Counter(obj.data for obj in gone)
+        unused = {mesh for mesh in left if mesh.users == shown[mesh]}
+        shapes = [mesh.shape_keys for mesh in unused if mesh.shape_keys is not None]
+        animated: list[Any] = [*gone, *unused, *shapes]
+        data = [owner.animation_data for owner in animated if owner.animation_data is not None]
+        playing = Counter(found.action for found in data if found.action is not None)
+        played |= set(playing)
+        idle = {action for action in played if action.users == playing[action]}
+        if not (gone or unused or idle):
+            return
+        bpy.data.batch_remove([*gone, *unused, *idle])
+        # what only these held
+        gone, left, played = set(), left - unused, played - idle
 
 
 def _runs_of_equal(steps: NDArray[np.float32]) -> list[tuple[int, int]]:

@@ -13,7 +13,6 @@ from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh, Nesting
 from ..geometry.vectors import cross, norm
 from .base import LEAST_PER_LOOP, Count, checked_budget
-from .hull.apportion import padded
 
 TIE_TOLERANCE = 1e-9
 """Lengths, in diagonals, that differ by less count as equal: far above round-off, far below what a user draws."""
@@ -68,6 +67,11 @@ class Request:
 
         Raises InvalidMeshError where loops cross.
         """
+        enough = outline.sizes.sum() == self.total if self.per_loop is None else (outline.sizes == self.per_loop).all()
+        if enough:
+            return self.mesh(outline.split())
+        from .hull.apportion import padded
+
         return self.mesh(padded(outline, self.total, self.per_loop))
 
     def mesh(self, loops: Sequence[FloatArray]) -> Mesh:

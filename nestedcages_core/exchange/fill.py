@@ -151,7 +151,7 @@ def united(
         except InvalidMeshError as error:
             failed = failed or error
             continue
-        apart = not comes_close(mesh, ROUNDING * mesh.diagonal)
+        apart = not comes_close(mesh, ROUNDING * mesh.diagonal, shapely)
         found = mesh if apart or found is None else found
         if apart:
             break

@@ -54,10 +54,17 @@ def has_hairlines(mesh: Mesh, width: float) -> bool:
     return comes_close(mesh, width)
 
 
-def comes_close(mesh: Mesh, width: float) -> bool:
-    """Whether parts of a mesh are that close, apart from short edges and sharp corners."""
+def comes_close(mesh: Mesh, width: float, shapely: Any = None) -> bool:
+    """Whether parts of a mesh are that close, apart from short edges and sharp corners.
+
+    shapely: if loaded, its tree of edges is used, which crowds of vertices in one place do not slow down.
+    """
     vertices, after = mesh.vertices, mesh.successor
-    vertex, edge = near_pairs(vertices, vertices, mesh.edge_ends, width)
+    if shapely is None:
+        vertex, edge = near_pairs(vertices, vertices, mesh.edge_ends, width)
+    else:
+        edges = shapely.linestrings(np.stack((vertices, mesh.edge_ends), axis=1))
+        vertex, edge = shapely.STRtree(edges).query(shapely.points(vertices), predicate="dwithin", distance=width)
     end = after[edge]
     return bool(((edge != vertex) & (end != vertex) & (edge != after[vertex]) & (after[end] != vertex)).any())
 

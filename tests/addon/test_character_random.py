@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from mathutils import Matrix, Vector
 
-from test_character import LIMBS, capsule, face, figure, points, select
+from drawings import choose
+from test_character import LIMBS, capsule, face, figure, points
 
 pytestmark = pytest.mark.slow
 
@@ -42,7 +43,7 @@ class Animator:
 
     def rig(self) -> None:
         """Regenerates."""
-        select(*self.parts, self.armature)
+        choose(*self.parts, self.armature)
         assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
         bpy.ops.object.mode_set(mode="OBJECT")
 
@@ -87,14 +88,14 @@ class Animator:
         part = face(f"Part {self.count}", capsule((x, y), (x + 0.02, y), 0.6 * radius))
         part.matrix_world = self.armature.matrix_world @ part.matrix_world
         self.names.append(part.name)
-        select(part, self.cage)
+        choose(part, self.cage)
         assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
 
     def delete(self) -> None:
         """Deletes a part, and regenerates if the others stood in its space."""
         if len(self.names) > 6:
             name = self.random.choice(self.names)
-            select(bpy.data.objects[name])
+            choose(bpy.data.objects[name])
             bpy.ops.object.delete()
             self.names.remove(name)
             self.rest()
@@ -102,7 +103,7 @@ class Animator:
 
     def copy(self) -> None:
         """Goes on with a copy of all that is seen; the character that was copied stays as it is."""
-        select(*self.parts, self.cage, self.armature)
+        choose(*self.parts, self.cage, self.armature)
         kept = {obj.name for obj in bpy.context.selected_objects}
         assert bpy.ops.object.duplicate() == {"FINISHED"}
         copies = list(bpy.context.selected_objects)
@@ -112,7 +113,7 @@ class Animator:
         self.bones = next(obj.name for obj in copies if obj.type == "ARMATURE")
         self.names = [obj.name for obj in copies if obj.type != "ARMATURE" and "Cage" not in obj.name]
         if self.random.random() < 0.5:
-            select(self.random.choice(self.parts))
+            choose(self.random.choice(self.parts))
             assert bpy.ops.object.nested_cages_adopt() == {"FINISHED"}
         else:
             self.rig()
@@ -163,7 +164,7 @@ class Animator:
             if part.type == "MESH":
                 own = np.array([part.matrix_world @ vertex.co for vertex in part.data.vertices])
                 np.testing.assert_allclose(before[part.name], own, atol=1e-4, err_msg=part.name)
-        select(self.cage)
+        choose(self.cage)
         assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
         told = self.cage["nested_cages_check"], self.cage["nested_cages_finding"]
         assert told[0].startswith("Holds") or any(f"'{name}" in told[1] for name in self.names), told
