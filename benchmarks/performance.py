@@ -17,6 +17,7 @@ import re
 import subprocess
 import sys
 import time
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +33,7 @@ RUNS: dict[str, tuple[str, str]] = {
     "speed": ("speed.py --against bb3b310 --cases 48 --repeats 1", r"time |excess "),
     "corners": (
         "corners.py --against bb3b310",
-        r"\| (\| before|count 10|within 1 %, 10|loops|100,000|following 5|SVG of 1)",
+        r"\| (\| before|count 10|within 1 %, 10|loops \d|100,000|following 5|SVG of 1)",
     ),
     "start": ("start.py", r".*"),
     "slider": ("slider.py", r"500 |\| (slider|vertices|clearance)|The cages|$"),
@@ -94,7 +95,10 @@ def run(command: str) -> str:
 def as_markdown(printed: str, shown: str) -> str:
     """The lines that begin with a pattern, as they are if they have a table in Markdown, else as a block."""
     if "\n|---" in printed:
-        return "\n".join(line for line in printed.splitlines() if line.startswith("|---") or re.match(shown, line))
+        lines = ["", *printed.splitlines()]
+        return "\n".join(
+            line for before, line in pairwise(lines) if re.match(shown, before if line.startswith("|---") else line)
+        )
     lines = [line for line in printed.splitlines() if re.match(shown, line)]
     return "\n".join(["```text", *lines, "```"]) if any(lines) else ""
 
