@@ -33,7 +33,7 @@ RUNS: dict[str, tuple[str, str]] = {
     "speed": ("speed.py --against bb3b310 --cases 48 --repeats 1", r"time |excess "),
     "corners": (
         "corners.py --against bb3b310",
-        r"\| (\| before|count 10|within 1 %, 10|loops \d|100,000|following 5|SVG of 1)",
+        r"\| (\| before|within 1 %, 10|loops 1,|100,000|following 5|SVG of 100)",
     ),
     "start": ("start.py", r".*"),
     "slider": ("slider.py", r"500 |\| (slider|vertices|clearance)|The cages|$"),
