@@ -277,8 +277,8 @@ def page(rows: Sequence[str], count: int, options: argparse.Namespace) -> str:
 {max(options.sizes, default=LARGEST)} vertices. Each mechanism is switched off alone, and those that are named together
 at once. Excess and time are without it, relative to with it: above 1, it helps; a ratio is the geometric mean over the
 positions of a case. The first row switches nothing off and compares two positions: it is the noise. *Lost* are cages
-that cannot be made without it, *changed* those whose excess differs at all. [All columns](measured/ablation.txt), with
-shapes with needles, whose excess round-off decides, apart.
+that cannot be made without it, *changed* those whose excess differs at all. [All columns](measured/ablation.txt),
+shapes with needles apart.
 """
     cells = [[cell.strip() for cell in row.split("|")] for row in rows]
     idle = [name for _, _, name, lost, _, _, _, worst, *_ in cells if (lost, worst) == ("0", "1.000")]
