@@ -99,7 +99,8 @@ def _nested(context: bpy.types.Context, hidden: bool = False) -> list[list[bpy.t
     selected = [obj for obj in context.selected_objects if convert.readable(obj)]
     outputs = outputs_of_chosen(context)
     mine = [obj for obj in selected if ownership.level_of(obj) is not None]
-    plain = len(selected) > len(mine) and not any(ownership.outputs_of(scene_of(context), obj) for obj in selected)
+    others = [obj for obj in selected if obj not in mine]
+    plain = bool(others) and not any(ownership.outputs_about(scene_of(context), obj) for obj in others)
     drawings = {ownership.source_of(output) for output in outputs}
     if len(selected) > 1 and (not outputs or (len(drawings) == 1 and (plain or len(mine) > 1))):
         return [sorted(selected, key=lambda obj: (ownership.depth_of(obj), obj.dimensions.length))]

@@ -245,6 +245,15 @@ def test_rigging_again_fits_the_cage_to_new_parts() -> None:
     assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
 
 
+@pytest.mark.parametrize("chosen", ["a part and the cage", "two parts", "the cage and a part"])
+def test_verification_of_some_parts_is_that_of_their_character(chosen) -> None:
+    made = figure()
+    parts, (_, cage) = list(made.values()), rigged(made)
+    choose(*{"a part and the cage": (parts[0], cage), "two parts": parts[:2]}.get(chosen, (cage, parts[0])))
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    assert cage["nested_cages_check"].startswith("Holds")
+
+
 def test_verification_says_where_a_limb_folds_over_itself(capfd) -> None:
     """An elbow has room for 120 degrees, a neck of a head has not for 170."""
     armature, cage = rigged(figure())
