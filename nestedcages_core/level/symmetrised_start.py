@@ -34,8 +34,8 @@ def orbits_of(mesh: Mesh, symmetry: Symmetry) -> Orbits | None:
     return Orbits.of(mesh.vertices, mesh.successor, symmetry, NEGLIGIBLE * mesh.diagonal)
 
 
-def made_alike(start: Start, symmetry: Symmetry, *, inside: bool = False) -> Alike:
-    """A start with exact symmetry; inside: for a cage with reversed loops. Raises NestingError."""
+def made_alike(start: Start, symmetry: Symmetry, side: int) -> Alike:
+    """A start with exact symmetry, for a cage on a side of the fine mesh. Raises NestingError."""
     coarse = start.coarse
     orbits = orbits_of(coarse, symmetry)
     if orbits is None and start.makeshift_for is not None:
@@ -53,5 +53,5 @@ def made_alike(start: Start, symmetry: Symmetry, *, inside: bool = False) -> Ali
     return Alike(
         start._replace(coarse=exact, on_curve=on_curve),
         orbits,
-        Tie.of(orbits, coarse.loop_order.walked(-1 if inside else 1).successor),
+        Tie.of(orbits, coarse.loop_order.walked(side).successor),
     )

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from ...errors import NestingError
 from ...geometry.group import Symmetry
@@ -23,16 +22,13 @@ from ...geometry.precision import ROUND_OFF
 from ...parameters import check_flag, check_side
 from ...tasks import Stage, drain, mapped
 from ..alike import AsymmetricError, symmetrised
-from ..base import Count, Start
+from ..base import Count, Importance, Start
 from ..hull.narrow_gaps import CLEARANCE_RESERVE, HULL_OFFSET, without_gaps
 from ..hull.outer_hull import SOURCE as HULL
 from ..hull.outer_hull import OuterHull
 from ..on_curve import closest_on_curve
 from ..request import Request
 from .around import Around, NoCyclesError
-
-if TYPE_CHECKING:
-    from ..importance import Importance
 
 SOURCE = "line cycles"
 """Name of its meshes in reports."""

@@ -46,14 +46,14 @@ FIRST_CHUNK, MAX_CHUNK = 48, 384
 
 
 def put_on_grid(
-    cage: Mesh, fine: Mesh, grid: Grid, *, clearance: float, inside: bool, edge_cost: EdgeCost | None = None
+    cage: Mesh, fine: Mesh, grid: Grid, *, clearance: float, side: int, edge_cost: EdgeCost | None = None
 ) -> Stage[float, FloatArray | None]:
     """(m, 2) grid points for the vertices of a cage around a fine mesh, or inside it; None if none were found.
 
     clearance: smallest distance to keep from the fine mesh, above 0, as in the coordinates of the meshes. edge_cost:
     what is minimised; None: the area. A generator: yields a fraction after every improvement.
     """
-    search = _Search(cage, fine, grid, clearance, -1.0 if inside else 1.0, edge_cost)
+    search = _Search(cage, fine, grid, clearance, side, edge_cost)
     found: IntArray | None = None
     for reach in FIRST_REACHES:
         found = search.chosen(search.first_layers(reach))
@@ -89,7 +89,7 @@ class _Search:
     fine: Mesh
     grid: Grid
     clearance: float
-    sense: float
+    side: int
     """1 for a cage around the fine mesh, -1 for one inside it."""
     edge_cost: EdgeCost | None = None
     origin: IntArray = field(init=False)
@@ -114,13 +114,13 @@ class _Search:
             shares = self.edge_cost(vertex, p, q) / self.grid.spacing**2
             return np.asarray(shares + NEGLIGIBLE * norm((other - one).astype(np.float64)))
         a, b = (one - self.origin).astype(np.float64), (other - self.origin).astype(np.float64)
-        return np.asarray(0.5 * self.sense * cross(a, b) + NEGLIGIBLE * norm(b - a))
+        return np.asarray(0.5 * self.side * cross(a, b) + NEGLIGIBLE * norm(b - a))
 
     def first_layers(self, reach: int) -> _Layers:
         """Points near each vertex and its path outwards when its edges are shifted by a step."""
         cage, step = self.cage, self.grid.spacing
         along = cage.edge_ends - cage.vertices
-        n = self.sense * rotated_right(along) / norm(along)[:, None]
+        n = self.side * rotated_right(along) / norm(along)[:, None]
         both = n + n[cage.predecessor]
         push = 2.0 * both / np.maximum((both**2).sum(axis=1), 1e-12)[:, None]
         push *= np.minimum(1.0, MAX_PUSH / np.maximum(norm(push), 1e-12))[:, None] * PUSH * step
@@ -144,7 +144,7 @@ class _Search:
         sizes = [len(layer) for layer in layers.places]
         together = np.concatenate(layers.places)
         points = self.grid.points(together)
-        good = self.sense * self.distance.at(points).distance >= self.clearance
+        good = self.side * self.distance.at(points).distance >= self.clearance
         owner = np.repeat(np.arange(len(sizes)), sizes)
         reach = float(norm(points - layers.centres[owner]).max())
         for vertex, place, normal in _walls(self.cage, layers.centres, 2.0 * reach):

@@ -42,7 +42,7 @@ class Symmetric(Need):
 
     def fill(self, plan: Plan) -> Plan:
         """The symmetry, and a symmetric outline."""
-        outline, notes = with_images(plan.outline, self.group, inside=plan.inside)
+        outline, notes = with_images(plan.outline, self.group, plan.side)
         return replace(plan, group=self.group, outline=outline).with_remarks(*notes)
 
     def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
@@ -112,10 +112,10 @@ def keeping(choices: Chosen, symmetry: Symmetry) -> Chosen:
     )
 
 
-def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tuple[Mesh, tuple[Fault, ...]]:
+def with_images(fine: Mesh, symmetry: Symmetry, side: int = 1) -> tuple[Mesh, tuple[Fault, ...]]:
     """A symmetric mesh for the decimation: the fine mesh, or the union with its images and a note.
 
-    inside: their intersection, for inner cages. Raises NestingError.
+    side: -1 for their intersection, for inner cages. Raises NestingError.
     """
     if orbits_of(fine, symmetry) is not None:
         return fine, ()
@@ -131,8 +131,8 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
     try:
         if symmetry.reverses:
             images = [Mesh(image.vertices, image.edges) for image in images]
-        together = overlay(images, intersection=inside)
-        if not inside:
+        together = overlay(images, intersection=side < 0)
+        if side > 0:
             together = _without_pockets(together, images)
         elif not together.has_loops_like(fine):
             raise InvalidMeshError(f"Together they leave {loops_in_words(together)}.", code="symmetry.not_found")
@@ -141,7 +141,7 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
             raise InvalidMeshError("The images of its vertices are not vertices of it.", code="symmetry.not_found")
         together = together.moved(orbits.symmetrised(together.vertices)).validated()
     except InvalidMeshError as error:
-        what = "inside" if inside else "around"
+        what = "around" if side > 0 else "inside"
         raise NestingError(
             f"No symmetric cage {what} the drawing and its images was found with {symmetry}: {error} Leave out the "
             "symmetry, or draw the shape more symmetric.",
@@ -150,7 +150,7 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
     area = together.area / fine.area
     if 100.0 * abs(area - 1.0) < NEGLIGIBLE:
         return together, ()
-    said = note("note.outline", on="inside" if inside else "", area=float(area), change=float(area - 1.0))
+    said = note("note.outline", on="" if side > 0 else "inside", area=float(area), change=float(area - 1.0))
     return together, (said,)
 
 
