@@ -12,10 +12,8 @@ from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from ..geometry.orbits import Orbits
+from ..geometry.precision import NEGLIGIBLE
 from ..solver.reduction import Tie
-
-ALIKE_TOLERANCE = 1e-6
-"""Distance between vertices of a mesh and the images of others, in diagonals, up to which it is symmetric."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +31,7 @@ class Alike:
 
 def orbits_of(mesh: Mesh, symmetry: Symmetry) -> Orbits | None:
     """The orbits of a mesh; None if it is not symmetric, vertex by vertex."""
-    return Orbits.of(mesh.vertices, mesh.successor, symmetry, ALIKE_TOLERANCE * mesh.diagonal)
+    return Orbits.of(mesh.vertices, mesh.successor, symmetry, NEGLIGIBLE * mesh.diagonal)
 
 
 def made_alike(start: Start, symmetry: Symmetry, *, inside: bool = False) -> Alike:

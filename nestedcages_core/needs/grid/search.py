@@ -18,6 +18,7 @@ from ...geometry.broad_phase import near_pairs
 from ...geometry.distance import point_edge
 from ...geometry.lattice import Grid
 from ...geometry.mesh import Mesh
+from ...geometry.precision import NEGLIGIBLE, ROUND_OFF
 from ...geometry.predicates import winding_number
 from ...geometry.shortest_cycle import shortest_cycle
 from ...geometry.signed_distance import SignedDistance
@@ -42,12 +43,6 @@ MAX_IMPROVEMENTS = 12
 
 FIRST_CHUNK, MAX_CHUNK = 48, 384
 """Number of fine vertices or edges measured together, first and later, when failed edges are left out."""
-
-LENGTH_COST = 1e-6
-"""Cost of a cage's length, in squared steps per step: of cages with the same area, the shortest has no spikes."""
-
-OFF_THE_WALL = 1e-9
-"""Distance from a line between two edges, in steps, that both keep."""
 
 
 def put_on_grid(
@@ -117,9 +112,9 @@ class _Search:
         if self.edge_cost is not None:
             p, q = self.grid.points(one), self.grid.points(other)
             shares = self.edge_cost(vertex, p, q) / self.grid.spacing**2
-            return np.asarray(shares + LENGTH_COST * norm((other - one).astype(np.float64)))
+            return np.asarray(shares + NEGLIGIBLE * norm((other - one).astype(np.float64)))
         a, b = (one - self.origin).astype(np.float64), (other - self.origin).astype(np.float64)
-        return np.asarray(0.5 * self.sense * cross(a, b) + LENGTH_COST * norm(b - a))
+        return np.asarray(0.5 * self.sense * cross(a, b) + NEGLIGIBLE * norm(b - a))
 
     def first_layers(self, reach: int) -> _Layers:
         """Points near each vertex and its path outwards when its edges are shifted by a step."""
@@ -154,7 +149,7 @@ class _Search:
         reach = float(norm(points - layers.centres[owner]).max())
         for vertex, place, normal in _walls(self.cage, layers.centres, 2.0 * reach):
             mine = np.flatnonzero(owner == vertex)
-            good[mine] &= (points[mine] - place) @ normal < -OFF_THE_WALL * self.grid.spacing
+            good[mine] &= (points[mine] - place) @ normal < -ROUND_OFF * self.grid.spacing
         return _Layers(layers.centres, [together[(owner == k) & good] for k in range(len(sizes))])
 
     def chosen(self, layers: _Layers) -> IntArray | None:

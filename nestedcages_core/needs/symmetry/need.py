@@ -12,6 +12,7 @@ from ...decimation.base import LEAST_PER_LOOP
 from ...errors import Fault, InvalidMeshError, NestingError, note
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
+from ...geometry.precision import NEGLIGIBLE
 from ...geometry.predicates import winding_number
 from ...geometry.vectors import rotated_right
 from ...level.attempts import default_contact
@@ -28,17 +29,9 @@ Chosen = TypeVar("Chosen", bound=Choices)
 SPECK = 1e-3
 """Area, as a fraction of the whole, below which holes between a drawing and its images are filled."""
 
-BESIDE = 1e-6
-"""Distance of a point in a hole from the middle of its longest edge, in lengths of that."""
-
-NEGLIGIBLE_SHIFT = 1e-6
-"""Shift of a symmetry to a grid, in diagonals, below which there is no note."""
 
 MOST_OF_ALL_IMAGES = 100_000
 """Vertices of a drawing and its images: more take minutes to overlay."""
-
-NEGLIGIBLE_CHANGE = 1e-6
-"""Change of the area, in per cent, below which there is no note."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +74,7 @@ def on_lattice(symmetry: Symmetry, numbers: Numbers, fine: Mesh) -> tuple[Symmet
     after = numbers.exact(before)
     moved: Symmetry = replace(symmetry, **{name: tuple(after.tolist())})  # type: ignore[type-var]
     shift = float(np.abs(after - before).max())
-    if shift <= NEGLIGIBLE_SHIFT * fine.diagonal:
+    if shift <= NEGLIGIBLE * fine.diagonal:
         return moved, ()
     return moved, (note("note.symmetry", on="grid", symmetry=str(moved), difference=shift),)
 
@@ -155,7 +148,7 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
             code="symmetry.not_found",
         ) from error
     area = together.area / fine.area
-    if 100.0 * abs(area - 1.0) < NEGLIGIBLE_CHANGE:
+    if 100.0 * abs(area - 1.0) < NEGLIGIBLE:
         return together, ()
     said = note("note.outline", on="inside" if inside else "", area=float(area), change=float(area - 1.0))
     return together, (said,)
@@ -167,7 +160,7 @@ def _without_pockets(union: Mesh, images: Sequence[Mesh]) -> Mesh:
     kept = [k for k in holes.tolist() if abs(union.loop_areas[k]) >= SPECK * union.area]
     longest = [union.loops[k][np.argmax(union.edge_lengths[union.loops[k]])] for k in kept]
     start, end = union.vertices[longest], union.edge_ends[longest]
-    points = 0.5 * (start + end) + BESIDE * rotated_right(end - start)
+    points = 0.5 * (start + end) + NEGLIGIBLE * rotated_right(end - start)
     for image in images:
         around = [image.loops[k] for k in np.flatnonzero(image.loop_signs > 0)]
         covered = np.zeros(len(points), bool)
