@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from datetime import date
+from functools import cache
 from pathlib import Path
 
 from clone import ROOT
@@ -39,8 +40,9 @@ def stamp() -> str:
     return f"commit {commit()}, {date.today()}"
 
 
+@cache
 def commit() -> str:
-    """The commit of this clone, with a sign where files differ from it."""
+    """The commit of this clone when first asked, with a sign where files differ from it."""
     told = subprocess.run(
         ["git", "describe", "--always", "--dirty=+", "--exclude=*"],
         cwd=ROOT,
