@@ -23,7 +23,7 @@ def measured(page: Path, name: str, command: str, printed: str, shown: str) -> N
     kept = MEASURED / f"{name}.txt"
     kept.write_text(f"{command}\n{of}\n\n{printed.strip()}\n", encoding="utf-8")
     link = Path(os.path.relpath(kept, page.parent)).as_posix()
-    put(page, name, f"{shown}\n\n`{command}`, {of}: [all that it printed]({link}).".strip())
+    put(page, name, f"{shown}\n\n`{command}`, {of}: [output]({link}).".strip())
 
 
 def put(page: Path, name: str, text: str) -> None:
