@@ -28,7 +28,10 @@ def whole_numbers(x: Any) -> tuple[Any, int]:
     digits, power = np.frexp(x)  # a double has 53 binary digits
     power = np.where(digits == 0.0, 0, power - 53)
     lowest = int(power.min(initial=0))
-    return (digits * 2.0**53).astype(np.int64).astype(object) << (power - lowest).astype(object), 2**-lowest
+    whole = (digits * 2.0**53).astype(np.int64).astype(object) << (power - lowest).astype(object)
+    bits = int(np.bitwise_or.reduce(whole.ravel(), initial=0))
+    zeros = max(0, min(-lowest, (bits & -bits).bit_length() - 1))
+    return whole >> zeros, 2 ** (-lowest - zeros)
 
 
 def dot_cross(u: Any, v: Any) -> tuple[Any, Any]:
