@@ -59,6 +59,8 @@ def bind(context: bpy.types.Context, collection: bpy.types.Collection, method: s
     levels = _levels(context, collection)
     yield Progress(0.0, STAGE)
     try:
+        if any(map(field.followed, levels)):  # bound, which a spoilt record does not say
+            unbind(collection)
         stage.leave(collection)
         for obj in levels:
             shown.park(obj)

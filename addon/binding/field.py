@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
+from contextlib import AbstractContextManager
 from typing import Final
 
 import bpy
@@ -150,17 +150,9 @@ def _proxy(empty: bpy.types.Object) -> bpy.types.Object:
     return made
 
 
-@contextmanager
-def unposed(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
+def unposed(objects: Iterable[bpy.types.Object]) -> AbstractContextManager[None]:
     """Temporarily shows the own shapes of drawings that follow their cages."""
-    found = [m for obj in objects for m in obj.modifiers if m.name == FOLLOW and m.show_viewport]
-    for modifier in found:
-        modifier.show_viewport = False
-    try:
-        yield
-    finally:
-        for modifier in found:
-            modifier.show_viewport = True
+    return display.unmodified(objects, FOLLOW)
 
 
 def _in(space: bpy.types.Object, cage: bpy.types.Object, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from .. import record
 from ..animation import shape_keys
 from ..core import outlines
-from ..scene import placement
+from ..scene import display, placement
 from ..scene.filling import loop_edges, mesh_of, points_of, stored
 from ..scene.plane import size
 from .rig import rest_points
@@ -103,12 +103,11 @@ def move(mesh: bpy.types.Mesh, offsets: NDArray[np.float64]) -> None:
 
 
 @contextmanager
-def unshaped(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
+def unshaped(objects: Sequence[bpy.types.Object]) -> Iterator[None]:
     """Temporarily disables the modifiers and shape keys of objects."""
     with ExitStack() as stack:
+        stack.enter_context(display.unmodified(objects))
         for obj in objects:
-            for modifier in obj.modifiers:
-                _set(stack, modifier, "show_viewport", False)
             if obj.data.shape_keys is not None:
                 _set(stack, obj, "active_shape_key_index", 0)
                 _set(stack, obj, "show_only_shape_key", True)

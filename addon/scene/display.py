@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from colorsys import hsv_to_rgb
+from contextlib import contextmanager
 from types import MappingProxyType
 from typing import Any
 
@@ -106,6 +107,23 @@ def remove_modifier(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None
             if socket.socket_type in NAMING:
                 set_input(modifier, socket.name, None)
     obj.modifiers.remove(modifier)
+
+
+@contextmanager
+def unmodified(objects: Iterable[bpy.types.Object], name: str = "") -> Iterator[None]:
+    """Temporarily hides the modifiers of objects in viewports, or those of a name.
+
+    They are found again by name: one that was removed meanwhile is memory that must not be written to.
+    """
+    found = [(obj, m.name) for obj in objects for m in obj.modifiers if m.show_viewport and name in {"", m.name}]
+    for obj, each in found:
+        obj.modifiers[each].show_viewport = False
+    try:
+        yield
+    finally:
+        for obj, each in found:
+            if each in obj.modifiers:
+                obj.modifiers[each].show_viewport = True
 
 
 def set_input(modifier: bpy.types.NodesModifier, name: str, value: object) -> None:

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry.arrays import TINY, FloatArray, IntArray
+from ..geometry.precision import NEGLIGIBLE
 from .pairs import Pairs
 
 HIT_DISTANCE = 0.05
@@ -32,8 +33,6 @@ REACH_MARGIN = 0.99
 DISCRIMINANT_ROUNDING = 1e-10
 """Size of a negative discriminant, relative to c1², up to which it counts as zero: the point grazes the line."""
 
-ROOT_MARGIN = 1e-6
-"""c has no root in [0, 1] where |c0| exceeds |c1| + |c2| by this fraction, rounding included."""
 
 MAX_LENGTHS = 8.0
 """Upper bound on the lengths |x| + |y| of two differences of positions, relative to the largest coordinate."""
@@ -108,7 +107,7 @@ class _Motion(NamedTuple):
     def may_meet(self, rounding: float) -> IntArray:
         """Indices of a superset of the pairs whose c has a root in [0, 1]; rounding: of a coefficient."""
         bound = np.abs(self.c1) + np.abs(self.c2)
-        return np.flatnonzero((1.0 - ROOT_MARGIN) * np.abs(self.c0) <= bound + rounding)
+        return np.flatnonzero((1.0 - NEGLIGIBLE) * np.abs(self.c0) <= bound + rounding)
 
 
 def _first_impact(motion: _Motion, near: FloatArray, resolution: float, rounding: float) -> FloatArray:

@@ -13,11 +13,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.precision import NEGLIGIBLE
 from ..solver.banded import BandOrder
 from ..solver.definite import Solve, factorised
-
-REGULARISATION = 1e-6
-"""Added to the cage's diagonal, for energies that leave a motion free. The Hessian of the area is of order 1."""
 
 ROUNDING_SHIFT = 1e-14
 """First shift of the unit diagonal of a system that rounding has made indefinite; also the smallest relative pivot."""
@@ -111,7 +109,7 @@ def _cage_solver(m: int, entries: FloatArray, row: IntArray, column: IntArray) -
     size, height = 2 * m, 2 * order.bandwidth + 2
     sums = np.bincount((column * height + row - column)[lower], entries[lower], size * height)
     band: FloatArray = sums.astype(np.float64, copy=False).reshape(size, height)  # integers where there are no entries
-    band[:, 0] += REGULARISATION
+    band[:, 0] += NEGLIGIBLE
     scale = _equal_diagonals(band[:, 0])
     beyond = np.concatenate([scale, np.zeros(height)])  # the band has places below the last row
     band *= scale[:, None] * sliding_window_view(beyond, height)[:size]

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.arrays import FloatArray
+from ..geometry.precision import ROUND_OFF
 from .ccd import impacts, largest_safe_step
 from .linearisation import Contacts, measure
 from .pairs import Bodies, Pairs
@@ -24,8 +25,6 @@ KEPT_DISTANCE = 0.5
 KEPT_GAP = 0.05
 """Distance that a motion must leave on top, as a fraction of the distance or of the working gap."""
 
-RESOLUTION = 1e-9
-"""Smallest distance to leave, as a fraction of the mean coarse edge length: rounding matters below it."""
 
 KEPT_UNRESOLVED = 0.99
 """Fraction that a motion must leave of a distance below the resolution."""
@@ -55,7 +54,7 @@ class FeasibilityRule:
         """(K,) distances that a motion must leave."""
         d = contacts.distance
         least = np.minimum(self.clearance, KEPT_DISTANCE * d) + KEPT_GAP * np.minimum(d, self.gap)
-        resolved = RESOLUTION * self.bodies.cage_edge_length
+        resolved = ROUND_OFF * self.bodies.cage_edge_length
         return np.maximum(least, np.minimum(KEPT_UNRESOLVED * d, resolved))
 
     def fraction(self, pairs: Pairs, contacts: Contacts, x: FloatArray, motion: FloatArray, shortest: float) -> float:

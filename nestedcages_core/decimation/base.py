@@ -10,6 +10,8 @@ from typing import NamedTuple, Protocol, TypeAlias, runtime_checkable
 import numpy as np
 
 from ..errors import Fault, NestingError, note
+from ..geometry.arrays import BoolArray, FloatArray
+from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
 
@@ -31,6 +33,28 @@ class Decimation(Protocol):
 
         Raises NestingError.
         """
+        ...
+
+
+class Importance(Protocol):
+    """What a need says of a shape to a decimation, in input units."""
+
+    @property
+    def weights(self) -> FloatArray | None: ...
+    @property
+    def min_edge(self) -> float | None: ...
+    @property
+    def min_angle(self) -> float | None: ...
+    def at(self, points: FloatArray) -> FloatArray:
+        """(P,) weight at the closest place on the shape to each of the points (P, 2)."""
+        ...
+
+    def pinned(self, outline: Loops) -> BoolArray:
+        """(n,) the vertices of an outline that the decimation keeps."""
+        ...
+
+    def with_vertices(self, outline: Loops, most: float = np.inf) -> Loops:
+        """The outline with additional vertices at places that keep one, as long as it has at most so many."""
         ...
 
 

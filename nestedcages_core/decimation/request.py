@@ -11,12 +11,9 @@ from ..errors import InvalidMeshError
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh, Nesting
+from ..geometry.precision import ROUND_OFF
 from ..geometry.vectors import cross, norm
 from .base import LEAST_PER_LOOP, Count, checked_budget
-
-TIE_TOLERANCE = 1e-9
-"""Lengths, in diagonals, that differ by less count as equal: far above round-off, far below what a user draws."""
-
 
 MAX_TIED = 64
 """Number of equally far vertices that are compared: round shapes have more, which differ in nothing."""
@@ -117,7 +114,7 @@ def _first_of(candidates: IntArray, points: FloatArray, tie: float) -> int:
 
 def canonical_order(fine: Mesh) -> tuple[Loops, IntArray]:
     """The loops of a mesh, largest first, each from the vertex farthest from its centre; and their numbers (L,)."""
-    tie, corner = TIE_TOLERANCE * fine.diagonal, fine.vertices.min(axis=0)
+    tie, corner = ROUND_OFF * fine.diagonal, fine.vertices.min(axis=0)
     rings, keys = [], []
     for loop, area in zip(fine.loops, fine.loop_areas, strict=True):
         points = fine.vertices[loop]

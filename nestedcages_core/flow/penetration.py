@@ -17,6 +17,7 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs, split_by
+from ..geometry.precision import INPUT_ROUND_OFF
 from ..geometry.signed_distance import SignedDistance
 from ..geometry.vectors import inner, norm
 from .loop_matching import Matching, outer_loops
@@ -25,9 +26,6 @@ from .samples import EdgeSamples, Spacing, coarse_samples, fine_samples, local_m
 COMFORTABLE_MARGIN = 1.0 / 3.0
 """Fraction of the margin at which the flow may stop."""
 
-INPUT_ROUND_OFF = 1e-12
-"""Distance, as a fraction of the largest coordinate, up to which meshes touch: rounding of inputs far from the origin
-included."""
 
 MANY_POINTS = 200
 """Number of coarse samples from which it pays to tell parts of a loop that move from those that rest (measured)."""

@@ -7,9 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-DOUBLED = 1e-6
-"""Neighbours closer than this fraction of the drawing's size are the same point: curves and imported drawings repeat
-points where two pieces meet, up to rounding of float32."""
+from .precision import NEGLIGIBLE
 
 SMALLEST_LOOP = 3
 """Minimum number of points of a closed loop."""
@@ -57,9 +55,9 @@ def chains(edges: NDArray[np.int64], vertex_count: int) -> Chains:
 
 
 def without_doubles(points: NDArray[np.float32], extent: float) -> NDArray[np.float32]:
-    """A closed loop (k, 3) without points closer to the one before than `DOUBLED` of `extent`."""
+    """A closed loop (k, 3) without points closer to the one before than `NEGLIGIBLE` of `extent`."""
     gaps = np.linalg.norm(points.astype(float) - np.roll(points, 1, axis=0).astype(float), axis=1)
-    kept = gaps > DOUBLED * extent
+    kept = gaps > NEGLIGIBLE * extent
     return points if kept.all() else points[kept]
 
 

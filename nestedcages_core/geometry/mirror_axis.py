@@ -7,13 +7,11 @@ import numpy as np
 from .all_pairs import nearest
 from .arrays import FloatArray
 from .mesh import Mesh
+from .precision import NEGLIGIBLE, ROUND_OFF
 from .vectors import norm
 
-EXACT = 1e-6
-"""Distance between vertices and images of others, in diagonals, up to which a mesh is symmetric."""
-
-ROUND_OFF, MAX_TRIED = 1e-9, 4
-"""Relative error of a convolution; number of axes that are tried."""
+MAX_TRIED = 4
+"""Number of axes that are tried."""
 
 
 def mirror_axis(mesh: Mesh) -> tuple[FloatArray, FloatArray] | None:
@@ -28,7 +26,7 @@ def mirror_axis(mesh: Mesh) -> tuple[FloatArray, FloatArray] | None:
     away = norm(points - centre)
     spectrum = np.fft.rfft(away)
     sums, whole = np.fft.irfft(spectrum * spectrum, len(away)), float(away @ away)
-    tolerance = EXACT * mesh.diagonal
+    tolerance = NEGLIGIBLE * mesh.diagonal
     for total in np.argsort(-sums)[:MAX_TRIED].tolist():
         if sums[total] < (1.0 - ROUND_OFF) * whole:
             return None

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..decimation.base import LEAST_PER_LOOP
 from ..errors import NestedCagesError, NestingError
-from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like
+from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, by_side, is_mesh_like
 from ..level.attempts import clearances_for
 from ..level.builder import LevelBuilder
 from ..level.plan import Plan
@@ -105,7 +105,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
     seconds = inf if settings.seconds is None else settings.seconds
     deadline = perf_counter() + seconds
     fine, wanted = _checked(fine, levels, convex=settings.convex, merges=settings.merge is not None)
-    about = _about(settings, fine, inside=side < 0)
+    about = _about(settings, fine, side)
     settings, needs, remarks = needs_of(settings, about)
     if settings.merge is not None:
         if side < 0:
@@ -164,15 +164,15 @@ def _time_over(seconds: float, reached: Progress) -> NestedCagesError:
     )
 
 
-def _about(settings: Settings, fine: Mesh, *, inside: bool) -> Mesh:
+def _about(settings: Settings, fine: Mesh, side: int) -> Mesh:
     """The mesh that the settings are about. Raises NestingError if it is no mesh inside the fine one, or around it."""
     if settings.about is None or settings.about is fine:
         return fine
     about = settings.about.validated()
     same = np.array_equal(about.vertices, fine.vertices) and np.array_equal(about.edges, fine.edges)
-    if not same and not verify(*((about, fine) if inside else (fine, about)), same_loops=False):
+    if not same and not verify(*by_side(fine, about, side), same_loops=False):
         raise NestingError(
-            f"The mesh that the settings are about does not lie {'around' if inside else 'in'} the fine one.",
+            f"The mesh that the settings are about does not lie {'in' if side > 0 else 'around'} the fine one.",
             code="coarse.not_nested",
         )
     return about

@@ -98,7 +98,7 @@ class Assembly:
             seconds=dict(self.progress.seconds),
             notes=notes,
         )
-        return Level(self.fine, coarse, cage, *way, report, inside=self.plan.inside)
+        return Level(self.fine, coarse, cage, *way, report, side=self.plan.side)
 
     def untightened(
         self, attempt: Attempt, starts: Sequence[Start], notes: tuple[Fault, ...]
@@ -149,7 +149,7 @@ def deviations(plan: Plan, cage: Mesh, clearance: float, wanted: float) -> tuple
     if not cage.has_loops_like(plan.fine):
         notes = (note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(plan.fine)), *notes)
     if clearance < wanted:
-        on = "inside" if plan.inside else "gaps"
+        on = "inside" if plan.side < 0 else "gaps"
         notes = (note("note.clearance", on=on, wanted=wanted, given=clearance), *notes)
     return notes
 

@@ -17,13 +17,12 @@ from ..errors import FlowError, NestingError
 from ..flow import FlowMethod
 from ..flow.loop_matching import match_loops
 from ..geometry.mesh import Mesh
+from ..geometry.precision import INPUT_ROUND_OFF
 from .choices import DEFAULT_CLEARANCE, Choices
 
 CLEARANCE_REDUCTION = 0.1
 """Factor on the default clearance where the gaps of the fine mesh are too narrow for it."""
 
-MIN_DEFAULT_CLEARANCE = 1e-12
-"""Lower bound of the default clearance after all reductions, as a fraction of the diagonal."""
 
 MAX_CLEARANCE = 1e6
 """Upper bound of a clearance in diagonals: beyond it, floating-point numbers cannot represent the shape."""
@@ -189,7 +188,7 @@ def clearances_for(settings: Choices, fine: Mesh) -> tuple[float, ...]:
     wanted, diagonal = settings.clearance, fine.diagonal
     if wanted is None:
         lengths = [DEFAULT_CLEARANCE * diagonal]
-        while lengths[-1] * CLEARANCE_REDUCTION >= MIN_DEFAULT_CLEARANCE * diagonal:
+        while lengths[-1] * CLEARANCE_REDUCTION >= INPUT_ROUND_OFF * diagonal:
             lengths.append(lengths[-1] * CLEARANCE_REDUCTION)
         return tuple(lengths)
     if wanted > MAX_CLEARANCE * diagonal:

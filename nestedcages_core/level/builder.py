@@ -20,7 +20,6 @@ from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh, Nesting
 from ..tasks import Stage
-from ..verification import verify
 from ..verification.motion import certifying
 from .assembly import Assembly, CageInProgress, deviations, in_words, is_only_too_close
 from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn
@@ -124,7 +123,7 @@ class LevelBuilder:
                 if attempt.tightened:
                     failures.append(error)
                     started += [error] if self.starts and isinstance(attempt.source, CurveStarts) else []
-        if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.inside:
+        if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.side < 0:
             raise (started or failures)[-1]
         from .counts import with_least  # for the message
 
@@ -181,7 +180,7 @@ class LevelBuilder:
         """The coarse meshes of an attempt, at least one."""
         source = attempt.source
         if isinstance(source, Mesh):
-            if self.plan.inside and not verify(self.fine, source):
+            if self.plan.side < 0 and not self.plan.verify(source, 0.0):
                 raise NestingError(
                     "The coarse mesh does not lie strictly inside the fine one, loop by loop; move it inside, or give "
                     "a vertex count.",
@@ -200,7 +199,7 @@ class LevelBuilder:
         alike = None if self.symmetry is None else self._alike(start, self.symmetry)
         start = start if alike is None else alike.start
         unit_coarse = self.units.from_input(start.coarse)
-        if self.plan.inside:  # it rests inside the fine mesh: nothing flows
+        if self.plan.side < 0:  # it rests inside the fine mesh: nothing flows
             flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
             resting = Reinflation(self.unit_fine.vertices[None], unit_coarse.vertices[None], 0)
             return self._bound(attempt, CageInProgress(start, unit_coarse, flow, resting, alike))
@@ -241,7 +240,7 @@ class LevelBuilder:
     def _alike(self, start: Start, group: Symmetry) -> Alike:
         from .symmetrised_start import made_alike
 
-        return made_alike(start, group, inside=self.plan.inside)
+        return made_alike(start, group, self.plan.side)
 
     def _tightened(self, cage: CageInProgress, clearance: float) -> Stage[Progress, CageInProgress]:
         """The cage tightened at a clearance in the input's units."""
@@ -278,7 +277,7 @@ class LevelBuilder:
         if cage.is_measure and cage.energy is not None:
             return cage.energy.after(vertices).value(vertices, successor) / self.unit_fine.area
         excess = self.plan.side * (signed_area(vertices, successor) / self.unit_fine.area - 1.0)
-        return excess if self.plan.inside or len(cage.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
+        return excess if self.plan.side < 0 or len(cage.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
 
     def _certified(self, attempt: Attempt, cage: CageInProgress, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The level of a cage, at the largest clearance of the attempt that can be certified."""

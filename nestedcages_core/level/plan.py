@@ -13,7 +13,7 @@ from ..energies import CageEnergy
 from ..errors import Fault
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
-from ..geometry.mesh import Mesh
+from ..geometry.mesh import Mesh, by_side
 from ..tasks import Stage
 from ..verification import Certificate, verify
 from .progress import LevelProgress
@@ -151,18 +151,9 @@ class Plan:
             plan = need.fill(plan)
         return plan
 
-    @property
-    def inside(self) -> bool:
-        """Whether cages lie inside the fine mesh."""
-        return self.side < 0
-
-    def nested(self, cage: Mesh) -> tuple[Mesh, Mesh]:
-        """What is outside, and what is inside."""
-        return (self.fine, cage) if self.inside else (cage, self.fine)
-
     def verify(self, cage: Mesh, clearance: float, *, same_loops: bool = True) -> Certificate:
         """The certificate of a cage of this plan; its excess is that of the outer mesh."""
-        return verify(*self.nested(cage), clearance, same_loops=same_loops)
+        return verify(*by_side(cage, self.fine, self.side), clearance, same_loops=same_loops)
 
     def possible(self, wanted: int) -> tuple[int, tuple[Fault, ...]]:
         """A number of vertices that the outline and all needs allow, and a note for each replacement."""
@@ -178,7 +169,7 @@ class Plan:
     def energy(self, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float) -> tuple[CageEnergy, bool]:
         """The energy with the terms of all needs, and whether there are any; see `Need.energy`."""
         changed = False
-        if self.inside:
+        if self.side < 0:
             from ..energies.lost_area import LostArea
 
             energy = energy.with_area(LostArea(units.from_input(self.fine).area))

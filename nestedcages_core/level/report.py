@@ -82,8 +82,13 @@ class Level(Drawable):
     flow: FlowResult
     reinflation: Reinflation
     report: NestingReport
-    inside: bool = False
-    """Whether the cage lies inside `fine`, as those of `inner_cages` do; verify(fine, cage) is then its certificate."""
+    side: int = 1
+    """1 for a cage around `fine`, -1 for one inside it, as those of `inner_cages`."""
+
+    @property
+    def inside(self) -> bool:
+        """Whether the cage lies inside `fine`; verify(fine, cage) is then its certificate."""
+        return self.side < 0
 
     @property
     def vertices(self) -> FloatArray:

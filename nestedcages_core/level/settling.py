@@ -123,7 +123,7 @@ class Settling:
         units = SolverUnits.of(level.fine)
         cage, fine = units.from_input(level.cage), units.from_input(level.fine)
         bodies = Bodies.of(cage, fine, side=self.plan.side)
-        energy = LostArea(fine.area) if level.inside else Area()
+        energy = Area() if level.side > 0 else LostArea(fine.area)
         clearance = units.clearance(level.report.wanted_clearance + self.rooms[0])
         run = self.choices.tightening.run(bodies, cage.vertices, fine.vertices, clearance=clearance, energy=energy)
         wider = [units.to_input(step) for step in run]
@@ -193,7 +193,7 @@ def _path(level: Level, vertices: FloatArray, spacing: float) -> Reinflation | N
     last = path.cage_steps[-1]
     if np.array_equal(last, vertices):
         return path  # a further step would be shown as frames without motion
-    walked = Bodies.of(level.cage, level.fine, side=-1 if level.inside else 1)
+    walked = Bodies.of(level.cage, level.fine, side=level.side)
     middle = 0.5 * (last + vertices)
     shift = np.ones(bodies.m) * spacing
     ways = [[last, vertices]]

@@ -48,7 +48,7 @@ def shrunk(level: Level) -> Level:
     """The level with a fine mesh that shrinks on inside the coarse one, as an animation shows it, and comes back before
     the reinflation; the same level if it lies inside, or where there is no room.
     """
-    if level.inside:
+    if level.side < 0:
         return level
     start, way = level.flow.steps[-1], level.reinflation
     further = as_stored(shrink(level.fine, level.coarse, start), level.report.stored)

@@ -12,10 +12,8 @@ from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from ..geometry.orbits import Orbits
+from ..geometry.precision import NEGLIGIBLE
 from ..solver.reduction import Tie
-
-ALIKE_TOLERANCE = 1e-6
-"""Distance between vertices of a mesh and the images of others, in diagonals, up to which it is symmetric."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,11 +31,11 @@ class Alike:
 
 def orbits_of(mesh: Mesh, symmetry: Symmetry) -> Orbits | None:
     """The orbits of a mesh; None if it is not symmetric, vertex by vertex."""
-    return Orbits.of(mesh.vertices, mesh.successor, symmetry, ALIKE_TOLERANCE * mesh.diagonal)
+    return Orbits.of(mesh.vertices, mesh.successor, symmetry, NEGLIGIBLE * mesh.diagonal)
 
 
-def made_alike(start: Start, symmetry: Symmetry, *, inside: bool = False) -> Alike:
-    """A start with exact symmetry; inside: for a cage with reversed loops. Raises NestingError."""
+def made_alike(start: Start, symmetry: Symmetry, side: int) -> Alike:
+    """A start with exact symmetry, for a cage on a side of the fine mesh. Raises NestingError."""
     coarse = start.coarse
     orbits = orbits_of(coarse, symmetry)
     if orbits is None and start.makeshift_for is not None:
@@ -55,5 +53,5 @@ def made_alike(start: Start, symmetry: Symmetry, *, inside: bool = False) -> Ali
     return Alike(
         start._replace(coarse=exact, on_curve=on_curve),
         orbits,
-        Tie.of(orbits, coarse.loop_order.walked(-1 if inside else 1).successor),
+        Tie.of(orbits, coarse.loop_order.walked(side).successor),
     )

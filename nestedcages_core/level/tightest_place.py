@@ -11,11 +11,9 @@ from ..decimation.hull.small_holes import largest_circle
 from ..errors import Fault
 from ..geometry.arrays import IntArray
 from ..geometry.mesh import Mesh
+from ..geometry.precision import NEGLIGIBLE
 from ..geometry.signed_distance import EdgeSearch
 from ..geometry.vectors import place
-
-BOUND_ROUNDING = 1e-6
-"""Relative difference between a bound and the wanted clearance that counts as rounding."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,7 @@ def tightest_place(fine: Mesh) -> Bound | None:
 def too_narrow(fine: Mesh, wanted: float) -> Fault | None:
     """Why no cage with the loops of a mesh can keep a clearance; None if no bound says so."""
     bound = tightest_place(fine)
-    return None if bound is None or bound.clearance > (1.0 + BOUND_ROUNDING) * wanted else bound.message(wanted)
+    return None if bound is None or bound.clearance > (1.0 + NEGLIGIBLE) * wanted else bound.message(wanted)
 
 
 def _bounds(fine: Mesh) -> Iterator[Bound]:

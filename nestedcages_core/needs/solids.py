@@ -14,15 +14,9 @@ from ..errors import InvalidMeshError, NestedCagesError
 from ..geometry.arrays import FloatArray
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
+from ..geometry.precision import INPUT_ROUND_OFF, ROUND_OFF
 from ..geometry.predicates import winding_number
 from ..geometry.vectors import cross, norm
-
-MERGED = 1e-9
-"""Distance, in diagonals, below which vertices are merged and a vertex lies on an edge."""
-
-NEGLIGIBLE_LOOP = 1e-12
-"""Area, in squared diagonals, below which a loop of an overlay is dropped."""
-
 
 OVERLAID_AT_ONCE = 8
 """Meshes: n that all overlap cross each other in n² places, but the unions of a few in about as many as they have
@@ -53,7 +47,7 @@ def mesh_of(solid: Any) -> Mesh:
 
 
 def overlay(meshes: Sequence[Mesh], *, intersection: bool = False) -> Mesh:
-    """The union of the solids of some meshes, or their intersection, accurate to `MERGED`.
+    """The union of the solids of some meshes, or their intersection, accurate to `ROUND_OFF`.
 
     Raises InvalidMeshError where the result is empty or its loops touch, NestedCagesError where shapely is missing.
     """
@@ -69,15 +63,15 @@ def _overlay(meshes: Sequence[Mesh], intersection: bool) -> Mesh:
     points = np.concatenate([mesh.vertices for mesh in meshes])
     origin, diagonal = points.mean(axis=0), float(np.hypot(*np.ptp(points, axis=0)))
     rings = [shapely.LinearRing(ring - origin) for mesh in meshes for ring in mesh.rings]
-    lines = shapely.union_all(rings, grid_size=MERGED * diagonal)
+    lines = shapely.union_all(rings, grid_size=ROUND_OFF * diagonal)
     faces = shapely.polygonize(list(getattr(lines, "geoms", [lines]))).geoms
     probes = np.array([face.representative_point().coords[0] for face in faces]).reshape(-1, 2) + origin
     within = [winding_number(probes, mesh.vertices, mesh.edge_ends) > 0 for mesh in meshes]
     chosen = np.all(within, axis=0) if intersection else np.any(within, axis=0)
     together = shapely.coverage_union_all([face for face, inside in zip(faces, chosen, strict=True) if inside])
-    if together.area <= NEGLIGIBLE_LOOP * diagonal**2:
+    if together.area <= INPUT_ROUND_OFF * diagonal**2:
         raise InvalidMeshError("The shapes have nothing in common.", code="overlay.empty")
-    tree, tolerance = scipy.spatial.cKDTree(points), 2.0 * MERGED * diagonal
+    tree, tolerance = scipy.spatial.cKDTree(points), 2.0 * ROUND_OFF * diagonal
 
     def back(at: FloatArray) -> FloatArray:
         """Places before they were moved to the grid: exactly those of vertices."""
@@ -86,7 +80,7 @@ def _overlay(meshes: Sequence[Mesh], intersection: bool) -> Mesh:
 
     rings = _rings(shapely.transform(together, back), tolerance)
     rings = [ring[(tree.query(ring)[0] == 0.0) | (_bends(ring) > tolerance)] for ring in rings if len(ring) > 2]
-    return Mesh.from_loops([ring for ring in rings if len(ring) > 2 and _area(ring) > NEGLIGIBLE_LOOP * diagonal**2])
+    return Mesh.from_loops([ring for ring in rings if len(ring) > 2 and _area(ring) > INPUT_ROUND_OFF * diagonal**2])
 
 
 def _rings(solid: Any, tolerance: float = 0.0) -> list[FloatArray]:

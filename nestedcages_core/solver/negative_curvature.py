@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import NestedCagesError
 from ..geometry.arrays import BoolArray, FloatArray
+from ..geometry.precision import NEGLIGIBLE
 from ..geometry.vectors import inner
 from .banded import BandedSystem, BandOrder
 from .quadratic_program import MAX_DAMPINGS, NOT_FINITE, QuadraticProgram, block_scale
@@ -25,9 +26,6 @@ INVERSE_ITERATIONS = 12
 
 FIRST_SPECTRAL_SHIFT, SPECTRAL_SHIFT_GROWTH = 0.03, 3.0
 """First shift that may make the matrix positive definite, relative to the largest block of W; factor to the next."""
-
-SMALLEST_CURVATURE = 1e-6
-"""Negative curvature below this fraction of the largest block of W counts as zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +65,7 @@ def negative_curvature(program: QuadraticProgram, order: BandOrder, active: Bool
         growth = inner(v, w)
         v = w
     curvature = 1.0 / growth - shift
-    if curvature > -SMALLEST_CURVATURE * scale:
+    if curvature > -NEGLIGIBLE * scale:
         return None
     motion = system.of_vertices(v)
     longest = np.sqrt((motion**2).sum(axis=1).max())

@@ -13,6 +13,7 @@ import numpy as np
 from ..contact.linearisation import Contacts, measure
 from ..contact.pairs import Bodies, Pairs
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.precision import NEGLIGIBLE, ROUND_OFF
 
 MAX_PASSES = 10
 """Cap on the passes; each can violate the distances of neighbours, by much less."""
@@ -21,14 +22,9 @@ OVERSHOOT, LATE_OVERSHOOT, LATE_PASS = 1.02, 1.5, 3
 """Factor on every shift, so that passes end; larger from this pass on, where edges push each other back and forth by
 negligible lengths (docs/ablation.md: overshoot of restoration)."""
 
-SMALLEST_OVERSHOOT = 1e-6
-"""Added to every shift, as a fraction of the wanted distance, for the same reason."""
 
 NEARLY_STRAIGHT = 0.98
 """Cosine of the angle between neighbouring edges above which both get the larger of their shifts."""
-
-CORNER_REGULARISATION = 1e-9
-"""Added to the diagonal of the 2 × 2 normal equations of a vertex, which are singular at straight angles."""
 
 
 def restore(
@@ -46,7 +42,7 @@ def restore(
         wanted = required.take(short)
         missing = wanted - contacts.distance.take(short)
         missing *= OVERSHOOT if number < LATE_PASS else LATE_OVERSHOOT
-        missing += SMALLEST_OVERSHOOT * wanted
+        missing += NEGLIGIBLE * wanted
         x = x.copy()
         x[: bodies.m] += outward_correction(bodies, pairs, contacts, x, short, missing)
         contacts = measure(pairs, x, side)
@@ -86,9 +82,9 @@ def shift_edges(bodies: Bodies, cage: FloatArray, shift: FloatArray) -> FloatArr
     larger = np.maximum(shift, before_shift)
     own, other = np.where(straight, larger, shift), np.where(straight, larger, before_shift)
     # normal equations of n · e = own, p · e = other
-    xx = n_x * n_x + p_x * p_x + CORNER_REGULARISATION
+    xx = n_x * n_x + p_x * p_x + ROUND_OFF
     xy = n_x * n_y + p_x * p_y
-    yy = n_y * n_y + p_y * p_y + CORNER_REGULARISATION
+    yy = n_y * n_y + p_y * p_y + ROUND_OFF
     right_x, right_y = n_x * own + p_x * other, n_y * own + p_y * other
     determinant = xx * yy - xy * xy
     motion = np.stack([yy * right_x - xy * right_y, xx * right_y - xy * right_x], axis=1)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.arrays import TINY, FloatArray
+from ..geometry.precision import NEGLIGIBLE
 from ..solver.quadratic_program import QPSolution
 from .trial import Trial
 
@@ -16,9 +17,6 @@ shrinks."""
 
 GROWTH, SHRINKAGE = 2.5, 0.4
 """Factors on the longest motion of a good step, for the radius after it, and of one that was too long."""
-
-COLLAPSED_RADIUS = 1e-6
-"""Radius at which the region has collapsed, relative to the mean coarse edge length."""
 
 
 @dataclass(eq=False)
@@ -48,7 +46,7 @@ class TrustRegion:
     @property
     def collapsed(self) -> bool:
         """Whether the radius is too small for any progress."""
-        return self.largest_step < COLLAPSED_RADIUS * self.unit
+        return self.largest_step < NEGLIGIBLE * self.unit
 
     def update(self, solution: QPSolution, trial: Trial, value: float) -> None:
         """Update after a trial; value: the energy before it."""

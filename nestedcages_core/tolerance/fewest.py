@@ -22,7 +22,7 @@ from ..level.report import Level, Progress
 from ..tasks import Stage
 from ..tightening import Tightening, TighteningOutcome
 from .minimal_nested import Band
-from .reach import beyond, reach, stays_within
+from .reach import beyond, reach
 from .within import Within
 
 MAX_ROUNDS, SHARE_STEP = 5, 0.01
@@ -66,7 +66,7 @@ def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) 
     level = search.best
     if level is None:
         raise search.failure()
-    bound = search.bound if need.distance is not None and not builder.plan.inside else None
+    bound = search.bound if need.distance is not None and builder.plan.side > 0 else None
     told = need.note(len(level.cage.vertices), search.taken_by(level.cage), bound)
     return replace(level, report=replace(level.report, fewest=bound, notes=(*level.report.notes, told)))
 
@@ -125,7 +125,7 @@ class _Search:
 
     def __init__(self, need: Within, fine: Mesh, builder: LevelBuilder) -> None:
         self.need, self.fine, self.builder = need, fine, builder
-        self.inner = builder.fine
+        self.inner, self.side = builder.fine, builder.plan.side
         self.bound = LEAST_PER_LOOP * len(fine.loops)
         self.best: Level | None = None
         self.taken = np.inf
@@ -139,7 +139,7 @@ class _Search:
     def try_walks(self, strictly: float) -> Stage[Progress, None]:
         """Compute the bound, and try polygons of longest edges as starts."""
         distance = self.need.distance
-        if distance is None or self.builder.plan.inside:
+        if distance is None or self.side < 0:
             return
         yield from self.builder.progress.begin("decimation")
         bands = [Band(self.fine, k, distance) for k in range(len(self.fine.loops))]
@@ -205,7 +205,7 @@ class _Search:
     def _guess(self) -> Stage[Progress, int | None]:
         """About how many vertices an excess takes, by searches that know all numbers of them."""
         method, plan = self.builder.settings.decimation, self.builder.plan
-        needed = plan.inside or plan.needs or plan.group is not None
+        needed = plan.side < 0 or plan.needs or plan.group is not None
         if self.need.excess is None or needed or not isinstance(method, KnowsCounts):
             return None
         area, most = (1.0 + GAIN * self.need.limit) * self.fine.area, FIRST_MOST * len(self.inner.loops)
@@ -223,19 +223,14 @@ class _Search:
 
     def taken_by(self, cage: Mesh) -> float:
         """The distance or the excess of a cage; of one inside, those of the fine mesh around it."""
-        inside, distance = self.builder.plan.inside, self.need.distance
-        if distance is None:
-            return abs(cage.area / self.fine.area - 1.0)
-        taken = reach(*((self.fine, cage) if inside else (cage, self.fine)), SLACK * distance)
-        return min(taken, distance) if self.best is not None and cage is self.best.cage else taken
+        taken = self.need.measured(cage, self.fine, self.side, SLACK * self.need.limit)
+        if self.need.distance is None or self.best is None or cage is not self.best.cage:
+            return taken
+        return min(taken, self.need.distance)
 
     def is_met(self, cage: Mesh) -> bool:
         """Whether a cage stays within the tolerance."""
-        if not self.builder.plan.inside:
-            return self.need.is_met(cage, self.fine)
-        if self.need.distance is not None:
-            return stays_within(self.fine, cage, self.need.distance)
-        return self.taken_by(cage) <= self.need.limit
+        return self.need.is_met(cage, self.fine, self.side)
 
     def failure(self) -> NestedCagesError:
         """Why there is no level."""

@@ -23,6 +23,7 @@ import numpy as np
 from ..decimation.base import LEAST_PER_LOOP
 from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.mesh import Mesh
+from ..geometry.precision import NEGLIGIBLE, ROUND_OFF
 from ..geometry.signed_distance import EdgeSearch
 from ..geometry.vectors import cross, norm, rotated_left, rotated_right
 from .minimum_link import Corridor
@@ -42,8 +43,6 @@ FAN_STEP = 0.1
 LEAST_NOTCH = 0.02
 """Turn inwards, in radians, from which a corner is looked at: polygons go beyond others by 5e-5 of the distance."""
 
-RELAXED = 1e-6
-"""Relative width by which the gates of the bound are longer than the distance, to stay above rounding."""
 
 RESERVE = 1e-3
 """Relative width by which the gates of the walk are shorter."""
@@ -54,8 +53,6 @@ WALK_CLEARANCES = 1.05
 CORNER_HALVINGS = 12
 """Halvings of the distance between two gates, one of which is free and one not."""
 
-ANGLE_SLACK = 1e-9
-"""Radians by which a line may miss a gate before a run counts as too long, above the rounding of an angle."""
 
 BOUND_STARTS, WALK_STARTS = 2, 32
 """Gates of a loop from which links are counted, and from which walks start."""
@@ -183,8 +180,8 @@ class Band:
 
     def _free(self, places: FloatArray) -> BoolArray:
         found = self.boundary.at(places)
-        reach = self.search.closest(found.foot + (1.0 + RELAXED) * self.distance * found.normal).distance
-        return np.asarray(reach > (1.0 + 0.5 * RELAXED) * self.distance)
+        reach = self.search.closest(found.foot + (1.0 + NEGLIGIBLE) * self.distance * found.normal).distance
+        return np.asarray(reach > (1.0 + 0.5 * NEGLIGIBLE) * self.distance)
 
     def add(self, points: FloatArray) -> None:
         """Add gates around those that lead to points (N, 2), where they are free."""
@@ -231,5 +228,5 @@ class Band:
         return sorted(polygons, key=len)
 
     def _counting(self, clearance: float) -> Corridor:
-        ends = self.boundary.at(self.places).ends(clearance, (1.0 + RELAXED) * self.distance)
-        return Corridor(*ends, slack=ANGLE_SLACK)
+        ends = self.boundary.at(self.places).ends(clearance, (1.0 + NEGLIGIBLE) * self.distance)
+        return Corridor(*ends, slack=ROUND_OFF)

@@ -8,7 +8,7 @@ from math import isfinite
 import numpy as np
 
 from ..errors import Fault, NestedCagesError, note
-from ..geometry.mesh import Mesh
+from ..geometry.mesh import Mesh, by_side
 
 SMALL = 0.01
 """Part of a distance below which differences do not matter."""
@@ -41,24 +41,26 @@ class Within:
         """The largest distance or excess."""
         return float(self.distance if self.distance is not None else self.excess or 0.0)
 
-    def measured(self, cage: Mesh, fine: Mesh) -> float:
-        """The excess of a cage, or an upper bound on its distance."""
+    def measured(self, cage: Mesh, fine: Mesh, side: int = 1, slack: float = 0.0) -> float:
+        """The excess of a cage on a side, or an upper bound on its distance, too large by at most the slack."""
+        if self.distance is None:
+            return side * (cage.area / fine.area - 1.0)
         from .reach import reach  # imports triangulations, which few need
 
-        return reach(cage, fine) if self.distance is not None else cage.area / fine.area - 1.0
+        return reach(*by_side(cage, fine, side), slack)
 
     def note(self, count: int, taken: float, fewest: int | None = None) -> Fault:
         """What a cage of so many vertices takes of the limit; fewest: a lower bound on their number."""
         on = "excess" if self.distance is None else "distance" if fewest is None else "bounded"
         return note("note.tolerance", on=on, limit=self.limit, taken=float(taken), count=count, fewest=fewest)
 
-    def is_met(self, cage: Mesh, fine: Mesh) -> bool:
-        """Whether a cage stays within the limit."""
-        if self.distance is not None:
-            from .reach import stays_within
+    def is_met(self, cage: Mesh, fine: Mesh, side: int = 1) -> bool:
+        """Whether a cage on a side stays within the limit."""
+        if self.distance is None:
+            return self.measured(cage, fine, side) <= self.limit
+        from .reach import stays_within
 
-            return stays_within(cage, fine, self.limit)
-        return cage.area / fine.area - 1.0 <= self.limit
+        return stays_within(*by_side(cage, fine, side), self.limit)
 
     def __str__(self) -> str:
         if self.distance is not None:

@@ -9,11 +9,9 @@ import numpy as np
 from ..errors import Fault, InvalidMeshError
 from ..geometry.arrays import IntArray
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, Nesting, is_mesh_like
+from ..geometry.precision import ROUND_OFF
 from ..geometry.smallest_gap import smallest_gap
 from ..geometry.vectors import crossing_point, place
-
-CLEARANCE_TOLERANCE = 1e-9
-"""Relative shortfall of the measured clearance that is accepted; above the rounding of a distance."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +72,7 @@ def verify(cage: MeshLike, fine: MeshLike, clearance: float = 0.0, *, same_loops
         if same_loops and strict:
             problems += misplaced
     measured = 0.0 if contact else pair.gap()
-    if not contact and not measured >= clearance * (1.0 - CLEARANCE_TOLERANCE):  # nor is a clearance of nan kept
+    if not contact and not measured >= clearance * (1.0 - ROUND_OFF):  # nor is a clearance of nan kept
         said = f"The cage comes as near as {measured:.6g} to the fine mesh; {clearance:.6g} is asked for."
         problems.append(Fault(said, "cage.too_close", clearance=measured, wanted=clearance))
     excess = judged.area / judged_fine.area - 1.0

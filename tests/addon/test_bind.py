@@ -299,6 +299,30 @@ def test_rebinding_takes_the_cage_as_it_is() -> None:
     assert np.abs(evaluated(fine) - rest).max() < 1e-5
 
 
+@pytest.mark.parametrize("again", [True, False])
+def test_a_modifier_that_was_removed_meanwhile_is_not_written_to(addon, again) -> None:
+    obj = wire("Drawing", [star()])
+    obj.modifiers.new("Mine", "SMOOTH")
+    with addon.scene.display.unmodified([obj]):
+        assert not obj.modifiers["Mine"].show_viewport
+        obj.modifiers.clear()
+        if again:
+            obj.modifiers.new("Mine", "SMOOTH").show_viewport = False
+    assert [each.show_viewport for each in obj.modifiers] == [True] * again
+
+
+def test_what_is_bound_without_a_record_that_says_so_is_bound_once(addon) -> None:
+    _, collection, _, (cage,) = bound(wire, levels="12")
+    before = {obj.name: [m.name for m in obj.modifiers] for obj in bpy.data.objects}
+    of_before(addon, collection)
+    collection["nested_cages_bound"] = 2.5
+    bpy.context.view_layer.objects.active = cage
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    assert {obj.name: [m.name for m in obj.modifiers] for obj in bpy.data.objects} == before
+    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert not any(m.name == addon.binding.field.FOLLOW for obj in bpy.data.objects for m in obj.modifiers)
+
+
 def test_a_cage_that_no_longer_encloses_is_refused() -> None:
     _, _, fine, cages = bound(levels="12")
     put(cages[0], base(cages[0]) * (0.7, 0.7, 1.0))

@@ -25,9 +25,9 @@ from nestedcages_core import (
     verify,
 )
 from nestedcages_core.decimation import Start
+from nestedcages_core.geometry.precision import INPUT_ROUND_OFF
 from nestedcages_core.level.attempts import (
     MAX_CLEARANCE,
-    MIN_DEFAULT_CLEARANCE,
     Attempt,
     attempts,
     clearances_for,
@@ -141,7 +141,7 @@ class TestClearances:
         reduced = clearances_for(Settings(), fine)
         assert reduced[0] == pytest.approx(1e-5 * fine.diagonal)
         assert np.array(reduced[:-1]) == pytest.approx(10.0 * np.array(reduced[1:]))
-        assert reduced[-1] >= 0.99 * MIN_DEFAULT_CLEARANCE * fine.diagonal
+        assert reduced[-1] >= 0.99 * INPUT_ROUND_OFF * fine.diagonal
 
     def test_they_scale_with_the_mesh(self) -> None:
         near, far = (clearances_for(Settings(), Mesh.from_loops([scale * ring(5)])) for scale in (1.0, 1000.0))

@@ -347,7 +347,7 @@ def test_a_cage_is_tightened_again_at_each_smaller_clearance() -> None:
 
 
 def test_a_start_that_the_flow_entered_is_preferred_by_a_little() -> None:
-    builder: Any = SimpleNamespace(unit_fine=SimpleNamespace(area=1.0), plan=SimpleNamespace(inside=False, side=1))
+    builder: Any = SimpleNamespace(unit_fine=SimpleNamespace(area=1.0), plan=SimpleNamespace(side=1))
     unit_coarse = Mesh.from_loops([ring(4)])
     starts: Any = [
         SimpleNamespace(is_measure=False, unit_coarse=unit_coarse, flow=SimpleNamespace(steps=[0] * steps))

@@ -236,7 +236,7 @@ def test_writers_do_not_round() -> None:
 
 def test_the_search_yields_none_without_room() -> None:
     fine, cage = Mesh.from_loops([ring(4)]), Mesh.from_loops([ring(4, 1.001)])
-    search = put_on_grid(cage, fine, Grid(0.5), clearance=0.9, inside=True)
+    search = put_on_grid(cage, fine, Grid(0.5), clearance=0.9, side=-1)
     with pytest.raises(StopIteration) as end:
         while True:
             next(search)

@@ -19,6 +19,7 @@ METHOD = (
     "decimation",
     "energies",
     "flow",
+    "geometry/precision.py",
     "level",
     "needs",
     "solver",
@@ -28,7 +29,7 @@ METHOD = (
 )
 """Rooms of the method."""
 
-MAX_NAMED_NUMBERS = 440
+MAX_NAMED_NUMBERS = 405
 """Constants and default parameters of the method with numbers in them: lower it whenever one goes."""
 
 LOADED = "\nimport sys\nprint(*sorted(sys.modules))"
@@ -100,7 +101,8 @@ def named_numbers(tree: ast.Module) -> list[str]:
 
 
 def test_the_method_has_few_numbers_and_explains_each() -> None:
-    files = [file for room in METHOD for file in (ROOT / "nestedcages_core" / room).rglob("*.py")]
+    core = ROOT / "nestedcages_core"
+    files = [file for room in METHOD for file in ([core / room] if ".py" in room else (core / room).rglob("*.py"))]
     names = [name for file in files for name in named_numbers(ast.parse(file.read_text(encoding="utf-8")))]
     assert len(names) <= MAX_NAMED_NUMBERS
 

@@ -21,7 +21,6 @@ from nestedcages_core import (
     nested_cages,
     verify,
 )
-from nestedcages_core.decimation.importance import Importance
 from nestedcages_core.decimation.line_cycles.chain import Chain, Lines
 from nestedcages_core.decimation.line_cycles.free_rays import Obstacles
 from nestedcages_core.decimation.line_cycles.loop_search import shares
@@ -29,6 +28,7 @@ from nestedcages_core.decimation.line_cycles.method import HULL, SOURCE, cycles_
 from nestedcages_core.decimation.line_cycles.shortest_cycles import Paths
 from nestedcages_core.decimation.line_cycles.turns import Turns
 from nestedcages_core.decimation.request import Request
+from nestedcages_core.needs.priorities.importance import Importance
 from nestedcages_core.tasks import drain
 from shapes import annulus, assert_nested, comb, disc, islands, letter_a, polygon, ring, star
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -130,13 +131,19 @@ def test_a_pair_of_needs_is_kept_or_has_a_code(pair: tuple[str, ...]) -> None:
     assert (code := IMPOSSIBLE.get(frozenset(pair), "")) is None or made(pair, 0) == code
 
 
+def hull_is_near(fine: Mesh) -> bool:
+    """Whether the points of a drawing's convex hull are near it: where some are not, no convex cage is."""
+    drawing = shapely.Polygon(fine.vertices)
+    return bool(shapely.hausdorff_distance(drawing.convex_hull, drawing, densify=0.01) <= DISTANCE)
+
+
 @pytest.mark.thorough
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("pair", [pair for pair in PAIRS if frozenset(pair) not in IMPOSSIBLE], ids=" and ".join)
 def test_a_pair_of_needs_on_thirty_shapes(pair: tuple[str, ...]) -> None:
-    codes = [made(pair, seed) for seed in range(30)]
+    codes = [made(pair, seed) for seed in range(30) if set(pair) != {"convex", "within"} or hull_is_near(drawn(seed))]
     assert set(codes) <= UNLUCKY | {""}
-    assert codes.count("") >= 27
+    assert codes.count("") >= 0.9 * len(codes) > 20
 
 
 @pytest.mark.parametrize(

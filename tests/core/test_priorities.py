@@ -19,8 +19,8 @@ from nestedcages_core import (
     verify,
     verify_motion,
 )
-from nestedcages_core.decimation.importance import Importance
 from nestedcages_core.energies import CageEnergy
+from nestedcages_core.needs.priorities.importance import Importance
 from nestedcages_core.needs.priorities.limits import sharp_angles, short_edges
 from nestedcages_core.needs.priorities.need import sharpest_angle
 from nestedcages_core.needs.priorities.springs import Springs

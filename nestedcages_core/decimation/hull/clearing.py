@@ -12,6 +12,7 @@ from ...geometry.broad_phase import near_pairs
 from ...geometry.distance import point_edge
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
+from ...geometry.precision import NEGLIGIBLE
 from ..base import LEAST_PER_LOOP
 from .hull_moves import Weights
 from .narrow_gaps import CLEARANCE_RESERVE, in_narrow_gaps, without
@@ -24,8 +25,6 @@ MAX_WIDENINGS = 12
 STALLED_RATIO = 0.97
 """Ratio of the largest shortfalls after and before a step above which no further step is made."""
 
-NEGLIGIBLE_SHORTFALL = 1e-6
-"""Shortfall, as a fraction of the distance, that needs no further step: far within the reserve."""
 
 MAX_ROUNDS = 12
 """Maximum number of rounds that remove obstacles to wider steps: small details first, then narrow gaps."""
@@ -63,7 +62,7 @@ def _widened(outline: Loops, fine: Mesh, distance: float) -> tuple[Loops, bool]:
     for _ in range(MAX_WIDENINGS):
         missing = shortfall(outline, fine, distance)
         worst = float(missing.max())
-        if worst <= NEGLIGIBLE_SHORTFALL * distance:
+        if worst <= NEGLIGIBLE * distance:
             return outline, True
         if worst > STALLED_RATIO * last:
             break

@@ -19,9 +19,6 @@ from ..base import LEAST_PER_LOOP
 HULL_OFFSET = 5e-5
 """Distance, in diameters, between hull and fine mesh where there is space, unless the clearance is larger."""
 
-CLOSED_GAP_WIDTH = 1e-9
-"""Width, in diameters, below which gaps are filled first: no cage could keep a distance in them
-(docs/ablation.md: filling of gaps like round-off)."""
 
 CLEARANCE_RESERVE = 1.05
 """Distance in clearances that outlines keep where there is space: slack for later stages."""

@@ -13,12 +13,13 @@ from ...geometry.broad_phase import near_pairs
 from ...geometry.distance import point_edge
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
+from ...geometry.precision import ROUND_OFF
 from ...geometry.vectors import place as in_words
 from ...tasks import Stage, mapped
 from ..request import Request
 from .clearing import cleared, without_small_details
 from .hull_moves import Weights
-from .narrow_gaps import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, without_gaps
+from .narrow_gaps import CLEARANCE_RESERVE, HULL_OFFSET, without_gaps
 from .offset import offsetting
 from .progressive_hull import ProgressiveHull
 
@@ -37,7 +38,7 @@ MAX_LOOPS_LISTED = 8
 
 def greedy_hull(request: Request, clearance: float) -> Stage[float, Mesh]:
     """The hull of a request. Raises NestingError."""
-    outline = without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter)
+    outline = without_gaps(request.outline, ROUND_OFF * request.outline.diameter)
     plain = without_small_details(outline, 0.0)  # (docs/ablation.md: details like round-off built over)
     yield 0.0
     smallest: Loops | None = None

@@ -15,7 +15,7 @@ from ...geometry.mesh import Mesh
 from ...geometry.vectors import norm
 from ...tasks import Stage
 from ..alike import AsymmetricError, padded_alike
-from ..base import LEAST_PER_LOOP
+from ..base import LEAST_PER_LOOP, Importance
 from ..request import Request
 from .candidates import candidates
 from .chain import Chain, Lines, without_doubles
@@ -27,7 +27,6 @@ from .places import places, weights
 from .turns import SLACK
 
 if TYPE_CHECKING:
-    from ..importance import Importance
     from .images import Images
 
 REACH = 1.5

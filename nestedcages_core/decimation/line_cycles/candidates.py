@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.precision import INPUT_ROUND_OFF, ROUND_OFF
 from ...geometry.vectors import cross, norm
 from .chain import Chain, Lines
 from .places import DECIMALS
@@ -32,12 +33,6 @@ MANY_PLACES = 50
 
 PIN_STRETCHES = (1, 2, 3, 4, 6, 9, 13)
 """Lengths of stretches, in places, that have a tangent through a pin at one of their ends."""
-
-TOUCHING = 1e-12
-"""Height below the outermost vertex of a stretch, in lengths of the longest chord, up to which a vertex is touched."""
-
-POCKET_SLACK = 1e-9
-"""Height above a line over a pocket, in squared lengths of the longest, up to which a neighbour lies below it."""
 
 
 def candidates(chain: Chain, at: IntArray, longest: float, shift: float) -> Lines:
@@ -68,7 +63,7 @@ def tangents(chain: Chain, first: IntArray, last: IntArray) -> Lines:
     number = rows - begins[stretch]
     at = chain.vertices[(first[stretch] + number) % chain.size] - chain.vertices[0]
     height = direction[stretch, 1] * at[:, 0] - direction[stretch, 0] * at[:, 1]
-    touched = height >= np.maximum.reduceat(height, begins)[stretch] - TOUCHING * length.max()
+    touched = height >= np.maximum.reduceat(height, begins)[stretch] - INPUT_ROUND_OFF * length.max()
     one = np.minimum.reduceat(np.where(touched, rows, len(rows)), begins)
     two = np.maximum.reduceat(np.where(touched, rows, -1), begins)
     middle = 0.5 * (at[one] + at[two]) + chain.vertices[0]
@@ -93,7 +88,7 @@ def _over_pockets(chain: Chain, at: IntArray) -> list[Lines]:
     here, count = chain.vertices[at], len(at)
     before, after = chain.vertices[at - 1] - here, chain.vertices[(at + 1) % chain.size] - here
     step = here[None] - here[:, None]
-    slack = -POCKET_SLACK * float((step * step).sum(axis=2).max())
+    slack = -ROUND_OFF * float((step * step).sum(axis=2).max())
     touching = np.mod(np.arange(count)[None] - np.arange(count)[:, None] - 1, count) <= count - 2
     for neighbour in (before[:, None], after[:, None], before[None], after[None]):
         touching &= cross(step, neighbour) >= slack

@@ -7,19 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry.arrays import BoolArray, FloatArray, IntArray
+from ...geometry.precision import NEGLIGIBLE, ROUND_OFF
 from ...geometry.vectors import cross, norm, rotated_right
-
-SAME_LINE = 1e-6
-"""Sum of differences in place, direction and height, in diameters, below which two lines are one."""
 
 BESIDE_PIN = 1e-3
 """Distance along a loop, in edges, between a pin and the lines through it."""
-
-MEAN_LENGTH = 1e-6
-"""Part of a loop with its mean weight that counts with every stretch, since stretches may have no length."""
-
-SAME_POINT = 1e-9
-"""Distance, in lengths of a ring, below which two vertices are one."""
 
 
 class Chain:
@@ -64,7 +56,7 @@ class Chain:
         places = np.arange(self.size + 1.0)
         around = np.where(end < start, 1.0, 0.0)
         sums = [
-            np.interp(end, places, each) - np.interp(start, places, each) + around * each[-1] + MEAN_LENGTH * scale
+            np.interp(end, places, each) - np.interp(start, places, each) + around * each[-1] + NEGLIGIBLE * scale
             for each, scale in ((self._weighed, self._weighed[-1]), (self._along, self.length))
         ]
         mean: FloatArray = sums[0] / sums[1]
@@ -121,7 +113,7 @@ class Lines:
         lines = lines.take(np.lexsort((-lines.passed, chain.turned(lines.place, lines.direction), lines.place)))
         height = cross(lines.direction, lines.point - chain.vertices[0])
         change = np.diff(lines.place) + np.abs(np.diff(lines.direction, axis=0)).max(axis=1) + np.abs(np.diff(height))
-        return lines.take(np.concatenate(([True], change > SAME_LINE))[: len(lines.place)])
+        return lines.take(np.concatenate(([True], change > NEGLIGIBLE))[: len(lines.place)])
 
     def beside_pins(self, chain: Chain) -> Lines:
         """The lines with those at pins twice, before and behind the pin, so that it lies between the two."""
@@ -145,5 +137,5 @@ class Lines:
 def without_doubles(ring: FloatArray) -> FloatArray:
     """The ring (k, 2) without vertices at the place of the one before."""
     away = norm(ring - np.roll(ring, 1, axis=0))
-    distinct: FloatArray = ring[away > SAME_POINT * away.sum()]
+    distinct: FloatArray = ring[away > ROUND_OFF * away.sum()]
     return distinct

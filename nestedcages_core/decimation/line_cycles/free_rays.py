@@ -5,14 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from ...geometry.arrays import FloatArray
+from ...geometry.precision import ROUND_OFF
 from ...geometry.vectors import norm
 from .chain import Lines
 
 BLOCK_EDGES = 16
 """Consecutive edges that rays look at together."""
-
-CIRCLE_MARGIN = 1e-9
-"""Margin, in diameters, of the circles around blocks."""
 
 
 class Obstacles:
@@ -26,7 +24,7 @@ class Obstacles:
         blocks = np.stack((self.starts.reshape(-1, BLOCK_EDGES, 2), self.ends.reshape(-1, BLOCK_EDGES, 2)), axis=1)
         self.blocks: FloatArray = blocks.reshape(-1, 2 * BLOCK_EDGES, 2)
         self.centres: FloatArray = self.blocks.mean(axis=1)
-        self.radii: FloatArray = norm(self.blocks - self.centres[:, None]).max(axis=1) + CIRCLE_MARGIN
+        self.radii: FloatArray = norm(self.blocks - self.centres[:, None]).max(axis=1) + ROUND_OFF
 
     def free(self, lines: Lines, reach: float) -> FloatArray:
         """(2, K) how far each line runs from its point forwards and backwards, at most the reach.

@@ -10,14 +10,12 @@ import numpy as np
 from ...geometry.arrays import BoolArray, FloatArray, IntArray
 from ...geometry.group import Symmetry
 from ...geometry.loops import Loops
+from ...geometry.precision import ROUND_OFF
 from ...geometry.vectors import norm
 from ..alike import orbits_of
 from .candidates import tangents
 from .chain import Chain, Lines
 from .frame import Frame
-
-ON_AXIS = 1e-9
-"""Distance along a loop from where it crosses an axis, in lengths of the loop, up to which a place is on it."""
 
 
 class Halves(NamedTuple):
@@ -108,7 +106,7 @@ class Images:
         total = self._shift(loop, 1)  # of the places of each vertex and its image, up to whole turns
         begin = 0.5 * total
         along = np.mod(lines.place - begin, size)
-        half = np.flatnonzero((along > ON_AXIS * size) & (along < (0.5 - ON_AXIS) * size))
+        half = np.flatnonzero((along > ROUND_OFF * size) & (along < (0.5 - ROUND_OFF) * size))
         half = half[np.argsort(along[half], kind="stable")]
         part, along = lines.take(half), along[half]
         image = Lines(

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.precision import ROUND_OFF
 from .chain import Chain, Lines
 from .shortest_cycles import Paths
 from .turns import Turns, turns
@@ -20,8 +21,6 @@ APART = 0.1
 SUPPORTING = 1e6
 """Preference of lines that have the whole loop on one side: a cage is likely to follow one of them."""
 
-ONE_SIDE = 1e-9
-"""Height, in lengths of the loop, up to which a vertex lies on a line."""
 
 HEIGHTS_AT_ONCE = 4_000_000
 """Heights of vertices over lines that are computed at once."""
@@ -119,7 +118,7 @@ class LoopSearch:
             (right @ chain.vertices.T).max(axis=1)
             for right in np.array_split(lines.right, -(-count * chain.size // HEIGHTS_AT_ONCE))
         ]) - (lines.right * lines.point).sum(axis=1)  # fmt: skip
-        supports = (above <= ONE_SIDE * chain.length) & (chain.swept[-1] > 0.0)
+        supports = (above <= ROUND_OFF * chain.length) & (chain.swept[-1] > 0.0)
         score = off * onto * np.where(supports, SUPPORTING, 1.0)
         for _ in range(MAX_STARTS):
             start = int(score.argmax())

@@ -13,25 +13,22 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from ...errors import NestingError
 from ...geometry.group import Symmetry
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
+from ...geometry.precision import ROUND_OFF
 from ...parameters import check_flag, check_side
 from ...tasks import Stage, drain, mapped
 from ..alike import AsymmetricError, symmetrised
-from ..base import Count, Start
-from ..hull.narrow_gaps import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, without_gaps
+from ..base import Count, Importance, Start
+from ..hull.narrow_gaps import CLEARANCE_RESERVE, HULL_OFFSET, without_gaps
 from ..hull.outer_hull import SOURCE as HULL
 from ..hull.outer_hull import OuterHull
 from ..on_curve import closest_on_curve
 from ..request import Request
 from .around import Around, NoCyclesError
-
-if TYPE_CHECKING:
-    from ..importance import Importance
 
 SOURCE = "line cycles"
 """Name of its meshes in reports."""
@@ -142,7 +139,7 @@ class LineCycles:
     def fewest(self, fine: Mesh, most: int, area: float) -> Stage[float, int | None]:
         """About how many vertices a mesh of at most an area around the fine one needs; None if more than so many."""
         request = Request.of(fine, most)
-        outline = without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter)
+        outline = without_gaps(request.outline, ROUND_OFF * request.outline.diameter)
         try:
             return (yield from Around(request, outline, HULL_OFFSET, None, None).fewest(area))
         except NoCyclesError:
@@ -165,7 +162,7 @@ class LineCycles:
 
 def cycles_around(method: LineCycles, request: Request, clearance: float) -> Stage[float, tuple[Mesh, int]]:
     """The mesh of the best cycles, and how often crossings were cleared. Raises NestingError."""
-    outline = symmetrised(without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter), method.symmetry)
+    outline = symmetrised(without_gaps(request.outline, ROUND_OFF * request.outline.diameter), method.symmetry)
     if method.importance is not None:
         with suppress(AsymmetricError):  # pins next to an axis hold the closest vertices that are there
             outline = symmetrised(method.importance.with_vertices(outline), method.symmetry)

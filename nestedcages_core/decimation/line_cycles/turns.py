@@ -10,6 +10,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.precision import NEGLIGIBLE, ROUND_OFF
 from ...geometry.vectors import cross, norm
 from .chain import Chain, Lines
 
@@ -18,11 +19,6 @@ SingleArray: TypeAlias = NDArray[np.float32]
 SLACK = 1e-5
 """Length, in diameters, by which a vertex may lie beyond the free part of a line: the clearance of an offset."""
 
-LEAST_TURN = 1e-9
-"""Sine of the smallest angle between two lines in a row."""
-
-ROUND_OFF = 1e-6
-"""Margin of the first test, in diameters: it computes in single precision."""
 
 PIN_COST, PIN_SLACK = 10.0, 1e-3
 """Cost of a vertex for its distance from a pin that it stands for, in diameters; the distance that costs nothing."""
@@ -32,9 +28,6 @@ LIMIT_COST = 1.0
 
 FAR_PART = 0.5
 """Part of the usual width, in lines, from which a line over a pocket may follow any line."""
-
-NEGATIVE = -1e-9
-"""Area, in squared diameters, below which the path from line to line runs around the chain in the wrong direction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +78,7 @@ def turns(chain: Chain, lines: Lines, free: FloatArray, width: int) -> Turns:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         sine = ui * vj - vi * uj
         forth, back = (wx * vj - wy * uj) / sine, (ui * wy - vi * wx) / sine
-        sound = (np.abs(sine) > LEAST_TURN) & (forth >= -SLACK) & (back >= -SLACK)
+        sound = (np.abs(sine) > ROUND_OFF) & (forth >= -SLACK) & (back >= -SLACK)
         sound &= (forth <= free[0][i]) & (back <= free[1][j])
         # the areas from a line's contact back to where it belongs on the chain, and along the chain to its start
         edge = np.floor(lines.place).astype(np.int64)
@@ -94,7 +87,7 @@ def turns(chain: Chain, lines: Lines, free: FloatArray, width: int) -> Turns:
         rest = cross(lines.point - origin, foot) - chain.swept[edge] - cross(start, foot)
         area = -wx * (yi + forth * vi) + wy * (xi + forth * ui)
         area += rest[j] - rest[i] - np.where(j < i, chain.swept[-1], 0.0)
-        sound &= area > NEGATIVE
+        sound &= area > -ROUND_OFF
     kept = np.flatnonzero(sound)
     i, j, forth, back, area = i.take(kept), j.take(kept), forth.take(kept), back.take(kept), 0.5 * area.take(kept)
     if chain.weights is not None:
@@ -138,7 +131,7 @@ def _meeting(lines: Lines, free: FloatArray, seconds: IntArray, width: int) -> t
     forth *= wx
     back *= wx
     np.abs(sine, out=sine)
-    margin = np.float32(ROUND_OFF)
+    margin = np.float32(NEGLIGIBLE)
     np.multiply(sine, np.float32(-SLACK), out=wx)
     wx -= margin
     meet = forth >= wx

@@ -25,13 +25,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.precision import INPUT_ROUND_OFF
 from ..base import CageEnergy
 from ..blocks import Blocks, assembled_gradient, assembled_hessian
 
 ComplexArray: TypeAlias = npt.NDArray[np.complex128]
-
-SMALLEST_MOMENT = 1e-12
-"""Lower bound of |s| in divisions, as a fraction of M: below it an element has collapsed and has no orientation."""
 
 
 class Fit(NamedTuple):
@@ -59,7 +57,7 @@ class RotationFit:
 
     def fit(self, s: ComplexArray, moment: FloatArray) -> Fit:
         """r = s / |s|."""
-        size = np.maximum(np.abs(s), SMALLEST_MOMENT * moment)
+        size = np.maximum(np.abs(s), INPUT_ROUND_OFF * moment)
         r: ComplexArray = s / size
         return Fit(r, 1j * r, size)
 

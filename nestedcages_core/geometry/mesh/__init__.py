@@ -7,6 +7,6 @@
 from __future__ import annotations
 
 from .mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like
-from .nesting import Nesting
+from .nesting import Nesting, by_side
 
-__all__ = ["MESH_LIKE", "Mesh", "MeshLike", "Nesting", "is_mesh_like"]
+__all__ = ["MESH_LIKE", "Mesh", "MeshLike", "Nesting", "by_side", "is_mesh_like"]

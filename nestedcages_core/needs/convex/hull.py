@@ -13,6 +13,7 @@ import numpy as np
 from ...geometry.arrays import TINY, BoolArray, FloatArray, IntArray
 from ...geometry.distance import point_edge
 from ...geometry.group import Symmetry
+from ...geometry.precision import ROUND_OFF
 from ...geometry.predicates import orientation_sign
 from ...geometry.vectors import cross, norm, rotated_left, rotated_right
 
@@ -27,9 +28,6 @@ MAX_SAMPLES_PER_VERTEX = 40
 
 SAMPLES_PER_HULL_EDGE = 8
 """Number of places along each edge of a hull whose weights are averaged."""
-
-SMALLEST_TURN = 1e-9
-"""Smallest angle, in radians, between the normals of neighbouring edges, and smallest distance from a half turn."""
 
 
 class Wall(NamedTuple):
@@ -99,7 +97,7 @@ class Hull:
     def flush(self) -> FloatArray:
         """Normals of edges, one for those of the same direction but for rounding."""
         turns = np.diff(self.angles, append=self.angles[0] + 2.0 * np.pi)
-        angles: FloatArray = self.angles[turns > 10.0 * SMALLEST_TURN]
+        angles: FloatArray = self.angles[turns > 10.0 * ROUND_OFF]
         return angles
 
     def candidates(self) -> Tangents:
@@ -146,7 +144,7 @@ class Hull:
         Infinite where they do not meet or cross a wall.
         """
         turn = np.mod(other.angle - one.angle, 2.0 * np.pi)
-        meet = (turn > SMALLEST_TURN) & (turn < np.pi - SMALLEST_TURN)
+        meet = (turn > ROUND_OFF) & (turn < np.pi - ROUND_OFF)
         turn = np.where(meet, turn, 1.0)
         sine, cosine = np.sin(turn), np.cos(turn)
         area = (one.support * other.support - 0.5 * cosine * (one.support**2 + other.support**2)) / sine

@@ -18,9 +18,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.precision import ROUND_OFF
 from ...geometry.shortest_cycle import shortest_cycle
 from ...geometry.vectors import rotated_left
-from .hull import SMALLEST_TURN, Hull, Tangents, corner
+from .hull import Hull, Tangents, corner
 
 MAX_WINDOWS = 8
 """Maximum number of searches around the previous polygon."""
@@ -156,10 +157,10 @@ def _best_turn(hull: Hull, angles: FloatArray, k: int, breaks: FloatArray) -> fl
 
     here = float(angles[k])
     distance = np.mod(breaks - here, 2.0 * np.pi)
-    ahead = here + distance[distance > SMALLEST_TURN].min()
-    behind = here - np.mod(-distance, 2.0 * np.pi)[distance > SMALLEST_TURN].min()
-    behind = max(behind, here - np.mod(here - before, 2.0 * np.pi) + 2.0 * SMALLEST_TURN)
-    ahead = min(ahead, here + np.mod(after - here, 2.0 * np.pi) - 2.0 * SMALLEST_TURN)
+    ahead = here + distance[distance > ROUND_OFF].min()
+    behind = here - np.mod(-distance, 2.0 * np.pi)[distance > ROUND_OFF].min()
+    behind = max(behind, here - np.mod(here - before, 2.0 * np.pi) + 2.0 * ROUND_OFF)
+    ahead = min(ahead, here + np.mod(after - here, 2.0 * np.pi) - 2.0 * ROUND_OFF)
     low, high = np.array([behind, here]), np.array([here, ahead])
     tried = [low.copy(), high.copy()]
     for _ in range(GOLDEN_STEPS):

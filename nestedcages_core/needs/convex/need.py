@@ -41,7 +41,7 @@ class Convex(Need):
 
     def fill(self, plan: Plan) -> Plan:
         """The solver. Raises NestingError for cages inside, whose complement is not convex."""
-        if plan.inside:
+        if plan.side < 0:
             raise NestingError(
                 "Convex cages lie around a shape, not inside of it; leave out convex, or use nested_cages.",
                 code="convex.impossible",

@@ -58,7 +58,7 @@ class Lattice:
         self, cage: Mesh, fine: Mesh, clearance: float, side: int, cost: EdgeCost | None
     ) -> Stage[float, FloatArray | None]:
         """(m, 2) multiples of least cost, searched around the cage; None if none are found."""
-        found = yield from put_on_grid(cage, fine, self.lattice, clearance=clearance, inside=side < 0, edge_cost=cost)
+        found = yield from put_on_grid(cage, fine, self.lattice, clearance=clearance, side=side, edge_cost=cost)
         return None if found is None else as_stored(found, self.stored)
 
     def finer(self) -> Iterator[Lattice]:

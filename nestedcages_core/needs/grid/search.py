@@ -18,6 +18,7 @@ from ...geometry.broad_phase import near_pairs
 from ...geometry.distance import point_edge
 from ...geometry.lattice import Grid
 from ...geometry.mesh import Mesh
+from ...geometry.precision import NEGLIGIBLE, ROUND_OFF
 from ...geometry.predicates import winding_number
 from ...geometry.shortest_cycle import shortest_cycle
 from ...geometry.signed_distance import SignedDistance
@@ -43,22 +44,16 @@ MAX_IMPROVEMENTS = 12
 FIRST_CHUNK, MAX_CHUNK = 48, 384
 """Number of fine vertices or edges measured together, first and later, when failed edges are left out."""
 
-LENGTH_COST = 1e-6
-"""Cost of a cage's length, in squared steps per step: of cages with the same area, the shortest has no spikes."""
-
-OFF_THE_WALL = 1e-9
-"""Distance from a line between two edges, in steps, that both keep."""
-
 
 def put_on_grid(
-    cage: Mesh, fine: Mesh, grid: Grid, *, clearance: float, inside: bool, edge_cost: EdgeCost | None = None
+    cage: Mesh, fine: Mesh, grid: Grid, *, clearance: float, side: int, edge_cost: EdgeCost | None = None
 ) -> Stage[float, FloatArray | None]:
     """(m, 2) grid points for the vertices of a cage around a fine mesh, or inside it; None if none were found.
 
     clearance: smallest distance to keep from the fine mesh, above 0, as in the coordinates of the meshes. edge_cost:
     what is minimised; None: the area. A generator: yields a fraction after every improvement.
     """
-    search = _Search(cage, fine, grid, clearance, -1.0 if inside else 1.0, edge_cost)
+    search = _Search(cage, fine, grid, clearance, side, edge_cost)
     found: IntArray | None = None
     for reach in FIRST_REACHES:
         found = search.chosen(search.first_layers(reach))
@@ -94,7 +89,7 @@ class _Search:
     fine: Mesh
     grid: Grid
     clearance: float
-    sense: float
+    side: int
     """1 for a cage around the fine mesh, -1 for one inside it."""
     edge_cost: EdgeCost | None = None
     origin: IntArray = field(init=False)
@@ -117,15 +112,15 @@ class _Search:
         if self.edge_cost is not None:
             p, q = self.grid.points(one), self.grid.points(other)
             shares = self.edge_cost(vertex, p, q) / self.grid.spacing**2
-            return np.asarray(shares + LENGTH_COST * norm((other - one).astype(np.float64)))
+            return np.asarray(shares + NEGLIGIBLE * norm((other - one).astype(np.float64)))
         a, b = (one - self.origin).astype(np.float64), (other - self.origin).astype(np.float64)
-        return np.asarray(0.5 * self.sense * cross(a, b) + LENGTH_COST * norm(b - a))
+        return np.asarray(0.5 * self.side * cross(a, b) + NEGLIGIBLE * norm(b - a))
 
     def first_layers(self, reach: int) -> _Layers:
         """Points near each vertex and its path outwards when its edges are shifted by a step."""
         cage, step = self.cage, self.grid.spacing
         along = cage.edge_ends - cage.vertices
-        n = self.sense * rotated_right(along) / norm(along)[:, None]
+        n = self.side * rotated_right(along) / norm(along)[:, None]
         both = n + n[cage.predecessor]
         push = 2.0 * both / np.maximum((both**2).sum(axis=1), 1e-12)[:, None]
         push *= np.minimum(1.0, MAX_PUSH / np.maximum(norm(push), 1e-12))[:, None] * PUSH * step
@@ -149,12 +144,12 @@ class _Search:
         sizes = [len(layer) for layer in layers.places]
         together = np.concatenate(layers.places)
         points = self.grid.points(together)
-        good = self.sense * self.distance.at(points).distance >= self.clearance
+        good = self.side * self.distance.at(points).distance >= self.clearance
         owner = np.repeat(np.arange(len(sizes)), sizes)
         reach = float(norm(points - layers.centres[owner]).max())
         for vertex, place, normal in _walls(self.cage, layers.centres, 2.0 * reach):
             mine = np.flatnonzero(owner == vertex)
-            good[mine] &= (points[mine] - place) @ normal < -OFF_THE_WALL * self.grid.spacing
+            good[mine] &= (points[mine] - place) @ normal < -ROUND_OFF * self.grid.spacing
         return _Layers(layers.centres, [together[(owner == k) & good] for k in range(len(sizes))])
 
     def chosen(self, layers: _Layers) -> IntArray | None:

@@ -12,7 +12,6 @@ import scipy
 from numpy.typing import ArrayLike
 
 from ...decimation.base import LEAST_PER_LOOP
-from ...decimation.importance import PIN_REACH, Importance
 from ...energies import CageEnergy
 from ...energies.weighted_sum import BoundSum
 from ...errors import Fault, NestingError, note
@@ -25,6 +24,7 @@ from ...geometry.vectors import cross, norm, rotated_right
 from ...level.choices import Choices
 from ...level.plan import Need, Plan
 from ...level.units import SolverUnits
+from .importance import PIN_REACH, Importance
 from .limits import sharp_angles, short_edges
 from .springs import Springs
 from .weighted_area import WeightedArea
@@ -42,10 +42,6 @@ MAX_MITRE = 4.0
 KEPT = 2.0
 """Distance of a cage vertex from its pin, relative to the distance that the clearance needs, up to which the pin counts
 as kept."""
-
-KEPT_ANYWAY = 1e-3
-"""The same in diagonals."""
-
 
 SAME_PIN = 0.01
 """Distance from the image of another pin, in diagonals, up to which a pin is that: drawings by hand are not exact."""
@@ -129,7 +125,7 @@ class Priorities(Need):
 
     def energy(self, plan: Plan, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float) -> CageEnergy:
         """An energy of a cage with the priorities; see `Need.energy`."""
-        inner, inside = units.from_input(plan.outline), plan.inside
+        inner = units.from_input(plan.outline)
         if self.importance.weights is not None:
             at = self.importance.at
             outline = coarse.vertices, coarse.successor, inner
@@ -138,7 +134,7 @@ class Priorities(Need):
             )
         terms: list[tuple[float, CageEnergy]] = [(1.0, energy)]
         if len(self.importance.pins):
-            target, _ = self._targets(inner, units.points(self.importance.pins), clearance, inside)
+            target, _ = self._targets(inner, units.points(self.importance.pins), plan.side * clearance)
             pin, vertex = _assigned(target, coarse.vertices)
             terms.append((1.0, Springs(vertex, target[pin], PIN_STIFFNESS)))
         if self.min_edge is not None:
@@ -148,9 +144,9 @@ class Priorities(Need):
             terms.append((1.0, sharp_angles(coarse, angle, self.pull)))
         return BoundSum(tuple(terms)) if len(terms) > 1 else energy
 
-    def _targets(self, inner: Mesh, pins: FloatArray, clearance: float, inside: bool) -> tuple[FloatArray, FloatArray]:
-        """(P, 2) target positions of pinned vertices, and (P,) their distances from the mesh."""
-        reach = PIN_REACH * inner.diagonal + MAX_MITRE * clearance
+    def _targets(self, inner: Mesh, pins: FloatArray, clearance: float) -> tuple[FloatArray, FloatArray]:
+        """(P, 2) targets of pins, and (P,) their distances from the mesh; inside it for clearances below 0."""
+        reach = PIN_REACH * inner.diagonal + MAX_MITRE * abs(clearance)
         ahead = inner.edge_ends - inner.vertices
         normal = rotated_right(ahead) / np.maximum(np.hypot(*ahead.T), TINY)[:, None]
         before = normal[inner.predecessor]
@@ -168,19 +164,19 @@ class Priorities(Need):
                 start, step = inner.vertices[vertex], mitre[vertex]
             else:
                 start, step = on_edge[k], normal[close.edge[k]]
-            target[k] = start + (-clearance if inside else clearance) * step
-            away[k] = clearance * float(norm(step[None])[0])
+            target[k] = start + clearance * step
+            away[k] = abs(clearance) * float(norm(step[None])[0])
         return target, away
 
     def notes(self, plan: Plan, cage: Mesh, clearance: float) -> tuple[Fault, ...]:
         """A sentence for each priority that the cage misses."""
-        inner, inside, notes = plan.outline, plan.inside, []
+        inner, notes = plan.outline, []
         pins = self.importance.pins
         if len(pins):
-            target, away = self._targets(inner, pins, clearance, inside)
+            target, away = self._targets(inner, pins, plan.side * clearance)
             for pin, aim, far in zip(pins, target, away, strict=True):
                 missed = float(norm(cage.vertices - aim).min())
-                if missed > KEPT * far + KEPT_ANYWAY * inner.diagonal:
+                if missed > KEPT * far + PIN_REACH * inner.diagonal:
                     notes.append(note("note.pin", place=pin, distance=missed))
         if self.min_edge is not None:
             shortest = float(cage.edge_lengths.min())

@@ -10,6 +10,7 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ...geometry.group import Symmetry, rounded
 from ...geometry.mesh import Mesh
+from ...geometry.precision import ROUND_OFF
 from ...geometry.signed_distance import EdgeSearch
 from ...parameters import check_positive
 from .symmetry import Mirror, Rotation
@@ -29,8 +30,6 @@ MAX_FITTED = 6
 HIGHEST_ORDER = 12
 """Highest order of rotations that is tried."""
 
-EXACT = 1e-9
-"""Difference, in diagonals, up to which axes along a coordinate count as exact."""
 
 AS_GOOD = 1.05
 """Factor on the difference up to which a vertical or horizontal mirror is preferred to a fitted one."""
@@ -85,8 +84,8 @@ class _Search:
             Mirror((float(self.centre[0]), float(self.middle[1])), (1.0, 0.0)),
         ]
         differences = [self.difference(mirror) for mirror in exact]
-        if min(differences) <= EXACT * self.mesh.diagonal:
-            best = int(np.argmin([d > EXACT * self.mesh.diagonal for d in differences]))
+        if min(differences) <= ROUND_OFF * self.mesh.diagonal:
+            best = int(np.argmin([d > ROUND_OFF * self.mesh.diagonal for d in differences]))
             return exact[best], differences[best]
         turns = pi * np.arange(ANGLES) / ANGLES
         means = np.array([self._mean(self._at(turn)) for turn in turns])

@@ -12,6 +12,7 @@ from ...decimation.base import LEAST_PER_LOOP
 from ...errors import Fault, InvalidMeshError, NestingError, note
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
+from ...geometry.precision import NEGLIGIBLE
 from ...geometry.predicates import winding_number
 from ...geometry.vectors import rotated_right
 from ...level.attempts import default_contact
@@ -28,17 +29,9 @@ Chosen = TypeVar("Chosen", bound=Choices)
 SPECK = 1e-3
 """Area, as a fraction of the whole, below which holes between a drawing and its images are filled."""
 
-BESIDE = 1e-6
-"""Distance of a point in a hole from the middle of its longest edge, in lengths of that."""
-
-NEGLIGIBLE_SHIFT = 1e-6
-"""Shift of a symmetry to a grid, in diagonals, below which there is no note."""
 
 MOST_OF_ALL_IMAGES = 100_000
 """Vertices of a drawing and its images: more take minutes to overlay."""
-
-NEGLIGIBLE_CHANGE = 1e-6
-"""Change of the area, in per cent, below which there is no note."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +42,7 @@ class Symmetric(Need):
 
     def fill(self, plan: Plan) -> Plan:
         """The symmetry, and a symmetric outline."""
-        outline, notes = with_images(plan.outline, self.group, inside=plan.inside)
+        outline, notes = with_images(plan.outline, self.group, plan.side)
         return replace(plan, group=self.group, outline=outline).with_remarks(*notes)
 
     def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
@@ -81,7 +74,7 @@ def on_lattice(symmetry: Symmetry, numbers: Numbers, fine: Mesh) -> tuple[Symmet
     after = numbers.exact(before)
     moved: Symmetry = replace(symmetry, **{name: tuple(after.tolist())})  # type: ignore[type-var]
     shift = float(np.abs(after - before).max())
-    if shift <= NEGLIGIBLE_SHIFT * fine.diagonal:
+    if shift <= NEGLIGIBLE * fine.diagonal:
         return moved, ()
     return moved, (note("note.symmetry", on="grid", symmetry=str(moved), difference=shift),)
 
@@ -119,10 +112,10 @@ def keeping(choices: Chosen, symmetry: Symmetry) -> Chosen:
     )
 
 
-def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tuple[Mesh, tuple[Fault, ...]]:
+def with_images(fine: Mesh, symmetry: Symmetry, side: int = 1) -> tuple[Mesh, tuple[Fault, ...]]:
     """A symmetric mesh for the decimation: the fine mesh, or the union with its images and a note.
 
-    inside: their intersection, for inner cages. Raises NestingError.
+    side: -1 for their intersection, for inner cages. Raises NestingError.
     """
     if orbits_of(fine, symmetry) is not None:
         return fine, ()
@@ -138,8 +131,8 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
     try:
         if symmetry.reverses:
             images = [Mesh(image.vertices, image.edges) for image in images]
-        together = overlay(images, intersection=inside)
-        if not inside:
+        together = overlay(images, intersection=side < 0)
+        if side > 0:
             together = _without_pockets(together, images)
         elif not together.has_loops_like(fine):
             raise InvalidMeshError(f"Together they leave {loops_in_words(together)}.", code="symmetry.not_found")
@@ -148,16 +141,16 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
             raise InvalidMeshError("The images of its vertices are not vertices of it.", code="symmetry.not_found")
         together = together.moved(orbits.symmetrised(together.vertices)).validated()
     except InvalidMeshError as error:
-        what = "inside" if inside else "around"
+        what = "around" if side > 0 else "inside"
         raise NestingError(
             f"No symmetric cage {what} the drawing and its images was found with {symmetry}: {error} Leave out the "
             "symmetry, or draw the shape more symmetric.",
             code="symmetry.not_found",
         ) from error
     area = together.area / fine.area
-    if 100.0 * abs(area - 1.0) < NEGLIGIBLE_CHANGE:
+    if 100.0 * abs(area - 1.0) < NEGLIGIBLE:
         return together, ()
-    said = note("note.outline", on="inside" if inside else "", area=float(area), change=float(area - 1.0))
+    said = note("note.outline", on="" if side > 0 else "inside", area=float(area), change=float(area - 1.0))
     return together, (said,)
 
 
@@ -167,7 +160,7 @@ def _without_pockets(union: Mesh, images: Sequence[Mesh]) -> Mesh:
     kept = [k for k in holes.tolist() if abs(union.loop_areas[k]) >= SPECK * union.area]
     longest = [union.loops[k][np.argmax(union.edge_lengths[union.loops[k]])] for k in kept]
     start, end = union.vertices[longest], union.edge_ends[longest]
-    points = 0.5 * (start + end) + BESIDE * rotated_right(end - start)
+    points = 0.5 * (start + end) + NEGLIGIBLE * rotated_right(end - start)
     for image in images:
         around = [image.loops[k] for k in np.flatnonzero(image.loop_signs > 0)]
         covered = np.zeros(len(points), bool)

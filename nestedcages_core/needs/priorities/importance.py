@@ -7,12 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
-from ..geometry.arrays import BoolArray, FloatArray
-from ..geometry.group import Symmetry
-from ..geometry.loops import Loops
-from ..geometry.mesh import Mesh
-from ..geometry.signed_distance import EdgeSearch
-from ..geometry.vectors import norm
+from ...geometry.arrays import BoolArray, FloatArray
+from ...geometry.group import Symmetry
+from ...geometry.loops import Loops
+from ...geometry.mesh import Mesh
+from ...geometry.signed_distance import EdgeSearch
+from ...geometry.vectors import norm
 
 LEAST_WEIGHT = 0.02
 """Lower bound of the weights, as a fraction of their mean, so that all edges are pulled inwards."""

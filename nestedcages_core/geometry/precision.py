@@ -1,0 +1,12 @@
+"""What counts as nothing beside the size of a shape, an edge or an angle: three numbers for all rooms."""
+
+from __future__ import annotations
+
+INPUT_ROUND_OFF = 1e-12
+"""Relative difference of coordinates that were rounded when they were written, above the 1e-16 of float64."""
+
+ROUND_OFF = 1e-9
+"""Relative difference, or angle in radians, of computed values that are the same: half the digits of float64."""
+
+NEGLIGIBLE = 1e-6
+"""Relative difference that is real but that no drawing shows; a tenth of the default clearance."""
