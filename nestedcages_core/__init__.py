@@ -125,7 +125,6 @@ if TYPE_CHECKING:
     from .published.gurditta_jacobson_2022 import PaperFlow as PaperFlow
     from .published.gurditta_jacobson_2022 import Repairs as Repairs
     from .published.gurditta_jacobson_2022 import SignedDistanceFlow as SignedDistanceFlow
-    from .published.li_2020 import OriginalIPC as OriginalIPC
     from .published.sacht_2015 import ElTopo as ElTopo
     from .published.sellan_2022 import LevelSet as LevelSet
     from .published.settings import AUGMENTED_2022 as AUGMENTED_2022
@@ -252,7 +251,6 @@ _LATER = {
         "Repairs",
         "SignedDistanceFlow",
     ),
-    "published.li_2020": ("OriginalIPC",),
     "published.sacht_2015": ("ElTopo",),
     "published.sellan_2022": ("LevelSet",),
     "published.settings": ("AUGMENTED_2022", "AUGMENTED_2022_REPAIRED", "NESTED_CAGES_2015", "SIMPLE_2022"),

@@ -164,7 +164,6 @@ IMPORTABLE = [
     "NoEnergy",
     "NoFilter",
     "OnCurve",
-    "OriginalIPC",
     "Outcome",
     "OuterHull",
     "OwnDecimation",

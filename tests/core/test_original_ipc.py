@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.li_2020 import OriginalIPC
+from benchmarks.li_2020.barrier import SquaredBarrier
+from benchmarks.li_2020.stiffness import StiffnessBounds
 from nestedcages_core import (
     Area,
     Mesh,
@@ -18,9 +21,6 @@ from nestedcages_core.contact.ccd import impacts
 from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.contact.reinflation import reinflate
 from nestedcages_core.energies import Energy
-from nestedcages_core.published.li_2020 import OriginalIPC
-from nestedcages_core.published.li_2020.barrier import SquaredBarrier
-from nestedcages_core.published.li_2020.stiffness import StiffnessBounds
 from nestedcages_core.tasks import drain
 from nestedcages_core.tightening import Tightening
 from shapes import annulus, assert_nested, letter_a, letter_a_coarse, ring
