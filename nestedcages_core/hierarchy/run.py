@@ -186,7 +186,8 @@ def _listed(levels: Wanted | Sequence[Wanted]) -> list[Wanted]:
         return [levels]  # type: ignore[list-item]
     if isinstance(levels, str) or not isinstance(levels, Iterable):
         raise NestingError(
-            f"The levels must be vertex counts or meshes, for instance [64, 16], not {levels!r}.", code="level.invalid"
+            f"A level must be a vertex count, a Mesh or Within(…), for instance [64, 16], not {levels!r}.",
+            code="level.invalid",
         )
     return list(levels)
 
