@@ -115,7 +115,7 @@ class ContactResponse:
         m, gap = self.bodies.m, self.distances.gap
         length = np.hypot(fine_motion[:, 0], fine_motion[:, 1])
         longest = float(length.max())
-        farthest = max(self.distances.clearance, self.distances.own) + gap
+        farthest = self.distances.largest + gap
         active = self._active(fine_motion, x, farthest + CLOSEST_APPROACH * radius + longest)
         radii = np.where(active, radius, min(radius, gap))
         farthest_motion = np.concatenate([np.sqrt(2.0) * radii, length])
