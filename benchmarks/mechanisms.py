@@ -132,10 +132,6 @@ MECHANISMS: dict[str, Mechanism] = {
         "contact",
         patches={"contact.ipc:MAX_RANGE_REDUCTIONS": 0},
     ),
-    "QP: pace per vertex": Mechanism(
-        "contact",
-        patches={"contact.sequential_qp:PACE_GROWTH": 1.0, "contact.sequential_qp:PACE_REDUCTION": 1.0},
-    ),
     "pruning of implied constraints": Mechanism(
         "contact",
         patches={"contact.contact_response:not_implied": all_kept, "tightening.quadratic_model:not_implied": all_kept},

@@ -57,7 +57,7 @@ def shrink(fine: Mesh, coarse: Mesh, start: FloatArray) -> FloatArray:
     except FlowError:
         return none
     containment, unit = Containment(matching), fine.extent
-    energy = PenetrationEnergy(matching, 0.0, Spacing(np.inf, SPACING * unit, 1, 1), from_coarse=False)
+    energy = PenetrationEnergy(matching, 0.0, Spacing(np.inf, SPACING * unit), from_coarse=False)
     system, margins = StepSystem(fine, SPACING * unit), THICKNESS_PART * thickness(coarse)
     found = []
     for smoothing in SMOOTHINGS:

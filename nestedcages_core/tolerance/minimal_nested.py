@@ -185,6 +185,8 @@ class Band:
 
     def add(self, points: FloatArray) -> None:
         """Add gates around those that lead to points (N, 2), where they are free."""
+        if len(self.places) == 0:
+            return
         spacing = self.boundary.length / len(self.places)
         around = self.boundary.under(points)[:, None] + spacing * np.linspace(-1.0, 1.0, GATES_ADDED)
         places = np.mod(around.ravel(), self.boundary.length)
@@ -199,7 +201,7 @@ class Band:
             return LEAST_PER_LOOP
         corridor = self._counting(clearance)
         meeting = max(corridor.links_around(start) for start in corridor.some(BOUND_STARTS)) - 1
-        return max(LEAST_PER_LOOP, meeting, corridor.fewest_runs())
+        return corridor.fewest_runs(max(LEAST_PER_LOOP, meeting))
 
     def walks(self, clearance: float, *, share: float = 1.0, enough: int = 0) -> list[FloatArray]:
         """Polygons (k, 2) around the loop of few links each, fewest first; they are to be verified.
