@@ -126,17 +126,17 @@ def test_an_own_coarse_mesh_keeps_its_edges() -> None:
     check(level, fine, poses, 0.0)
 
 
-def test_fast_turns_get_keys_or_room() -> None:
+@pytest.mark.parametrize(("angle", "least"), [(0.0, 0), (1.5, 1)])
+def test_fast_turns_get_keys_or_room(angle: float, least: int) -> None:
     """Half-way between poses a quarter turn apart, straight lines cut a thin shape's way short."""
     bar = np.array([(-1.0, -0.03), (1.0, -0.03), (1.0, 0.03), (-1.0, 0.03)])
     ends = np.linspace(0.0, 1.0, 12)[:, None]
     outline = np.concatenate([a + ends[:-1] * (b - a) for a, b in zip(bar, np.roll(bar, -1, axis=0), strict=True)])
-    fine = Mesh.from_loops([outline])
-    poses = []
-    for k in range(4):
-        bent = outline + np.stack([np.zeros(len(outline)), 0.4 * np.sin(1.5 * k) * outline[:, 0] ** 2], axis=1)
-        poses.append(bent)
-    check(animated_cages(fine, np.array(poses), [10]).levels[0], fine, np.array(poses), 0.0)
+    bent = [outline + np.outer(outline[:, 0] ** 2, [0.0, 0.4 * np.sin(1.5 * k)]) for k in range(3)]
+    fine, poses = Mesh.from_loops([outline]), np.array([turned(points, angle * k) for k, points in enumerate(bent)])
+    level = animated_cages(fine, poses, [10]).levels[0]
+    check(level, fine, poses, 0.0)
+    assert level.report.keys_added >= least
 
 
 def test_a_stream_is_read_as_it_is_needed() -> None:
