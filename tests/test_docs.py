@@ -140,6 +140,9 @@ def test_the_architecture_names_files_that_are_there() -> None:
     assert len(named) > 40
     folders = (ROOT, ROOT / "nestedcages_core", published)
     assert [name for name in named if not any((folder / name).exists() for folder in folders)] == []
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    tests = {path.name for path in (ROOT / "tests").rglob("test_*.py")}
+    assert set(re.findall(r"`(?:tests/)?(test_\w+\.py)`", text)) <= tests
 
 
 @pytest.fixture
