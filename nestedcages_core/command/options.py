@@ -124,8 +124,8 @@ MAIN = "options"
 OPTIONS = {
     MAIN: (
         _option("--levels", nargs="+", metavar="N", required=True, help="what each cage has, innermost "
-                "first: a number of vertices, 32; a share of the shape's vertices, 8%%; or the fewest within a distance, "
-                "2px, or an excess of area, +25%%"),
+                "first: a number of vertices, 32; a share of the shape's vertices, 8%%; or the fewest within a "
+                "distance, 2px, or an excess of area, +25%%"),
         _option("-o", "--output", action="append", default=[], metavar="FILE", help=".svg, .geojson or .json to write, "
                 "or - for the standard output; may be repeated"),
         _option("--clearance", type=length, metavar="LENGTH", help="smallest distance of a cage from what it encloses"),
