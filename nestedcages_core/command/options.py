@@ -192,7 +192,7 @@ OPTIONS = {
 """The options by topic of the help."""
 
 ALSO_FOR = {"tolerance": {"map"}, "inside": {"drawing", "map"}}
-"""Kinds of files besides those of the topic that an option is for."""
+"""Kinds of files other than those of the topic that an option is for."""
 
 APART = (
     *(("padding", "clearance"), ("grid", "decimals"), ("inside", "jobs"), ("inside", "borders")),
