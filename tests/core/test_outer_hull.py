@@ -325,7 +325,7 @@ def test_boxes_of_many_loops_are_compared_by_place() -> None:
 def test_the_queue_gives_moves_in_order(costs: list[float]) -> None:
     queue = MoveQueue(len(costs), negligible=0.0)
     for slot, cost in enumerate(costs):
-        queue.push([(2.0, slot, (7.0,))])
+        queue.push([(0.5 * cost, slot, (7.0,))])  # obsolete
         queue.renew(slot)
         queue.push([(cost, slot, ())])
     order = []

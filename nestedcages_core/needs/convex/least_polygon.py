@@ -113,7 +113,7 @@ def _in_windows(costs: FloatArray, bounds: IntArray) -> IntArray | None:
 
 
 def _middles(cycle: IntArray, size: int) -> IntArray:
-    """(k,) half-way from each tangent of a cycle to the one before."""
+    """(k,) midway from each tangent of a cycle to the one before."""
     before = np.roll(cycle, 1)
     return np.asarray(np.mod(before + np.mod(cycle - before, size) // 2, size), np.int64)
 
