@@ -138,7 +138,8 @@ def overlapping(low: Any, high: Any, other_low: Any, other_high: Any) -> Any:
     """(2, K) pairs of boxes that share a point."""
     found = []
     for part in np.array_split(np.arange(len(low)), 1 + len(low) * len(other_low) // BLOCK):
-        i, j = np.nonzero((low[part, None] <= other_high).all(axis=2) & (other_low <= high[part, None]).all(axis=2))
+        x, y = ((low[part, None, k] <= other_high[:, k]) & (other_low[:, k] <= high[part, None, k]) for k in (0, 1))
+        i, j = np.nonzero(x & y)
         found.append(np.stack([part[i], j]))
     return np.concatenate(found, axis=1)
 

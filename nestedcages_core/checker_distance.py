@@ -25,9 +25,13 @@ def whole_numbers(x: Any) -> tuple[Any, int]:
     """An array times a power of two that makes every entry a Python integer, and that power. Raises ValueError."""
     if not np.isfinite(x).all():
         raise ValueError("there are coordinates that are not finite")
-    fractions = [Fraction(number) for number in x.ravel().tolist()]
-    factor = max((number.denominator for number in fractions), default=1)
-    return np.array([int(number * factor) for number in fractions], dtype=object).reshape(x.shape), factor
+    digits, power = np.frexp(x)  # a double has 53 binary digits
+    power = np.where(digits == 0.0, 0, power - 53)
+    lowest = int(power.min(initial=0))
+    whole = (digits * 2.0**53).astype(np.int64).astype(object) << (power - lowest).astype(object)
+    bits = int(np.bitwise_or.reduce(whole.ravel(), initial=0))
+    zeros = max(0, min(-lowest, (bits & -bits).bit_length() - 1))
+    return whole >> zeros, 2 ** (-lowest - zeros)
 
 
 def dot_cross(u: Any, v: Any) -> tuple[Any, Any]:

@@ -277,7 +277,7 @@ SETTINGS = {
         "While Growing",
         "What a cage minimises as the drawing grows back",
         EXPANSION_ENERGIES,
-        ("SAME", "The same energy; none for the velocity filter"),
+        ("SAME", "The same energy as the finished cage"),
     ),
     "flow": Setting(
         "Flow",

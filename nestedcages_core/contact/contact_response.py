@@ -105,7 +105,7 @@ class ContactResponse:
         m, gap = self.bodies.m, self.distances.gap
         length = np.hypot(fine_motion[:, 0], fine_motion[:, 1])
         longest = float(length.max())
-        farthest = max(self.distances.clearance, self.distances.own) + gap
+        farthest = self.distances.largest + gap
         radii = np.full(m, radius)
         farthest_motion = np.concatenate([np.sqrt(2.0) * radii, length])
         reach = CLOSEST_APPROACH * radius + longest
