@@ -145,7 +145,7 @@ MECHANISMS: dict[str, Mechanism] = {
     "trials of shortened steps (3 to 1)": Mechanism("tightening", patches={"tightening.trial:MAX_ATTEMPTS": 1}),
     "overshoot of restoration": Mechanism(
         "tightening",
-        patches={"tightening.restore_feasibility:OVERSHOOT": 1.0, "tightening.restore_feasibility:LATE_OVERSHOOT": 1.0},
+        patches={"tightening.restore_feasibility:OVERSHOOT": 1.0},
     ),
     "trials, patience and overshoot together": Mechanism(
         "tightening",
@@ -153,7 +153,6 @@ MECHANISMS: dict[str, Mechanism] = {
         patches={
             "tightening.trial:MAX_ATTEMPTS": 1,
             "tightening.restore_feasibility:OVERSHOOT": 1.0,
-            "tightening.restore_feasibility:LATE_OVERSHOOT": 1.0,
         },
     ),
     "patience (3 quiet steps to 1)": Mechanism("tightening", partial(Settings, tightening=Tightening(patience=1))),

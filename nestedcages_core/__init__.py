@@ -51,7 +51,6 @@ if TYPE_CHECKING:
     from .checker import check
     from .contact.ipc import IPC as IPC
     from .contact.pair_search import AllPairs as AllPairs
-    from .contact.pair_search import Cells as Cells
     from .contact.pair_search import UniformGrid as UniformGrid
     from .contact.step_filter import NoFilter as NoFilter
     from .contact.step_filter import SmallestDistance as SmallestDistance
@@ -190,7 +189,7 @@ _LATER = {
     "geometry.quadrature": ("EvenSamples", "GaussLegendre", "Midpoint", "QuadraticFallOff", "RandomSamples"),
     "energies.weighted_sum": ("WeightedSum",),
     "energies.no_energy": ("NoEnergy",),
-    "contact.pair_search": ("AllPairs", "Cells", "UniformGrid"),
+    "contact.pair_search": ("AllPairs", "UniformGrid"),
     "contact.ipc": ("IPC",),
     "contact.step_filter": ("NoFilter", "SmallestDistance", "TimeOfImpact"),
     "decimation.choices": ("OnCurve", "ArcLength", "DouglasPeucker", "EdgeCollapse", "OwnDecimation", "Visvalingam"),

@@ -139,7 +139,6 @@ IMPORTABLE = [
     "Area",
     "BatchProgress",
     "BoundaryARAP",
-    "Cells",
     "UniformGrid",
     "DouglasPeucker",
     "EdgeCollapse",

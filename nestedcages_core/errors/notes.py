@@ -7,7 +7,7 @@ from typing import Any
 
 NOTES: Mapping[str, str] = {
     "count least": "{asked} vertices are too few for this shape; {given} is the least found.",
-    "count mesh": "{asked} vertices were asked for, but the mesh inside has {given}: so the cage has as many.",
+    "count mesh": "{asked} vertices were asked for, but the mesh inside has {given}, so the cage has {given}.",
     "count loops": "The vertices per loop of the coarse mesh do not fit the mesh inside: they are redistributed.",
     "count symmetry": "{asked} vertices were asked for; with {symmetry} the cage can have {given}.",
     "count edges": "{asked} vertices were asked for; edges of at least {length:.6g} leave room for {given}.",

@@ -165,7 +165,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
 
 
 def _with_room(settings: Settings, levels: int) -> Settings:
-    """The settings of a level that leaves room for so many levels around it."""
+    """The settings of a level that leaves room for that many levels around it."""
     return replace(settings, tightening=replace(settings.tightening, apart=ROOM_OF_A_LEVEL * levels))
 
 

@@ -194,7 +194,7 @@ class _Search:
                 low = aim
 
     def _aim(self, low: int) -> int:
-        """A count between one that fails and the best: half-way, or where an excess, that falls with the square of the
+        """A count between one that fails and the best: midway, or where an excess, that falls with the square of the
         count, would reach the limit."""
         middle = (low + self.count) // 2
         if self.need.excess is None or self.best is None:

@@ -278,7 +278,7 @@ def _angles_between(feet: FloatArray, tips: FloatArray) -> FloatArray:
 
 
 def _between(feet: FloatArray, tips: FloatArray) -> Line | None:
-    """A line half-way between feet (F, 2), on its left, and tips (T, 2); None if there is none."""
+    """A line midway between feet (F, 2), on its left, and tips (T, 2); None if there is none."""
     angles = _angles_between(feet, tips)
     if angles.max() - angles.min() > np.pi:
         return None

@@ -436,6 +436,7 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
         return capsys.readouterr().out
 
     short = said("--help")
+    assert "%%" not in said("--help", "all")
     assert len(short.splitlines()) <= 27
     assert max(map(len, short.splitlines())) < 80
     assert "--borders" in said("--help", "maps")
