@@ -36,7 +36,7 @@ from growth import KINDS as GROWING
 from mechanisms import MECHANISMS, Around, Mechanism
 from nestedcages_core import ArcLength, Mesh, NestedCagesError, nested_cages, verify
 from nestedcages_core.cache import forget
-from page import commit
+from page import stamp
 from random_shapes import KINDS, random_shape
 
 POSITIONS = ((0.0, 0.0), (0.7, 0.3), (2.1, -5.0))
@@ -263,8 +263,13 @@ def main() -> int:
         options.output.write_text(page(rows, len(chosen), options), encoding="utf-8")
         whole = options.output.parent / "measured" / "ablation.txt"
         whole.parent.mkdir(parents=True, exist_ok=True)
-        whole.write_text("\n".join([*HEAD, *rows, ""]), encoding="utf-8")
+        whole.write_text("\n".join([command(), stamp(), "", *HEAD, *rows, ""]), encoding="utf-8")
     return 0
+
+
+def command() -> str:
+    """What was run."""
+    return f"python benchmarks/ablation.py {' '.join(sys.argv[1:])}".strip()
 
 
 def page(rows: Sequence[str], count: int, options: argparse.Namespace) -> str:
@@ -272,8 +277,7 @@ def page(rows: Sequence[str], count: int, options: argparse.Namespace) -> str:
     about = f"""\
 # What each mechanism buys
 
-`python benchmarks/ablation.py --shapes {options.shapes} --output docs/ablation.md`, commit {commit()},
-{time.strftime("%Y-%m-%d")}: {count} cases in {len(POSITIONS)} positions each, turned and moved, up to
+`{command()}`, {stamp()}: {count} cases in {len(POSITIONS)} positions each, turned and moved, up to
 {max(options.sizes, default=LARGEST)} vertices. Each mechanism is switched off alone, and those that are named together
 at once. Excess and time are without it, relative to with it: above 1, it helps; a ratio is the geometric mean over the
 positions of a case. The first row switches nothing off and compares two positions: it is the noise. *Lost* are cages

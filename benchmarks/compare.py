@@ -17,6 +17,7 @@ import os
 import platform
 import subprocess
 import sys
+from datetime import date
 from pathlib import Path
 
 for library in ("OMP", "OPENBLAS", "MKL", "VECLIB"):
@@ -69,7 +70,8 @@ def made(options: argparse.Namespace, folder: Path) -> tuple[list[runs.Run], dic
         f"Nested Cages {__version__}, Python {platform.python_version()}, numpy {np.__version__}, scipy "
         f"{scipy.__version__}, {sys.platform}, {options.jobs} of {os.cpu_count()} cores, one thread each"
     )
-    record: dict[str, object] = {"commit": commit, "machine": machine, "minutes": round(bench.seconds / 60.0, 1)}
+    minutes = round(bench.seconds / 60.0, 1)
+    record = {"commit": commit, "date": str(date.today()), "machine": machine, "minutes": minutes}
     folder.mkdir(parents=True, exist_ok=True)
     (folder / pages.RECORD).write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
     runs.write(found, folder / pages.RUNS)

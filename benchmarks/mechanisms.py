@@ -132,10 +132,6 @@ MECHANISMS: dict[str, Mechanism] = {
         "contact",
         patches={"contact.ipc:MAX_RANGE_REDUCTIONS": 0},
     ),
-    "QP: pace per vertex": Mechanism(
-        "contact",
-        patches={"contact.sequential_qp:PACE_GROWTH": 1.0, "contact.sequential_qp:PACE_REDUCTION": 1.0},
-    ),
     "pruning of implied constraints": Mechanism(
         "contact",
         patches={"contact.contact_response:not_implied": all_kept, "tightening.quadratic_model:not_implied": all_kept},
@@ -149,7 +145,7 @@ MECHANISMS: dict[str, Mechanism] = {
     "trials of shortened steps (3 to 1)": Mechanism("tightening", patches={"tightening.trial:MAX_ATTEMPTS": 1}),
     "overshoot of restoration": Mechanism(
         "tightening",
-        patches={"tightening.restore_feasibility:OVERSHOOT": 1.0, "tightening.restore_feasibility:LATE_OVERSHOOT": 1.0},
+        patches={"tightening.restore_feasibility:OVERSHOOT": 1.0},
     ),
     "trials, patience and overshoot together": Mechanism(
         "tightening",
@@ -157,7 +153,6 @@ MECHANISMS: dict[str, Mechanism] = {
         patches={
             "tightening.trial:MAX_ATTEMPTS": 1,
             "tightening.restore_feasibility:OVERSHOOT": 1.0,
-            "tightening.restore_feasibility:LATE_OVERSHOOT": 1.0,
         },
     ),
     "patience (3 quiet steps to 1)": Mechanism("tightening", partial(Settings, tightening=Tightening(patience=1))),

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
 from datetime import date
+from functools import cache
 from pathlib import Path
 
 from clone import ROOT
@@ -16,12 +18,12 @@ MEASURED = ROOT / "docs" / "measured"
 
 def measured(page: Path, name: str, command: str, printed: str, shown: str) -> None:
     """Keep all that a command printed, and put what is shown of it into a page, with commit and date."""
-    stamp = f"commit {commit()}, {date.today()}"
+    of = stamp()
     MEASURED.mkdir(exist_ok=True)
     kept = MEASURED / f"{name}.txt"
-    kept.write_text(f"{command}\n{stamp}\n\n{printed.strip()}\n", encoding="utf-8")
-    link = Path(*[".."] * (len(page.relative_to(ROOT / "docs").parts) - 1)) / "measured" / kept.name
-    put(page, name, f"{shown}\n\n`{command}`, {stamp}: [all that it printed]({link.as_posix()}).".strip())
+    kept.write_text(f"{command}\n{of}\n\n{printed.strip()}\n", encoding="utf-8")
+    link = Path(os.path.relpath(kept, page.parent)).as_posix()
+    put(page, name, f"{shown}\n\n`{command}`, {of}: [output]({link}).".strip())
 
 
 def put(page: Path, name: str, text: str) -> None:
@@ -33,8 +35,14 @@ def put(page: Path, name: str, text: str) -> None:
     page.write_text(place.sub(lambda found: f"{found[1]}\n\n{text}\n\n{found[2]}", before), encoding="utf-8")
 
 
+def stamp() -> str:
+    """Commit and date of what is measured now."""
+    return f"commit {commit()}, {date.today()}"
+
+
+@cache
 def commit() -> str:
-    """The commit of this clone, with a sign where files differ from it."""
+    """The commit of this clone when first asked, with a sign where files differ from it."""
     told = subprocess.run(
         ["git", "describe", "--always", "--dirty=+", "--exclude=*"],
         cwd=ROOT,

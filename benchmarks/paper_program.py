@@ -31,6 +31,7 @@ import clone  # noqa: F401 - puts the core of this clone on the path
 from data import COARSE_RING_VERTICES, Table1Row, annulus, read_shape, read_table1
 from nestedcages_core import Mesh, verify
 from nestedcages_core.published.gurditta_jacobson_2022 import as_published
+from page import stamp
 
 COLUMNS = "fine_vertices", "reference_cpp_cpu_s", "reference_cpp_excess_percent"
 """Of the file with the times, as in data/table1.csv."""
@@ -151,8 +152,10 @@ def compare(program: Path, meshes: Path, path: Path) -> None:
     """Write what the program and `as_published` make of the same meshes."""
     with path.open("w", newline="", encoding="utf-8") as file:
         lines = csv.writer(file, lineterminator="\n")
-        lines.writerow(("mesh", "program_excess_percent", "ours_excess_percent", "encloses", "short_diagonals"))
-        lines.writerows(side_by_side(program, *case) for case in cases(meshes))
+        lines.writerow(
+            ("mesh", "program_excess_percent", "ours_excess_percent", "encloses", "short_diagonals", "stamp")
+        )
+        lines.writerows((*side_by_side(program, *case), stamp()) for case in cases(meshes))
 
 
 def cases(folder: Path) -> list[tuple[str, Mesh, Mesh]]:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
@@ -25,7 +24,7 @@ import clone  # noqa: F401
 from hostile.attacks import ATTACKS
 from hostile.outcome import MEGABYTES, SECONDS, Outcome, outcome
 from hostile.readers import READERS
-from page import commit
+from page import stamp
 
 FAULTS_SHOWN = 5
 """Faults of each kind of attack that are printed."""
@@ -111,7 +110,7 @@ def page(rows: list[Row], options: argparse.Namespace) -> str:
     lines = [
         f"python benchmarks/robustness.py --examples {options.examples} --seed {options.seed} "
         f"--output {options.output}",
-        f"commit {commit()}, {time.strftime('%Y-%m-%d')}",
+        stamp(),
         "",
         "A call is held if it ends with a valid result or with one sentence that says what is wrong, within "
         f"{SECONDS:g} s of",

@@ -32,7 +32,7 @@ def path_data(outline: Outline) -> str:
 
 
 def glyphs(count: int) -> dict[str, Mesh]:
-    """So many glyphs by their character; those that are empty or touch themselves are left out."""
+    """That many glyphs by their character; those that are empty or touch themselves are left out."""
     found: dict[str, Mesh] = {}
     for code in sorted(get_font(findfont(FONT)).get_charmap()):
         character = chr(code)

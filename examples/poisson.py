@@ -1,4 +1,4 @@
-"""A Poisson problem solved by multigrid over nested cages, beside conjugate gradients without it.
+"""A Poisson problem solved by multigrid over nested cages, next to conjugate gradients without it.
 
 Every cage contains the one before, so each grid is interpolated to the finer one without guessing values outside: what
 Sacht, Vouga and Jacobson made nested cages for. Run as ``python examples/poisson.py``.

@@ -26,7 +26,7 @@ PALE = ("#c3cfdf", "#d9e4c8", "#f1ddc4", "#e5d0df", "#cfe3e6", "#eee3b8")
 
 
 def divided(size: int, count: int) -> dict[str, Mesh]:
-    """So many regions by name; neighbours meet in the very same points along their common border."""
+    """That many regions by name; neighbours meet in the very same points along their common border."""
     land = np.pad(heights(size), 1, constant_values=-10.0)
     place = np.linspace(0.0, 1.0, size + 2)
     x, y = np.meshgrid(place, place)

@@ -51,7 +51,6 @@ if TYPE_CHECKING:
     from .checker import check
     from .contact.ipc import IPC as IPC
     from .contact.pair_search import AllPairs as AllPairs
-    from .contact.pair_search import Cells as Cells
     from .contact.pair_search import UniformGrid as UniformGrid
     from .contact.step_filter import NoFilter as NoFilter
     from .contact.step_filter import SmallestDistance as SmallestDistance
@@ -125,7 +124,6 @@ if TYPE_CHECKING:
     from .published.gurditta_jacobson_2022 import PaperFlow as PaperFlow
     from .published.gurditta_jacobson_2022 import Repairs as Repairs
     from .published.gurditta_jacobson_2022 import SignedDistanceFlow as SignedDistanceFlow
-    from .published.li_2020 import OriginalIPC as OriginalIPC
     from .published.sacht_2015 import ElTopo as ElTopo
     from .published.sellan_2022 import LevelSet as LevelSet
     from .published.settings import AUGMENTED_2022 as AUGMENTED_2022
@@ -191,7 +189,7 @@ _LATER = {
     "geometry.quadrature": ("EvenSamples", "GaussLegendre", "Midpoint", "QuadraticFallOff", "RandomSamples"),
     "energies.weighted_sum": ("WeightedSum",),
     "energies.no_energy": ("NoEnergy",),
-    "contact.pair_search": ("AllPairs", "Cells", "UniformGrid"),
+    "contact.pair_search": ("AllPairs", "UniformGrid"),
     "contact.ipc": ("IPC",),
     "contact.step_filter": ("NoFilter", "SmallestDistance", "TimeOfImpact"),
     "decimation.choices": ("OnCurve", "ArcLength", "DouglasPeucker", "EdgeCollapse", "OwnDecimation", "Visvalingam"),
@@ -252,7 +250,6 @@ _LATER = {
         "Repairs",
         "SignedDistanceFlow",
     ),
-    "published.li_2020": ("OriginalIPC",),
     "published.sacht_2015": ("ElTopo",),
     "published.sellan_2022": ("LevelSet",),
     "published.settings": ("AUGMENTED_2022", "AUGMENTED_2022_REPAIRED", "NESTED_CAGES_2015", "SIMPLE_2022"),

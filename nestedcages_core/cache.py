@@ -26,10 +26,14 @@ LARGEST_SHARE = 0.25
 """Largest share of a memory that a single value may take, unless it says otherwise."""
 
 
+CAPACITY = 16_000_000
+"""Bytes that a memory may take, unless it says otherwise."""
+
+
 class Memory(Generic[Value]):
     """Values by key; where they take too much memory, those that have not been used for longest are forgotten."""
 
-    def __init__(self, capacity: int, largest_share: float = LARGEST_SHARE) -> None:
+    def __init__(self, capacity: int = CAPACITY, largest_share: float = LARGEST_SHARE) -> None:
         """capacity: of all values, in bytes. largest_share: of it, for a single value."""
         self.capacity, self.largest = capacity, largest_share * capacity
         self._values: OrderedDict[Key, tuple[Value, int]] = OrderedDict()

@@ -2,7 +2,7 @@
 
 It reads coordinates and edges, never a certificate. Coordinates are fractions whose denominators are powers of two:
 multiplied by the largest of these they are whole numbers, which Python does not round. Boxes are compared as floats,
-exactly too. Only images under a symmetry and the largest distance are measured in float64, to `TOLERANCE`.
+exactly too. Lengths have roots and turns have cosines: these are held against exact bounds that differ by `TOLERANCE`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from .checker_distance import farther_than
+from .checker_distance import dot_cross, farther_than, squared_gaps, whole_numbers
 
 TOLERANCE = Fraction(1, 10**9)
 """Relative error of a clearance, a distance or an image that is accepted."""
@@ -68,7 +68,7 @@ def check(
         if not found:
             found += faults_of_needs(cage, grid, symmetry, report)
             both = Loops(*((fine, cage) if inner else (cage, fine)))
-            found += farther_than(distance, both.x, both.after, both.is_fine, float(TOLERANCE)) if distance else []
+            found += farther_than(distance, both.x, both.after, both.is_fine, TOLERANCE) if distance else []
             found += faults_of_steps(within, level, wanted, alike, motions) if hasattr(level, "cage") else []
         problems += [f"level {k + 1}: {fault}" if len(levels) > 1 else fault for fault in found]
         within = cage
@@ -127,19 +127,6 @@ def rings_of(shape: Any) -> list[Any]:
     return rings
 
 
-def whole_numbers(x: Any) -> tuple[Any, int]:
-    """An array times a power of two that makes every entry a Python integer, and that power. Raises ValueError."""
-    if not np.isfinite(x).all():
-        raise ValueError("there are coordinates that are not finite")
-    fractions = [Fraction(number) for number in x.ravel().tolist()]
-    factor = max((number.denominator for number in fractions), default=1)
-    return np.array([int(number * factor) for number in fractions], dtype=object).reshape(x.shape), factor
-
-
-def dot_cross(u: Any, v: Any) -> tuple[Any, Any]:
-    return u[..., 0] * v[..., 0] + u[..., 1] * v[..., 1], u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-
-
 def winding(point: Any, a: Any, b: Any) -> int:
     """How often a loop of edges a-b (K, 2) runs around a point (2,) that is not on it."""
     up, down = (a[:, 1] <= point[1]) & (b[:, 1] > point[1]), (a[:, 1] > point[1]) & (b[:, 1] <= point[1])
@@ -151,7 +138,8 @@ def overlapping(low: Any, high: Any, other_low: Any, other_high: Any) -> Any:
     """(2, K) pairs of boxes that share a point."""
     found = []
     for part in np.array_split(np.arange(len(low)), 1 + len(low) * len(other_low) // BLOCK):
-        i, j = np.nonzero((low[part, None] <= other_high).all(axis=2) & (other_low <= high[part, None]).all(axis=2))
+        x, y = ((low[part, None, k] <= other_high[:, k]) & (other_low[:, k] <= high[part, None, k]) for k in (0, 1))
+        i, j = np.nonzero(x & y)
         found.append(np.stack([part[i], j]))
     return np.concatenate(found, axis=1)
 
@@ -214,10 +202,9 @@ class Loops:
         wanted = (Fraction(clearance) * self.factor * (1 - TOLERANCE)) ** 2
         low, high = np.nextafter(self.x - clearance, -np.inf), np.nextafter(self.x + clearance, np.inf)
         k, e = overlapping(low, high, self.low, self.high)
-        p, a, b = (self.whole[i[self.is_fine[k] != self.is_fine[e]]] for i in (k, e, self.after[e]))
-        (place, off), length = dot_cross(b - a, p - a), dot_cross(b - a, b - a)[0]
-        to_a, to_b = (dot_cross(p - end, p - end)[0] * length for end in (a, b))
-        squared = np.where(place <= 0, to_a, np.where(place < length, off**2, to_b))  # times that of the length
+        squared, length = squared_gaps(
+            *(self.whole[i[self.is_fine[k] != self.is_fine[e]]] for i in (k, e, self.after[e]))
+        )
         short = squared * wanted.denominator < length * wanted.numerator
         gaps = [(Decimal(c) / Decimal(d)).sqrt() for c, d in zip(squared[short], length[short], strict=True)]
         return [f"the distance is {min(gaps) / self.factor:.9g}, not {clearance:.9g}"] if gaps else []
@@ -244,13 +231,16 @@ def faults_of_needs(cage: Any, grid: float | None, symmetry: Any, report: Any) -
         off = [x for x in loops.x.ravel().tolist() if float(held(float(round(Fraction(x) / step) * step))) != x]
         found += [f"{len(off)} coordinates are not multiples of {grid:.9g}, such as {off[0]!r}"] if off else []
     if symmetry is not None:
-        is_mirror, z = hasattr(symmetry, "direction"), loops.x @ [1.0, 1j]
+        is_mirror, x = hasattr(symmetry, "direction"), loops.whole * Fraction(1, loops.factor)
         place = symmetry.point if is_mirror else symmetry.centre
-        middle = z.mean() if place is None else complex(*place)
-        turn = 2.0 * np.angle(complex(*symmetry.direction)) if is_mirror else 2.0 * np.pi / symmetry.order
-        image = middle + np.exp(1j * turn) * (np.conj(z - middle) if is_mirror else z - middle)
-        images, slack = np.stack([image.real, image.imag], axis=1), float(TOLERANCE) * np.ptp(loops.x)
-        partner = dict(overlapping(images - slack, images + slack, loops.x, loops.x).T.tolist())
+        middle = x.mean(axis=0) if place is None else np.array([Fraction(number) for number in place])
+        half = symmetry.direction if is_mirror else (np.cos(np.pi / symmetry.order), np.sin(np.pi / symmetry.order))
+        u, (dx, dy) = np.array([Fraction(number) for number in half]), ((x - middle) * [1, -1 if is_mirror else 1]).T
+        cosine, sine = (part / (u @ u) for part in dot_cross(u * [1, -1], u))  # of twice the angle of u, or nearly so
+        images = middle + np.stack([cosine * dx - sine * dy, sine * dx + cosine * dy], axis=1)
+        slack = TOLERANCE * Fraction(np.ptp(loops.x, axis=0).max())
+        low, high = (np.nextafter((images + side * slack).astype(float), side * np.inf) for side in (-1, 1))
+        partner = dict(overlapping(low, high, loops.x, loops.x).T.tolist())
         edges = {frozenset(edge) for edge in enumerate(loops.after.tolist())}
         lost = [edge for edge in edges if frozenset(map(partner.get, edge)) not in edges]
         found += [f"{loops.near(min(lost[0]))} has no image under the symmetry"] if lost else []

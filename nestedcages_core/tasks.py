@@ -9,6 +9,8 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from time import perf_counter
 from typing import Any, Generic, TypeAlias, TypeVar
 
+from .errors import NestedCagesError
+
 Yielded = TypeVar("Yielded")
 Shown = TypeVar("Shown")
 Result = TypeVar("Result")
@@ -59,6 +61,9 @@ def listened(run: Run[Shown, Result], listener: Callable[[Shown], None] | bool |
     """The result of a run; a listener is called with its progress. True: a bar of tqdm, if that is installed."""
     if listener is True:
         return _with_bar(run)
+    if listener not in (None, False) and not callable(listener):
+        said = f"progress must be True or a function, not {listener!r}."
+        raise NestedCagesError(said, code="setting.invalid", name="progress", value=listener)
     for step in run:
         if callable(listener):
             listener(step)

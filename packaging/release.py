@@ -23,6 +23,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from nestedcages_core import Mesh, cage_coordinates, deform, nested_cages, read_svg  # noqa: E402
+
 DIST = ROOT / "dist"
 WHEELS = ROOT / "build" / "wheels"
 SITE = ROOT / "build" / "site"
@@ -31,7 +33,7 @@ LISTING = ROOT / "build" / "listing"
 ICON, FEATURED = (256, 256), (1920, 1080)
 """Sizes of the listing's pictures in pixels, as extensions.blender.org asks for."""
 
-SCREENSHOTS = ("panel", "result", "posed", "cutout", "export")
+SCREENSHOTS = ("panel", "result", "posed", "playing", "cutout")
 """Pictures of the guide that the listing shows."""
 
 LEVELS = 32, 16
@@ -42,6 +44,12 @@ CLEARANCE = 0.02
 
 LINES_ACROSS = 150
 """Width of a drawing in the pictures, in widths of a line."""
+
+LEAN = 0.45
+"""Turn of the top of the posed letter, in radians."""
+
+BACK, INK, CAGES = "#1d2736", "#f4f1ea", ("#56b4e9", "#e69f00")
+"""Colours of background and drawing, and of the finer and the coarser cage."""
 
 DPI = 100
 
@@ -101,33 +109,57 @@ def licences(wheels: list[Path]) -> list[str]:
 
 
 def pictures(folder: Path) -> None:
-    """The icon and the featured picture: a letter in its cages, and how it gets there."""
+    """The icon, a letter in a cage on a tile, and the featured picture: the letter, its cages, and a pose by them."""
     import matplotlib as mpl
 
     mpl.use("Agg")
     from matplotlib import pyplot as plt
+    from matplotlib.patches import FancyBboxPatch
 
-    from nestedcages_core import nested_cages, read_svg
-
-    letter = read_svg(ROOT / "examples" / "letter_a.svg")
+    drawn = read_svg(ROOT / "examples" / "letter_a.svg")
+    letter = Mesh.from_loops([ring * (1.0, -1.0) for ring in drawn.rings])
     made = nested_cages(letter, LEVELS, clearance=CLEARANCE * letter.diagonal)
-    flow = made[0].flow.steps[-1]
-    stages = [(letter, made[0].coarse), (letter.moved(flow), made[0].coarse), made.meshes]
-    for name, size, shown in (("icon", ICON, stages[-1:]), ("featured", FEATURED, stages)):
+    cage = made[-1].cage
+    posed = leaning(cage)
+    bent = letter.moved(deform(cage_coordinates(letter, cage), posed.vertices))
+    stages = {"Draw": [letter], "Cage": made.meshes, "Pose": [bent, posed]}
+    for name, size, shown in (("icon", ICON, {"": made.meshes[:2]}), ("featured", FEATURED, stages)):
         figure, axes = plt.subplots(
             1, len(shown), figsize=np.divide(size, DPI), squeeze=False, sharex=True, sharey=True
         )
-        for axis, meshes in zip(axes[0], shown, strict=True):
-            for level, mesh in enumerate(meshes):
+        if name == "icon":
+            tile = FancyBboxPatch(
+                (0.12, 0.12), 0.76, 0.76, "round,pad=0.12", color=BACK, transform=figure.transFigure, zorder=-1
+            )
+            figure.patches.append(tile)
+        else:
+            figure.set_facecolor(BACK)
+            figure.text(0.5, 0.88, "Nested Cages", size=54, color=INK, ha="center", weight="bold")
+        for axis, (title, (shape, *cages)) in zip(axes[0], shown.items(), strict=True):
+            for ring, fill in zip(shape.rings, (INK, BACK), strict=True):
+                axis.fill(*ring.T, color=fill)
+            width = size[0] / len(shown) / LINES_ACROSS
+            for mesh, colour in zip(cages, CAGES[-len(cages) :], strict=False):
                 for ring in mesh.rings:
-                    closed = np.concatenate((ring, ring[:1])) * (1.0, -1.0)
-                    width = size[0] / len(shown) / LINES_ACROSS
-                    axis.plot(*closed.T, color=("#27364b", "#0072b2", "#009e73")[level], linewidth=width)
+                    closed = np.concatenate((ring, ring[:1]))
+                    axis.plot(*closed.T, color=colour, linewidth=width, marker="o", markersize=2.5 * width)
             axis.set_aspect("equal")
             axis.set_axis_off()
-        figure.subplots_adjust(0.03, 0.06, 0.97, 0.94, 0.03)
+            axis.set_title(title, y=-0.1, size=34, color=INK)
+        figure.subplots_adjust(0.03, *((0.08, 0.97, 0.92) if name == "icon" else (0.08, 0.97, 0.86)), 0.03)
         figure.savefig(folder / f"{name}.png", dpi=DPI, transparent=name == "icon")
         plt.close(figure)
+
+
+def leaning(cage: Mesh) -> Mesh:
+    """A cage of which each vertex is turned about the middle of the bottom, the higher the more."""
+    left, low, right, high = cage.bounds
+    foot = np.array([(left + right) / 2.0, low])
+    turn = LEAN * (cage.vertices[:, 1] - low) / (high - low)
+    x, y = (cage.vertices - foot).T
+    return cage.moved(
+        foot + np.stack((x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)), axis=1)
+    )
 
 
 def checksums(folder: Path) -> str:

@@ -166,7 +166,7 @@ def test_the_page_has_a_place_for_every_benchmark_that_it_shows(data: ModuleType
     copy = tmp_path / "docs" / "page.md"
     copy.parent.mkdir()
     shutil.copy(performance.PAGE, copy)
-    page.put(copy, "machine", "NEW")
+    page.measured(copy, "machine", "the command", "NEW", "NEW")
     for name, (command, _) in performance.RUNS.items():
         source = performance.PAGE.with_name(performance.PAGES.get(name, performance.PAGE.name))
         shutil.copy(source, copy)

@@ -89,7 +89,7 @@ def test_runs_survive_their_file_and_make_the_pages(comparison: ModuleType, tmp_
     made = [*pretended(comparison), replace(pretended(comparison)[0], shape="lost", success=False, excess=None)]
     runs.write(made, tmp_path / pages.RUNS)
     assert runs.read(tmp_path / pages.RUNS) == made
-    record = {"commit": "abc", "machine": "here", "minutes": 1.5}
+    record = {"commit": "abc", "date": "today", "machine": "here", "minutes": 1.5}
     pages.write(made, record, tmp_path)
     assert len(list(tmp_path.rglob("*.md"))) == 6
     assert "abc" in (tmp_path / "comparison.md").read_text(encoding="utf-8")
@@ -168,7 +168,9 @@ def test_the_paper_is_made_of_the_runs(comparison: ModuleType, tmp_path: Path, m
 
     paper = importlib.import_module("paper_pdf")
     runs.write(pretended(comparison), tmp_path / pages.RUNS)
-    (tmp_path / pages.RECORD).write_text('{"commit": "abc", "machine": "here", "minutes": 1.5}', encoding="utf-8")
+    (tmp_path / pages.RECORD).write_text(
+        '{"commit": "abc", "date": "today", "machine": "here", "minutes": 1.5}', encoding="utf-8"
+    )
     monkeypatch.setattr(figures, "SHOWN", dict(list(figures.SHOWN.items())[:1]))
     monkeypatch.setattr(figures, "METHODS", {"ours": figures.METHODS["ours"]})
     paper.make(tmp_path, None, tmp_path / "paper.pdf")

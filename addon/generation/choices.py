@@ -161,12 +161,6 @@ CONTACTS = {
         "Quadratic programs move the cage out in a few long steps: the fastest for large drawings",
         lambda _: core.SequentialQP(),
     ),
-    "IPC_2020": Choice(
-        "IPC, 2020",
-        "Incremental Potential Contact as published: one barrier range, adaptive stiffness. Slow, for comparisons",
-        lambda chosen: core.OriginalIPC(energy=chosen.expansion()),
-        uses=("expansion_energy",),
-    ),
     "EL_TOPO": Choice(
         "El Topo",
         "The contact of Nested Cages (2015) as published: impulses, then impact zones. For comparisons",
@@ -283,7 +277,7 @@ SETTINGS = {
         "While Growing",
         "What a cage minimises as the drawing grows back",
         EXPANSION_ENERGIES,
-        ("SAME", "The same energy; none for the velocity filter"),
+        ("SAME", "The same energy as the finished cage"),
     ),
     "flow": Setting(
         "Flow",

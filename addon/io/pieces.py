@@ -17,7 +17,7 @@ from ..scene import convert, display, filling, ownership
 from ..scene.plane import size
 from . import exporters
 
-# Kinds of rigid bodies: static pieces, and one moving body per cage, compounded of its pieces.
+# Kinds of rigid bodies: static pieces, and one moving body per cage, made of its pieces.
 PASSIVE, ACTIVE = "PASSIVE", "ACTIVE"
 
 

@@ -103,8 +103,8 @@ class OBJECT_OT_nested_cages_unbind(BindingOperator, bpy.types.Operator):
 
 
 class OBJECT_OT_nested_cages_adopt(Operator, bpy.types.Operator):
-    """Give copied, appended or instanced cages, or cages without their collection, to the selected drawing as its own.
-    All other operators do so too
+    """Make copied, appended or instanced cages, or cages without their collection, the selected drawing's own.
+    All other buttons do this too
     """
 
     bl_label = "Adopt Cages"

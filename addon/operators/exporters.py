@@ -162,7 +162,7 @@ def coarsest(context: bpy.types.Context) -> list[bpy.types.Object]:
 BODY_ITEMS = (
     ("NONE", "None", "Objects alone"),
     (pieces.PASSIVE, "Passive", "Each piece is a static rigid body with the shape of its convex hull"),
-    (pieces.ACTIVE, "Active", "One dynamic rigid body per cage, compounded of its pieces"),
+    (pieces.ACTIVE, "Active", "One dynamic rigid body per cage, made of its pieces"),
 )
 
 

@@ -37,7 +37,7 @@ class PictureProperties:
 
     padding: number(
         "Padding",
-        "Distance in pixels between the outline and opaque pixels; none, unless set, around an opaque tile",
+        "Distance in pixels between the outline and opaque pixels; 0 if not set and all of the picture is opaque",
         default=1.0,
         min=0.0,
         soft_max=32.0,

@@ -36,9 +36,9 @@ class GenerationProperties:
 
     levels: text(
         "Levels",
-        "What each cage has, finest first: a number of vertices (64), a share of the drawing's (20%), or the "
-        "fewest within a distance of the drawing (5mm, 0.2ft, 2u for units) or so much more area (+25%). * is an "
-        "own object",
+        "What each cage has, finest first: a number of vertices (64), a share of the drawing's vertices (20%), or as "
+        "few as keep within a distance of the drawing (5mm, 0.2ft, 2u for units) or add at most some area (+25%). * is "
+        "an object of your own",
         default=DEFAULT_LEVELS,
         update=_fill_list,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from li_2020 import OriginalIPC
 from nestedcages_core import (
     AUGMENTED_2022_REPAIRED,
     IPC,
@@ -18,7 +19,6 @@ from nestedcages_core import (
     InitialDisplacement,
     InteriorARAP,
     NoEnergy,
-    OriginalIPC,
     PaperContact,
     PaperFlow,
     ProjectedNewton,

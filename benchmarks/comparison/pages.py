@@ -50,11 +50,11 @@ def pages(runs: Sequence[Run], record: dict[str, Any]) -> dict[str, str]:
     """File name -> text."""
     return {
         "comparison.md": front(runs, record),
-        "comparison/contacts.md": _page("Contacts from the same starts", _contacts(runs)),
-        "comparison/methods.md": _page("Whole methods", _methods(runs)),
-        "comparison/as-published.md": _page("The paper's program, figures and table", _published(runs)),
-        "comparison/flows.md": _page("Flows and energies", _flows(runs)),
-        "comparison/measured.md": _page("How it was measured", _measured(runs, record)),
+        "comparison/contacts.md": _page("Contacts from the same starts", record, _contacts(runs)),
+        "comparison/methods.md": _page("Whole methods", record, _methods(runs)),
+        "comparison/as-published.md": _page("The paper's program, figures and table", record, _published(runs)),
+        "comparison/flows.md": _page("Flows and energies", record, _flows(runs)),
+        "comparison/measured.md": _page("How it was measured", record, _measured(runs, record)),
     }
 
 
@@ -76,8 +76,7 @@ def front(runs: Sequence[Run], record: dict[str, Any]) -> str:
         "## More",
         "[Contacts](comparison/contacts.md) · [whole methods](comparison/methods.md) · [the paper's program, figures "
         "and table](comparison/as-published.md) · [flows and energies](comparison/flows.md) · [how it was measured]"
-        f"(comparison/measured.md) · [every run](comparison/{RUNS}). References: [Method](method.md). Measured at "
-        f"commit {record['commit']}.",
+        f"(comparison/measured.md) · [every run](comparison/{RUNS}). References: [Method](method.md). {stamp(record)}.",
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -89,8 +88,13 @@ def said(known: Verdict, held_out: Verdict) -> str:
     return table(["", "known shapes", "held-out shapes"], [*numbers, holds])
 
 
-def _page(title: str, parts: Sequence[str]) -> str:
-    links = "[The methods compared](../comparison.md)"
+def stamp(record: dict[str, Any]) -> str:
+    """What all numbers are of."""
+    return f"Measured at commit {record['commit']}, {record['date']}"
+
+
+def _page(title: str, record: dict[str, Any], parts: Sequence[str]) -> str:
+    links = f"[The methods compared](../comparison.md). {stamp(record)}."
     return "\n\n".join([f"# {title}", links, *(part for part in parts if part)]) + "\n"
 
 
@@ -127,7 +131,7 @@ def _published(runs: Sequence[Run]) -> list[str]:
     return [
         "The compiled program of 2022 next to `as_published`, on the meshes of its figures 1 and 2 and on discs of its "
         "Table 1. Lengths are absolute, so excess depends on size. `python benchmarks/paper_program.py` makes the "
-        f"table ({PROGRAM.name}).",
+        f"table ({PROGRAM.name}), {program_rows()[0]['stamp']}.",
         program_table(),
         "## Table 1",
         "The optimum is that for 16 vertices per loop without clearance, [proposition 7](../method.md).",
@@ -147,12 +151,16 @@ def _published(runs: Sequence[Run]) -> list[str]:
     ]  # fmt: skip
 
 
+def program_rows() -> list[dict[str, str]]:
+    """The lines that paper_program.py wrote."""
+    with PROGRAM.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
 def program_table() -> str:
     """The program of 2022 beside `as_published`."""
-    with PROGRAM.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
     lines = []
-    for row in rows:
+    for row in program_rows():
         program, ours = float(row["program_excess_percent"]), float(row["ours_excess_percent"])
         lines.append([row["mesh"], f"{program:.3f}", f"{ours - program:+.3f}", f"{float(row['short_diagonals']):.0e}"])
     return table(["mesh", "program %", "difference", "short of home"], lines)
@@ -173,7 +181,7 @@ def _flows(runs: Sequence[Run]) -> list[str]:
 def _measured(runs: Sequence[Run], record: dict[str, Any]) -> list[str]:
     return [
         f"`{COMMAND}` made these pages from {len(runs):,} runs in {record['minutes']:.1f} minutes; every number is "
-        f"from [runs.csv]({RUNS}). {record['machine']}. Commit {record['commit']}.",
+        f"from [runs.csv]({RUNS}). {record['machine']}.",
         _list((
             f"**Time** is CPU time, the median of {REPEATS} runs if below {SHORT:g} s. A run is ended after {LIMIT:g} "
             "s. Certificates are not timed.",

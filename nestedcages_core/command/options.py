@@ -123,12 +123,12 @@ MAIN = "options"
 
 OPTIONS = {
     MAIN: (
-        _option("--levels", nargs="+", metavar="N", required=True, help="what each cage may take, "
-                "innermost first: a number of vertices, 32; a share of the shape's own, 8%%; or the fewest within a "
+        _option("--levels", nargs="+", metavar="N", required=True, help="what each cage has, innermost "
+                "first: a number of vertices, 32; a share of the shape's vertices, 8%%; or the fewest within a "
                 "distance, 2px, or an excess of area, +25%%"),
         _option("-o", "--output", action="append", default=[], metavar="FILE", help=".svg, .geojson or .json to write, "
                 "or - for the standard output; may be repeated"),
-        _option("--clearance", type=length, metavar="LENGTH", help="least distance of a cage from what it encloses"),
+        _option("--clearance", type=length, metavar="LENGTH", help="smallest distance of a cage from what it encloses"),
         _option("--inside", help="make cages inside the shapes instead"),
         _option("--strict", help="fail if a count is too small for a shape, instead of raising it"),
         _option("--seconds", type=_number("a time above 0", lambda value: 0.0 < value < inf), metavar="S",
@@ -192,7 +192,7 @@ OPTIONS = {
 """The options by topic of the help."""
 
 ALSO_FOR = {"tolerance": {"map"}, "inside": {"drawing", "map"}}
-"""Kinds of files besides those of the topic that an option is for."""
+"""Kinds of files other than those of the topic that an option is for."""
 
 APART = (
     *(("padding", "clearance"), ("grid", "decimals"), ("inside", "jobs"), ("inside", "borders")),
@@ -218,7 +218,7 @@ def parser(shown: Collection[str] = tuple(OPTIONS), *, files: bool = True) -> ar
         prog="nested-cages",
         usage=USAGE,
         description=DESCRIPTION if MAIN in shown else None,
-        epilog=(FILES if files else MORE if MAIN in shown else "").replace("%", "%%"),
+        epilog=FILES if files else MORE if MAIN in shown else "",
         formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(prog, width=HELP_WIDTH, max_help_position=22),
         add_help=False,
     )

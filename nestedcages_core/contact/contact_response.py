@@ -18,8 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..energies import Blocks
-from ..geometry.arrays import BoolArray, FloatArray
-from ..geometry.broad_phase import near_pairs
+from ..geometry.arrays import FloatArray
 from ..solver.banded import Rows
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram
 from .linearisation import Contacts, constraint_rows, distance_change, local_axes, measure, resolve_corners
@@ -38,15 +37,6 @@ GAP_GROWTH = 0.25
 
 SKIN = 0.3
 """Skin of the candidate list, as a fraction of the search radius beyond the wanted distance."""
-
-MAX_ACTIVE_FRACTION = 0.3
-"""Fraction of fine vertices in motion above which the whole cage is active."""
-
-FULL_SEARCH_PAIRS = 1_000_000
-"""Number of pairs of a cage and a fine vertex below which the whole cage is active: a search would not pay off."""
-
-NEIGHBOUR_RINGS = 2
-"""Neighbours along the cage, on either side of vertices near the motion, that are active too."""
 
 CLOSEST_APPROACH = 2.0 * float(np.sqrt(2.0))
 """Upper bound on how much closer two cage vertices come if each moves by 1 along both its axes."""
@@ -115,11 +105,10 @@ class ContactResponse:
         m, gap = self.bodies.m, self.distances.gap
         length = np.hypot(fine_motion[:, 0], fine_motion[:, 1])
         longest = float(length.max())
-        farthest = max(self.distances.clearance, self.distances.own) + gap
-        active = self._active(fine_motion, x, farthest + CLOSEST_APPROACH * radius + longest)
-        radii = np.where(active, radius, min(radius, gap))
+        farthest = self.distances.largest + gap
+        radii = np.full(m, radius)
         farthest_motion = np.concatenate([np.sqrt(2.0) * radii, length])
-        reach = CLOSEST_APPROACH * radii + np.where(active, longest, 0.0)
+        reach = CLOSEST_APPROACH * radius + longest
         all_pairs = self.candidates.meeting(x, farthest, farthest_motion, farthest + reach, SKIN * reach)
         all_contacts = measure(all_pairs, x)
 
@@ -149,19 +138,6 @@ class ContactResponse:
         if np.isfinite(solution.step).all():
             motion = np.concatenate([solution.step, motion[self.bodies.m :]])
         return Response(motion, prepared.pairs, prepared.contacts, solution.iterations)
-
-    def _active(self, fine_motion: FloatArray, x: FloatArray, reach: float) -> BoolArray:
-        """(m,) cage vertices near a moving fine vertex, and their neighbours; all if much of the fine mesh moves."""
-        m, moving = self.bodies.m, np.flatnonzero(fine_motion.any(axis=1))
-        if len(moving) > MAX_ACTIVE_FRACTION * self.bodies.n or m * self.bodies.n < FULL_SEARCH_PAIRS:
-            return np.ones(m, bool)
-        cage = x[:m]
-        _, edge = near_pairs(x[m + moving], cage, cage[self.bodies.cage.successor], reach)
-        active = np.zeros(m, bool)
-        active[edge] = True
-        for _ in range(NEIGHBOUR_RINGS):
-            active = active | active[self.bodies.cage.predecessor] | active[self.bodies.cage.successor]
-        return active
 
     def _constraints(
         self, pairs: Pairs, contacts: Contacts, motion: FloatArray, farthest_motion: FloatArray

@@ -29,9 +29,8 @@ KEPT_GAP = 0.05
 KEPT_UNRESOLVED = 0.99
 """Fraction that a motion must leave of a distance below the resolution."""
 
-MAX_SLOWDOWNS, SLOW_NEIGHBOURS_FROM, STOP_FROM = 14, 5, 9
-"""Cap on the rounds in which failing vertices are slowed down by half; round from which their neighbours on the cage
-are too; round from which they stop."""
+MAX_SLOWDOWNS = 14
+"""Cap on the rounds in which failing vertices are slowed down by half."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +70,7 @@ class FeasibilityRule:
         """(m + n,) a feasible fraction per vertex; used where a common one would be too short."""
         least = self._least(contacts)
         kept = np.ones(len(x))
-        for slowdown in range(MAX_SLOWDOWNS):
+        for _ in range(MAX_SLOWDOWNS):
             moved = kept[:, None] * motion
             hit, _ = impacts(pairs, x, moved, contacts.distance, self.clearance)
             close = np.flatnonzero(measure(pairs, x + moved).distance < least)
@@ -79,10 +78,7 @@ class FeasibilityRule:
             if len(failing) == 0:
                 return kept
             vertex = np.unique(np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing]]))
-            if slowdown >= SLOW_NEIGHBOURS_FROM:
-                cage = vertex[vertex < self.bodies.m]
-                vertex = np.concatenate([vertex, self.bodies.cage.successor[cage], self.bodies.cage.predecessor[cage]])
-            kept[vertex] *= 0.5 if slowdown < STOP_FROM else 0.0
+            kept[vertex] *= 0.5
             if self.bodies.tie is not None:
                 kept[: self.bodies.m] = self.bodies.tie.least(kept[: self.bodies.m])
         return np.zeros(len(x))

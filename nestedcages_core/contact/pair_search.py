@@ -11,7 +11,7 @@ from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from .pairs import Bodies, CandidateList, Pairs, find_pairs
 
-__all__ = ["AllPairs", "BroadPhase", "Cells", "UniformGrid"]
+__all__ = ["AllPairs", "BroadPhase", "UniformGrid"]
 
 MAX_PAIRS = 20_000_000
 """Maximum number of pairs stored: more would not fit into the memory of a small machine."""
@@ -53,10 +53,6 @@ class UniformGrid:
     def candidates(self, bodies: Bodies) -> PairSource:
         """A list that is rebuilt when its skin is used up."""
         return CandidateList(bodies)
-
-
-Cells = UniformGrid
-"""Former name."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,12 +26,6 @@ from ..solver.quadratic_program import InteriorPoint, QPSolution, QuadraticProgr
 if TYPE_CHECKING:
     from ..solver.reduction import Tie
 
-MAX_EXCESS_REACH = 8.0
-"""Ratio of the reach of a list to the reach asked for above which it is rebuilt, to save measuring its pairs."""
-
-SMALL_LIST = 1000
-"""Number of pairs up to which it is kept."""
-
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
@@ -201,7 +195,7 @@ class CandidateList:
         Both are lengths, or one per cage vertex (m,).
         """
         skin = np.maximum(skin, self.thinnest_skin)
-        if self._pairs is not None and not self._too_wide(reach + skin):
+        if self._pairs is not None:
             moved = x - self._x
             self._moved = np.sqrt(moved[:, 0] * moved[:, 0] + moved[:, 1] * moved[:, 1])
             if self._covers(reach):
@@ -220,10 +214,6 @@ class CandidateList:
         ``motion`` (m + n,)."""
         pairs = self.within(x, reach, skin)
         return pairs.take(np.flatnonzero(self._distance - distance <= pairs.approach(self._moved + motion)))
-
-    def _too_wide(self, radius: float | FloatArray) -> bool:
-        assert self._pairs is not None
-        return len(self._pairs) > SMALL_LIST and float(np.mean(self._radius / radius)) > MAX_EXCESS_REACH
 
     def _covers(self, reach: float | FloatArray) -> bool:
         """Whether the skin is wider than any pair of cage and fine mesh has come closer since the list was built."""

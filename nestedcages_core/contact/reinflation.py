@@ -28,9 +28,6 @@ logger = logging.getLogger(__name__)
 REMEDY = "use more cage vertices, or a coarse mesh closer to the fine one"
 """Advice in messages when the path is blocked."""
 
-CAPACITY = 16_000_000
-"""Bytes of all reinflations that are remembered: another energy of the cage needs the same ones."""
-
 
 @dataclass(frozen=True, eq=False)
 class Reinflation:
@@ -79,7 +76,7 @@ class Reinflation:
         return {name: value for name, value in vars(self).items() if name != "fine_steps"}
 
 
-_reinflations: Memory[Reinflation] = Memory(CAPACITY)
+_reinflations: Memory[Reinflation] = Memory()
 
 
 def reinflate(

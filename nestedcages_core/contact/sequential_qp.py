@@ -27,29 +27,17 @@ from .pairs import Bodies
 
 logger = logging.getLogger(__name__)
 
-REJECTED_FRACTION = 0.08
-"""Steps that collision detection cuts below this fraction are rejected and tried again with a shorter stride."""
-
-REJECTED_STRIDE = 0.35
-"""Factor on the stride after a rejected step."""
-
-MAX_REJECTIONS = 8
-"""Maximum number of consecutive rejections; then every vertex moves as far as it can by itself."""
-
-MIN_REJECTED_STRIDE = 2e-3
-"""Strides below this fraction of the mean coarse edge length are not rejected."""
-
 MIN_STRIDE = 1e-4
 """Lower bound of the stride, as a fraction of the mean coarse edge length."""
+
+SHORT_FRACTION = 0.08
+"""Steps that collision detection cuts below this fraction are taken vertex by vertex."""
 
 LONG_FRACTION, STRIDE_GROWTH = 0.6, 1.7
 """After more than this fraction of a step (first) the stride grows by this factor (second)."""
 
 SLOW_FRACTION, STRIDE_REDUCTION = 0.25, 0.5
 """After less than this fraction of a step (first) the stride shrinks by this factor (second)."""
-
-PACE_GROWTH, PACE_REDUCTION = 2.0, 0.4
-"""The same factors for the pace of a single vertex (docs/ablation.md: QP: pace per vertex)."""
 
 REACH, MAX_REACH = 1.5, 0.5
 """Bounds on the motion of a cage vertex: in longest fine motions, and in mean coarse edge lengths."""
@@ -115,9 +103,7 @@ class _Motion:
     def step_to(self, target: FloatArray) -> Stage[FloatArray, bool]:
         """Move the fine mesh to ``target`` (n, 2); whether it gets there exactly."""
         stride = self.settings.stride * self.unit
-        pace = np.ones(len(target))
-        rejected = stalled = 0
-        left = np.inf
+        stalled, left = 0, np.inf
         for _ in range(self.settings.iterations):
             remaining = target - self.x[self.m :]
             if not remaining.any():
@@ -126,12 +112,12 @@ class _Motion:
             total = float(length.sum())
             if total <= (1.0 - SUFFICIENT_PROGRESS) * left:
                 left, stalled = total, 0
-            elif rejected == 0:
+            else:
                 stalled += 1
                 if stalled > self.settings.patience:
                     return False
 
-            part: FloatArray = np.minimum(pace, stride / np.maximum(length, stride))
+            part: FloatArray = stride / np.maximum(length, stride)
             longest = float((part * length).max())
             radius = min(max(REACH * longest, self.gap), MAX_REACH * self.unit)
             prepared = self.response.prepared(part[:, None] * remaining, self.x, radius)
@@ -139,7 +125,7 @@ class _Motion:
             response = self.response.solved(prepared)
             self.systems += response.systems
             step = *self.rule.concerned(response.pairs, response.contacts, response.motion), self.x, response.motion
-            fraction = self.rule.fraction(*step, REJECTED_FRACTION)
+            fraction = self.rule.fraction(*step, SHORT_FRACTION)
             logger.debug(
                 "reinflation: left %.3e, motion %.2e, fraction %.3f, %d pairs, systems %d",
                 total, longest, fraction, len(response.pairs), response.systems,
@@ -148,18 +134,8 @@ class _Motion:
             if fraction < LONG_FRACTION:
                 single = self.rule.fractions(*step)
                 covered = inner(single[self.m :], part * length) / float((part * length).sum())
-                if covered > fraction or fraction <= REJECTED_FRACTION:  # a fraction as short as this may be infeasible
+                if covered > fraction or fraction <= SHORT_FRACTION:  # a fraction as short as this may be infeasible
                     kept, fraction = single, covered
-            may_reject = longest > MIN_REJECTED_STRIDE * self.unit and rejected < MAX_REJECTIONS
-            if fraction <= REJECTED_FRACTION and may_reject:
-                stride = REJECTED_STRIDE * longest
-                rejected += 1
-                yield self.x
-                continue
-            rejected = 0
-            slowed = kept[self.m :]
-            pace *= np.where(slowed > LONG_FRACTION, PACE_GROWTH, np.where(slowed > SLOW_FRACTION, 1.0, PACE_REDUCTION))
-            pace = np.minimum(pace, 1.0)
             stride *= STRIDE_GROWTH if fraction > LONG_FRACTION else 1.0
             stride *= STRIDE_REDUCTION if fraction <= SLOW_FRACTION else 1.0
             stride = min(max(stride, MIN_STRIDE * self.unit), self.settings.stride * self.unit)

@@ -7,7 +7,7 @@ from typing import Any
 
 NOTES: Mapping[str, str] = {
     "count least": "{asked} vertices are too few for this shape; {given} is the least found.",
-    "count mesh": "{asked} vertices were asked for, but the mesh inside has {given}: so the cage has as many.",
+    "count mesh": "{asked} vertices were asked for, but the mesh inside has {given}, so the cage has {given}.",
     "count loops": "The vertices per loop of the coarse mesh do not fit the mesh inside: they are redistributed.",
     "count symmetry": "{asked} vertices were asked for; with {symmetry} the cage can have {given}.",
     "count edges": "{asked} vertices were asked for; edges of at least {length:.6g} leave room for {given}.",
@@ -33,10 +33,11 @@ NOTES: Mapping[str, str] = {
     "pin": "The closest cage vertex to the pin at ({place[0]:.6g}, {place[1]:.6g}) is {distance:.3g} away.",
     "edge": "There is no room for edges of {wanted:.6g}: the shortest has {given:.3g}; ask for fewer vertices.",
     "angle": "There is no room for angles of {wanted:.6g}°: the sharpest has {given:.3g}°.",
-    "tolerance distance": "{count} vertices, within a distance of {limit:.6g}: {taken:.6g}.",
-    "tolerance bounded": "{count} vertices, within a distance of {limit:.6g}: {taken:.6g}; no cage within that has "
-    "fewer than {fewest}.",
-    "tolerance excess": "{count} vertices, within an excess of {limit_percent:.6g} %: {taken_percent:.4g} %.",
+    "tolerance distance": "{count} vertices keep the cage within {limit:.6g} of the shape, as asked.",
+    "tolerance bounded": "{count} vertices keep the cage within {limit:.6g} of the shape, as asked; "
+    "fewer than {fewest} cannot.",
+    "tolerance excess": "With {count} vertices, the cage is {taken_percent:.4g} % larger than the shape; "
+    "{limit_percent:.6g} % was allowed.",
     "pose": "The path to pose {pose} is blocked: a new cage was made there.",
     "cut": "Cut at its borders: {given} vertices instead of {asked}, {covered:.3g} of its neighbours covered instead "
     "of {before:.3g}.",

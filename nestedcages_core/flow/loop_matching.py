@@ -31,9 +31,6 @@ MISSING_HOLE_COST = 1e3
 ALL_BOXES_LIMIT = 64
 """Number of loops up to which all pairs of bounding boxes are compared."""
 
-NONE: IntArray = np.zeros(0, np.int64)
-"""No loops."""
-
 
 @dataclass(frozen=True, eq=False)
 class Matching:
@@ -158,19 +155,19 @@ def _match_holes(fine: Mesh, coarse: Mesh, component: IntArray, k: int, partner:
 
 
 def _closest(
-    a: FloatArray, b: FloatArray, fewer_cost: float = 0.0, holes: IntArray = NONE, wanted: IntArray = NONE
+    a: FloatArray, b: FloatArray, fewer_cost: float = 0.0, holes: IntArray | None = None, wanted: IntArray | None = None
 ) -> tuple[IntArray, IntArray]:
     """Rows and columns (B,), (B,) that give each bounding box (B, 4) one of the (A, 4), all together the closest.
 
     fewer_cost: for one with fewer holes, (A,), than wanted, (B,).
     """
-    if len(b) > ALL_BOXES_LIMIT and not wanted.any():
+    if len(b) > ALL_BOXES_LIMIT and (wanted is None or not wanted.any()):
         distance, row = scipy.spatial.cKDTree(a).query(b, k=2, p=1.0)
         rows, columns = np.unique(row[:, 0], return_index=True)
         if len(rows) == len(b) and (distance[:, 0] < distance[:, 1]).all():
             return rows, columns
     cost = _box_difference(a, b)
-    return _assignment(cost + fewer_cost * (holes[:, None] < wanted) if len(wanted) else cost)
+    return _assignment(cost if holes is None or wanted is None else cost + fewer_cost * (holes[:, None] < wanted))
 
 
 def _assignment(cost: FloatArray) -> tuple[IntArray, IntArray]:

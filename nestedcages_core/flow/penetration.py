@@ -16,25 +16,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
-from ..geometry.broad_phase import near_pairs, split_by
+from ..geometry.broad_phase import split_by
 from ..geometry.precision import INPUT_ROUND_OFF
 from ..geometry.signed_distance import SignedDistance
 from ..geometry.vectors import inner, norm
 from .loop_matching import Matching, outer_loops
-from .samples import EdgeSamples, Spacing, coarse_samples, fine_samples, local_margins
-
-COMFORTABLE_MARGIN = 1.0 / 3.0
-"""Fraction of the margin at which the flow may stop."""
-
-
-MANY_POINTS = 200
-"""Number of coarse samples from which it pays to tell parts of a loop that move from those that rest (measured)."""
-
-CALM_MOTION, KNOWN_DISTANCE = 0.1, 4.0
-"""Motion in margins of parts that count as resting; distance in margins up to which that to moving parts is known."""
-
-THIN_WALL = 2.0
-"""Thickness, in sample spacings, of walls between coarse loops whose samples push the partners of both loops."""
+from .samples import EdgeSamples, Spacing, even_samples, local_margins
 
 
 class Penetration(NamedTuple):
@@ -44,8 +31,6 @@ class Penetration(NamedTuple):
     """E, a length cubed."""
     overlap: float
     """Depth of the worst sample, negative if all are on the right side; -inf if all keep their margin."""
-    comfortable: bool
-    """Whether all samples keep at least COMFORTABLE_MARGIN of their margin."""
     edge: IntArray
     """(K,) start vertex of the fine edge to move."""
     parameter: FloatArray
@@ -66,7 +51,7 @@ class PenetrationEnergy:
         self.matching = matching
         fine, coarse = matching.fine, matching.coarse
         self.margins = local_margins(coarse, margin)
-        self.samples = fine_samples(fine, spacing)
+        self.samples = even_samples(fine, spacing)
         self._target = fine.successor[self.samples.edge]
         self._between_vertices = bool(self.samples.parameter.any())
         around = matching.component[fine.component_of_loop[fine.loop_of_vertex[self.samples.edge]]]
@@ -78,20 +63,15 @@ class PenetrationEnergy:
         self._push_coarse: list[_CoarsePush] = []
         if not from_coarse:
             return
-        on_coarse = coarse_samples(coarse, spacing)
+        on_coarse = even_samples(coarse, spacing)
         at = coarse.vertices[on_coarse.edge]
         points = at + on_coarse.parameter[:, None] * (coarse.vertices[coarse.successor[on_coarse.edge]] - at)
         loop_of_point = coarse.loop_of_vertex[on_coarse.edge]
         of_loop = split_by(loop_of_point, len(coarse.loops))
         self._push_coarse = [
-            _CoarsePush(matching, on_coarse, points, of_loop[coarse_loop], fine_loop, 1.0)
+            _CoarsePush(matching, on_coarse, points, of_loop[coarse_loop], fine_loop)
             for fine_loop, coarse_loop in _facing_loops(matching)
         ]
-        if np.isfinite(spacing.length):
-            walls = _thin_walls(matching, points, loop_of_point, THIN_WALL * spacing.length)
-            self._push_coarse += [
-                _CoarsePush(matching, on_coarse, points, which, fine_loop, -1.0) for which, fine_loop in walls
-            ]
 
     def at(self, vertices: FloatArray) -> Penetration:
         """The penetration of the fine mesh with vertices (n, 2)."""
@@ -106,7 +86,6 @@ class PenetrationEnergy:
         return Penetration(
             energy=0.5 * inner(weight, depth * depth),
             overlap=float((depth - margin).max(initial=-np.inf)),
-            comfortable=bool((depth <= (1.0 - COMFORTABLE_MARGIN) * margin).all()),
             edge=edge,
             parameter=parameter,
             weight=weight,
@@ -163,15 +142,14 @@ class _FinePush:
 
 
 class _CoarsePush:
-    """Samples of the coarse mesh push one fine loop until they are outside its solid (side 1) or inside (side -1)."""
+    """Samples of the coarse mesh push one fine loop until they are outside its solid."""
 
     def __init__(
-        self, matching: Matching, samples: EdgeSamples, points: FloatArray, which: IntArray, fine_loop: int, side: float
+        self, matching: Matching, samples: EdgeSamples, points: FloatArray, which: IntArray, fine_loop: int
     ) -> None:
         self.points = points[which]
         self.weight = samples.weight[which]
         self.coarse_edge = samples.edge[which]
-        self.side = side
         self.start = matching.fine.loops[fine_loop]
         self.sign = int(matching.fine.loop_signs[fine_loop])
         # distances change by no more than the loop moves, so points on the right side are not measured until it has
@@ -179,31 +157,15 @@ class _CoarsePush:
         """Lower bound on the distance from the wrong side when the loop was last looked at."""
         self._loop: FloatArray = matching.fine.vertices.take(self.start, axis=0)
 
-    def _move(self, loop: FloatArray, margin: float) -> None:
-        """Lower the bounds by a motion of the loop to (k, 2), of its own parts where few of them move far."""
-        before, self._loop = self._loop, loop
-        motion = norm(loop - before)
-        motion = np.maximum(motion, np.roll(motion, -1))  # of edges
-        farthest, fast = float(motion.max()), motion > CALM_MOTION * margin
-        if len(self.points) < MANY_POINTS or 2 * np.count_nonzero(fast) > len(fast):
-            self._beyond -= farthest
-            return
-        self._beyond -= motion[~fast].max()
-        if fast.any():
-            starts, ends = before[fast], np.roll(before, -1, axis=0)[fast]
-            reached, _ = near_pairs(self.points, starts, ends, farthest + KNOWN_DISTANCE * margin)
-            np.minimum(self._beyond, KNOWN_DISTANCE * margin, out=self._beyond)
-            self._beyond[reached] = -np.inf
-
     def find(self, vertices: FloatArray, margins: FloatArray) -> _Pushed:
         loop = vertices.take(self.start, axis=0)
         margin = margins.take(self.coarse_edge)
-        self._move(loop, float(margin.max()))
+        self._beyond -= float(norm(loop - self._loop).max())
+        self._loop = loop
         near = (margin > self._beyond).nonzero()[0]
         sample = _field(loop, self.sign, len(self.points)).at(self.points.take(near, axis=0))
-        beyond = self.side * sample.distance
-        self._beyond[near] = beyond
-        depth = margin.take(near) - beyond
+        self._beyond[near] = sample.distance
+        depth = margin.take(near) - sample.distance
         k = (depth > 0.0).nonzero()[0]
         who = near.take(k)
         return _Pushed(
@@ -212,7 +174,7 @@ class _CoarsePush:
             self.weight.take(who),
             depth.take(k),
             margin.take(who),
-            self.side * sample.gradient.take(k, axis=0),
+            sample.gradient.take(k, axis=0),
         )
 
 
@@ -241,18 +203,3 @@ def _around(matching: Matching, fine_loop: int, coarse_loop: int) -> bool:
     field = _field(matching.fine.vertices[matching.fine.loops[fine_loop]], 1)
     inside = field.at(matching.coarse.vertices[matching.coarse.loops[coarse_loop]]).distance < 0.0
     return bool(2 * np.count_nonzero(inside) > len(inside))
-
-
-def _thin_walls(
-    matching: Matching, points: FloatArray, loop_of_point: IntArray, reach: float
-) -> list[tuple[IntArray, int]]:
-    """Coarse samples close to another loop of their component, and the fine loops that belong in between."""
-    coarse = matching.coarse
-    sample, edge = near_pairs(points, coarse.vertices, coarse.vertices[coarse.successor], reach)
-    near, behind = loop_of_point[sample], coarse.loop_of_vertex[edge]
-    wall = (near != behind) & (coarse.component_of_loop[near] == coarse.component_of_loop[behind])
-    return [
-        (np.unique(sample[wall & (behind == loop)]), fine_loop)
-        for loop in np.unique(behind[wall]).tolist()
-        for fine_loop in np.nonzero(matching.partner == loop)[0].tolist()
-    ]

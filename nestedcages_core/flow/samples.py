@@ -17,12 +17,6 @@ MARGIN_PER_GAP = 0.25
 MARGIN_PER_INRADIUS = 0.1
 """Largest margin, as a fraction of 2 · area / perimeter of the coarse loop, the inradius of a regular polygon."""
 
-SMALLEST_WEIGHT = 0.05
-"""Lower bound on the weight of a sample, as a fraction of the spacing: clusters of tiny edges count too."""
-
-VERTEX_WEIGHT = 2.0
-"""Weight of coarse vertices, where fine edges get caught, relative to the other coarse samples."""
-
 
 class Spacing(NamedTuple):
     """Sampling density of the boundaries."""
@@ -31,10 +25,6 @@ class Spacing(NamedTuple):
     """Largest distance between samples; infinite for vertices only."""
     unit: float
     """Largest boundary length of a sample; scales the weights."""
-    fine_limit: int
-    """Maximum number of samples on a fine edge."""
-    coarse_limit: int
-    """Maximum number of samples on a coarse edge."""
 
 
 class EdgeSamples(NamedTuple):
@@ -48,24 +38,13 @@ class EdgeSamples(NamedTuple):
     """(S,) boundary length of the sample."""
 
 
-def fine_samples(mesh: Mesh, spacing: Spacing) -> EdgeSamples:
-    """Samples of the fine mesh: all vertices, and even points on edges longer than the spacing."""
-    return _even_samples(mesh, spacing, spacing.fine_limit)
-
-
-def coarse_samples(mesh: Mesh, spacing: Spacing) -> EdgeSamples:
-    """Samples of the coarse mesh; its vertices weigh more."""
-    samples = _even_samples(mesh, spacing, spacing.coarse_limit)
-    weight = np.where(samples.parameter == 0.0, VERTEX_WEIGHT * samples.weight, samples.weight)
-    return samples._replace(weight=weight)
-
-
-def _even_samples(mesh: Mesh, spacing: Spacing, limit: int) -> EdgeSamples:
+def even_samples(mesh: Mesh, spacing: Spacing) -> EdgeSamples:
+    """All vertices of a mesh, and even points on edges longer than the spacing."""
     lengths = mesh.edge_lengths
-    counts = np.clip(np.ceil(lengths / spacing.length), 1, limit).astype(np.int64)
+    counts = np.maximum(np.ceil(lengths / spacing.length), 1).astype(np.int64)
     edge = np.repeat(np.arange(len(counts)), counts)
     place = position_in_group(counts)
-    weight = np.clip(lengths / counts, SMALLEST_WEIGHT * spacing.unit, spacing.unit)
+    weight = np.minimum(lengths / counts, spacing.unit)
     return EdgeSamples(edge, place / counts[edge], weight[edge])
 
 

@@ -18,6 +18,7 @@ from .loop_matching import match_loops
 from .penetration import PenetrationEnergy
 from .samples import Spacing
 from .smoothing import StepSystem
+from .two_sided import TwoSidedFlow
 
 STEPS = 8
 """Number of further steps: smooth to look at, and about as many as the tightening has."""
@@ -30,9 +31,6 @@ THICKNESS_PART = 0.3
 
 SMOOTHINGS = (0.03, 0.01)
 """Smoothing lengths to try, in extents: the first keeps dense outlines smooth, the second small features apart."""
-
-SPACING = 1.0 / 300.0
-"""Unit of the sample weights, in extents, as in the two-sided flow."""
 
 ACROSS = 2.0
 """Distance along the loop, in straight distances, from which on an edge counts as opposite instead of next to."""
@@ -57,8 +55,8 @@ def shrink(fine: Mesh, coarse: Mesh, start: FloatArray) -> FloatArray:
     except FlowError:
         return none
     containment, unit = Containment(matching), fine.extent
-    energy = PenetrationEnergy(matching, 0.0, Spacing(np.inf, SPACING * unit, 1, 1), from_coarse=False)
-    system, margins = StepSystem(fine, SPACING * unit), THICKNESS_PART * thickness(coarse)
+    energy = PenetrationEnergy(matching, 0.0, Spacing(np.inf, TwoSidedFlow.spacing * unit), from_coarse=False)
+    system, margins = StepSystem(fine, TwoSidedFlow.spacing * unit), THICKNESS_PART * thickness(coarse)
     found = []
     for smoothing in SMOOTHINGS:
         vertices, steps = start, []

@@ -25,16 +25,13 @@ from .smoothing import StepSystem
 
 logger = logging.getLogger(__name__)
 
-FINE_LIMIT, COARSE_LIMIT = 16, 64
-"""Maximum number of samples on a fine and on a coarse edge."""
-
 
 @dataclass(frozen=True)
 class TwoSidedFlow:
     """Descent of the penetration measured from both boundaries, loop by loop; lengths in extents of the fine mesh."""
 
     margin: float = 3e-3
-    """Distance to the coarse mesh where there is space."""
+    """Distance to the coarse mesh that the descent aims at."""
     spacing: float = 1.0 / 300.0
     """Distance between samples along the boundaries."""
     smoothing: float = 0.01
@@ -72,7 +69,7 @@ class TwoSidedFlow:
                 return FlowResult(np.array(steps), 0, "inside")
         stages = ("vertices", np.inf, self.vertex_limit), ("boundary", self.spacing, self.limit)
         for tried, (stage, spacing, limit) in enumerate(stages):
-            density = Spacing(spacing * unit, self.spacing * unit, FINE_LIMIT, COARSE_LIMIT)
+            density = Spacing(spacing * unit, self.spacing * unit)
             energy = PenetrationEnergy(matching, self.margin * unit, density)
             flow = EnergyFlow(energy, containment, system, self.smoothing * unit, self.longest_step * unit)
             descent = yield from mapped(flow.descend(steps[-1], limit), partial(_fraction, tried))

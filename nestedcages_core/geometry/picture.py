@@ -16,6 +16,9 @@ COLOURS = ("#27364b", "#0072b2", "#009e73", "#d55e00", "#cc79a7", "#e69f00", "#5
 DRAWING_OPACITY, CAGE_OPACITY = 0.9, 0.15
 """Opacity of fills."""
 
+SHOWN_DRAWING = ("#7a8ba3", 0.6)
+"""Colour and opacity of drawings in pictures: cages inside show, on white pages and on dark ones."""
+
 PICTURE_WIDTH, PICTURE_HEIGHT = 480.0, 320.0
 """Maximum size of a picture in a notebook, in pixels."""
 
@@ -35,8 +38,7 @@ def svg_picture(frames: Sequence[Sequence[Any]]) -> str:
     for k, frame in enumerate(frames):
         shapes.append(f'<g transform="translate({margin - low[0] + k * step:.9g} 0)">')
         for level, mesh in _largest_first(frame):
-            colour = COLOURS[level % len(COLOURS)]
-            opacity = CAGE_OPACITY if level else DRAWING_OPACITY
+            colour, opacity = _paint(level)
             shapes.append(
                 f'<path d="{path_data(mesh)}" fill="{colour}" fill-opacity="{opacity}" fill-rule="evenodd" '
                 f'stroke="{colour}" stroke-width="1.2" vector-effect="non-scaling-stroke"/>'
@@ -62,9 +64,8 @@ def plotted(meshes: Sequence[Any], ax: Any = None) -> Any:
     axes = plt.subplots()[1] if ax is None else ax
     for level, mesh in _largest_first(meshes):
         outline = Path.make_compound_path(*(Path(ring, closed=True) for ring in map(_closed, mesh.rings)))
-        colour = COLOURS[level % len(COLOURS)]
+        colour, opacity = _paint(level)
         axes.add_patch(PathPatch(outline, facecolor="none", edgecolor=colour, linewidth=1.0))
-        opacity = CAGE_OPACITY if level else DRAWING_OPACITY
         axes.add_patch(PathPatch(outline, facecolor=colour, edgecolor="none", alpha=opacity))
     axes.set_aspect("equal")
     axes.autoscale_view()
@@ -74,6 +75,11 @@ def plotted(meshes: Sequence[Any], ax: Any = None) -> Any:
 def path_data(mesh: Any) -> str:
     """The loops of a mesh as SVG path data; outer loops and holes have opposite directions, so any fill rule works."""
     return " ".join(f"M {' L '.join(f'{x!r} {y!r}' for x, y in ring.tolist())} Z" for ring in mesh.rings)
+
+
+def _paint(level: int) -> tuple[str, float]:
+    """Colour and opacity of a level in pictures."""
+    return (COLOURS[level % len(COLOURS)], CAGE_OPACITY) if level else SHOWN_DRAWING
 
 
 def _largest_first(meshes: Sequence[Any]) -> list[tuple[int, Any]]:

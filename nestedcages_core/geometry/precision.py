@@ -1,4 +1,4 @@
-"""What counts as nothing beside the size of a shape, an edge or an angle: three numbers for all rooms."""
+"""What counts as nothing compared with the size of a shape, an edge or an angle: three numbers for all rooms."""
 
 from __future__ import annotations
 

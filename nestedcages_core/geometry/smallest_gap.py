@@ -12,7 +12,7 @@ from .predicates import BoxTree
 from .predicates.box_tree import CROWDED, FANOUT, children
 
 FIRST_BALLS = 32
-"""Maximum number of balls of the top level: pairs of so many take less time than further levels (measured)."""
+"""Maximum number of balls of the top level: pairs of that many take less time than further levels (measured)."""
 
 
 class Balls(NamedTuple):

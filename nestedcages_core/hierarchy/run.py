@@ -22,6 +22,7 @@ from ..level.progress import LevelProgress
 from ..level.report import Hierarchy, Level, Progress
 from ..level.reuse import whole_level
 from ..tasks import Run, Stage, limited, listened
+from ..tightening import Tightening
 from ..tolerance.within import Within
 from ..verification import verify
 from .levels import Rising, Share, wanted_levels
@@ -32,6 +33,9 @@ logger = logging.getLogger(__name__)
 
 LOOSE = 0.5
 """Excess above which a note says what fewer loops would give."""
+
+ROOM_OF_A_LEVEL = 2.5
+"""Distance between loops, in clearances, that leaves room for those of a further level: 2 fit exactly."""
 
 Wanted: TypeAlias = int | Share | MeshLike | Within
 """A level as asked for."""
@@ -113,43 +117,56 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
         from ..needs.merging import Merging
 
         settings = replace(settings, decimation=Merging(settings.merge))
-    finished: list[Level] = []
-    for index, level in enumerate(wanted):
-        inner = finished[-1].cage if finished else fine
+
+    def made(index: int, level: int | Mesh | Within, inner: Mesh, chosen: Settings) -> Stage[Progress, Level]:
+        clearances = clearances_for(chosen, fine)
+        while True:
+            plan, progress = Plan.of(inner, needs, side=side), LevelProgress(index, len(wanted))
+            builder = LevelBuilder(plan, clearances, chosen, progress)
+            if isinstance(level, Within):
+                from ..tolerance.fewest import fewest
+
+                work = fewest(level, about, builder, strictly=chosen.clearance or 0.0)
+            else:
+                work = builder.build(level)
+            work = limited(work, deadline, partial(_time_over, seconds))
+            number = int(level) if isinstance(level, Rising) else level
+            asked = replace(chosen, about=None, seconds=None), about, inner, number, clearances, side
+            try:
+                done = yield from whole_level(work, progress, *asked)
+                break
+            except NestedCagesError as error:
+                if not isinstance(level, Rising):
+                    raise
+                level = level.after(error)  # more vertices each time, and at most those of the mesh
+        advised = level.notes() if isinstance(level, Rising) else ()
+        if done.report.excess > LOOSE and not (needs or isinstance(level, Mesh)):
+            from ..needs.merging import advice
+
+            advised += advice(inner, done.cage)
+        return replace(done, report=replace(done.report, notes=(*remarks, *done.report.notes, *advised)))
+
+    failure: NestedCagesError | None = None
+    while True:
+        finished: list[Level] = []
         try:
-            clearances = clearances_for(settings, fine)
-            while True:
-                builder = LevelBuilder(
-                    Plan.of(inner, needs, side=side), clearances, settings, LevelProgress(index, len(wanted))
-                )
-                if isinstance(level, Within):
-                    from ..tolerance.fewest import fewest
-
-                    made = fewest(level, about, builder, strictly=settings.clearance or 0.0)
-                else:
-                    made = builder.build(level)
-                made = limited(made, deadline, partial(_time_over, seconds))
-                number = int(level) if isinstance(level, Rising) else level
-                asked = replace(settings, about=None, seconds=None), about, inner, number, clearances, side
-                try:
-                    done = yield from whole_level(made, builder.progress, *asked)
-                    break
-                except NestedCagesError as error:
-                    if not isinstance(level, Rising):
-                        raise
-                    level = level.after(error)  # more vertices each time, and at most those of the mesh
-            advised = level.notes() if isinstance(level, Rising) else ()
-            if done.report.excess > LOOSE and not (needs or isinstance(level, Mesh)):
-                from ..needs.merging import advice
-
-                advised += advice(inner, done.cage)
-            report = replace(done.report, notes=(*remarks, *done.report.notes, *advised))
-            finished.append(replace(done, report=report) if remarks or advised else done)
+            for index, level in enumerate(wanted):
+                chosen = settings if failure is None else _with_room(settings, len(wanted) - 1 - index)
+                finished.append((yield from made(index, level, finished[-1].cage if finished else fine, chosen)))
+                logger.debug("level %d: %s", index, finished[-1].report)
+            return Hierarchy(fine, tuple(finished))
         except NestedCagesError as error:
+            if failure is not None:
+                raise failure from error
             error.partial = Hierarchy(fine, tuple(finished))
-            raise
-        logger.debug("level %d: %s", index, finished[-1].report)
-    return Hierarchy(fine, tuple(finished))
+            if error.code != "clearance.no_room" or not finished or not isinstance(settings.tightening, Tightening):
+                raise
+            failure = error  # the levels before may have taken the room between their loops
+
+
+def _with_room(settings: Settings, levels: int) -> Settings:
+    """The settings of a level that leaves room for that many levels around it."""
+    return replace(settings, tightening=replace(settings.tightening, apart=ROOM_OF_A_LEVEL * levels))
 
 
 def _time_over(seconds: float, reached: Progress) -> NestedCagesError:
@@ -186,7 +203,8 @@ def _listed(levels: Wanted | Sequence[Wanted]) -> list[Wanted]:
         return [levels]  # type: ignore[list-item]
     if isinstance(levels, str) or not isinstance(levels, Iterable):
         raise NestingError(
-            f"The levels must be vertex counts or meshes, for instance [64, 16], not {levels!r}.", code="level.invalid"
+            f"A level must be a vertex count, a Mesh or Within(…), for instance [64, 16], not {levels!r}.",
+            code="level.invalid",
         )
     return list(levels)
 

@@ -31,9 +31,6 @@ MAX_IPC_PAIRS = 10.0
 """Pairs in contact per vertex above which IPC gives up. Usual are 1 to 3; around cores of many needles there are 20 to
 140, and an iteration takes fifty times as long (docs/ablation.md: IPC ends in crowds)."""
 
-QUICK_PATIENCE = 6
-"""Patience of the contact where hulls compete, with which as many cages come from the flow as with the usual one."""
-
 LOOSE = 0.5
 """Excess of a cage from a user's own coarse mesh above which the next contact is tried too: around needles the contacts
 end in different minima."""
@@ -97,7 +94,7 @@ def attempts(
         may_fall_back = settings.fallback is not None
         # hulls need neither flow nor contact and lead to cages as tight: give up on these early
         quick = may_fall_back and settings.contact is None
-        contacts = (SequentialQP(patience=QUICK_PATIENCE),) if quick else contacts_for(settings)
+        contacts = (default_contact(),) if quick else contacts_for(settings)
         if may_fall_back and _prefers_curve(decimation):
             flow = getattr(flow, "quick", flow)
         last = Attempt(decimation, wanted, starts, flow, contacts, clearances, may_fall_back=may_fall_back)

@@ -8,9 +8,6 @@ from ..decimation import LineCycles
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
 
-MAX_TRIED = 1
-"""Numbers of vertices that are tried below the least one of the hull."""
-
 
 def with_least(failures: Sequence[NestedCagesError], outline: Mesh, clearance: float) -> NestedCagesError:
     """The last of the failures of all attempts; for a count that is too small, with the least one that has a start."""
@@ -18,17 +15,15 @@ def with_least(failures: Sequence[NestedCagesError], outline: Mesh, clearance: f
     named = [int(each.data["least"]) for each in failures if each.code == "count.too_small" and "least" in each.data]
     if error.code != "count.too_small" or "least" not in error.data or min(named) == error.data["least"]:
         return error
-    for count in range(min(named), min(min(named) + MAX_TRIED, int(error.data["least"]))):
-        try:
-            mesh = LineCycles(on_curve=False).decimate(outline, count, clearance=clearance)
-        except NestingError:
-            continue
-        sizes = ", ".join(str(len(loop)) for loop in mesh.loops)
-        return NestingError(
-            f"A level of {error.data['total']} vertices is too small for this shape, whose loops block each other: "
-            f"the smallest that was found has {count} ({sizes} for its loops); ask for at least {count}.",
-            code="count.too_small",
-            total=error.data["total"],
-            least=count,
-        )
-    return error
+    try:
+        mesh = LineCycles(on_curve=False).decimate(outline, min(named), clearance=clearance)
+    except NestingError:
+        return error
+    sizes = ", ".join(str(len(loop)) for loop in mesh.loops)
+    return NestingError(
+        f"A level of {error.data['total']} vertices is too small for this shape, whose loops block each other: "
+        f"the smallest that was found has {min(named)} ({sizes} for its loops); ask for at least {min(named)}.",
+        code="count.too_small",
+        total=error.data["total"],
+        least=min(named),
+    )

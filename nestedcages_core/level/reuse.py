@@ -13,9 +13,6 @@ from ..tasks import Stage
 from .progress import LevelProgress
 from .report import Level, Progress
 
-CAPACITY = 16_000_000
-"""Bytes of all coarse meshes that are remembered, and of all flows."""
-
 BYTES_PER_VERTEX = 300
 """Of a mesh with its trees."""
 
@@ -23,8 +20,8 @@ LEVEL_CAPACITY = 64_000_000
 """Bytes of all levels that are remembered, with their steps."""
 
 _levels: Memory[Level] = Memory(LEVEL_CAPACITY)
-_starts: Memory[list[Start]] = Memory(CAPACITY)
-_flows: Memory[FlowResult] = Memory(CAPACITY)
+_starts: Memory[list[Start]] = Memory()
+_flows: Memory[FlowResult] = Memory()
 
 
 def whole_level(work: Stage[Progress, Level], progress: LevelProgress, *asked: object) -> Stage[Progress, Level]:

@@ -187,7 +187,7 @@ def _from_sector(points: FloatArray, orbits: Orbits, k: int) -> FloatArray:
 def _path(level: Level, vertices: FloatArray, spacing: float) -> Reinflation | None:
     """The steps of the level, continued to vertices (m, 2); None if that motion is not collision-free.
 
-    Tried in turn: straight, with edges pushed away from the fine mesh half-way, and from an earlier step.
+    Tried in turn: straight, with edges pushed away from the fine mesh midway, and from an earlier step.
     """
     path, bodies = level.reinflation, Bodies.of(level.cage, level.fine)
     last = path.cage_steps[-1]

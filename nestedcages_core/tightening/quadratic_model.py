@@ -56,8 +56,8 @@ def model_at(
     longest = LONGEST_MOTION * float(region.radius.max())
     farthest_motion = np.zeros(len(x))
     farthest_motion[:m] = longest
-    within = wanted.clearance + 2.0 * longest
-    pairs = candidates.meeting(x, wanted.clearance, farthest_motion, within, 2.0 * longest)
+    within = wanted.largest + 2.0 * longest
+    pairs = candidates.meeting(x, wanted.largest, farthest_motion, within, 2.0 * longest)
     contacts = measure(pairs, x)
     required = wanted.of(pairs)
 

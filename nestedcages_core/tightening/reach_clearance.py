@@ -48,8 +48,8 @@ class Widened:
 
     x: FloatArray
     """(m + n, 2)."""
-    own: float
-    """Distance between parts of the cage, at most the clearance."""
+    wanted: WantedDistances
+    """Those that are kept from now on: between parts of the cage, at most the clearance."""
     systems: int
     """Number of linear systems solved."""
     closest: int
@@ -62,22 +62,26 @@ def widen(
     clearance: float,
     candidates: CandidateList,
     solver: InteriorPoint,
+    apart: float = 0.0,
 ) -> Stage[FloatArray, Widened]:
     """Move the cage from x (m + n, 2), free of contact, until its distance to the fine mesh is ``clearance``.
 
+    apart: a distance that its loops then have from each other.
+
     Yields every intermediate x; the linear motion from the one before is free of collisions.
     """
-    reach = max(TARGET_DISTANCE + LONGEST_STEP, 1.0 / OWN_DISTANCE_KEPT) * clearance
+    reach = max(TARGET_DISTANCE + LONGEST_STEP, 1.0 / OWN_DISTANCE_KEPT) * clearance + apart
     pairs, contacts = _measured(candidates, x, reach)
     own = min(clearance, OWN_DISTANCE_KEPT * float(contacts.distance[pairs.cage_cage].min(initial=np.inf)))
-    wanted = WantedDistances(clearance, own)
+    loop = bodies.coarse.loop_of_vertex if apart else None
+    wanted = WantedDistances(clearance, own, apart=apart, loop=loop)
     short = _short(pairs, contacts, wanted)
     if len(short) == 0:
-        return Widened(x, own, 0, -1)
+        return Widened(x, wanted, 0, -1)
     moved = _restored(bodies, pairs, contacts, x, wanted, reach)
     if moved is not None:
         yield moved
-        return Widened(moved, own, 0, -1)
+        return Widened(moved, wanted, 0, -1)
 
     aim = TARGET_DISTANCE * clearance
     response = ContactResponse(bodies, Distances(aim, min(aim, TARGET_DISTANCE * own), clearance), solver)
@@ -96,18 +100,18 @@ def widen(
         pairs, contacts = _measured(candidates, x, reach)
         short = _short(pairs, contacts, wanted)
         if len(short) == 0:
-            return Widened(x, own, systems, -1)
+            return Widened(x, wanted, systems, -1)
         moved = _restored(bodies, pairs, contacts, x, wanted, reach)
         if moved is not None:
             yield moved
-            return Widened(moved, own, systems, -1)
+            return Widened(moved, wanted, systems, -1)
         missing = float((wanted.of(pairs) - contacts.distance)[short].sum())
         idle = idle + 1 if missing > REQUIRED_PROGRESS * least else 0
         least = min(least, missing)
         if idle >= MAX_IDLE_STEPS:
             break
     closest = short[int(np.argmin(contacts.distance[short]))]
-    return Widened(x, own, systems, int(pairs.point[closest]))
+    return Widened(x, wanted, systems, int(pairs.point[closest]))
 
 
 def _measured(candidates: CandidateList, x: FloatArray, reach: float) -> tuple[Pairs, Contacts]:

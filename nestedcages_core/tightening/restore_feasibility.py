@@ -18,10 +18,8 @@ from ..geometry.precision import NEGLIGIBLE, ROUND_OFF
 MAX_PASSES = 10
 """Cap on the passes; each can violate the distances of neighbours, by much less."""
 
-OVERSHOOT, LATE_OVERSHOOT, LATE_PASS = 1.02, 1.5, 3
-"""Factor on every shift, so that passes end; larger from this pass on, where edges push each other back and forth by
-negligible lengths (docs/ablation.md: overshoot of restoration)."""
-
+OVERSHOOT = 1.02
+"""Factor on every shift, so that passes end (docs/ablation.md: overshoot of restoration)."""
 
 NEARLY_STRAIGHT = 0.98
 """Cosine of the angle between neighbouring edges above which both get the larger of their shifts."""
@@ -35,13 +33,13 @@ def restore(
     required: (K,) wanted distances; side: (K,) side of the edge on which each point belongs.
     """
     contacts = measure(pairs, x, side)
-    for number in range(MAX_PASSES):
+    for _ in range(MAX_PASSES):
         short = np.flatnonzero(contacts.distance < required)
         if len(short) == 0:
             break
         wanted = required.take(short)
         missing = wanted - contacts.distance.take(short)
-        missing *= OVERSHOOT if number < LATE_PASS else LATE_OVERSHOOT
+        missing *= OVERSHOOT
         missing += NEGLIGIBLE * wanted
         x = x.copy()
         x[: bodies.m] += outward_correction(bodies, pairs, contacts, x, short, missing)

@@ -19,7 +19,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..contact.pairs import Bodies, CandidateList
-from ..contact.wanted_distances import WantedDistances
 from ..energies import CageEnergy, signed_area
 from ..geometry.arrays import FloatArray
 from ..parameters import check_count, check_not_negative, check_part, check_positive
@@ -93,12 +92,14 @@ class Tightening:
     """... for this many iterations (docs/ablation.md: patience)."""
     solver: InteriorPoint = field(default_factory=InteriorPoint)
     """Solves the quadratic programs."""
+    apart: float = 0.0
+    """Distance that loops of the cage keep from each other, in clearances, for the cages around it."""
 
     def __post_init__(self) -> None:
         check_count(self, "iterations", least=0)
         check_count(self, "patience")
         check_positive(self, "first_radius", "largest_radius")
-        check_not_negative(self, "tolerance", "share")
+        check_not_negative(self, "tolerance", "share", "apart")
         check_part(self, "solver", "solve", "InteriorPoint()")
 
     def run(
@@ -131,9 +132,10 @@ class _Run:
         self.systems = 0
 
     def minimise(self) -> Stage[FloatArray, TighteningOutcome]:
-        widening = widen(self.bodies, self.x, self.clearance, self.candidates, self.settings.solver)
+        apart = self.settings.apart * self.clearance
+        widening = widen(self.bodies, self.x, self.clearance, self.candidates, self.settings.solver, apart)
         widened = yield from mapped(widening, lambda x: x[: self.m].copy())
-        self.x, self.wanted = widened.x, WantedDistances(self.clearance, widened.own)
+        self.x, self.wanted = widened.x, widened.wanted
         self.systems += widened.systems
         if widened.closest >= 0:
             return self._outcome(0, False, f"There is no room for the clearance at {self._name(widened.closest)}.")

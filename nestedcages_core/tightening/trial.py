@@ -10,10 +10,8 @@ from ..contact.ccd import impacts
 from ..contact.pairs import Bodies, Pairs
 from ..energies import CageEnergy
 from ..geometry.arrays import FloatArray
+from ..solver.line_search import SUFFICIENT_DECREASE
 from .restore_feasibility import restore
-
-SUFFICIENT_DECREASE = 1e-4
-"""Armijo's constant: fraction of the predicted decrease that a step must reach (Nocedal & Wright 2006, section 3.1)."""
 
 MAX_ATTEMPTS = 3
 """Cap on the trials of one step; more gain nothing over a new model with smaller radii (docs/ablation.md: trials of

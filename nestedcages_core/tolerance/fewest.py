@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from copy import copy
+from dataclasses import dataclass, replace
 from math import ceil, sqrt
+from typing import cast
 
 import numpy as np
 
-from ..contact.reinflation import Reinflation
+from ..contact.pairs import Bodies
 from ..decimation import OuterHull
 from ..decimation.base import LEAST_PER_LOOP, KnowsCounts
+from ..energies import CageEnergy
 from ..errors import InvalidMeshError, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh, Nesting
 from ..level.builder import LevelBuilder
 from ..level.report import Level, Progress
 from ..tasks import Stage
+from ..tightening import Tightening, TighteningOutcome
 from .minimal_nested import Band
 from .reach import beyond, reach
 from .within import Within
@@ -24,18 +29,19 @@ MAX_ROUNDS, SHARE_STEP = 5, 0.01
 """Rounds of greedy polygons, each with more gates where that of the round before goes too far, and
 less of the distance: at first by this part, then by twice as much each time."""
 
+FIRST_LOOK = 6
+"""Steps of a tightening after which a cage that starts within the distance is looked at first: some leave it and come
+back."""
+
 MAX_TESTED = 4
 """Greedy polygons of a round that are looked at."""
-
-MAX_CUTS = 3
-"""Earlier steps of a tightening that are looked at, by bisection."""
 
 SLACK = 0.01
 """Part of the distance by which what is said of a cage may be too large."""
 
-CLOSE_TO_BOUND = 2
+CLOSE_TO_BOUND, MANY_FOR_BOUND = 2, 1.25
 """Vertices of each loop above the bound up to which no fewer are tried: a greedy polygon has one too many at most, and
-the bound may lose one."""
+the bound may lose one; and vertices for each of the bound."""
 
 FIRST_MOST, LARGEST_GUESS, GAIN = 32, 128, 1.06
 """Vertices per loop up to which a first search for an excess looks, and the last; excess before the tightening to that
@@ -82,6 +88,38 @@ def _fewest_exact(need: Within, fine: Mesh, builder: LevelBuilder) -> Stage[Prog
     )
 
 
+@dataclass(frozen=True, eq=False)
+class _Kept:
+    """A tightening of a cage within the tolerance that ends where it would leave it."""
+
+    tightening: Tightening
+    is_met: Callable[[Mesh], bool]
+    """Whether a cage, in the units of the solvers, is within it."""
+
+    def run(
+        self, bodies: Bodies, cage: FloatArray, fine: FloatArray, *, clearance: float, energy: CageEnergy
+    ) -> Stage[FloatArray, TighteningOutcome]:
+        """As that of the tightening, looked at after the first steps, and whenever there are twice as many."""
+        steps = self.tightening.run(bodies, cage, fine, clearance=clearance, energy=energy)
+        held, number, look = list[FloatArray](), 0, FIRST_LOOK
+        outcome: TighteningOutcome | None = None
+        while outcome is None:
+            try:
+                held.append(next(steps))
+                number += 1
+            except StopIteration as end:
+                outcome = end.value
+            if number < look and outcome is None:
+                continue
+            look = 2 * number
+            while held and not self.is_met(bodies.coarse.moved(held[-1])):
+                del held[len(held) // 2 :]
+                outcome = TighteningOutcome(cage, number, 0, False, "The cage would leave the tolerance.")
+            yield from held
+            held.clear()
+        return outcome
+
+
 class _Search:
     """State of the search: the levels tried, and the best of them."""
 
@@ -110,7 +148,7 @@ class _Search:
         yield from self._try_walks_in(bands, bounds)
         if self.inner is not self.fine and self.inner.has_loops_like(self.fine):
             rest = distance - reach(self.inner, self.fine)
-            if rest > 0.0 and self.count > self.bound + CLOSE_TO_BOUND * len(bounds):
+            if rest > 0.0 and not self._is_close():
                 bands = [Band(self.inner, k, rest) for k in range(len(self.inner.loops))]
                 yield from self._try_walks_in(bands, bounds)
 
@@ -134,31 +172,35 @@ class _Search:
             for band in bands:
                 band.add(places)
         if mesh is not None:  # the tightening may correct what goes a little too far
-            yield from self._try(mesh)
+            yield from self._try(mesh, within=len(places) == 0)
 
     def try_counts(self) -> Stage[Progress, None]:
         """Try vertex counts below the best one; if there is none yet, upwards from the bound, then by bisection."""
         least, most = self.bound, len(self.inner.vertices)
         low = least - 1
         if self.best is None or self.inner is not self.fine:
-            guess = yield from self._guess()
-            count, step = min(guess or least, most), 1
-            if guess is not None and (yield from self._try(count)):
-                while self.count - step > low and (yield from self._try(self.count - step)):
-                    step *= 2
-                low = max(low, self.count - step)
+            count = min((yield from self._guess()) or least, most)
             while count < self.count and not (yield from self._try(count)):
                 low = count
                 if count == most:
                     return
                 grown = min(LARGEST_GROWTH, max(1.0, sqrt(self.taken / self.need.limit)))
                 count = min(most, max(count + 1, ceil(grown * count)))
-        elif self.count <= least + CLOSE_TO_BOUND * len(self.fine.loops) or not (yield from self._try(self.count - 1)):
+        elif self._is_close() or not (yield from self._try(self.count - 1)):
             return
         while self.count - low > 1:
-            middle = (self.count + low) // 2
-            if not (yield from self._try(middle)):
-                low = middle
+            aim = self._aim(low)
+            if not (yield from self._try(aim)):
+                low = aim
+
+    def _aim(self, low: int) -> int:
+        """A count between one that fails and the best: midway, or where an excess, that falls with the square of the
+        count, would reach the limit."""
+        middle = (low + self.count) // 2
+        if self.need.excess is None or self.best is None:
+            return middle
+        aim = ceil(self.count * sqrt(self.taken_by(self.best.cage) / self.need.limit))
+        return min(max(middle, aim), self.count - 1)
 
     def _guess(self) -> Stage[Progress, int | None]:
         """About how many vertices an excess takes, by searches that know all numbers of them."""
@@ -174,6 +216,10 @@ class _Search:
                 return guess
             most *= 2
         return None
+
+    def _is_close(self) -> bool:
+        """Whether the best level has few vertices above the bound."""
+        return self.count <= max(self.bound + CLOSE_TO_BOUND * len(self.fine.loops), MANY_FOR_BOUND * self.bound)
 
     def taken_by(self, cage: Mesh) -> float:
         """The distance or the excess of a cage; of one inside, those of the fine mesh around it."""
@@ -221,44 +267,25 @@ class _Search:
             return None
         return mesh if Nesting(mesh, self.inner).encloses_loop_by_loop() else None
 
-    def _try(self, wanted: int | Mesh) -> Stage[Progress, bool]:
-        """Build a level; returns whether it, or a step of its tightening, is within the tolerance and the new best."""
+    def _try(self, wanted: int | Mesh, *, within: bool = False) -> Stage[Progress, bool]:
+        """Build a level; returns whether it is within the tolerance and the new best. within: a mesh that is, too."""
+        builder = self.builder
+        if within:
+            builder, units = copy(builder), builder.units
+            kept = _Kept(
+                builder.settings.tightening, lambda mesh: self.is_met(mesh.moved(units.to_input(mesh.vertices)))
+            )
+            builder.settings = replace(builder.settings, tightening=cast(Tightening, kept))
         try:
-            level = yield from self.builder.build(wanted)
+            level = yield from builder.build(wanted)
         except NestedCagesError as error:
             self.error = error
             return False
         if len(level.cage.vertices) >= self.count:
             return False
-        cut = level if self.is_met(level.cage) else self._cut(level)
-        settling = self.builder.settling
-        if cut is not None and cut is not level and settling is not None:  # an earlier step is not on the numbers
-            cut = yield from settling.settled(cut)
-            cut = cut if cut is not None and self.is_met(cut.cage) else None
-        if cut is not None:
-            self.best = cut
+        met = self.is_met(level.cage)
+        if met:
+            self.best = level
         elif self.best is None:
             self.taken = min(self.taken, self.taken_by(level.cage))
-        return cut is not None
-
-    def _cut(self, level: Level) -> Level | None:
-        """The level ending at a step of its tightening that is within the tolerance; None if the first one is not."""
-        way, report, plan = level.reinflation, level.report, self.builder.plan
-        low, high = way.tightening_start, len(way.cage_steps) - 1
-        known = -1
-        for _ in range(MAX_CUTS):
-            middle = (low + high) // 2
-            if known < middle < len(way.cage_steps) - 1 and self.is_met(level.coarse.moved(way.cage_steps[middle])):
-                low = known = middle
-            else:
-                high = middle
-        if known < 0 and not self.is_met(level.coarse.moved(way.cage_steps[low])):
-            return None
-        cage, same_loops = level.coarse.moved(way.cage_steps[low]), level.coarse.has_loops_like(level.fine)
-        certificate = plan.verify(cage, report.wanted_clearance, same_loops=same_loops)
-        if not certificate or (plan.numbers is None and plan.fault(cage) is not None):
-            return None
-        shorter = Reinflation(way.moving_steps, way.cage_steps[: low + 1], way.iterations)
-        excess = cage.area / level.fine.area - 1.0
-        measures = replace(report, clearance=certificate.clearance, excess=excess, grid=None, stored=None)
-        return replace(level, cage=cage, reinflation=shorter, report=measures)
+        return met

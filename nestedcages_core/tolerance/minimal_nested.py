@@ -47,18 +47,12 @@ LEAST_NOTCH = 0.02
 RESERVE = 1e-3
 """Relative width by which the gates of the walk are shorter."""
 
-WALK_CLEARANCES = 1.05
-"""Clearances that the walk stays away from the fine mesh, so that chords between its gates have some slack."""
-
 CORNER_HALVINGS = 12
 """Halvings of the distance between two gates, one of which is free and one not."""
 
 
 BOUND_STARTS, WALK_STARTS = 2, 32
 """Gates of a loop from which links are counted, and from which walks start."""
-
-SPREAD = 8
-"""Starts from one to the next that is used, several times around."""
 
 MIN_WALKS, MAX_LINKS = 1, 100
 """Walks that are made in any case, and links of all of them after which there are no more."""
@@ -185,6 +179,8 @@ class Band:
 
     def add(self, points: FloatArray) -> None:
         """Add gates around those that lead to points (N, 2), where they are free."""
+        if len(self.places) == 0:
+            return
         spacing = self.boundary.length / len(self.places)
         around = self.boundary.under(points)[:, None] + spacing * np.linspace(-1.0, 1.0, GATES_ADDED)
         places = np.mod(around.ravel(), self.boundary.length)
@@ -199,7 +195,7 @@ class Band:
             return LEAST_PER_LOOP
         corridor = self._counting(clearance)
         meeting = max(corridor.links_around(start) for start in corridor.some(BOUND_STARTS)) - 1
-        return max(LEAST_PER_LOOP, meeting, corridor.fewest_runs())
+        return corridor.fewest_runs(max(LEAST_PER_LOOP, meeting))
 
     def walks(self, clearance: float, *, share: float = 1.0, enough: int = 0) -> list[FloatArray]:
         """Polygons (k, 2) around the loop of few links each, fewest first; they are to be verified.
@@ -209,14 +205,13 @@ class Band:
         if len(self.places) < LEAST_PER_LOOP:
             return []
         gates = self.boundary.at(self.places)
-        low = WALK_CLEARANCES * clearance + _protruding(self.fine, self.loop, gates)
+        low = clearance + _protruding(self.fine, self.loop, gates)
         high = (1.0 - RESERVE) * share * self.distance
         if not low < high:
             return []
         corridor = Corridor(*gates.ends(low, high), slack=0.0)
         starts, polygons = corridor.some(WALK_STARTS), list[FloatArray]()
-        spread = [start for k in range(SPREAD) for start in starts[k::SPREAD]]
-        for number, start in enumerate(spread):
+        for number, start in enumerate(starts):
             polygon = corridor.polygon(start)
             if polygon is not None:
                 polygons.append(polygon)

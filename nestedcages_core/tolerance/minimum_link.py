@@ -97,16 +97,21 @@ class Corridor:
             window, links = run.after, links + 1
         return links
 
-    def fewest_runs(self) -> int:
-        """As few runs as cover the circle, whether or not their lines meet."""
+    def fewest_runs(self, known: int) -> int:
+        """As few runs as cover the circle, whether or not their lines meet, or a known bound if that is more."""
         begin = min(self.some(RUN_STARTS), key=self._length)
-        fewest = self.count
-        for start in range(begin, begin + self._length(begin) + 1):  # a run of any cover starts in here
-            place, runs = start, 0
-            while place < start + self.count and runs < fewest:
-                place, runs = place + self._length(place % self.count), runs + 1
-            fewest = min(fewest, runs)
-        return fewest
+        first = self._runs_from(begin)  # at most one more than the fewest
+        if first <= known:
+            return known
+        others = range(begin + 1, begin + self._length(begin) + 1)  # a run of any cover starts in here
+        return first - any(self._runs_from(start) < first for start in others)
+
+    def _runs_from(self, start: int) -> int:
+        """Longest runs, one after the other, from a gate on and around."""
+        place, runs = start, 0
+        while place < start + self.count:
+            place, runs = place + self._length(place % self.count), runs + 1
+        return runs
 
     def polygon(self, start: int) -> FloatArray | None:
         """(k, 2) corners of a walk of last lines, from a gate on and around; None where it does not get around.
@@ -273,7 +278,7 @@ def _angles_between(feet: FloatArray, tips: FloatArray) -> FloatArray:
 
 
 def _between(feet: FloatArray, tips: FloatArray) -> Line | None:
-    """A line half-way between feet (F, 2), on its left, and tips (T, 2); None if there is none."""
+    """A line midway between feet (F, 2), on its left, and tips (T, 2); None if there is none."""
     angles = _angles_between(feet, tips)
     if angles.max() - angles.min() > np.pi:
         return None

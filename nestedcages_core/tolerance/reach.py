@@ -14,7 +14,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
-from ..geometry.signed_distance import SignedDistance
+from ..geometry.signed_distance import EdgeSearch, SignedDistance
 from ..geometry.triangulation import triangulate
 from ..geometry.vectors import norm
 
@@ -65,10 +65,11 @@ def _reach(
     if float(fine.edge_lengths.sum()) > (slack + largest if limit is None else limit) * len(fine.vertices):
         between = Mesh.from_loops([mesh.vertices[loop] for mesh in (cage, fine) for loop in mesh.loops])
     tiles = triangulate(between)
-    corners = tiles.vertices[tiles.triangles]
+    corners, near = tiles.vertices[tiles.triangles], search.closest(tiles.vertices).edge[tiles.triangles]
     for _ in range(MAX_TRIANGLE_HALVINGS):
         middle = corners.mean(axis=1)
-        radius, distance = norm(corners - middle[:, None]).max(axis=1), search.closest(middle).distance
+        distance, nearest, _ = search.closest(middle)
+        radius = norm(corners - middle[:, None]).max(axis=1)
         # all of a triangle whose middle is farther from the outline than its corners is in the solid, or out of it
         apart = np.flatnonzero(distance > radius)
         inside = apart[signed.winding(middle[apart]) == 1]
@@ -82,13 +83,11 @@ def _reach(
             distance[(radius < resolved) & (distance <= limit)] = -np.inf
             distance[too_far] = -np.inf
         enough = slack + (1.0 + REACH_PRECISION) * largest if limit is None else limit
-        corners = corners[distance + radius > enough]
-        probes = np.concatenate((corners, corners.mean(axis=1, keepdims=True)), axis=1)
-        edges = search.closest(probes.reshape(-1, 2)).edge.reshape(-1, 4)
-        corners = corners[_bounds(corners, edges, fine) > enough]
-        if len(corners) == 0:
+        kept = np.flatnonzero(distance + radius > enough)
+        kept = kept[_bounds(corners[kept], np.column_stack((near, nearest))[kept], fine) > enough]
+        if len(kept) == 0:
             return max(enough, largest), places
-        corners = _halved(corners)
+        corners, near = _halved(corners[kept], near[kept], search)
     return np.inf, corners.mean(axis=1)
 
 
@@ -106,11 +105,13 @@ def _bounds(corners: FloatArray, edges: IntArray, fine: Mesh) -> FloatArray:
     return least
 
 
-def _halved(corners: FloatArray) -> FloatArray:
-    """(2 T, 3, 2) triangles (T, 3, 2) divided at the middle of their longest sides."""
+def _halved(corners: FloatArray, near: IntArray, search: EdgeSearch) -> tuple[FloatArray, IntArray]:
+    """(2 T, 3, 2) triangles (T, 3, 2) divided at the middle of their longest sides, and the edges next to corners."""
     lengths = norm(np.roll(corners, -1, axis=1) - corners)
-    first = lengths.argmax(axis=1)
-    rows = np.arange(len(corners))
-    a, b, c = (corners[rows, (first + k) % 3] for k in range(3))
-    middle = 0.5 * (a + b)
-    return np.concatenate((np.stack((a, middle, c), axis=1), np.stack((middle, b, c), axis=1)))
+    rows, turns = np.arange(len(corners))[:, None], (lengths.argmax(axis=1)[:, None] + np.arange(3)) % 3
+    corners, near = np.tile(corners[rows, turns], (2, 1, 1)), np.tile(near[rows, turns], (2, 1))
+    middle = corners[: len(rows), :2].mean(axis=1)
+    edge = search.closest(middle).edge
+    for part, corner in ((slice(len(rows)), 1), (slice(len(rows), None), 0)):
+        corners[part, corner], near[part, corner] = middle, edge
+    return corners, near

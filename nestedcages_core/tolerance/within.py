@@ -50,7 +50,7 @@ class Within:
         return reach(*by_side(cage, fine, side), slack)
 
     def note(self, count: int, taken: float, fewest: int | None = None) -> Fault:
-        """What a cage of so many vertices takes of the limit; fewest: a lower bound on their number."""
+        """What a cage of that many vertices takes of the limit; fewest: a lower bound on their number."""
         on = "excess" if self.distance is None else "distance" if fewest is None else "bounded"
         return note("note.tolerance", on=on, limit=self.limit, taken=float(taken), count=count, fewest=fewest)
 

@@ -101,6 +101,17 @@ def test_an_edit_is_followed_by_a_step(addon, core, live, tick, make) -> None:
     assert "Certified as stored" in cages[0][addon.keys.CERTIFICATE]
 
 
+def test_a_step_is_certified_as_it_is_stored(core, live, tick, monkeypatch) -> None:
+    followed, found = core.followed, []
+    monkeypatch.setattr(live.core, "followed", lambda *given: found.append(followed(*given)) or found[-1])
+    obj, _ = switched_on(star_curve)
+    tick()
+    move_points(obj, 1.1)
+    tick()
+    assert len(found) == 2
+    assert all(np.array_equal(mesh.vertices, mesh.vertices.astype(np.float32)) for mesh in found)
+
+
 @pytest.mark.parametrize("make", [star_curve, star_mesh])
 def test_edit_mode_is_followed(addon, core, live, tick, make) -> None:
     obj, collection = switched_on(make)

@@ -29,7 +29,6 @@ EXPECTED = {
     ("contact", "AUTOMATIC"): "None",
     ("contact", "IPC"): "IPC",
     ("contact", "SEQUENTIAL_QP"): "SequentialQP",
-    ("contact", "IPC_2020"): "OriginalIPC",
     ("contact", "EL_TOPO"): "ElTopo",
     ("contact", "PAPER"): "PaperContact",
     ("flow", "TWO_SIDED"): "TwoSidedFlow",

@@ -57,7 +57,7 @@ def test_units_of_the_scene_are_understood() -> None:
     poly_curve("Drawing", [circle(60, 100.0)])
     assert bpy.ops.object.nested_cages_generate(levels="50 mm") == {"FINISHED"}
     cage = made("Drawing Cages")[1]
-    assert "within a distance of 5:" in cage["nested_cages_need"]
+    assert "within 5 of the shape" in cage["nested_cages_need"]
 
 
 def test_an_excess_is_of_the_drawing_on_every_level(addon) -> None:
@@ -237,8 +237,8 @@ def test_scripts_get_inner_cages_and_needs(addon, core) -> None:
     assert first.name == "Drawing Inner Cage 1"
     assert len(second.data.vertices) == 9
     ((near, wide),) = addon.api.cages([obj], [core.Within(distance=0.05), core.Within(excess=0.5)])
-    assert "within a distance of 0.05" in near["nested_cages_need"]
-    assert "within an excess of 50 %" in wide["nested_cages_need"]
+    assert "within 0.05 of the shape" in near["nested_cages_need"]
+    assert "50 % was allowed" in wide["nested_cages_need"]
 
 
 def test_both_sides_are_exported_with_one_drawing(tmp_path) -> None:

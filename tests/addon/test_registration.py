@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import runpy
 import subprocess
 import sys
@@ -161,3 +162,18 @@ def test_registration_imports_neither_the_core_nor_scipy() -> None:
         [sys.executable, "-c", REGISTER], cwd=ROOT, capture_output=True, text=True, check=True, timeout=120
     )
     assert "loaded: []" in done.stdout
+
+
+def test_the_guide_names_the_operators_and_properties_that_are_there() -> None:
+    text = (ROOT / "docs" / "guide" / "scripts.md").read_text(encoding="utf-8")
+    operators = {name for name in dir(bpy.ops.object) if name.startswith("nested_cages_")}
+    named = set()
+    for names, about in re.findall(r"^\| (`nested_cages_.*?) \| (.*)\|$", text, flags=re.MULTILINE):
+        row = set(re.findall(r"\w+", names))
+        known = {"nested_cages_generate", "True"}
+        for name in row & operators:
+            for each in getattr(bpy.ops.object, name).get_rna_type().properties:
+                known |= {each.identifier, *(item.identifier for item in getattr(each, "enum_items", ()))}
+        assert {word for shown in re.findall(r"`(.*?)`", about) for word in re.split("[ =]", shown)} <= known, names
+        named |= row
+    assert named == operators - {"nested_cages_cancel"}

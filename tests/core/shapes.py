@@ -36,7 +36,7 @@ def letter_a_coarse() -> Mesh:
     return Mesh.from_loops([np.array(outline), np.array(hole)])
 
 
-def letter_a(per_edge: int = 6) -> Mesh:
+def letter_a(per_edge: int = 3) -> Mesh:
     """The coarse letter A with rounded corners (two rounds of corner cutting) and every edge divided: a fine mesh."""
     loops = []
     for loop in (letter_a_coarse().vertices[k] for k in letter_a_coarse().loops):

@@ -372,6 +372,7 @@ def test_an_executor_that_cannot_be_replaced_says_so() -> None:
         nested_cages_many(glyphs(1), [12], executor=Dead())
 
 
+@pytest.mark.slow
 def test_dask_makes_cages_too() -> None:
     from distributed import Client, LocalCluster
 

@@ -102,3 +102,16 @@ def test_too_few_vertices_are_told_from_too_little_room() -> None:
     with pytest.raises(NestingError, match=r"^No cage with this few vertices was found that keeps the clearance"):
         nested_cages(fine, [24], Settings(clearance=0.14))
     assert verify(nested_cages(fine, [60], Settings(clearance=0.14)).cages[0], fine, 0.14)
+
+
+@pytest.mark.parametrize(("gap", "clearance"), [(0.05, 0.005), (0.1, 0.01)])
+def test_a_level_leaves_room_for_the_next(gap: float, clearance: float) -> None:
+    """Two letters with serifs; alone, the first cage would have its two loops next to each other."""
+    side = [(0.6, 0), (0.6, 0.08), (0.35, 0.12), (0.35, 1.3), (0.6, 1.4), (0.6, 1.5)]
+    beam = np.array(side + [(0.6 - x, y) for x, y in reversed(side)])
+    fine = Mesh.from_loops([beam, beam + np.array([0.6 + gap, 0.0])])
+    hierarchy = nested_cages(fine, [16, 10], clearance=clearance)
+    for level in hierarchy:
+        assert verify(level.cage, level.fine, clearance)
+    one, other = (shapely.LinearRing(hierarchy[0].cage.vertices[loop]) for loop in hierarchy[0].cage.loops)
+    assert one.distance(other) >= 2.0 * clearance

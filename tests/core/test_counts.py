@@ -34,7 +34,7 @@ def test_clamping_is_noted() -> None:
     assert clamped(16, fine) == (16, ())
     count, (note,) = clamped(64, fine)
     assert count == 16
-    assert note == "64 vertices were asked for, but the mesh inside has 16: so the cage has as many."
+    assert note == "64 vertices were asked for, but the mesh inside has 16, so the cage has 16."
 
 
 @pytest.mark.parametrize("levels", [[64], [64, 500], [12, 16]])

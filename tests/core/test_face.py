@@ -143,6 +143,8 @@ def test_progress_may_be_a_bar_or_a_function(
     with_bar = nested_cages(OUTER, 12, progress=True)
     pytest.importorskip("tqdm")
     assert "100%" in capsys.readouterr().err
+    with pytest.raises(NestedCagesError, match="progress must be True or a function, not 'yes'"):
+        nested_cages(OUTER, 12, progress="yes")  # type: ignore[arg-type]
     nested_cages_many([OUTER], [12], progress=True)
     assert "1 of 1 shapes: 100%" in capsys.readouterr().err
     monkeypatch.setattr(builtins, "__import__", _without("tqdm"))

@@ -18,7 +18,7 @@ from shapes import annulus, comb, disc, islands, letter_a, letter_a_coarse, ring
 
 
 def penetration_energy(fine: Mesh, coarse: Mesh, spacing: float) -> PenetrationEnergy:
-    return PenetrationEnergy(match_loops(fine, coarse), 0.05, Spacing(spacing, 0.05, 16, 64))
+    return PenetrationEnergy(match_loops(fine, coarse), 0.05, Spacing(spacing, 0.05))
 
 
 def gradient(found: Penetration, mesh: Mesh) -> np.ndarray:
@@ -74,7 +74,6 @@ def test_step_system_solves_the_dense_system(sizes: tuple[int, ...]) -> None:
     found = Penetration(
         energy=1.0,
         overlap=1.0,
-        comfortable=False,
         edge=rng.integers(0, n, count),
         parameter=rng.uniform(size=count),
         weight=rng.uniform(0.1, 1.0, count),

@@ -127,8 +127,10 @@ def test_as_small_as_the_smallest_triangle_on_a_grid(seed: int) -> None:
     assert least <= level.cage.area <= least * 1.1
 
 
-@pytest.mark.parametrize("grid", [0.05, 0.02, 1e-6])
-@pytest.mark.parametrize("fine", [star(), letter_a(), annulus(40), islands()])
+@pytest.mark.parametrize(
+    ("fine", "grid"),
+    [(star(), 0.05), (star(), 1e-6), (letter_a(), 0.05), (annulus(40), 0.02), (annulus(40), 1e-6), (islands(), 0.02)],
+)
 def test_levels_on_a_grid(fine: Mesh, grid: float) -> None:
     counts = [8 * len(fine.loops), 5 * len(fine.loops)]
     hierarchy = nested_cages(fine, counts, Settings(grid=grid))

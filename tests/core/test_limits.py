@@ -110,6 +110,7 @@ def test_what_reaches_a_limit_is_read_and_one_more_is_not(
         read(given, replace(Limits(), **{name: used[name] - 1}))
 
 
+@pytest.mark.slow
 def test_circles_may_cross_each_other_a_hundred_thousand_times() -> None:
     places = 1000.0 * np.random.default_rng(3).random((3200, 2))
     drawing = svg("".join(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="29"/>' for x, y in places))

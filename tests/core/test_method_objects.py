@@ -19,7 +19,6 @@ from nestedcages_core import (
 )
 from nestedcages_core.geometry.triangulation import Sampling
 from nestedcages_core.published.gurditta_jacobson_2022 import PaperContact, SignedDistanceFlow
-from nestedcages_core.published.li_2020 import OriginalIPC
 from nestedcages_core.published.sacht_2015 import ElTopo
 
 BAD = {
@@ -45,7 +44,6 @@ PARTS = [
     *((IPC, part) for part in ("solver", "energy", "step_filter", "broad_phase")),
     *((PaperContact, part) for part in ("solver", "energy", "step_filter", "broad_phase")),
     (SequentialQP, "quadratic_programs"),
-    (OriginalIPC, "energy"),
     (ElTopo, "energy"),
     (ElTopo, "final_energy"),
     (SignedDistanceFlow, "quadrature"),

@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.li_2020 import OriginalIPC
+from benchmarks.li_2020.barrier import SquaredBarrier
+from benchmarks.li_2020.stiffness import StiffnessBounds
 from nestedcages_core import (
     Area,
     Mesh,
@@ -18,15 +21,12 @@ from nestedcages_core.contact.ccd import impacts
 from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.contact.reinflation import reinflate
 from nestedcages_core.energies import Energy
-from nestedcages_core.published.li_2020 import OriginalIPC
-from nestedcages_core.published.li_2020.barrier import SquaredBarrier
-from nestedcages_core.published.li_2020.stiffness import StiffnessBounds
 from nestedcages_core.tasks import drain
 from nestedcages_core.tightening import Tightening
 from shapes import annulus, assert_nested, letter_a, letter_a_coarse, ring
 from test_ccd import pairs_of
 
-STATES = 2000
+STATES = 400
 CORNERS, POINTS = 6, 10  # of the cage and of the fine mesh
 D_HAT = 0.2
 EQUAL = 1e-12  # relative to the largest entry
@@ -94,7 +94,7 @@ def test_times_of_impact_are_those_of_the_toolkit(toolkit) -> None:
     corners = [(x[3 * k : 3 * k + 3], (x + v)[3 * k : 3 * k + 3]) for k in range(STATES)]
     theirs = [toolkit.inexact_point_edge_ccd_2D(*before, *after, 1.0) for before, after in corners]
     met = np.array([hit for hit, _ in theirs])
-    assert met.sum() > 200
+    assert met.sum() > STATES // 10
     assert np.array_equal(met, np.isfinite(ours))
     assert np.abs(ours[met] - np.array([time for _, time in theirs])[met]).max() <= EQUAL
 

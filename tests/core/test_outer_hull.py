@@ -20,9 +20,10 @@ from nestedcages_core.decimation.hull.move_queue import MoveQueue
 from nestedcages_core.decimation.hull.narrow_gaps import without_gaps
 from nestedcages_core.decimation.hull.offset import strict_offset
 from nestedcages_core.decimation.hull.progressive_hull import ProgressiveHull
+from nestedcages_core.decimation.hull.thinning import thinned
 from nestedcages_core.decimation.request import canonical_order
 from nestedcages_core.geometry.loops import Loops
-from shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
+from shapes import annulus, assert_nested, disc, islands, letter_a, polygon, ring, star
 
 QUICK = OuterHull()
 SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
@@ -324,7 +325,7 @@ def test_boxes_of_many_loops_are_compared_by_place() -> None:
 def test_the_queue_gives_moves_in_order(costs: list[float]) -> None:
     queue = MoveQueue(len(costs), negligible=0.0)
     for slot, cost in enumerate(costs):
-        queue.push([(2.0, slot, (7.0,))])
+        queue.push([(0.5 * cost, slot, (7.0,))])  # obsolete
         queue.renew(slot)
         queue.push([(cost, slot, ())])
     order = []
@@ -413,3 +414,17 @@ def test_padding_divides_the_longest_edges_evenly() -> None:
     (loop,) = padded(outline, 14, None)
     assert len(loop) == 14
     assert np.hypot(*(np.roll(loop, -1, axis=0) - loop).T) == pytest.approx(np.ones(14))
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+def test_outlines_of_many_vertices_are_thinned(tolerance: float) -> None:
+    """To chords within a tolerance; the hull of what is left encloses all that was there."""
+    fine = Mesh.from_loops([ring(3000), disc(1000, 0.5, 0.1, 0.0), disc(6, 0.1, 3.0, 0.0)])
+    outline = Loops.of(fine.vertices, [len(loop) for loop in fine.loops])
+    thin = thinned(outline, tolerance)
+    assert min(thin.sizes) == 6 and len(thin.vertices) < 0.5 * len(outline.vertices)
+    for before, after in zip(outline.split(), thin.split(), strict=True):
+        assert shapely.hausdorff_distance(shapely.LinearRing(before), shapely.LinearRing(after)) <= tolerance
+    hull = QUICK.decimate(fine, 30)
+    assert_nested(hull, fine)
+    assert hull.area < 1.1 * fine.area

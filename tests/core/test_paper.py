@@ -57,16 +57,20 @@ def run(
     return drain(reinflate(fine, coarse, steps, contacts=[contact], clearance=1e-5))
 
 
-@pytest.mark.parametrize(("scale", "excess"), [(1.0, 19.379), (3.0, 3.771), (0.5, 51.160)])
+@pytest.mark.parametrize(
+    ("scale", "excess"), [(1.0, 19.379), (3.0, 3.771), pytest.param(0.5, 51.160, marks=pytest.mark.slow)]
+)
 def test_absolute_lengths_give_the_excess_of_the_compiled_program(scale: float, excess: float) -> None:
     """A disc of Table 1 at three sizes; the excesses are those of the authors' C++ on the same meshes."""
     fine, coarse = (mesh.moved(scale * mesh.vertices) for mesh in (annulus(16), annulus(16)))
     result = as_published(fine, coarse)
     assert 100.0 * (result.cage.area / fine.area - 1.0) == pytest.approx(excess, abs=0.1)
     assert 0.0 < result.short < 1e-3 * fine.diagonal
-    # the preset does the same in the units of the solvers, and its certificate tells that it falls short
-    with pytest.raises(ReinflationError, match="short of its target"):
-        nested_cages(fine, [coarse], AUGMENTED_2022)
+    if (
+        scale == 3.0
+    ):  # the preset does the same in the units of the solvers, and its certificate tells that it falls short
+        with pytest.raises(ReinflationError, match="short of its target"):
+            nested_cages(fine, [coarse], AUGMENTED_2022)
     units = SolverUnits.of(fine)
     assert units.method(AUGMENTED_2022.contact).d_hat == pytest.approx(0.1 / fine.diagonal)
     assert units.method(AUGMENTED_2022.flow).step == pytest.approx(0.01 / fine.diagonal)

@@ -15,7 +15,6 @@ from nestedcages_core.published.gurditta_jacobson_2022 import (
     Repairs,
     SignedDistanceFlow,
 )
-from nestedcages_core.published.li_2020 import OriginalIPC
 from nestedcages_core.published.sacht_2015 import ElTopo
 from nestedcages_core.published.sellan_2022 import LevelSet
 from nestedcages_core.solver.newton import ProjectedNewton
@@ -28,7 +27,6 @@ POSITIVE = {
     PaperFlow: ("step",),
     SignedDistanceFlow: ("step",),
     ElTopo: ("proximity", "room", "final_proximity", "first_step", "smallest_step", "still"),
-    OriginalIPC: ("d_hat", "stiffness", "tolerance"),
 }
 NOT_NEGATIVE = {
     ProjectedNewton: ("tolerance",),
@@ -42,7 +40,6 @@ COUNTS = {  # and the least count
     PaperFlow: {"limit": 1, "samples": 1},
     SignedDistanceFlow: {"limit": 1},
     ElTopo: {"iterations": 1},
-    OriginalIPC: {"iterations": 1},
     LevelSet: {"cells": 1},
     RandomSamples: {"samples": 1, "seed": 0, "step": 0},
 }

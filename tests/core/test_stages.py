@@ -197,11 +197,11 @@ def test_every_stage_yields_often_enough_to_cancel() -> None:
     The set-up of a hull has a part of its own for gaps, for each scale of them and for the touching edges; a
     certificate has one for each block of steps of the motion.
     """
-    turn = ring(1900)
+    turn = ring(1100)
     fine = Mesh.from_loops([turn * (1.0 + 0.2 * (turn[:, :1] * 20.0 % 1.0))])
     settings = Settings(decimation=OnCurve(around=OuterHull()))
     stages = [progress.stage for progress in NestedCagesRun(fine, [24], settings)]
-    moves = (1900 - 24) // 512  # of the first run of the hull, at least
+    moves = (len(turn) - 24) // 512  # of the first run of the hull, at least
     assert stages.count("decimation") >= moves + 5
     run = NestedCagesRun(fine, [24], Settings(decimation=ArcLength()))  # a long way
     stages = [progress.stage for progress in run]

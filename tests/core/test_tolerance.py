@@ -196,6 +196,17 @@ def test_inner_cages_within_a_tolerance(need: Within) -> None:
     assert (reach(fine, with_one_less.cage) if need.distance is not None else -with_one_less.report.excess) > need.limit
 
 
+def test_a_hole_smaller_than_the_distance() -> None:
+    """In an outline around which the first polygon goes too far; the cage is not tightened beyond the distance."""
+    angle = 2.0 * np.pi * np.arange(400) / 400
+    radius = 1.0 + 0.1 * np.cos(7.0 * angle) + 0.06 * np.cos(23.0 * angle + 1.0) + 0.02 * np.cos(41.0 * angle)
+    fine = Mesh.from_loops([ring(400) * radius[:, None], 0.01 * ring(8)])
+    distance = 0.01 * fine.diagonal
+    (level,) = nested_cages(fine, [Within(distance=distance)]).levels
+    assert within_by_shapely(level.cage, fine, distance) and stays_within(level.cage, fine, distance)
+    assert level.report.fewest <= len(level.cage.vertices) <= level.report.fewest + 4
+
+
 def test_levels_as_people_write_them() -> None:
     texts = ("32, 8 %; 2 px, 0.5u + 25 %", "32 8% 2px .5U +25%", "32,8%,2PX,5e-1 u,+25 %")
     for text in texts:

@@ -15,14 +15,11 @@ from ...geometry.mesh import Mesh
 from ...geometry.predicates import orientation_sign
 from ..base import Count
 from ..hull.linked_loops import LinkedLoops
-from ..hull.move_queue import MoveQueue
+from ..hull.move_queue import NEGLIGIBLE_COST, MoveQueue
 from ..request import Request
 
 MAX_VERTEX_DISTANCE = 1.5
 """Maximum distance of new vertices from the centre, in diameters."""
-
-NEGLIGIBLE_COST = 1e-15
-"""Cost in squared diameters at round-off level."""
 
 
 class Simplification(ABC):

@@ -10,6 +10,9 @@ from typing import TypeAlias
 Place: TypeAlias = tuple[float, ...]
 """Parameters of a move, or the coordinates of its new vertices."""
 
+NEGLIGIBLE_COST = 1e-15
+"""Cost in squared diameters at round-off level; moves that cost less are free."""
+
 COST_SPLITTER = 2.0**27 + 1.0
 """Rounds costs to 26 bits (Dekker 1971), so that equal moves of a symmetric shape tie despite round-off."""
 

@@ -22,6 +22,7 @@ from .hull_moves import Weights
 from .narrow_gaps import CLEARANCE_RESERVE, HULL_OFFSET, without_gaps
 from .offset import offsetting
 from .progressive_hull import ProgressiveHull
+from .thinning import thinned
 
 ROUGH_WEIGHTS = Weights(drop=0.55, extend=1.1, slide=0.8, pivot=1.1, spike=0.03)
 """Cheap notches: best on rough shapes, where notches should be filled before bumps are extended."""
@@ -31,6 +32,9 @@ FURTHER_WEIGHTS = (Weights(), Weights(drop=2.0, pivot=0.5, reach=8.0), Weights(d
 
 MIN_STAGE_SIZE, STAGE_SIZE_FACTOR = 100, 3
 """Size at which an outline is moved to the clearance: a minimum, and a multiple of the wanted number of vertices."""
+
+MANY_STAGES, THINNED = 20, 0.02
+"""Vertices for each of that size from which an outline is thinned first, and how far, in distances of the hull."""
 
 MAX_LOOPS_LISTED = 8
 """Number of loops up to which a message lists what was found for each."""
@@ -42,7 +46,10 @@ def greedy_hull(request: Request, clearance: float) -> Stage[float, Mesh]:
     plain = without_small_details(outline, 0.0)  # (docs/ablation.md: details like round-off built over)
     yield 0.0
     smallest: Loops | None = None
-    for start in (outline, plain) if len(plain.vertices) < len(outline.vertices) else (outline,):
+    starts = [outline, plain] if len(plain.vertices) < len(outline.vertices) else [outline]
+    if request.per_loop is None and len(outline.vertices) > MANY_STAGES * _stage_size(request):
+        starts.insert(0, thinned(outline, THINNED * HULL_OFFSET * outline.diameter))
+    for start in starts:
         distance = max(HULL_OFFSET * outline.diameter, CLEARANCE_RESERVE * clearance)
         offset, stuck = yield from mapped(offsetting(start, distance, request.fine.edge_tree), lambda _: 0.0)
         runs = _hulls(offset, request, clearance) if len(stuck) == 0 else iter(())
@@ -71,12 +78,16 @@ def greedy_hull(request: Request, clearance: float) -> Stage[float, Mesh]:
 
 def _hulls(outline: Loops, request: Request, clearance: float) -> Iterator[float | Loops]:
     """Hulls of an outline by runs with different weights, and the fraction done in between."""
-    size = max(MIN_STAGE_SIZE, STAGE_SIZE_FACTOR * request.target)
     # without pivots, which would cost area and a third of the time
-    stage = yield from ProgressiveHull(outline, replace(ROUGH_WEIGHTS, pivot=None), request.minimum).steps(size)
+    rough = ProgressiveHull(outline, replace(ROUGH_WEIGHTS, pivot=None), request.minimum)
+    stage = yield from rough.steps(_stage_size(request))
     stage = cleared(stage, request.fine, clearance)
     for weights in (ROUGH_WEIGHTS, *FURTHER_WEIGHTS):
         yield (yield from ProgressiveHull(stage, weights, request.minimum).steps(request.target))
+
+
+def _stage_size(request: Request) -> int:
+    return max(MIN_STAGE_SIZE, STAGE_SIZE_FACTOR * request.target)
 
 
 def _certified(hull: Loops, request: Request, clearance: float) -> Mesh | None:

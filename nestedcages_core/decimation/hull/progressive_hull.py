@@ -21,16 +21,13 @@ from ...geometry.predicates import orientation_sign
 from ...tasks import Stage, drain
 from .hull_moves import PIVOT_RATIO_LOOP, HullMoves, Weights, corner, pivoted
 from .linked_loops import LinkedLoops
-from .move_queue import MoveQueue, Place
+from .move_queue import NEGLIGIBLE_COST, MoveQueue, Place
 
 PAUSE = 512
 """Number of moves, some hundredths of a second, after which progress is reported."""
 
 NUDGE_ULPS = (0.0, 1.0, 3.0, 9.0, 27.0, 81.0, 243.0, 729.0)
 """Units in the last place by which a new vertex is pushed outwards until the exact tests hold."""
-
-NEGLIGIBLE_AREA = 1e-15
-"""Area in squared diameters at round-off level; moves that cost less are free."""
 
 REACH_GROWTH, MAX_REACH_ROUNDS = 4.0, 5
 """Factor on the reach of new vertices when no move is left within it; maximum number of its applications."""
@@ -45,7 +42,7 @@ class ProgressiveHull:
         self.minimum = list(minimum)
         self.loops = loops = LinkedLoops(outline, weights.reach)
         self.reach = weights.reach * loops.diameter
-        self.queue = MoveQueue(2 * loops.total, NEGLIGIBLE_AREA * loops.diameter**2)
+        self.queue = MoveQueue(2 * loops.total, NEGLIGIBLE_COST * loops.diameter**2)
         self.moves = HullMoves(loops, weights, self.queue.stamps)
         self._blocked: set[tuple[float, ...]] = set()
         self._reach_rounds, self._out_of_reach = 0, False

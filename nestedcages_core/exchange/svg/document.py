@@ -21,7 +21,7 @@ DRAWN = OUTLINED | {"svg", "g", "a", "use"}
 """Elements that are drawn with all their children, or with what they refer to."""
 
 MAX_USERS = 64
-"""References within references that are counted: deeper ones are refused as they are drawn."""
+"""References within references that are counted: deeper ones are rejected as they are drawn."""
 
 Box = tuple[float, float, float, float]
 """x, y, width and height."""

@@ -79,7 +79,7 @@ class Flips:
             self.legalise(created)
 
     def legalise(self, edges: Iterable[Edge]) -> None:
-        """Flip until these edges and all that are touched on the way are locally Delaunay."""
+        """Flip until these edges and all others touched are locally Delaunay."""
         stack = list(edges)
         while stack:
             u, v = stack.pop()

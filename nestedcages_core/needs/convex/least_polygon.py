@@ -23,14 +23,8 @@ from ...geometry.shortest_cycle import shortest_cycle
 from ...geometry.vectors import rotated_left
 from .hull import Hull, Tangents, corner
 
-MAX_WINDOWS = 8
-"""Maximum number of searches around the previous polygon."""
-
 STARTS = 6
 """Number of tangents that first polygons go through: where edges are not flush, several are nearly the best."""
-
-MAX_TURNED, NEARLY = 3, 1.02
-"""Maximum number of polygons whose edges are turned, and their largest area relative to the best one."""
 
 MAX_SWEEPS = 20
 """Maximum number of sweeps over all edges."""
@@ -49,29 +43,15 @@ def least_polygon(hull: Hull, count: int) -> Tangents | None:
     """The polygon of least area with ``count`` edges around a hull; None where walls leave none."""
     candidates = hull.candidates()
     costs = hull.sector(Tangents(*(part[:, None] for part in candidates)), candidates)
-    found: dict[bytes, tuple[float, IntArray]] = {}
-    for start in np.unique(np.linspace(0, len(costs), STARTS, endpoint=False).astype(np.int64)).tolist():
+    starts = np.linspace(0, len(costs), STARTS, endpoint=False).astype(np.int64)
+    found: dict[bytes, Tangents] = {}
+    for start in np.unique(starts).tolist():
         cycle = _through(costs, start, count)
         if cycle is not None:
-            area, cycle = _improved(costs, cycle)
-            found[np.sort(cycle).tobytes()] = area, cycle
-    best = sorted(found.values(), key=lambda each: each[0])
-    turned = [_turned(hull, candidates.take(cycle)) for area, cycle in best[:MAX_TURNED] if area <= NEARLY * best[0][0]]
-    return min(turned, key=hull.area, default=None)
-
-
-def _improved(costs: FloatArray, cycle: IntArray) -> tuple[float, IntArray]:
-    """The cheapest cycle between the tangents of another one, then around those found; and its cost."""
-    area = np.inf
-    for number in range(MAX_WINDOWS):
-        better = _in_windows(costs, cycle if number == 0 else _middles(cycle, len(costs)))
-        if better is None:
-            break
-        smaller = float(costs[better, np.roll(better, -1)].sum())
-        if smaller >= area * (1.0 - NEGLIGIBLE_GAIN):
-            break
-        cycle, area = better, smaller
-    return area, cycle
+            better = _in_windows(costs, cycle)
+            best = np.sort(cycle if better is None else better)
+            found[best.tobytes()] = candidates.take(best)
+    return min((_turned(hull, each) for each in found.values()), key=hull.area, default=None)
 
 
 def _through(costs: FloatArray, start: int, count: int) -> IntArray | None:
@@ -110,12 +90,6 @@ def _in_windows(costs: FloatArray, bounds: IntArray) -> IntArray | None:
     if picked is None:
         return None
     return np.array([window[k] for window, k in zip(windows, picked, strict=True)])
-
-
-def _middles(cycle: IntArray, size: int) -> IntArray:
-    """(k,) half-way from each tangent of a cycle to the one before."""
-    before = np.roll(cycle, 1)
-    return np.asarray(np.mod(before + np.mod(cycle - before, size) // 2, size), np.int64)
 
 
 def _turned(hull: Hull, tangents: Tangents) -> Tangents:

@@ -249,7 +249,7 @@ def _overlapping(polygons: list[FloatArray]) -> list[tuple[int, int]]:
 
 
 def _between(one: Hull, other: Hull) -> tuple[list[Wall], list[Wall]] | None:
-    """Walls for two hulls, next to those they have, half-way between them; None if there is no room for a line."""
+    """Walls for two hulls, next to those they have, midway between them; None if there is no room for a line."""
     corners = [hull.corners + hull.origin for hull in (one, other)]
     if _overlapping(corners):
         return None

@@ -41,8 +41,8 @@ MAX_LAYER = 72
 MAX_IMPROVEMENTS = 12
 """Maximum number of improvements."""
 
-FIRST_CHUNK, MAX_CHUNK = 48, 384
-"""Number of fine vertices or edges measured together, first and later, when failed edges are left out."""
+CHUNK = 384
+"""Number of fine vertices or edges measured together, before failed edges are left out."""
 
 
 def put_on_grid(
@@ -287,8 +287,6 @@ def _grouped(values: IntArray, group: IntArray, count: int) -> list[IntArray]:
 
 
 def _chunks(indices: IntArray) -> Iterator[IntArray]:
-    """Some at first, then more."""
-    begin, size = 0, FIRST_CHUNK
-    while begin < len(indices):
-        yield indices[begin : begin + size]
-        begin, size = begin + size, min(2 * size, MAX_CHUNK)
+    """Some at a time."""
+    for begin in range(0, len(indices), CHUNK):
+        yield indices[begin : begin + CHUNK]

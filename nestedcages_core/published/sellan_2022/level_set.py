@@ -58,7 +58,7 @@ class LevelSet:
         """A coarse mesh that strictly encloses the fine one, at least the clearance away; loop k around loop k.
 
         With `change_loops` it may have other loops, in any order. Raises NestingError where no offset encloses, with
-        the loop that was in the way, and for a clearance beyond the largest offset.
+        the blocking loop, and for a clearance beyond the largest offset.
         """
         budget = checked_budget(fine, count)
         if clearance >= LARGEST_OFFSET * fine.diagonal:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...contact.barrier import barrier
-from ...geometry.arrays import FloatArray
+from nestedcages_core.contact.barrier import barrier
+from nestedcages_core.geometry.arrays import FloatArray
 
 REFERENCE_DISTANCE = 1e-8
 """Distance, in bounding-box diagonals, at which the least stiffness is measured."""

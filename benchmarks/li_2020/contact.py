@@ -22,13 +22,14 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg
 
-from ...contact.base import ContactOutcome
-from ...contact.ccd import impacts
-from ...contact.pairs import Bodies, CandidateList
-from ...energies import Area, CageEnergy, Energy
-from ...geometry.arrays import FloatArray
-from ...parameters import check_count, check_part, check_positive
-from ...tasks import Stage
+from nestedcages_core.contact.base import ContactOutcome
+from nestedcages_core.contact.ccd import impacts
+from nestedcages_core.contact.pairs import Bodies, CandidateList
+from nestedcages_core.energies import Area, CageEnergy, Energy
+from nestedcages_core.geometry.arrays import FloatArray
+from nestedcages_core.parameters import check_count, check_part, check_positive
+from nestedcages_core.tasks import Stage
+
 from .barrier import SquaredBarrier
 from .stiffness import VERY_CLOSE, StiffnessBounds
 

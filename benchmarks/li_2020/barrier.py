@@ -15,11 +15,11 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from ...contact.barrier import BarrierTerms, barrier
-from ...contact.pairs import Pairs
-from ...energies.blocks import assembled_gradient, positive_part
-from ...geometry.arrays import FloatArray
-from ...geometry.distance import PointEdge, distance_gradient, distance_hessian
+from nestedcages_core.contact.barrier import BarrierTerms, barrier
+from nestedcages_core.contact.pairs import Pairs
+from nestedcages_core.energies.blocks import assembled_gradient, positive_part
+from nestedcages_core.geometry.arrays import FloatArray
+from nestedcages_core.geometry.distance import PointEdge, distance_gradient, distance_hessian
 
 
 @dataclass(frozen=True, eq=False)
