@@ -27,7 +27,7 @@ PIECES, LEAST_CELLS = 0.25, 16
 """Cells along all edges together, per point and edge, and along the longer side at least (measured)."""
 
 CROWDED, FINER = 32, 0.25
-"""Tests for each piece of an edge above which cells are made smaller, and by how much, where points crowd (measured)."""
+"""Tests for each piece of an edge above which cells are made smaller, as where points crowd; how much (measured)."""
 
 CHUNK_PAIRS = 2_000_000
 """Pairs measured together; bounds the memory to about 300 MB."""
