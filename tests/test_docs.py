@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import pytest
 
@@ -225,6 +225,21 @@ def test_the_python_of_a_page_runs(page: Path, tmp_path: Path) -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr + done.stdout
+
+
+def test_the_line_for_a_whole_geodataframe_runs() -> None:
+    shapely = pytest.importorskip("shapely")
+
+    class Series(list):  # a GeoSeries maps like this
+        def map(self, function: Callable) -> list:
+            return [function(shape) for shape in self]
+
+    (line,) = re.findall(r"`(frame\.geometry\.map.*)`", (ROOT / "docs" / "python.md").read_text(encoding="utf-8"))
+    islands = shapely.union(shapely.Point(0, 0).buffer(1), shapely.Point(4, 0).buffer(1))
+    frame = SimpleNamespace(geometry=Series([shapely.Point(0, 0).buffer(2), islands]))
+    made = eval(line, {"frame": frame, "shapely": shapely, "nested_cages": nestedcages_core.nested_cages})
+    assert [cage.geom_type for cage in made] == ["Polygon", "MultiPolygon"]
+    assert all(cage.contains(shape) for cage, shape in zip(made, frame.geometry, strict=True))
 
 
 REGISTER = f"""

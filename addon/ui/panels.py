@@ -120,7 +120,7 @@ class VIEW3D_PT_nested_cages_rules(SettingsPanel, bpy.types.Panel):
 
 
 class VIEW3D_PT_nested_cages_reading(SettingsPanel, bpy.types.Panel):
-    """Which objects to enclose, how to read them, and the shape of cages"""
+    """Which objects to enclose, how to read them, and how cages start"""
 
     bl_label = "Drawing and Cages"
     names = (*groups.WHICH, *groups.READING, *groups.SHAPE, *groups.LOOKS)

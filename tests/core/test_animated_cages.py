@@ -19,6 +19,7 @@ from nestedcages_core import (
     verify_motion,
 )
 from nestedcages_core.motion.carrying import carried
+from nestedcages_core.motion.following import Follower
 from shapes import disc, ring, star
 
 
@@ -29,7 +30,7 @@ def turned(points: np.ndarray, angle: float) -> np.ndarray:
 
 def waving(frames: int = 9, loops: list[np.ndarray] | None = None) -> tuple[Mesh, np.ndarray]:
     """A star, or other loops, in waves; the last pose is the first one."""
-    fine = Mesh.from_loops(loops) if loops else star()
+    fine = Mesh.from_loops(loops) if loops else star(7, 84)
     size = fine.diagonal
     poses = []
     for phase in np.append(np.linspace(0.0, 2.0 * np.pi, frames)[:-1], 0.0):
@@ -70,16 +71,27 @@ def test_holes_and_several_parts_are_followed() -> None:
     check(animated_cages(fine, poses, [24]).levels[0], fine, poses, 0.0)
 
 
-@pytest.mark.slow
 def test_a_cyclic_motion_closes() -> None:
-    fine, poses = waving()
-    closed = animated_cages(fine, poses, [16], cyclic=True).levels[0]
+    fine, poses = waving(5, [star(5, 40).vertices])
+    closed = animated_cages(fine, poses, [12], cyclic=True).levels[0]
     check(closed, fine, poses, 0.0)
     assert np.array_equal(closed.cage_steps[0], closed.cage_steps[-1])
-    opened = animated_cages(fine, poses[:-1], [16], cyclic=True, times=np.arange(8) / 24.0).levels[0]
+    assert str(closed.report).startswith(f"5 poses certified, {len(closed.times) - 5} keys added, excess ")
+    opened = animated_cages(fine, poses[:-1], [12], cyclic=True, times=np.arange(4) / 24.0).levels[0]
     assert np.array_equal(opened.cage_steps[0], opened.cage_steps[-1])
     assert np.array_equal(opened.fine_steps[-1], poses[0])
-    assert opened.times[-1] == pytest.approx(8.0 / 24.0)
+    assert opened.times[-1] == pytest.approx(4.0 / 24.0)
+
+
+def test_a_pose_that_no_step_reaches_gets_a_cage_anew_or_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    fine, poses = waving(5, [star(5, 40).vertices])
+    monkeypatch.setattr(Follower, "next", lambda *_: None)
+    level = animated_cages(fine, poses[:2], [12]).levels[0]
+    check(level, fine, poses[:2], 0.0)
+    assert [note.code for note in level.report.notes] == ["note.pose"]
+    with pytest.raises(NestingError, match=r"cannot follow to pose 1: the drawing blocks its path") as caught:
+        animated_cages(fine, [poses[0], poses[0] + 99.0], [12])
+    assert caught.value.data["pose"] == 1
 
 
 def test_pins_and_weights_go_with_the_drawing_and_from_level_to_level() -> None:
@@ -114,17 +126,17 @@ def test_an_own_coarse_mesh_keeps_its_edges() -> None:
     check(level, fine, poses, 0.0)
 
 
-def test_fast_turns_get_keys_or_room() -> None:
+@pytest.mark.parametrize(("angle", "least"), [(0.0, 0), (1.5, 1)])
+def test_fast_turns_get_keys_or_room(angle: float, least: int) -> None:
     """Half-way between poses a quarter turn apart, straight lines cut a thin shape's way short."""
     bar = np.array([(-1.0, -0.03), (1.0, -0.03), (1.0, 0.03), (-1.0, 0.03)])
     ends = np.linspace(0.0, 1.0, 12)[:, None]
     outline = np.concatenate([a + ends[:-1] * (b - a) for a, b in zip(bar, np.roll(bar, -1, axis=0), strict=True)])
-    fine = Mesh.from_loops([outline])
-    poses = []
-    for k in range(4):
-        bent = outline + np.stack([np.zeros(len(outline)), 0.4 * np.sin(1.5 * k) * outline[:, 0] ** 2], axis=1)
-        poses.append(bent)
-    check(animated_cages(fine, np.array(poses), [10]).levels[0], fine, np.array(poses), 0.0)
+    bent = [outline + np.outer(outline[:, 0] ** 2, [0.0, 0.4 * np.sin(1.5 * k)]) for k in range(3)]
+    fine, poses = Mesh.from_loops([outline]), np.array([turned(points, angle * k) for k, points in enumerate(bent)])
+    level = animated_cages(fine, poses, [10]).levels[0]
+    check(level, fine, poses, 0.0)
+    assert level.report.keys_added >= least
 
 
 def test_a_stream_is_read_as_it_is_needed() -> None:
