@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.arrays import FloatArray
-from ..geometry.precision import ROUND_OFF
 from .ccd import impacts, largest_safe_step
 from .linearisation import Contacts, measure
 from .pairs import Bodies, Pairs
@@ -25,9 +24,6 @@ KEPT_DISTANCE = 0.5
 KEPT_GAP = 0.05
 """Distance that a motion must leave on top, as a fraction of the distance or of the working gap."""
 
-
-KEPT_UNRESOLVED = 0.99
-"""Fraction that a motion must leave of a distance below the resolution."""
 
 MAX_SLOWDOWNS = 14
 """Cap on the rounds in which failing vertices are slowed down by half."""
@@ -52,9 +48,8 @@ class FeasibilityRule:
     def _least(self, contacts: Contacts) -> FloatArray:
         """(K,) distances that a motion must leave."""
         d = contacts.distance
-        least = np.minimum(self.clearance, KEPT_DISTANCE * d) + KEPT_GAP * np.minimum(d, self.gap)
-        resolved = ROUND_OFF * self.bodies.cage_edge_length
-        return np.maximum(least, np.minimum(KEPT_UNRESOLVED * d, resolved))
+        least: FloatArray = np.minimum(self.clearance, KEPT_DISTANCE * d) + KEPT_GAP * np.minimum(d, self.gap)
+        return least
 
     def fraction(self, pairs: Pairs, contacts: Contacts, x: FloatArray, motion: FloatArray, shortest: float) -> float:
         """A feasible fraction of the motion (m + n, 2) from x; below ``shortest`` it may be infeasible."""

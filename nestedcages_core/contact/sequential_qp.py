@@ -27,9 +27,6 @@ from .pairs import Bodies
 
 logger = logging.getLogger(__name__)
 
-MIN_STRIDE = 1e-4
-"""Lower bound of the stride, as a fraction of the mean coarse edge length."""
-
 SHORT_FRACTION = 0.08
 """Steps that collision detection cuts below this fraction are taken vertex by vertex."""
 
@@ -39,8 +36,8 @@ LONG_FRACTION, STRIDE_GROWTH = 0.6, 1.7
 SLOW_FRACTION, STRIDE_REDUCTION = 0.25, 0.5
 """After less than this fraction of a step (first) the stride shrinks by this factor (second)."""
 
-REACH, MAX_REACH = 1.5, 0.5
-"""Bounds on the motion of a cage vertex: in longest fine motions, and in mean coarse edge lengths."""
+REACH = 1.5
+"""Bound on the motion of a cage vertex, in longest fine motions."""
 
 SUFFICIENT_PROGRESS = 2e-3
 """Smallest relative decrease of the remaining distance that counts as progress."""
@@ -119,7 +116,7 @@ class _Motion:
 
             part: FloatArray = stride / np.maximum(length, stride)
             longest = float((part * length).max())
-            radius = min(max(REACH * longest, self.gap), MAX_REACH * self.unit)
+            radius = max(REACH * longest, self.gap)
             prepared = self.response.prepared(part[:, None] * remaining, self.x, radius)
             yield self.x  # each half of a large response takes a while
             response = self.response.solved(prepared)
@@ -138,7 +135,7 @@ class _Motion:
                     kept, fraction = single, covered
             stride *= STRIDE_GROWTH if fraction > LONG_FRACTION else 1.0
             stride *= STRIDE_REDUCTION if fraction <= SLOW_FRACTION else 1.0
-            stride = min(max(stride, MIN_STRIDE * self.unit), self.settings.stride * self.unit)
+            stride = min(stride, self.settings.stride * self.unit)
             if kept.any():
                 arrived = (kept[self.m :] >= 1.0) & (part >= 1.0)
                 x = self.x + kept[:, None] * response.motion

@@ -26,6 +26,9 @@ ALL_BOXES_LIMIT = 200_000
 PIECES, LEAST_CELLS = 0.25, 16
 """Cells along all edges together, per point and edge, and along the longer side at least (measured)."""
 
+CROWDED, FINER = 32, 0.25
+"""Tests for each piece of an edge above which cells are made smaller, as where points crowd; how much (measured)."""
+
 CHUNK_PAIRS = 2_000_000
 """Pairs measured together; bounds the memory to about 300 MB."""
 
@@ -110,30 +113,34 @@ def _near_pairs_by_cells(
     lengths = np.hypot(*(ends - starts).T)
     pieces = PIECES * (len(points) + len(starts))
     cell = max(radius, min(float(lengths.sum()) / pieces, float((high - low).max()) / LEAST_CELLS), SMALLEST_LENGTH)
-    columns, rows = (np.floor((high - low) / cell).astype(np.int64) + 1).tolist()
+    while True:
+        columns, rows = (np.floor((high - low) / cell).astype(np.int64) + 1).tolist()
 
-    # points sorted by cell
-    cell_of_point = np.floor((points - low) / cell).astype(np.int64)
-    code = cell_of_point[:, 0] * rows + cell_of_point[:, 1]
-    order = np.argsort(code, kind="stable")
-    code = code[order]
+        # points sorted by cell
+        cell_of_point = np.floor((points - low) / cell).astype(np.int64)
+        code = cell_of_point[:, 0] * rows + cell_of_point[:, 1]
+        order = np.argsort(code, kind="stable")
+        code = code[order]
 
-    # pieces of edges, and for each the columns that its neighbourhood covers
-    piece_count = np.maximum(np.ceil(lengths / cell).astype(np.int64), 1)
-    edge = np.repeat(np.arange(len(starts)), piece_count)
-    place = position_in_group(piece_count)
-    direction = (ends - starts)[edge]
-    piece_start = starts[edge] + (place / piece_count[edge])[:, None] * direction
-    piece_end = starts[edge] + ((place + 1) / piece_count[edge])[:, None] * direction
-    from_cell = np.floor((np.minimum(piece_start, piece_end) - radius - low) / cell).astype(np.int64)
-    to_cell = np.floor((np.maximum(piece_start, piece_end) + radius - low) / cell).astype(np.int64)
-    np.maximum(from_cell, 0, out=from_cell)
-    np.minimum(to_cell, [columns - 1, rows - 1], out=to_cell)
-    covered = np.maximum(to_cell[:, 0] - from_cell[:, 0] + 1, 0)
-    piece = np.repeat(np.arange(len(edge)), covered)
-    column = position_in_group(covered) + from_cell[piece, 0]
-    begin = np.searchsorted(code, column * rows + from_cell[piece, 1])
-    count = np.maximum(np.searchsorted(code, column * rows + to_cell[piece, 1], "right") - begin, 0)
+        # pieces of edges, and for each the columns that its neighbourhood covers
+        piece_count = np.maximum(np.ceil(lengths / cell).astype(np.int64), 1)
+        edge = np.repeat(np.arange(len(starts)), piece_count)
+        place = position_in_group(piece_count)
+        direction = (ends - starts)[edge]
+        piece_start = starts[edge] + (place / piece_count[edge])[:, None] * direction
+        piece_end = starts[edge] + ((place + 1) / piece_count[edge])[:, None] * direction
+        from_cell = np.floor((np.minimum(piece_start, piece_end) - radius - low) / cell).astype(np.int64)
+        to_cell = np.floor((np.maximum(piece_start, piece_end) + radius - low) / cell).astype(np.int64)
+        np.maximum(from_cell, 0, out=from_cell)
+        np.minimum(to_cell, [columns - 1, rows - 1], out=to_cell)
+        covered = np.maximum(to_cell[:, 0] - from_cell[:, 0] + 1, 0)
+        piece = np.repeat(np.arange(len(edge)), covered)
+        column = position_in_group(covered) + from_cell[piece, 0]
+        begin = np.searchsorted(code, column * rows + from_cell[piece, 1])
+        count = np.maximum(np.searchsorted(code, column * rows + to_cell[piece, 1], "right") - begin, 0)
+        if cell <= max(radius, SMALLEST_LENGTH) or count.sum() <= CROWDED * len(edge):
+            break
+        cell = max(radius, FINER * cell, SMALLEST_LENGTH)
     occupied = count > 0
     piece, begin, count = piece[occupied], begin[occupied], count[occupied]
 

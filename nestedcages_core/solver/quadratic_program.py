@@ -45,9 +45,8 @@ SHORTEST_CORRECTED_STEP = 0.02
 FIRST_DAMPING = 0.05
 """First damping of a Newton system that is not positive definite, relative to the largest block of W."""
 
-DAMPING_GROWTH, DAMPING_DECAY, SMALLEST_DAMPING = 3.0, 1.0 / 3.0, 1e-3
-"""Factor to the next damping of a system; factor to the first one of the next system; fraction of the first damping
-below which it is dropped."""
+DAMPING_GROWTH = 3.0
+"""Factor to the next damping of a system; the next system begins with the one before."""
 
 MAX_DAMPINGS = 100
 """Cap on the dampings of one system: the last is 1e46 times the largest block of W."""
@@ -195,7 +194,7 @@ class _Iteration:
         self.denominator = self.s if self.softness is None else self.s + self.softness * self.z
         self.h = self.z / self.denominator
         self.system.set_matrix(self.h)
-        damping = least = DAMPING_DECAY * self.damping if self.damping > SMALLEST_DAMPING * self.first_damping else 0.0
+        damping = least = self.damping / DAMPING_GROWTH
         for _ in range(MAX_DAMPINGS):
             if self.system.factorise(damping):
                 break

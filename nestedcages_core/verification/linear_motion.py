@@ -34,10 +34,6 @@ UNDERFLOW = 16.0 * np.finfo(float).smallest_subnormal
 """Bound on the error of a coefficient whose products leave the range of normal floats."""
 
 
-EDGE, START, END = 0, 1, 2
-"""Differences of positions: from the start of the edge to its end, and from either of them to the point."""
-
-
 def never_meet(before: FloatArray, after: FloatArray) -> BoolArray:
     """(K,) whether pairs certainly stay apart in linear motion; positions (3, 2, K) of point, start and end."""
     first, last = _differences(before), _differences(after)
@@ -77,27 +73,28 @@ def _by_halving(first: FloatArray, last: FloatArray) -> BoolArray:
 
 
 def _differences(corners: FloatArray) -> FloatArray:
-    """(3, 2, K) differences of the positions (3, 2, K) of point, start and end."""
+    """(3, 2, K) along the edge, from its start and from its end to the point, of these at positions (3, 2, K)."""
     point, start, end = corners
     differences = np.empty_like(corners)
-    np.subtract(end, start, out=differences[EDGE])
-    np.subtract(point, start, out=differences[START])
-    np.subtract(point, end, out=differences[END])
+    for difference, (to, of) in zip(differences, ((end, start), (point, start), (point, end)), strict=True):
+        np.subtract(to, of, out=difference)
     return differences
 
 
 def _never_aligned(first: FloatArray, last: FloatArray, margin: FloatArray) -> BoolArray:
     """(K,) whether the point certainly never is on the line of the edge; differences (3, 2, K), errors (K,)."""
-    values, errors = _bernstein(first[EDGE], last[EDGE], first[START], last[START], margin, cross=True)
+    (edge, from_start, _), (last_edge, last_from_start, _) = first, last
+    values, errors = _bernstein(edge, last_edge, from_start, last_from_start, margin, cross=True)
     return _above(values, errors) | _above(-values, errors)
 
 
 def _never_beside(first: FloatArray, last: FloatArray, margin: FloatArray) -> BoolArray:
     """(K,) whether the point certainly is before the start of the edge, after its end, or beyond both along an axis."""
-    ahead, errors = _bernstein(first[EDGE], last[EDGE], first[START], last[START], margin, cross=False)
+    (edge, *ends), (last_edge, *last_ends) = first, last
+    ahead, errors = _bernstein(edge, last_edge, ends[0], last_ends[0], margin, cross=False)
     before_start = _above(-ahead, errors)
-    ahead, errors = _bernstein(first[EDGE], last[EDGE], first[END], last[END], margin, cross=False)
-    sides = np.concatenate([first[START:], last[START:]])
+    ahead, errors = _bernstein(edge, last_edge, ends[1], last_ends[1], margin, cross=False)
+    sides = np.stack([*ends, *last_ends])
     beyond = _above(sides, margin) | _above(-sides, margin)
     return np.asarray(before_start | _above(ahead, errors) | beyond[0] | beyond[1])
 

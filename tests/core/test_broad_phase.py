@@ -7,7 +7,7 @@ import pytest
 
 from nestedcages_core.geometry import broad_phase
 from nestedcages_core.geometry.broad_phase import near_pairs
-from nestedcages_core.geometry.distance import point_edge
+from nestedcages_core.geometry.distance import PointEdge, point_edge
 
 
 def scene(seed: int, long_share: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -33,6 +33,26 @@ def test_cells_find_each_close_pair_once(radius: float, long_share: float, monke
     found = list(zip(i.tolist(), j.tolist(), strict=True))
     assert len(found) == len(set(found))
     assert set(found) == all_pairs(points, starts, ends, radius)
+
+
+def test_crowds_of_points_get_cells_of_their_own_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where long lines cross along a small circle: few pairs are close, and few are measured."""
+    random = np.random.default_rng(3)
+    angle = np.sort(random.uniform(0.0, 2.0 * np.pi, 2000))
+    points = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    long = random.normal(size=(2, 300, 2)) * 30.0
+    starts = np.concatenate((points, long[0]))
+    ends = np.concatenate((np.roll(points, -1, axis=0), long[1]))
+    measured = []
+
+    def counted(p: np.ndarray, a: np.ndarray, b: np.ndarray) -> PointEdge:
+        measured.append(len(p))
+        return point_edge(p, a, b)
+
+    monkeypatch.setattr(broad_phase, "point_edge", counted)
+    found = set(zip(*(k.tolist() for k in near_pairs(points, starts, ends, 0.01)), strict=True))
+    assert sum(measured) < 0.2 * len(points) * len(starts)
+    assert found == all_pairs(points, starts, ends, 0.01)
 
 
 def test_few_pairs_take_the_short_way(monkeypatch: pytest.MonkeyPatch) -> None:

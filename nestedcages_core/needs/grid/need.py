@@ -24,9 +24,6 @@ FINER = ("0.5", "0.2", "0.1", "0.05", "0.02", "0.01")
 ROUNDING = 0.71
 """Upper bound of the distance from a point to the numbers next to it, in spacings."""
 
-SIGNIFICAND_BITS = {"float32": 24, "float16": 11}
-"""Binary digits of the types that coordinates can be stored in, next to doubles."""
-
 
 @dataclass(frozen=True)
 class Lattice:
@@ -78,7 +75,7 @@ class StoredNumbers:
     @property
     def spacing(self) -> float:
         """Distance between neighbours next to twice the largest coordinate."""
-        return float(2.0 ** (frexp(2.0 * self.largest)[1] - SIGNIFICAND_BITS[self.stored]))
+        return float(2.0 ** (frexp(2.0 * self.largest)[1] - np.finfo(self.stored).nmant - 1))
 
     @property
     def grid(self) -> float | None:
