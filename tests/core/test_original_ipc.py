@@ -11,6 +11,7 @@ from benchmarks.li_2020.stiffness import StiffnessBounds
 from nestedcages_core import (
     Area,
     Mesh,
+    NoEnergy,
     ReinflationError,
     Settings,
     StepDisplacement,
@@ -20,7 +21,7 @@ from nestedcages_core import (
 from nestedcages_core.contact.ccd import impacts
 from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.contact.reinflation import reinflate
-from nestedcages_core.energies import Energy
+from nestedcages_core.published.sacht_2015 import ElTopo
 from nestedcages_core.tasks import drain
 from nestedcages_core.tightening import Tightening
 from shapes import annulus, assert_nested, letter_a, letter_a_coarse, ring
@@ -119,12 +120,15 @@ def test_stiffness_grows_while_close_pairs_come_closer() -> None:
     assert bounds.raised(1.0, {5: 1e-10}, {6: 0.9e-10}) == 1.0
 
 
-@pytest.mark.parametrize("energy", [Area(), StepDisplacement()])
+@pytest.mark.parametrize(
+    "contact", [OriginalIPC(Area()), OriginalIPC(StepDisplacement()), ElTopo(NoEnergy()), ElTopo(Area())]
+)
 @pytest.mark.parametrize(
     ("fine", "coarse"), [(annulus(96), annulus(16)), (letter_a(), letter_a_coarse())], ids=["192", "A"]
 )
-def test_cages_and_animations_are_certified(fine: Mesh, coarse: Mesh, energy: Energy) -> None:
-    settings = Settings(contact=OriginalIPC(energy), fallback=None, tightening=Tightening(iterations=0))
+def test_cages_and_animations_are_certified(fine: Mesh, coarse: Mesh, contact: OriginalIPC | ElTopo) -> None:
+    """By each contact of another publication."""
+    settings = Settings(contact=contact, fallback=None, tightening=Tightening(iterations=0))
     (level,) = nested_cages(fine, [coarse], settings).levels
     assert_nested(level.cage, fine)
     assert np.array_equal(level.reinflation.fine_steps[-1], fine.vertices)
