@@ -28,6 +28,8 @@ FIRST_LOOP, PER_LOOP, MOST = 40, 4, 200
 # Clearance as a fraction of the drawing's diagonal: with less, more of a bent drawing leaves the cage; with more, limbs
 # that pass each other have cages that meet.
 CLEARANCE_SHARE = 0.01
+# At most this part of the room between loops and inside holes, whose bound is the largest clearance of any cage.
+ROOM_PART = 0.5
 # Weights below this are left out.
 SMALLEST_WEIGHT = 1e-4
 
@@ -41,8 +43,11 @@ def make(
     stays.
     """
     bones = bones_of(armature, drawing.frame)
-    count = vertices or min(MOST, FIRST_LOOP + PER_LOOP * (len(drawing.mesh().loops) - 1))
-    generation = Generation([Request(drawing)], Options(levels=(count,), clearance_share=CLEARANCE_SHARE))
+    fine = drawing.mesh()
+    count = vertices or min(MOST, FIRST_LOOP + PER_LOOP * (len(fine.loops) - 1))
+    room = core.hierarchy.tightest_place(fine)
+    share = CLEARANCE_SHARE if room is None else min(CLEARANCE_SHARE, ROOM_PART * room.clearance / fine.diagonal)
+    generation = Generation([Request(drawing)], Options(levels=(count,), clearance_share=share))
     yield from generation
     earlier = set_of([obj for each in (drawing, *drawing.others) if (obj := each.source) is not None])
     if earlier is not None and drawing.source is not None and ownership.source_of(earlier) is None:

@@ -229,11 +229,12 @@ def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
 
 
 @pytest.mark.slow
-def test_rigging_again_fits_the_cage_to_new_parts() -> None:
+@pytest.mark.parametrize("height", [2.1, 2.17], ids=["on the head", "a gap above it narrower than the usual clearance"])
+def test_rigging_again_fits_the_cage_to_new_parts(height) -> None:
     parts = figure()
     armature, cage = rigged(parts)
     turn(armature, bone_at(armature, 1.3, 1.1), 10.0)
-    hat = face("Hat", capsule((-0.3, 2.1), (0.3, 2.1), 0.1))
+    hat = face("Hat", capsule((-0.3, height), (0.3, height), 0.1))
     choose(*parts.values(), hat, armature)
     assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
