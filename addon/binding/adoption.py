@@ -8,6 +8,7 @@ hidden is not copied with the rest: the fine mesh and the fields of a binding ar
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import bpy
 
@@ -139,9 +140,10 @@ def _own_fields(
 
 
 @bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
-def _on_import(_context: object) -> None:
+def _on_import(context: Any) -> None:
     """Removes the objects that *Append* makes of meshes that bound objects keep for later."""
-    parked = {mesh for obj in bpy.data.objects if (mesh := record.before(obj).mesh) is not None}
+    came = {item.id for item in context.import_items}
+    parked = {mesh for obj in bpy.data.objects if (mesh := record.before(obj).mesh) in came and mesh is not None}
     for stray in [obj for obj in bpy.data.objects if obj.data in parked and record.member(obj).role == "NONE"]:
         bpy.data.objects.remove(stray)
 

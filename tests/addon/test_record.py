@@ -195,6 +195,24 @@ def test_a_copy_is_a_character_of_its_own(addon, kind, how, tmp_path) -> None:
     assert len(set(meshes)) == len(meshes)
 
 
+@pytest.mark.skipif(bpy.app.version < (4, 3), reason="Blender 4.2 tells nothing of imports")
+def test_append_makes_no_objects_of_kept_meshes_and_removes_none_of_before(addon, tmp_path) -> None:
+    _, collection = caged(bind=True)
+    kept = addon.record.before(addon.scene.ownership.members(collection)[0]).mesh
+    names, path = sorted(obj.name for obj in bpy.data.objects), str(tmp_path / "character.blend")
+    mine = bpy.data.objects.new("Mine", kept)
+    bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
+    for new in (False, True):
+        if new:
+            bpy.ops.wm.read_factory_settings(use_empty=True)
+        folder = path + "/Object/"
+        files = [{"name": name} for name in names]
+        bpy.ops.wm.append(filepath=folder + names[0], directory=folder, files=files, instance_object_data=True)
+        if not new:
+            assert mine.name == "Mine"
+    assert sorted(obj.name for obj in bpy.data.objects) == names
+
+
 def test_copies_of_many_selected_objects_are_looked_for_once(addon, monkeypatch) -> None:
     for k in range(300):
         poly_curve(f"Drawing {k}", [circle(3)])
