@@ -26,7 +26,7 @@ ALL_BOXES_LIMIT = 200_000
 PIECES, LEAST_CELLS = 0.25, 16
 """Cells along all edges together, per point and edge, and along the longer side at least (measured)."""
 
-CROWDED, FINER = 32, 0.25
+CROWD, FINER = 32, 0.25
 """Tests for each piece of an edge above which cells are made smaller, as where points crowd; how much (measured)."""
 
 CHUNK_PAIRS = 2_000_000
@@ -138,7 +138,7 @@ def _near_pairs_by_cells(
         column = position_in_group(covered) + from_cell[piece, 0]
         begin = np.searchsorted(code, column * rows + from_cell[piece, 1])
         count = np.maximum(np.searchsorted(code, column * rows + to_cell[piece, 1], "right") - begin, 0)
-        if cell <= max(radius, SMALLEST_LENGTH) or count.sum() <= CROWDED * len(edge):
+        if cell <= max(radius, SMALLEST_LENGTH) or count.sum() <= CROWD * len(edge):
             break
         cell = max(radius, FINER * cell, SMALLEST_LENGTH)
     occupied = count > 0
