@@ -134,10 +134,12 @@ class Worker:
 
 def forgetting():  # type: ignore[no-untyped-def]
     """In a worker: what makes this commit, or an earlier one, forget what it remembers."""
-    import importlib.util
+    import importlib
+    from pathlib import Path
 
     memory = ("cache", "memory", "decimation.remembered")  # others remember nothing
-    found = [name for name in memory if importlib.util.find_spec(f"nestedcages_core.{name}")]
+    # By files: an installed package would offer its own module to a commit that has none of that name.
+    found = [name for name in memory if Path("nestedcages_core", *name.split(".")).with_suffix(".py").exists()]
     module = importlib.import_module(f"nestedcages_core.{found[0]}") if found else None
     return getattr(module, "forget", lambda: None)
 
