@@ -128,10 +128,6 @@ MECHANISMS: dict[str, Mechanism] = {
     "IPC behind sequential QPs": Mechanism("contact", with_contacts(SequentialQP())),
     "IPC ends in crowds": Mechanism("contact", patches={"level.attempts:MAX_IPC_PAIRS": np.inf}),
     "IPC: stiffening": Mechanism("contact", patches={"contact.ipc:MAX_STIFFENINGS": 0}),
-    "IPC: shorter ranges": Mechanism(
-        "contact",
-        patches={"contact.ipc:MAX_RANGE_REDUCTIONS": 0},
-    ),
     "pruning of implied constraints": Mechanism(
         "contact",
         patches={"contact.contact_response:not_implied": all_kept, "tightening.quadratic_model:not_implied": all_kept},

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.arrays import FloatArray
-from .facing_gaps import facing_gaps
+from ..geometry.arrays import TINY, FloatArray, IntArray
+from ..geometry.broad_phase import near_pairs
+from ..geometry.distance import point_edge
+from ..geometry.vectors import dot, norm, rotated_right
 from .pairs import Bodies, Pairs
 
 
@@ -41,12 +43,6 @@ class BarrierRanges:
             np.minimum(fine, fine[bodies.fine.successor]),
         )
 
-    def scaled(self, factor: float) -> BarrierRanges:
-        """All ranges times a factor."""
-        return BarrierRanges(
-            factor * self.cage_vertex, factor * self.cage_edge, factor * self.fine_vertex, factor * self.fine_edge
-        )
-
     def of(self, bodies: Bodies, pairs: Pairs) -> FloatArray:
         """(K,) d̂ of each pair; of a vertex and an edge of the cage, the smaller one."""
         m = bodies.m
@@ -61,3 +57,21 @@ class BarrierRanges:
     def largest(self) -> float:
         """Distance beyond which no pair has a barrier."""
         return float(max(self.cage_vertex.max(), self.fine_vertex.max()))
+
+
+def facing_gaps(vertices: FloatArray, successor: IntArray, predecessor: IntArray, reach: float) -> FloatArray:
+    """(k,) distance from each vertex to the nearest edge that faces it across the outside, infinite beyond ``reach``.
+
+    A vertex and an edge face each other if each is on the outer side of the other and their normals are opposed.
+    """
+    ends = vertices[successor]
+    normal = rotated_right(ends - vertices) / np.maximum(norm(ends - vertices), TINY)[:, None]
+    vertex_normal = normal + normal[predecessor]
+    point, edge = near_pairs(vertices, vertices, ends, reach)
+    opposed = (point != edge) & (point != successor[edge]) & (dot(vertex_normal[point], normal[edge]) < 0.0)
+    point, edge = point[opposed], edge[opposed]
+    pair = point_edge(vertices[point], vertices[edge], ends[edge])
+    facing = (dot(pair.normal, normal[edge]) > 0.0) & (dot(pair.normal, vertex_normal[point]) < 0.0)
+    gap = np.full(len(vertices), np.inf)
+    np.minimum.at(gap, point[facing], pair.distance[facing])
+    return gap

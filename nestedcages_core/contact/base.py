@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from ..geometry.arrays import FloatArray
 from ..tasks import Stage
 from .pairs import Bodies
@@ -23,6 +25,11 @@ class ContactOutcome:
     """Number of linear systems or quadratic programs solved."""
     reason: str = ""
     """Part of a sentence: what stopped it, naming the vertex; empty when the target was reached."""
+
+
+def blocked(fine: FloatArray, target: FloatArray) -> str:
+    """The fine vertex that is farthest from its target, both (n, 2), in words."""
+    return f"the cage holds up fine vertex {int(np.hypot(*(target - fine).T).argmax())}"
 
 
 class Contact(Protocol):

@@ -18,7 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry.arrays import TINY, FloatArray, IntArray
-from ..geometry.precision import NEGLIGIBLE
+from ..geometry.precision import NEGLIGIBLE, ROUND_OFF
+from ..geometry.vectors import column_cross, column_dot
 from .pairs import Pairs
 
 HIT_DISTANCE = 0.05
@@ -26,13 +27,6 @@ HIT_DISTANCE = 0.05
 
 SAFETY = 0.9
 """Fraction of the time of impact that a step may take; leaves a tenth of the gap to the next step."""
-
-REACH_MARGIN = 0.99
-"""Pairs whose motions add up to less than this fraction of their distance cannot meet; the rest covers rounding."""
-
-DISCRIMINANT_ROUNDING = 1e-10
-"""Size of a negative discriminant, relative to c1², up to which it counts as zero: the point grazes the line."""
-
 
 MAX_LENGTHS = 8.0
 """Upper bound on the lengths |x| + |y| of two differences of positions, relative to the largest coordinate."""
@@ -51,8 +45,8 @@ def impacts(
     their first impact.
     """
     positions, velocities = np.ascontiguousarray(x.T), np.ascontiguousarray(v.T)
-    speed = np.sqrt(_dot(velocities, velocities))
-    candidate = np.flatnonzero(pairs.approach(speed) >= REACH_MARGIN * distance)
+    speed = np.sqrt(column_dot(velocities, velocities))
+    candidate = np.flatnonzero(pairs.approach(speed) >= (1.0 - NEGLIGIBLE) * distance)
     if len(candidate) == 0:
         return candidate, np.zeros(0)
     size = max(float(np.abs(positions).max()), float(speed.max()))
@@ -101,8 +95,8 @@ class _Motion(NamedTuple):
 
     @classmethod
     def of(cls, edge: FloatArray, edge_v: FloatArray, to: FloatArray, to_v: FloatArray) -> _Motion:
-        c1 = _cross(edge, to_v) + _cross(edge_v, to)
-        return cls(edge, edge_v, to, to_v, _cross(edge, to), c1, _cross(edge_v, to_v))
+        c1 = column_cross(edge, to_v) + column_cross(edge_v, to)
+        return cls(edge, edge_v, to, to_v, column_cross(edge, to), c1, column_cross(edge_v, to_v))
 
     def may_meet(self, rounding: float) -> IntArray:
         """Indices of a superset of the pairs whose c has a root in [0, 1]; rounding: of a coefficient."""
@@ -117,7 +111,7 @@ def _first_impact(motion: _Motion, near: FloatArray, resolution: float, rounding
     """
     edge, edge_v, to, to_v, c0, c1, c2 = motion
     discriminant = c1 * c1 - 4.0 * c0 * c2
-    real = discriminant >= -DISCRIMINANT_ROUNDING * c1 * c1
+    real = discriminant >= -ROUND_OFF * c1 * c1  # the point grazes the line
     # the numerically stable pair of roots: q / c2 and c0 / q
     q = -0.5 * (c1 + np.copysign(np.sqrt(np.maximum(discriminant, 0.0)), c1))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -130,7 +124,7 @@ def _first_impact(motion: _Motion, near: FloatArray, resolution: float, rounding
             & (np.abs(c2) <= resolution * (lengths[2] + lengths[3]))
         )
         # on one line, only a point beyond the ends of the edge is apart from it
-        beyond = collinear & ((_dot(edge, to) <= 0.0) | (_dot(edge, to - edge) >= 0.0))
+        beyond = collinear & ((column_dot(edge, to) <= 0.0) | (column_dot(edge, to - edge) >= 0.0))
         times += [_closest_time(to, to_v), _closest_time(to - edge, to_v - edge_v)]
         possible += [beyond, beyond]
     time = np.concatenate(times).reshape(len(times), -1)
@@ -138,25 +132,13 @@ def _first_impact(motion: _Motion, near: FloatArray, resolution: float, rounding
     s = np.where(valid, time, 0.0)
     e = edge[:, None] + s * edge_v[:, None]
     t = to[:, None] + s * to_v[:, None]
-    t -= np.minimum(np.maximum(_dot(e, t) / np.maximum(_dot(e, e), TINY), 0.0), 1.0) * e
-    valid &= _dot(t, t) < near * near
+    t -= np.minimum(np.maximum(column_dot(e, t) / np.maximum(column_dot(e, e), TINY), 0.0), 1.0) * e
+    valid &= column_dot(t, t) < near * near
     first: FloatArray = np.where(valid, time, np.inf).min(axis=0)
     return first
 
 
 def _closest_time(offset: FloatArray, velocity: FloatArray) -> FloatArray:
     """(K,) time at which offset + s velocity, both (2, K), is shortest; 0 without motion."""
-    time: FloatArray = -_dot(offset, velocity) / np.maximum(_dot(velocity, velocity), TINY)
+    time: FloatArray = -column_dot(offset, velocity) / np.maximum(column_dot(velocity, velocity), TINY)
     return time
-
-
-def _dot(u: FloatArray, v: FloatArray) -> FloatArray:
-    """(K,) scalar products of vectors (2, K)."""
-    product: FloatArray = u[0] * v[0] + u[1] * v[1]
-    return product
-
-
-def _cross(u: FloatArray, v: FloatArray) -> FloatArray:
-    """(K,) cross products of vectors (2, K)."""
-    product: FloatArray = u[0] * v[1] - u[1] * v[0]
-    return product

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray
+from ..geometry.precision import NEGLIGIBLE
 from ..solver.banded import Rows
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram
 from .linearisation import Contacts, constraint_rows, distance_change, local_axes, measure, resolve_corners
@@ -38,14 +39,8 @@ GAP_GROWTH = 0.25
 SKIN = 0.3
 """Skin of the candidate list, as a fraction of the search radius beyond the wanted distance."""
 
-CLOSEST_APPROACH = 2.0 * float(np.sqrt(2.0))
-"""Upper bound on how much closer two cage vertices come if each moves by 1 along both its axes."""
-
 SMALLEST_SCALE = 0.1
 """Lower bound of the expected multipliers, as a fraction of the working gap."""
-
-ABSOLUTE_TOLERANCE = 1e-4
-"""Complementarity below which a quadratic program always counts as solved, in units of the working gap squared."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +103,7 @@ class ContactResponse:
         farthest = self.distances.largest + gap
         radii = np.full(m, radius)
         farthest_motion = np.concatenate([np.sqrt(2.0) * radii, length])
-        reach = CLOSEST_APPROACH * radius + longest
+        reach = 2.0 * float(np.sqrt(2.0)) * radius + longest  # two cage vertices, each along both its axes
         all_pairs = self.candidates.meeting(x, farthest, farthest_motion, farthest + reach, SKIN * reach)
         all_contacts = measure(all_pairs, x)
 
@@ -131,7 +126,7 @@ class ContactResponse:
 
     def solved(self, prepared: Prepared) -> Response:
         """The second half of :meth:`to`: the motion of the cage."""
-        tolerance = ABSOLUTE_TOLERANCE * self.distances.gap**2
+        tolerance = NEGLIGIBLE * self.distances.gap**2
         solution = self.bodies.solved(self.solver, prepared.program, tolerance, self._order)
         self._order = solution.order
         motion = prepared.motion

@@ -16,7 +16,7 @@ from ..solver.base import Solver
 from ..solver.newton import ProjectedNewton
 from ..tasks import Stage
 from .barrier_ranges import BarrierRanges
-from .base import ContactOutcome
+from .base import ContactOutcome, blocked
 from .incremental_potential import IncrementalPotential, PotentialWeights
 from .pair_search import BroadPhase, UniformGrid
 from .pairs import Bodies
@@ -31,12 +31,6 @@ STIFFENING = 4.0
 
 MAX_STIFFENINGS = 12
 """Maximum number of those per target: λ_R grows by at most 1.7e7 (docs/ablation.md: IPC: stiffening)."""
-
-RANGE_REDUCTION = 0.25
-"""Factor on d̂ when a solve is blocked, as by two cage edges closer to each other than d̂."""
-
-MAX_RANGE_REDUCTIONS = 4
-"""Maximum number of those per target (docs/ablation.md: IPC: shorter ranges)."""
 
 PROGRESS_RATIO, MAX_IDLE_SOLVES = 0.98, 3
 """The path is blocked after this many solves in a row (second) none of which leaves less than this fraction (first) of
@@ -91,22 +85,20 @@ class IPC:
         m = bodies.m
         energy = self.energy.at(bodies.coarse)
         base = max(self.barrier_range * bodies.cage_edge_length, MIN_RANGE * clearance)
-        home = path[-1]
-        local = BarrierRanges.local(bodies, x[:m], home, base)
+        ranges = BarrierRanges.local(bodies, x[:m], path[-1], base)
         candidates = self.broad_phase.candidates(bodies)
         iterations = 0
         for target in waypoints(x[m:], path, self.stride * bodies.cage_edge_length):
-            stiffness, shortening = self.restoring / base, 1.0
-            stiffenings = shortenings = idle = 0
+            stiffness, idle = self.restoring / base, 0
             least = _distances(x[m:], target)
             step_energy = energy.after(x[:m])
-            while True:
+            for _ in range(1 + MAX_STIFFENINGS):
                 objective = IncrementalPotential(
                     bodies,
                     step_energy,
                     Restoring(target, bodies.fine_weight),
                     PotentialWeights(stiffness, self.cages, self.barrier),
-                    local.scaled(shortening),
+                    ranges,
                     candidates,
                     self.step_filter,
                 )
@@ -115,10 +107,7 @@ class IPC:
                 solution = yield from self.solver.minimise(objective, x)
                 x = solution.x
                 iterations += solution.iterations
-                logger.debug(
-                    "IPC: %d iterations to a target, stiffness %.2e, ranges x %.2g%s", solution.iterations,
-                    stiffness, shortening, "" if solution.converged else ", not converged",
-                )  # fmt: skip
+                logger.debug("IPC: %d iterations to a target, stiffness %.2e", solution.iterations, stiffness)
                 if objective.finished(x):
                     x = np.concatenate([x[:m], target])
                     yield x
@@ -127,13 +116,10 @@ class IPC:
                 idle = 0 if (left < PROGRESS_RATIO * least).any() else idle + 1
                 least = np.minimum(least, left)
                 if idle >= MAX_IDLE_SOLVES:
-                    return ContactOutcome(x, False, iterations, _blocked(x[m:], target))
-                if solution.converged and stiffenings < MAX_STIFFENINGS:
-                    stiffness, stiffenings = STIFFENING * stiffness, stiffenings + 1
-                elif not solution.converged and shortenings < MAX_RANGE_REDUCTIONS:
-                    shortening, shortenings = RANGE_REDUCTION * shortening, shortenings + 1
-                else:
-                    return ContactOutcome(x, False, iterations, _blocked(x[m:], target))
+                    return ContactOutcome(x, False, iterations, blocked(x[m:], target))
+                stiffness *= STIFFENING if solution.converged else 1.0
+            else:
+                return ContactOutcome(x, False, iterations, blocked(x[m:], target))
         return ContactOutcome(x, True, iterations)
 
 
@@ -153,9 +139,3 @@ def _distances(fine: FloatArray, target: FloatArray) -> FloatArray:
     """(2,) distance to the target, summed over the vertices and at the farthest one."""
     length = np.hypot(*(target - fine).T)
     return np.array([length.sum(), length.max()])
-
-
-def _blocked(fine: FloatArray, target: FloatArray) -> str:
-    """The fine vertex that is farthest from its target, in words."""
-    worst = int(np.hypot(*(target - fine).T).argmax())
-    return f"the cage holds up fine vertex {worst}"

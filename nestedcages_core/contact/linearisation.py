@@ -17,6 +17,7 @@ import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.distance import SMALLEST_LENGTH
+from ..geometry.vectors import column_cross, column_dot
 from ..solver.banded import Rows
 from .pairs import Bodies, Pairs
 
@@ -54,15 +55,15 @@ def measure(pairs: Pairs, x: FloatArray, side: FloatArray | None = None) -> Cont
     a = columns.take(pairs.start, axis=1)
     edge = columns.take(pairs.end, axis=1) - a
     to = columns.take(pairs.point, axis=1) - a
-    squared_length = np.maximum(_dot(edge, edge), SMALLEST_LENGTH**2)
-    along = _dot(to, edge)
+    squared_length = np.maximum(column_dot(edge, edge), SMALLEST_LENGTH**2)
+    along = column_dot(to, edge)
     along /= squared_length
     parameter = np.minimum(np.maximum(along, 0.0), 1.0)
     on_line = along == parameter
-    left = np.copysign(on_line, _cross(edge, to))
+    left = np.copysign(on_line, column_cross(edge, to))
     edge *= parameter
     to -= edge
-    distance = np.sqrt(_dot(to, to))
+    distance = np.sqrt(column_dot(to, to))
     normal = np.divide(to, np.maximum(distance, SMALLEST_LENGTH), out=to)
     if side is not None:
         wrong = left * side < 0.0
@@ -73,12 +74,7 @@ def measure(pairs: Pairs, x: FloatArray, side: FloatArray | None = None) -> Cont
 
 def constraint_rows(pairs: Pairs, contacts: Contacts) -> tuple[Rows, Rows, Rows]:
     """Gradients of the distances with respect to the cage vertices, family by family."""
-    return distance_rows(pairs, contacts.parameter, contacts.normal)
-
-
-def distance_rows(pairs: Pairs, t: FloatArray, normals: FloatArray) -> tuple[Rows, Rows, Rows]:
-    """The same for points at the parameters t (K,) of their edges, with distances along ``normals`` (K, 2)."""
-    normal = normals.T
+    t, normal = contacts.parameter, contacts.normal.T
     fc, cf, cc = pairs.fine_cage, pairs.cage_fine, pairs.cage_cage
     vertex = np.concatenate([pairs.point, pairs.start, pairs.end]).reshape(3, -1)
     weight = np.ones(vertex.shape)
@@ -136,10 +132,10 @@ def resolve_corners(
     a = columns.take(start, axis=1)
     edge, to = columns.take(end, axis=1) - a, columns.take(point, axis=1) - a
     length = np.hypot(edge[0], edge[1])
-    offset = inner * _cross(edge, to)
+    offset = inner * column_cross(edge, to)
     offset /= length
     before, after = _edges_at(bodies, columns, corner)
-    exact = (inner * _cross(before, after) > 0.0) & (offset >= least)
+    exact = (inner * column_cross(before, after) > 0.0) & (offset >= least)
     lone = np.flatnonzero(at_start[:cage_edges] & ~exact[:cage_edges])
     lone = lone[_in_corner(bodies, columns, corner.take(lone), point.take(lone))]
     lone = lone[_in_corner(bodies, columns, point.take(lone), corner.take(lone))]
@@ -161,7 +157,7 @@ def resolve_corners(
     resolved.normal[place, 0], resolved.normal[place, 1] = -turned * edge[1], turned * edge[0]
     # the lever arm of a cage edge is measured on its line; a fine edge, which may be short, keeps its end
     turning = line[: int(line.searchsorted(cage_edges))]
-    arm = _dot(to.take(turning, axis=1), edge[:, : len(turning)])
+    arm = column_dot(to.take(turning, axis=1), edge[:, : len(turning)])
     resolved.parameter[place[: len(turning)]] = arm / length.take(turning) ** 2
     return pairs.take(kept), resolved
 
@@ -170,7 +166,7 @@ def _in_corner(bodies: Bodies, columns: FloatArray, corner: IntArray, point: Int
     """Whether each corner vertex is the closest point of both its edges to ``point``; columns: (2, m + n)."""
     to = columns.take(point, axis=1) - columns.take(corner, axis=1)
     before, after = _edges_at(bodies, columns, corner)
-    inside: BoolArray = (_dot(to, before) >= 0.0) & (_dot(to, after) <= 0.0)
+    inside: BoolArray = (column_dot(to, before) >= 0.0) & (column_dot(to, after) <= 0.0)
     return inside
 
 
@@ -179,16 +175,3 @@ def _edges_at(bodies: Bodies, columns: FloatArray, corner: IntArray) -> tuple[Fl
     at = columns.take(corner, axis=1)
     before = at - columns.take(bodies.predecessor.take(corner), axis=1)
     return before, columns.take(bodies.successor.take(corner), axis=1) - at
-
-
-def _dot(u: FloatArray, v: FloatArray) -> FloatArray:
-    """(K,) scalar products of vectors (2, K)."""
-    products = u * v
-    product: FloatArray = products[0] + products[1]
-    return product
-
-
-def _cross(u: FloatArray, v: FloatArray) -> FloatArray:
-    """(K,) cross products of vectors (2, K)."""
-    product: FloatArray = u[0] * v[1] - u[1] * v[0]
-    return product

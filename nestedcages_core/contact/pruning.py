@@ -15,9 +15,6 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from .linearisation import Contacts
 from .pairs import Pairs
 
-MAX_PASSES = 20
-"""Cap on the passes; each removes the points above the chord of their neighbours, and half of those nearly above it."""
-
 NEGLIGIBLE_SAG = 0.05
 """How far below the chord of its neighbours a point may be to count as implied, as a fraction of its own room: near a
 contact all points stay, and a smooth outline of any number of vertices has a few for each edge."""
@@ -42,9 +39,12 @@ def not_implied(pairs: Pairs, contacts: Contacts, room: FloatArray) -> BoolArray
 
 
 def _lower_hull(edge: IntArray, t: FloatArray, height: FloatArray) -> IntArray:
-    """Indices of points (t, height), about those on the lower convex hulls of their edges."""
+    """Indices of points (t, height), about those on the lower convex hulls of their edges.
+
+    Each pass removes the points above the chord of their neighbours, and half of those nearly above it.
+    """
     kept = np.arange(len(edge))
-    for _ in range(MAX_PASSES):
+    while True:
         above, nearly = _above_neighbours(edge, t, height)
         rank = np.arange(len(edge)) - np.searchsorted(edge, edge)
         nearly &= rank[1:-1] % 2 == 1  # of two neighbours one stays, the same in any order of the edges
@@ -52,9 +52,8 @@ def _lower_hull(edge: IntArray, t: FloatArray, height: FloatArray) -> IntArray:
         np.logical_not(above | nearly, out=below[1:-1])
         left = np.flatnonzero(below)
         if len(left) == len(kept):
-            break
+            return kept
         kept, edge, t, height = kept.take(left), edge.take(left), t.take(left), height.take(left)
-    return kept
 
 
 def _above_neighbours(edge: IntArray, t: FloatArray, height: FloatArray) -> tuple[BoolArray, BoolArray]:

@@ -20,7 +20,7 @@ from ..geometry.vectors import inner
 from ..parameters import check_count, check_part, check_positive
 from ..solver.quadratic_program import InteriorPoint
 from ..tasks import Stage
-from .base import ContactOutcome
+from .base import ContactOutcome, blocked
 from .contact_response import ContactResponse, Distances
 from .feasibility_rule import FeasibilityRule
 from .pairs import Bodies
@@ -81,7 +81,8 @@ class SequentialQP:
             logger.debug("the straight line is blocked: along the path from step %d of %d", nearest, len(path))
             for target in path[nearest:]:
                 reached = yield from motion.step_to(target)
-        return ContactOutcome(motion.x, reached, motion.systems, "" if reached else motion.blocking_vertex(path[-1]))
+        reason = "" if reached else blocked(motion.x[bodies.m :], path[-1])
+        return ContactOutcome(motion.x, reached, motion.systems, reason)
 
 
 class _Motion:
@@ -143,8 +144,3 @@ class _Motion:
                 self.x = x
                 yield x
         return not bool((target - self.x[self.m :]).any())
-
-    def blocking_vertex(self, target: FloatArray) -> str:
-        """The fine vertex that is farthest from its target, in words."""
-        worst = int(np.hypot(*(target - self.x[self.m :]).T).argmax())
-        return f"the cage holds up fine vertex {worst}"

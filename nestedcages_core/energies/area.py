@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
-from ..geometry.vectors import cross
+from ..geometry.vectors import cross, rotated_left
 from .base import CageEnergy
 from .blocks import Blocks
 
@@ -46,9 +46,9 @@ class Area(CageEnergy):
         return gradient
 
     def hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
-        """Constant: the block ½ (0 1; -1 0) for each edge a → b."""
+        """Constant: the block ½ (0 1; -1 0) for each edge a → b, since u × w = uᵀ (0 1; -1 0) w."""
         m = len(successor)
-        return Blocks(np.arange(m), successor, np.broadcast_to(0.5 * QUARTER_TURN, (m, 2, 2)))
+        return Blocks(np.arange(m), successor, np.broadcast_to(0.5 * rotated_left(np.eye(2)), (m, 2, 2)))
 
     def projected_hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
         """Edge by edge in closed form: the 4 × 4 Hessian A has A² = I/4, so its positive part is (A + I/2)/2."""
@@ -58,13 +58,9 @@ class Area(CageEnergy):
             np.concatenate([vertex, vertex]),
             np.concatenate([vertex, successor]),
             np.concatenate(
-                [np.broadcast_to(0.5 * np.eye(2), (m, 2, 2)), np.broadcast_to(0.25 * QUARTER_TURN, (m, 2, 2))]
+                [np.broadcast_to(block, (m, 2, 2)) for block in (0.5 * np.eye(2), 0.25 * rotated_left(np.eye(2)))]
             ),
         )
-
-
-QUARTER_TURN = np.array([[0.0, 1.0], [-1.0, 0.0]])
-"""Derivative of u × w = uᵀ (0 1; -1 0) w."""
 
 
 def signed_area(vertices: FloatArray, successor: IntArray) -> float:

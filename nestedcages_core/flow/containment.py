@@ -35,11 +35,6 @@ class Containment:
         (low, high), (fine_low, fine_high) = bounds(self.matching.coarse.vertices), bounds(vertices)
         return bool((low < fine_low).all() and (fine_high < high).all())
 
-    def crossing_starts(self, vertices: FloatArray) -> IntArray:
-        """Start vertices of the fine edges that cross or touch the coarse mesh, one per crossing."""
-        tree, order = loop_tree(self.matching.fine, vertices)
-        return order[crossing_pairs(tree, self._tree)[0]]
-
     def obstacle(self, vertices: FloatArray) -> Obstacle | None:
         """None if the fine mesh with vertices (n, 2) is certified inside, else the first obstacle found."""
         fine, coarse = self.matching.fine, self.matching.coarse

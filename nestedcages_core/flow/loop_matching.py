@@ -19,14 +19,8 @@ from ..geometry.predicates import ALL_WINDINGS_LIMIT, BoxTree, loop_windings
 from ..geometry.signed_distance import SignedDistance
 from .base import FlowResult, Obstacle, stuck
 
-COVERED = -1
-"""Partner of a fine hole without a coarse hole."""
-
 PROBES = 64
 """Number of vertices per fine component that decide its coarse component, if one wraps several."""
-
-MISSING_HOLE_COST = 1e3
-"""Cost of a component with fewer holes than its coarse component, in bounding-box diagonals: above any other cost."""
 
 ALL_BOXES_LIMIT = 64
 """Number of loops up to which all pairs of bounding boxes are compared."""
@@ -41,12 +35,7 @@ class Matching:
     component: IntArray
     """(fine components,) coarse component around each fine component."""
     partner: IntArray
-    """(fine loops,) coarse loop around each fine loop: outer loop for outer loop, hole for hole, or COVERED."""
-
-    def coarse_loops_of(self, coarse_component: int) -> IntArray:
-        """Loops that bound a coarse component."""
-        loops: IntArray = np.nonzero(self.coarse.component_of_loop == coarse_component)[0]
-        return loops
+    """(fine loops,) coarse loop around each fine loop: outer loop for outer loop, hole for hole; -1 for none."""
 
 
 def match_loops(fine: Mesh, coarse: Mesh) -> Matching:
@@ -55,7 +44,7 @@ def match_loops(fine: Mesh, coarse: Mesh) -> Matching:
     Raises: FlowError if a coarse component has no fine component, or a coarse hole no fine hole.
     """
     component = _match_components(fine, coarse)
-    partner = np.full(len(fine.loops), COVERED, np.int64)
+    partner = np.full(len(fine.loops), -1, np.int64)
     fine_outers, coarse_outers = outer_loops(fine), outer_loops(coarse)
     partner[fine_outers] = coarse_outers[component]
     for k in range(len(coarse_outers)):
@@ -113,8 +102,7 @@ def _match_components(fine: Mesh, coarse: Mesh) -> IntArray:
         component = np.zeros(1, np.int64)
         overlaps = _boxes_overlap(fine_boxes, coarse_boxes)
     elif len(fine_outers) == len(coarse_outers):
-        missing = MISSING_HOLE_COST * fine.diagonal
-        _, component = _closest(fine_boxes, coarse_boxes, missing, _hole_counts(fine), _hole_counts(coarse))
+        _, component = _closest(fine_boxes, coarse_boxes, _hole_counts(fine), _hole_counts(coarse))
         overlaps = _boxes_overlap(fine_boxes, coarse_boxes[component])
     else:
         outside, overlapping = _fit(fine, coarse)
@@ -155,11 +143,11 @@ def _match_holes(fine: Mesh, coarse: Mesh, component: IntArray, k: int, partner:
 
 
 def _closest(
-    a: FloatArray, b: FloatArray, fewer_cost: float = 0.0, holes: IntArray | None = None, wanted: IntArray | None = None
+    a: FloatArray, b: FloatArray, holes: IntArray | None = None, wanted: IntArray | None = None
 ) -> tuple[IntArray, IntArray]:
     """Rows and columns (B,), (B,) that give each bounding box (B, 4) one of the (A, 4), all together the closest.
 
-    fewer_cost: for one with fewer holes, (A,), than wanted, (B,).
+    As few as possible get one with fewer holes, (A,), than wanted, (B,).
     """
     if len(b) > ALL_BOXES_LIMIT and (wanted is None or not wanted.any()):
         distance, row = scipy.spatial.cKDTree(a).query(b, k=2, p=1.0)
@@ -167,7 +155,7 @@ def _closest(
         if len(rows) == len(b) and (distance[:, 0] < distance[:, 1]).all():
             return rows, columns
     cost = _box_difference(a, b)
-    return _assignment(cost if holes is None or wanted is None else cost + fewer_cost * (holes[:, None] < wanted))
+    return _assignment(cost if holes is None or wanted is None else cost + cost.sum() * (holes[:, None] < wanted))
 
 
 def _assignment(cost: FloatArray) -> tuple[IntArray, IntArray]:

@@ -17,9 +17,6 @@ from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from .penetration import Penetration
 
-SUBDIAGONALS = 5
-"""Of the matrix: neighbours are two vertices apart, with two coordinates each."""
-
 SHORTEST_EDGE = 0.02
 """Lower bound on edge lengths in L, as a fraction of the sample spacing."""
 
@@ -39,6 +36,7 @@ class StepSystem:
         high = np.maximum(self._row, self._row[mesh.successor])
         low = np.minimum(self._row, self._row[mesh.successor])
         size = 2 * len(mesh.vertices)
+        self._height = 2 + int((high - low).max())  # of the band: two coordinates a vertex
         self._below = [(high - low + r - c) * size + low + c for r, c in ((0, 0), (0, 1), (1, 0), (1, 1))]
 
     def direction(self, penetration: Penetration, smoothing: float) -> FloatArray:
@@ -62,7 +60,7 @@ class StepSystem:
         coupling[0] -= stiffness
         coupling[2] -= stiffness
 
-        matrix = np.zeros((SUBDIAGONALS + 1, 2 * n))
+        matrix = np.zeros((self._height, 2 * n))
         matrix[0, self._row], matrix[1, self._row], matrix[0, self._row + 1] = diagonal
         flat = matrix.reshape(-1)
         for place, k in zip(self._below, (0, 1, 1, 2), strict=True):

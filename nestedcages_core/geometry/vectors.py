@@ -21,6 +21,18 @@ def dot(u: FloatArray, v: FloatArray) -> FloatArray:
     return along + u[..., 1] * v[..., 1]
 
 
+def column_cross(u: FloatArray, v: FloatArray) -> FloatArray:
+    """(...,) u × v of vectors (2, ...)."""
+    product: FloatArray = u[0] * v[1] - u[1] * v[0]
+    return product
+
+
+def column_dot(u: FloatArray, v: FloatArray) -> FloatArray:
+    """(...,) u · v of vectors (2, ...)."""
+    product: FloatArray = u[0] * v[0] + u[1] * v[1]
+    return product
+
+
 def bounds(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Lowest and highest coordinates (2,) of points (K, 2), K > 0."""
     x, y = points.T

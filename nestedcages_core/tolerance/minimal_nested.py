@@ -32,10 +32,8 @@ FIRST_GATES, MAX_GATES = 512, 8192
 """Gates of a loop at first, and at most."""
 
 GATES_PER_LINK = 16
-"""Gates aimed at for each link: it may lose one of them in the bound."""
-
-GATES_ADDED = 17
-"""Gates around a place where a polygon went too far, up to the mean distance of gates away."""
+"""Gates aimed at for each link, which may lose one of them in the bound; and steps between those that are added around
+a place where a polygon went too far, up to the mean distance of gates away."""
 
 FAN_STEP = 0.1
 """Largest turn, in radians, between gates at a convex corner."""
@@ -54,8 +52,8 @@ CORNER_HALVINGS = 12
 BOUND_STARTS, WALK_STARTS = 2, 32
 """Gates of a loop from which links are counted, and from which walks start."""
 
-MIN_WALKS, MAX_LINKS = 1, 100
-"""Walks that are made in any case, and links of all of them after which there are no more."""
+MAX_LINKS = 100
+"""Links of all walks after which there are no more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +180,7 @@ class Band:
         if len(self.places) == 0:
             return
         spacing = self.boundary.length / len(self.places)
-        around = self.boundary.under(points)[:, None] + spacing * np.linspace(-1.0, 1.0, GATES_ADDED)
+        around = self.boundary.under(points)[:, None] + spacing * np.linspace(-1.0, 1.0, GATES_PER_LINK + 1)
         places = np.mod(around.ravel(), self.boundary.length)
         self.places = np.union1d(self.places, places[self._free(places)])
 
@@ -210,13 +208,12 @@ class Band:
         if not low < high:
             return []
         corridor = Corridor(*gates.ends(low, high), slack=0.0)
-        starts, polygons = corridor.some(WALK_STARTS), list[FloatArray]()
-        for number, start in enumerate(starts):
+        polygons: list[FloatArray] = []
+        for start in corridor.some(WALK_STARTS):
             polygon = corridor.polygon(start)
             if polygon is not None:
                 polygons.append(polygon)
-            done = any(len(each) <= enough for each in polygons) or sum(map(len, polygons)) > MAX_LINKS
-            if number + 1 >= MIN_WALKS and (done or not polygons):
+            if not polygons or min(map(len, polygons)) <= enough or sum(map(len, polygons)) > MAX_LINKS:
                 break
         return sorted(polygons, key=len)
 

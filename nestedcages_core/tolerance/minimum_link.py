@@ -14,12 +14,8 @@ from ..decimation.base import LEAST_PER_LOOP
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.vectors import cross, rotated_left, rotated_right
 
-FIRST_RUN, RUN_GROWTH, SPARE_GATES = 24, 1.4, 2
-"""Gates looked at for the first run; factor on those looked at where a run is longer; gates looked at beyond the length
-of the run before."""
-
-RUN_STARTS = 16
-"""Gates of which the one with the shortest run is looked for."""
+SPARE_GATES = 2
+"""Gates looked at beyond the length of the run before; twice as many where a run is longer."""
 
 
 FAR = 4.0
@@ -84,7 +80,7 @@ class Corridor:
         self.count = len(feet)
         self.size = float(np.ptp(np.concatenate([feet, tips]), axis=0).sum())
         self._lengths: dict[int, int] = {}
-        self._usual = FIRST_RUN
+        self._usual = SPARE_GATES
 
     def some(self, number: int) -> list[int]:
         """This many gates, evenly."""
@@ -99,11 +95,10 @@ class Corridor:
 
     def fewest_runs(self, known: int) -> int:
         """As few runs as cover the circle, whether or not their lines meet, or a known bound if that is more."""
-        begin = min(self.some(RUN_STARTS), key=self._length)
-        first = self._runs_from(begin)  # at most one more than the fewest
+        first = self._runs_from(0)  # at most one more than the fewest
         if first <= known:
             return known
-        others = range(begin + 1, begin + self._length(begin) + 1)  # a run of any cover starts in here
+        others = range(1, self._length(0) + 1)  # a run of any cover starts in here
         return first - any(self._runs_from(start) < first for start in others)
 
     def _runs_from(self, start: int) -> int:
@@ -178,7 +173,7 @@ class Corridor:
                 return self._ended(window, int(gates[k]), angles, before, (int(i[k]), int(j[k])))
             if stop == last + 1:
                 return Run(last + 1, None, window, last, last)
-            size = int(RUN_GROWTH * size) + SPARE_GATES
+            size *= 2
 
     def _angles(self, window: Window, f: IntArray, t: IntArray) -> FloatArray:
         """(F + 1, T + 1) angles between the window and the directions from tips to feet, those of the window first."""

@@ -10,9 +10,6 @@ import numpy as np
 from ..errors import Fault, NestedCagesError, note
 from ..geometry.mesh import Mesh, by_side
 
-SMALL = 0.01
-"""Part of a distance below which differences do not matter."""
-
 
 @dataclass(frozen=True)
 class Within:

@@ -9,8 +9,7 @@ import pytest
 import shapely
 
 from nestedcages_core import IPC, Area, Mesh, ProjectedNewton, ReinflationError, SequentialQP, Settings, nested_cages
-from nestedcages_core.contact.barrier_ranges import BarrierRanges
-from nestedcages_core.contact.facing_gaps import facing_gaps
+from nestedcages_core.contact.barrier_ranges import BarrierRanges, facing_gaps
 from nestedcages_core.contact.incremental_potential import IncrementalPotential, PotentialWeights
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
 from nestedcages_core.contact.reinflation import Reinflation, reinflate

@@ -12,12 +12,6 @@ from ...geometry.triangulation import triangulate
 from ...geometry.vectors import cross
 from .shape_matching import LocalFit, RotationFit, ShapeMatching, edge_stiffness
 
-CELL_EDGES = np.array([0, 1, 2, 3])
-"""First corners of the four edges of a boundary cell: two vertices, the middle one and two more."""
-
-OPPOSITE = (np.array([1, 2, 0]), np.array([2, 0, 1]))
-"""First and second corner of the edge opposite each corner of a triangle."""
-
 
 @dataclass(frozen=True)
 class BoundaryARAP:
@@ -42,7 +36,9 @@ class InteriorARAP:
     def at(self, coarse: Mesh) -> ShapeMatching:
         """The energy of a cage whose rest shape is the coarse mesh. Raises InvalidMeshError if that has no inside."""
         corners = triangulate(coarse).triangles
-        stiffness = edge_stiffness(3, *OPPOSITE, _half_cotangents(coarse, corners))
+        corner = np.arange(3)
+        opposite = np.roll(corner, -1), np.roll(corner, 1)
+        stiffness = edge_stiffness(3, *opposite, _half_cotangents(coarse, corners))
         return ShapeMatching.of(corners, coarse.vertices, stiffness, RotationFit())
 
 
@@ -52,14 +48,15 @@ def boundary_cells(coarse: Mesh, local_fit: LocalFit) -> ShapeMatching:
     middle = np.arange(len(after))
     corners = np.stack([before[before], before, middle, after, after[after]], axis=1)
     lengths = coarse.edge_lengths
-    weight = float(lengths.mean()) / (len(CELL_EDGES) * lengths[corners[:, CELL_EDGES]])
-    stiffness = edge_stiffness(5, CELL_EDGES, CELL_EDGES + 1, weight)
+    edge = np.arange(4)  # from each corner but the last to the next
+    weight = float(lengths.mean()) / (len(edge) * lengths[corners[:, edge]])
+    stiffness = edge_stiffness(5, edge, edge + 1, weight)
     return ShapeMatching.of(corners, coarse.vertices, stiffness, local_fit)
 
 
 def _half_cotangents(mesh: Mesh, corners: IntArray) -> FloatArray:
     """(T, 3) half the cotangent of the angle at each corner of triangles (T, 3)."""
     at = mesh.vertices[corners]
-    one, other = at[:, OPPOSITE[0]] - at, at[:, OPPOSITE[1]] - at
+    one, other = np.roll(at, -1, axis=1) - at, np.roll(at, 1, axis=1) - at
     halves: FloatArray = 0.5 * (one * other).sum(axis=2) / cross(one, other)
     return halves

@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...energies.area import QUARTER_TURN
 from ...energies.base import CageEnergy
 from ...energies.blocks import Blocks
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.mesh import Mesh
 from ...geometry.signed_distance import EdgeSearch
-from ...geometry.vectors import cross
+from ...geometry.vectors import cross, rotated_left, rotated_right
 
 SAMPLES_PER_EDGE = 8
 """Number of places along each cage edge whose weights are averaged."""
@@ -80,13 +79,13 @@ class WeightedArea(CageEnergy):
     def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
         """(m, 2)."""
         half = 0.5 * self.weight[:, None]
-        gradient: FloatArray = half * ((vertices[successor] - self.anchor) @ QUARTER_TURN.T)
-        gradient[successor] += half * ((self.anchor[successor] - vertices) @ QUARTER_TURN.T)
+        gradient: FloatArray = half * rotated_right(vertices[successor] - self.anchor)
+        gradient[successor] += half * rotated_right(self.anchor[successor] - vertices)
         return gradient
 
     def hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
         """Constant: the block ½ w (0 1; -1 0) for each edge a → b."""
-        blocks = 0.5 * self.weight[:, None, None] * QUARTER_TURN
+        blocks = 0.5 * self.weight[:, None, None] * rotated_left(np.eye(2))
         return Blocks(np.arange(len(successor)), successor, blocks)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...contact.barrier_sum import BarrierSum
+from ...contact.barrier import BarrierSum
 from ...contact.ccd import impacts
 from ...contact.incremental_potential import DIRECT_STEP_MARGIN
 from ...contact.pair_search import PairSource

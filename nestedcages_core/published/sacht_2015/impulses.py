@@ -18,9 +18,10 @@ from math import hypot, sqrt
 
 import numpy as np
 
-from ...contact.ccd import HIT_DISTANCE, REACH_MARGIN, impacts
+from ...contact.ccd import HIT_DISTANCE, impacts
 from ...contact.pairs import Pairs
 from ...geometry.arrays import TINY, FloatArray, IntArray
+from ...geometry.precision import NEGLIGIBLE
 
 SEPARATION_RATE = 0.1
 """Fraction of the missing distance by which a pair may separate in a step."""
@@ -143,7 +144,7 @@ def meeting(
 ) -> tuple[Vector, float] | None:
     """Unit normal, towards the side that the point comes from, and parameter at the first time in (0, 1] at which a
     moving point meets a moving edge; None where it does not. A scalar :func:`nestedcages_core.contact.ccd.impacts`."""
-    if hypot(*p_v) + max(hypot(*a_v), hypot(*b_v)) < REACH_MARGIN * distance:
+    if hypot(*p_v) + max(hypot(*a_v), hypot(*b_v)) < (1.0 - NEGLIGIBLE) * distance:
         return None
     near = min(HIT_DISTANCE * distance, COLLISION_DISTANCE)
     e, e_v = (b[0] - a[0], b[1] - a[1]), (b_v[0] - a_v[0], b_v[1] - a_v[1])
