@@ -62,6 +62,8 @@ FAULTS = (
           TESTS + "a_cage_is_tightened_again_at_each_smaller_clearance"),
     Fault(CORE + "level/builder.py", "(1.0 + PAPER_PREFERENCE) * excess", "excess",
           TESTS + "a_start_that_the_flow_entered_is_preferred_by_a_little"),
+    Fault(CORE + "level/builder.py", "starts if self.symmetry is None else self._symmetric(starts, self.symmetry)", "starts",
+          "tests/core/test_needs_together.py::test_details_and_starts_that_once_led_to_faults"),
     Fault(CORE + "needs/convex/need.py", "if certificate and is_convex(cage):", "if certificate:",
           TESTS + "a_polygon_that_is_not_convex_is_no_convex_cage"),
     Fault(CORE + "needs/convex/need.py", "if gap <= one.distance + other.distance:", "if gap <= 0.0:",

@@ -104,9 +104,8 @@ class LevelBuilder:
             try:
                 if attempt.tightened:
                     self.starts = []
-                    self.starts = yield from self._coarse_meshes(attempt)
-                    if self.symmetry is not None:
-                        self.starts = [self._alike(start, self.symmetry).start for start in self.starts]
+                    starts = yield from self._coarse_meshes(attempt)
+                    self.starts = starts if self.symmetry is None else self._symmetric(starts, self.symmetry)
                 notes = clamping
                 if attempt.fallback and self.starts:
                     start = self.starts[0]
@@ -236,6 +235,19 @@ class LevelBuilder:
         energy, clearance = self.settings.energy.at(cage.unit_coarse), self.units.clearance(attempt.clearances[0])
         energy, is_measure = self.plan.energy(energy, cage.unit_coarse, self.units, clearance)
         return replace(cage, energy=energy, is_measure=is_measure)
+
+    def _symmetric(self, starts: list[Start], group: Symmetry) -> list[Start]:
+        """Those that can be made symmetric. Raises the error of the first one if none can."""
+        found: list[Start] = []
+        errors: list[NestedCagesError] = []
+        for start in starts:
+            try:
+                found.append(self._alike(start, group).start)
+            except FAILURES as error:
+                errors.append(error)
+        if not found:
+            raise errors[0]
+        return found
 
     def _alike(self, start: Start, group: Symmetry) -> Alike:
         from .symmetrised_start import made_alike

@@ -55,8 +55,8 @@ DAMPING_MARGIN = 3.0
 """Factor on the damping that succeeded: with a barely definite matrix, rounding decides the direction."""
 
 NOT_FINITE = (
-    "The energy of the cage has derivatives that are not finite numbers; write it so that they exist wherever the cage "
-    "may be, the coarse mesh included."
+    "The cage has derivatives that are not finite numbers; leave out details that are tiny relative to the drawing, or "
+    "write your own formula so that they exist wherever the cage may be, the coarse mesh included."
 )
 """Error for programs with infinite or NaN entries, or that no damping makes positive definite."""
 

@@ -345,7 +345,10 @@ def with_edge(size: float) -> Mesh:
         (with_edge(1e-170), {"symmetry": Mirror(None)}, 6, False),
         (Mesh.from_loops([ring(16), 1e-40 * ring(16)]), {}, 12, False),
         (Mesh.from_loops([ring(16), 1e-51 * ring(12)]), {}, 12, True),
+        (letter_a(1), {"symmetry": Mirror(None), "pins": [20]}, 6, True),  # some starts are not symmetric
     ],
 )
-def test_details_that_once_were_too_small(fine: Mesh, wanted: dict[str, Any], level: int, inside: bool) -> None:
+def test_details_and_starts_that_once_led_to_faults(
+    fine: Mesh, wanted: dict[str, Any], level: int, inside: bool
+) -> None:
     fulfilled(fine, wanted, level, inside)

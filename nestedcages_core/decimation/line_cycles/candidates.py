@@ -89,7 +89,7 @@ def _over_pockets(chain: Chain, at: IntArray) -> list[Lines]:
     before, after = chain.vertices[at - 1] - here, chain.vertices[(at + 1) % chain.size] - here
     step = here[None] - here[:, None]
     slack = -ROUND_OFF * float((step * step).sum(axis=2).max())
-    touching = np.mod(np.arange(count)[None] - np.arange(count)[:, None] - 1, count) <= count - 2
+    touching = (np.mod(np.arange(count)[None] - np.arange(count)[:, None] - 1, count) <= count - 2) & step.any(axis=2)
     for neighbour in (before[:, None], after[:, None], before[None], after[None]):
         touching &= cross(step, neighbour) >= slack
     i, j = np.nonzero(touching)
