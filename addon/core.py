@@ -4,11 +4,13 @@ registers and reports what is missing.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from .errors import UserError
+from .errors import UserError, told
 
 if TYPE_CHECKING:
     import nestedcages_core as core
@@ -55,16 +57,14 @@ else:
     tasks = _LazyModule("tasks")
     triangulation = _LazyModule("geometry.triangulation")
 
-__all__ = [
-    "chains",
-    "core",
-    "distance",
-    "errors",
-    "memory",
-    "outlines",
-    "pictures",
-    "predicates",
-    "steps",
-    "tasks",
-    "triangulation",
-]
+__all__ = ["chains", "core", "distance", "errors", "memory", "outlines", "pictures", "predicates"]
+__all__ += ["steps", "tasks", "triangulation"]
+
+
+@contextmanager
+def blamed(what: str) -> Iterator[None]:
+    """Errors of the core and of files, as those of what is at fault: "'name'". Raises: UserError."""
+    try:
+        yield
+    except (core.NestedCagesError, OSError) as error:
+        raise UserError(f"{what}: {told(error)}") from error

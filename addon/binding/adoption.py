@@ -148,11 +148,12 @@ def _on_import(context: Any) -> None:
         bpy.data.objects.remove(stray)
 
 
+_HANDLERS: list[Any] = getattr(bpy.app.handlers, "blend_import_post", [])  # since Blender 4.3
+
+
 def register() -> None:
-    if hasattr(bpy.app.handlers, "blend_import_post"):  # since Blender 4.3
-        bpy.app.handlers.blend_import_post.append(_on_import)
+    _HANDLERS.append(_on_import)
 
 
 def unregister() -> None:
-    if hasattr(bpy.app.handlers, "blend_import_post"):
-        bpy.app.handlers.blend_import_post.remove(_on_import)
+    _HANDLERS.remove(_on_import)

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -17,7 +17,7 @@ import numpy as np
 from .. import keys, record
 from ..animation import stage
 from ..animation.shape_keys import remove_mesh
-from ..core import core
+from ..core import blamed, core
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work, completed
 from ..rigging.pose import unshaped
@@ -37,20 +37,10 @@ REST_ERROR = 1e-5
 MAX_NAMES = 3
 
 
-@dataclass(frozen=True)
-class Link:
-    """Follower, cage, and the largest error at rest as a fraction of the size."""
+class Binding(NamedTuple):
+    """The largest error at rest as a fraction of the size, and sentences on which drawings follow, or why not."""
 
-    inner: str
-    cage: str
     rest: float
-
-
-@dataclass(frozen=True)
-class Binding:
-    """The links from the inside out, and sentences on which drawings follow, or why they do not."""
-
-    links: tuple[Link, ...]
     original: str
 
 
@@ -115,7 +105,7 @@ def take_in(context: bpy.types.Context, collection: bpy.types.Collection) -> Wor
         record.written(collection).sources.add().object = part
     record.keep(collection)
     yield from ()
-    return Binding((), f"{_named(parts)} bound, with what is in the cages already")
+    return Binding(0.0, f"{_named(parts)} bound, with what is in the cages already")
 
 
 def unbind(collection: bpy.types.Collection) -> list[str]:
@@ -169,10 +159,8 @@ def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object) -> core.Cer
         raise UserError(
             f"'{inner.name}' and '{cage.name}' do not lie in one plane: move the cage back into it, then bind again"
         )
-    try:
+    with blamed(f"'{inner.name}'"):
         fine = core.Mesh(points[:, :2], filling.loop_edges(drawing))
-    except core.NestedCagesError as error:
-        raise UserError(f"'{inner.name}': {error}") from error
     certificate = core.verify(filling.outline(cage), fine)
     if not certificate.holds:
         raise UserError(
@@ -200,20 +188,20 @@ def _connect(
             record.restate(cage, clearance, excess)
     originals = ownership.originals(collection)
     space = next((obj for obj in originals if obj in context.view_layer.objects[:]), levels[0])
-    links: list[Link] = []
+    errors: list[float] = []
     with unshaped(levels):
         for inner, cage in pairwise(levels):
-            yield Progress((1.0 + len(links)) / len(levels), f"{STAGE}: '{inner.name}' follows '{cage.name}'")
+            yield Progress((1.0 + len(errors)) / len(levels), f"{STAGE}: '{inner.name}' follows '{cage.name}'")
             made = field.make(cage, space, kind)
             field.follow(inner, made, in_place=inner.matrix_world == made.matrix_world)
-            links.append(Link(inner.name, cage.name, _error(context, inner)))
+            errors.append(_error(context, inner))
     for obj in levels:
         mesh = filling.mesh_of(obj)
         filling.add_attribute(mesh, keys.REST, "FLOAT_VECTOR", filling.points_of(mesh).astype(np.float32))
         shown.take_lines_out(obj, collection)
-    for obj, made_link in zip(levels, links, strict=False):
-        record.set_link(obj, field.NAMES[kind], made_link.rest)
-    return Binding(tuple(links), _take_along(context, originals, space, levels))
+    for obj, error in zip(levels, errors, strict=False):
+        record.set_link(obj, field.NAMES[kind], error)
+    return Binding(max(errors), _take_along(context, originals, space, levels))
 
 
 def _error(context: bpy.types.Context, obj: bpy.types.Object) -> float:

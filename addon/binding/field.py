@@ -50,9 +50,8 @@ def make(cage: bpy.types.Object, space: bpy.types.Object, method: str) -> bpy.ty
         data, shows = filling.filled(name, _in(space, cage, corners), outline), nodes.SAME
     else:
         height = np.full(len(field.vertices), corners[0, 2])
-        data, shows = bpy.data.meshes.new(name), nodes.WEIGHTED
-        places = _in(space, cage, np.column_stack([field.vertices, height]))
-        data.from_pydata(places.tolist(), [], field.triangles.tolist())
+        places, shows = _in(space, cage, np.column_stack([field.vertices, height])), nodes.WEIGHTED
+        data = filling.new_mesh(name, places, faces=field.triangles)
         for number, weights in enumerate(field.weights.T.astype(np.float32)):
             filling.add_attribute(data, f"{keys.WEIGHT}{number}", "FLOAT", weights)
     made = bpy.data.objects.new(name, data)

@@ -46,12 +46,9 @@ def names(cage: bpy.types.Object) -> list[str]:
 def _outward(cage: bpy.types.Object) -> Points:
     """Directions (n, 2) out of the cage at its corners."""
     outline = filling.outline(cage)
-    points, after = outline.vertices, np.asarray(outline.successor)
-    along = points[after] - points
-    before = np.empty_like(after)
-    before[after] = np.arange(len(after))
+    along = outline.edge_ends - outline.vertices
     tangent = along / np.linalg.norm(along, axis=1)[:, None]
-    tangent = tangent + tangent[before]
+    tangent = tangent + tangent[outline.predecessor]
     length = np.maximum(np.linalg.norm(tangent, axis=1), np.finfo(np.float32).eps)
     outward: Points = np.column_stack([tangent[:, 1], -tangent[:, 0]]) / length[:, None]
     return outward

@@ -30,9 +30,7 @@ def park(obj: bpy.types.Object) -> None:
     mesh, rig = filling.mesh_of(obj), Rig.of(obj)
     record.set_before(obj, record.Before(mesh, obj.matrix_basis, hidden))
     visibility.mute(obj, True)
-    plain = bpy.data.meshes.new(mesh.name)
-    plain.from_pydata(filling.points_of(mesh).tolist(), filling.loop_edges(mesh).tolist(), [])
-    obj.data = plain
+    obj.data = filling.new_mesh(mesh.name, filling.points_of(mesh), filling.loop_edges(mesh))
     rig.give(obj, same_vertices=True)
     obj.hide_viewport = False
     obj.hide_set(False)

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 import bpy
 import numpy as np
 
-from ..core import core, triangulation
+from ..core import blamed, core, triangulation
 from ..errors import UserError
 from ..generation.checking import same_frame
 from ..scene import filling, ownership
 from ..scene.plane import Frame, scale_of, world_matrix
 from ..scene.selection import scene_of
-from .bones import bones_of
+from .rig import bones_of
 
 
 def json_of(context: bpy.types.Context, collection: bpy.types.Collection, *, flip_y: bool, frames: bool) -> str:
@@ -36,10 +36,8 @@ def json_of(context: bpy.types.Context, collection: bpy.types.Collection, *, fli
     if len(lost):
         raise UserError(f"Vertex {lost[0]} of '{cage.name}' follows no bone of '{armature.name}': paint weights there")
     shape, around = filling.outline(fine), filling.outline(cage)
-    try:
+    with blamed(f"'{fine.name}'"):
         found = core.cage_coordinates(shape, around)
-    except core.NestedCagesError as error:
-        raise UserError(f"'{fine.name}': {error}") from error
     triangles = triangulation.triangulate(shape).triangles
     weights /= weights.sum(axis=1, keepdims=True)
     poses = tuple(_poses(context, fine, cage)) if frames else ()

@@ -1,28 +1,37 @@
-"""An armature moves a cage: vertices near the joints, weights computed inside it, and an Armature modifier."""
+"""Characters: drawings as one outline with edges short enough to bend, armatures as bones of the core and back, and a
+cage that an armature moves: vertices near the joints, weights computed inside it, and a modifier.
+"""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
 import bpy
 import numpy as np
+from mathutils import Matrix, Vector
 
+from .. import record
 from ..animation import bake
 from ..animation.timeline import Timing
-from ..binding import binding
-from ..core import core
+from ..binding import binding, field
+from ..core import blamed, core
 from ..errors import UserError
 from ..generation import output
 from ..generation.generate import Generation, Options, Request, Result
 from ..generation.job import Work, completed
+from ..io import silhouette
 from ..scene import filling, ownership, placement
 from ..scene.convert import Drawing
-from ..scene.plane import Frame
-from ..scene.selection import scene_of
-from .bones import bones_of
-from .drawing import set_of
+from ..scene.plane import Frame, size, transform, world_matrix
+from ..scene.selection import scene_of, select
+from ..scene.uniting import divided, stored
 
+# Longest edge of the outline as a fraction of its size: straight limbs bend, and few corners don't limit the cage.
+LONGEST_EDGE = 0.01
+# Bones seen shorter than this fraction of their length point out of the plane and are left out.
+SHORTEST = 1e-3
 # Vertices of a cage before those at joints: of its first loop, of each other one, and at most.
 FIRST_LOOP, PER_LOOP, MOST = 40, 4, 200
 # Clearance as a fraction of the drawing's diagonal: with less, more of a bent drawing leaves the cage; with more, limbs
@@ -32,6 +41,85 @@ CLEARANCE_SHARE = 0.01
 ROOM_PART = 0.5
 # Weights below this are left out.
 SMALLEST_WEIGHT = 1e-4
+
+
+def united(
+    context: bpy.types.Context, objects: Sequence[bpy.types.Object], gap: float
+) -> Work[tuple[Drawing, list[UserError]]]:
+    """All that objects paint as one drawing of the one that their cage is named after, or else of the largest, and why
+    some were left out. Raises: UserError.
+
+    gap: parts closer than this length of the scene are joined.
+    """
+    first = max(sorted(objects, key=lambda obj: obj.name), key=lambda obj: float(obj.dimensions.length))
+    earlier = set_of(objects)
+    if earlier is not None and ownership.source_of(earlier) in objects:
+        first = next(obj for obj in objects if obj == ownership.source_of(earlier))
+    ordered = [first, *(obj for obj in objects if obj != first)]
+    frame = silhouette.plane_of(context, first, "ACTIVE")
+    loops, problems = yield from silhouette.outline(context, ordered, frame, gap=gap, closed=True)
+    longest = LONGEST_EDGE * size(np.concatenate(loops))
+    shorter = tuple(stored(divided(loop, longest)) for loop in loops)
+    others = tuple(Drawing(obj.name, frame, (), obj.session_uid) for obj in ordered[1:])
+    drawing = Drawing(first.name, frame, shorter, first.session_uid, others, united=True)
+    try:
+        core.Mesh.from_loops(shorter)
+    except core.NestedCagesError:  # rounding closed a gap between new points
+        drawing = Drawing(first.name, frame, loops, first.session_uid, others, united=True)
+    return drawing, problems
+
+
+def set_of(objects: Sequence[bpy.types.Object]) -> bpy.types.Collection | None:
+    """The output that the most of some objects are bound to."""
+    fields = [field.followed(obj) for obj in objects]
+    cages = [record.shown(made, record.FIELD) for made in fields if made is not None]
+    homes = [ownership.home_of_member(cage) for cage in cages if cage is not None]
+    found = Counter(home for home in homes if home is not None).most_common(1)
+    return found[0][0] if found else None
+
+
+def bones_of(armature: bpy.types.Object, frame: Frame) -> tuple[core.Bone, ...]:
+    """The deforming bones of an armature at rest, seen in a drawing's frame, parents first. Raises: UserError."""
+    assert isinstance(armature.data, bpy.types.Armature)
+    matrix = world_matrix(armature)
+    found: list[core.Bone] = []
+    numbers: dict[str, int] = {}
+    for bone in armature.data.bones:
+        # What Blender poses: children of bones nearly along -Y are beside their head_local, 2.5e-4 of a length at most.
+        rest = bone.matrix_local
+        ends = np.array([rest.translation, rest @ Vector((0.0, bone.length, 0.0))], dtype=np.float64)
+        head, tail = frame.from_world(transform(matrix, ends))[0].tolist()
+        seen = float(np.hypot(tail[0] - head[0], tail[1] - head[1])) * frame.scale
+        length = float(np.linalg.norm(np.diff(transform(matrix, ends), axis=0)))
+        if not bone.use_deform or not seen > SHORTEST * length:
+            continue
+        above = next((numbers[each.name] for each in bone.parent_recursive if each.name in numbers), None)
+        numbers[bone.name] = len(found)
+        found.append(core.Bone((head[0], head[1]), (tail[0], tail[1]), above, bone.name))
+    if not found:
+        raise UserError(f"'{armature.name}' has no bone with 'Deform' that lies in the plane of the drawing")
+    return tuple(found)
+
+
+def add_bones(context: bpy.types.Context, name: str, frame: Frame, bones: Sequence[core.Bone]) -> bpy.types.Object:
+    """A new armature in the plane of a drawing, selected and active."""
+    armature = bpy.data.armatures.new(name)
+    made = bpy.data.objects.new(name, armature)
+    context.collection.objects.link(made)
+    made.matrix_world = Matrix(frame.matrix.tolist())
+    made.show_in_front = True
+    select(context, made)
+    bpy.ops.object.mode_set(mode="EDIT")
+    created: list[bpy.types.EditBone] = []
+    for bone in bones:
+        new = armature.edit_bones.new(bone.name)
+        new.head, new.tail = (*bone.head, frame.height), (*bone.tail, frame.height)
+        if bone.parent is not None:
+            new.parent = created[bone.parent]
+            new.use_connect = bones[bone.parent].tail == bone.head
+        created.append(new)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return made
 
 
 def make(
@@ -81,10 +169,8 @@ def weigh(cage: bpy.types.Object, armature: bpy.types.Object, frame: Frame) -> N
     frame: the plane of the cage, in which its own points are. Raises: UserError.
     """
     bones = bones_of(armature, frame)
-    try:
+    with blamed(f"'{cage.name}'"):
         weights = core.bone_weights(filling.outline(cage), bones)
-    except core.NestedCagesError as error:
-        raise UserError(f"'{cage.name}': {error}") from error
     for bone, column in zip(bones, weights.T, strict=True):
         group = cage.vertex_groups.get(bone.name) or cage.vertex_groups.new(name=bone.name)
         group.remove(range(len(column)))

@@ -81,7 +81,7 @@ def _displayed(context: bpy.types.Context, obj: bpy.types.Object, frame: Frame) 
         outline = convert.read(context, obj)
     except UserError:
         shown = field.shown_by(obj)
-        loops, _ = completed(silhouette.outline(context, [shown], frame, silhouette.Options(closed=True)))
+        loops, _ = completed(silhouette.outline(context, [shown], frame, closed=True))
         back = np.linalg.inv(world_matrix(shown)) @ frame.matrix
         own = tuple(transform(back, frame.points(loop)).astype(np.float32) for loop in loops)
         return Outline(obj.name, own, world_matrix(shown), obj.session_uid), Drawing(obj.name, frame, loops)

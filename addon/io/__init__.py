@@ -1,1 +1,1 @@
-"""Import of files and images, export: `importers`, `exporters`, `pieces`, `pictures`, `layered`, `silhouette`."""
+"""Import of files and images, export: `importers`, `exporters`, `pieces`, `pictures`, `silhouette`."""

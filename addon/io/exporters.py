@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -13,8 +13,8 @@ from mathutils import Matrix
 
 from .. import keys, record
 from ..animation import shape_keys, visibility
-from ..core import core, triangulation
-from ..errors import UserError, told
+from ..core import blamed, core, triangulation
+from ..errors import UserError
 from ..scene import convert, display, filling, ownership, placement, strokes
 from ..scene.plane import PLANARITY, Frame, size
 
@@ -29,33 +29,19 @@ CSS_UNITS = {
 }
 
 
-def as_curve(name: str, points: filling.Points, mesh: core.Mesh, _height: float) -> bpy.types.ID:
-    """A filled 2D curve."""
-    return filling.curve(name, points, mesh)
-
-
-def as_faces(name: str, points: filling.Points, mesh: core.Mesh, _height: float) -> bpy.types.ID:
-    """A mesh of triangles."""
-    return filling.filled(name, points, mesh)
-
-
-def as_prism(name: str, points: filling.Points, mesh: core.Mesh, height: float) -> bpy.types.ID:
-    """A closed mesh of this height, or of a fifth of the size if that is 0."""
-    half = 0.5 * height if height > 0.0 else filling.HALF_HEIGHT * size(points)
-    return filling.prism(name, points, mesh, half)
-
-
-def as_strokes(name: str, points: filling.Points, mesh: core.Mesh, _height: float) -> bpy.types.ID:
-    """A Grease Pencil drawing with one closed stroke per loop. Raises: UserError before Blender 4.3."""
-    return strokes.drawing(name, [points[loop] for loop in mesh.loops], STROKE_RADIUS * size(points))
-
-
 SHAPES: dict[str, Callable[[str, filling.Points, core.Mesh, float], bpy.types.ID]] = {
-    "CURVE": as_curve,
-    "FILLED": as_faces,
-    "PRISM": as_prism,
-    "GREASE_PENCIL": as_strokes,
+    "CURVE": lambda name, points, mesh, _: filling.curve(name, points, mesh),
+    "FILLED": lambda name, points, mesh, _: filling.filled(name, points, mesh),
+    "PRISM": lambda name, points, mesh, height: filling.prism(
+        name, points, mesh, 0.5 * height or filling.HALF_HEIGHT * size(points)
+    ),
+    "GREASE_PENCIL": lambda name, points, mesh, _: strokes.drawing(
+        name, [points[loop] for loop in mesh.loops], STROKE_RADIUS * size(points)
+    ),
 }
+"""The data of each kind of object from a name, points (n, 3) of an outline, and the height of prisms, 0 for a fifth of
+the size. Raises: UserError, for Grease Pencil before Blender 4.3.
+"""
 
 
 def make(
@@ -72,7 +58,7 @@ def make(
         new = bpy.data.objects.new(name, SHAPES[shape](name, points, mesh, height / frame.scale))
         new.color = display.colour(ownership.level_of(obj) or 0)
         if shape == "GREASE_PENCIL":
-            strokes.set_colour(new, tuple(obj.color))
+            new.color = new.active_material.grease_pencil.color = obj.color
         (obj.users_collection or [context.scene.collection])[0].objects.link(new)
         put(new, obj, frame)
         made.append(new)
@@ -161,57 +147,33 @@ def paper(context: bpy.types.Context, obj: bpy.types.Object, *, world: bool) -> 
     return unit * shown.scale_length / metre, name
 
 
-@dataclass(frozen=True)
-class Extras:
-    """More about a collision outline: `triangles`, and convex `pieces` of at most this many vertices, 0 for none.
+def write(path: Path, kind: str, shapes: dict[str, core.Mesh], *, flip_y: bool, **options: Any) -> None:
+    """Writes meshes by name, from the inside out, to a file of a kind of `WRITERS`. Raises: UserError.
 
-    levels: of the outlines of an SVG, inner ones below 0; size: as of ``to_svg``.
+    flip_y: y pointing down as in pictures. options: `levels` and `size` as of ``to_svg``, `triangles` and `pieces` as
+    of ``to_engine_json``; each kind of file uses its own.
     """
-
-    triangles: bool = False
-    pieces: int = 0
-    levels: Sequence[int] | None = None
-    size: tuple[float, str] | None = None
+    with blamed(f"'{path.name}' cannot be written"):
+        core.exchange.write_whole(path, WRITERS[kind](shapes, flip_y, **options))
 
 
-def write(path: Path, kind: str, shapes: dict[str, core.Mesh], *, flip_y: bool, extras: Extras = Extras()) -> int:
-    """Writes meshes by name, from the inside out, to a file of a kind of `WRITERS`; returns how many.
-
-    flip_y: y pointing down as in pictures. Raises: UserError.
-    """
-    try:
-        text, count = WRITERS[kind](shapes, flip_y, extras)
-    except core.NestedCagesError as error:
-        raise UserError(f"'{path.name}' cannot be written: {told(error)}") from error
-    write_file(path, text)
-    return count
+def _svg(shapes: dict[str, core.Mesh], flip_y: bool, *, levels: Any = None, size: Any = None, **_: Any) -> str:
+    return core.exchange.to_svg(_turned(shapes, flip_y), levels=levels, size=size)
 
 
-def write_file(path: Path, text: str) -> None:
-    """Writes a whole file or none. Raises: UserError."""
-    try:
-        core.exchange.write_whole(path, text)
-    except (core.NestedCagesError, OSError) as error:
-        raise UserError(f"'{path.name}' cannot be written: {told(error)}") from error
-
-
-def _svg(shapes: dict[str, core.Mesh], flip_y: bool, extras: Extras) -> tuple[str, int]:
-    return core.exchange.to_svg(_turned(shapes, flip_y), levels=extras.levels, size=extras.size), len(shapes)
-
-
-def _geojson(shapes: dict[str, core.Mesh], flip_y: bool, _extras: Extras) -> tuple[str, int]:
+def _geojson(shapes: dict[str, core.Mesh], flip_y: bool, **_: Any) -> str:
     turned = _turned(shapes, flip_y)
-    features = [core.exchange.Feature(mesh, {"name": name, keys.Y_DOWN: flip_y}) for name, mesh in turned.items()]
-    return core.exchange.to_geojson(features), len(shapes)
+    return core.exchange.to_geojson(
+        [core.exchange.Feature(mesh, {"name": name, keys.Y_DOWN: flip_y}) for name, mesh in turned.items()]
+    )
 
 
-def _engine(shapes: dict[str, core.Mesh], flip_y: bool, extras: Extras) -> tuple[str, int]:
+def _engine(
+    shapes: dict[str, core.Mesh], flip_y: bool, *, triangles: bool = False, pieces: int | None = None, **_: Any
+) -> str:
     """All outlines in one document."""
-    flip, pieces = 0.0 if flip_y else None, extras.pieces or None
-    texts = [
-        core.exchange.to_engine_json(mesh, flip_y=flip, triangles=extras.triangles, pieces=pieces)
-        for mesh in shapes.values()
-    ]
+    options: Any = {"flip_y": 0.0 if flip_y else None, "triangles": triangles, "pieces": pieces}
+    texts = [core.exchange.to_engine_json(mesh, **options) for mesh in shapes.values()]
     whole, *others = (json.loads(text) for text in texts)
     for other in others:
         before = len(whole.get("points", ()))
@@ -219,20 +181,13 @@ def _engine(shapes: dict[str, core.Mesh], flip_y: bool, extras: Extras) -> tuple
             whole[name] = whole.get(name, []) + other.get(name, [])
         for name in {"triangles", "pieces"} & set(other):
             whole[name] += [[before + index for index in corners] for corners in other[name]]
-    return (json.dumps({key: value for key, value in whole.items() if value != []}) if others else texts[0]), len(texts)
+    return json.dumps({key: value for key, value in whole.items() if value != []}) if others else texts[0]
 
 
-WRITERS: dict[str, Callable[[dict[str, core.Mesh], bool, Extras], tuple[str, int]]] = {
-    "SVG": _svg,
-    "GEOJSON": _geojson,
-    "ENGINE": _engine,
-}
-"""Text of a file and the number of outlines in it, by kind."""
+WRITERS = {"SVG": _svg, "GEOJSON": _geojson, "ENGINE": _engine}
+"""The text of a file, by kind."""
 
 
 def _turned(shapes: dict[str, core.Mesh], flip_y: bool) -> dict[str, core.Mesh]:
-    return {name: _upside_down(mesh) for name, mesh in shapes.items()} if flip_y else shapes
-
-
-def _upside_down(mesh: core.Mesh) -> core.Mesh:
-    return core.Mesh(mesh.vertices * (1.0, -1.0) + 0.0, mesh.edges)
+    turn = (1.0, -1.0 if flip_y else 1.0)
+    return {name: core.Mesh(mesh.vertices * turn + 0.0, mesh.edges) for name, mesh in shapes.items()}

@@ -1,27 +1,42 @@
-"""Drawings in the scene from files: the same formats that cages are written in."""
+"""Drawings in the scene from files: outlines in the formats that cages are written in, and the parts of a layered SVG,
+as faces in their colours, with groups as collections.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 import bpy
 import numpy as np
+from mathutils import Color
 from numpy.typing import NDArray
 
 from .. import keys
-from ..core import chains, core
-from ..errors import UserError, told
+from ..core import blamed, chains, core, triangulation
+from ..errors import UserError
 from ..generation.job import Progress, Work
+from ..scene import display, filling
 from ..scene.plane import size
+from ..scene.uniting import divided
 
 SVG, MAPS = (".svg",), (".geojson", ".json")
-
 
 # Metres per unit: of drawings, whose unit is a pixel, and of files exported from Blender, which keep their size.
 PIXEL, EXPORTED = 0.01, 1.0
 # Whether an SVG becomes an outline of each shape, by the choices of the operator.
 EACH = {"ONE": False, "SEVERAL": True, "PARTS": True, "AUTO": None}
+# Longest edge of a part as a fraction of the drawing's size: straight limbs bend too.
+LONGEST_SIDE = 1.0 / 64.0
+# Distance between two parts in the stack, as a fraction of the drawing's size.
+DEPTH = 1e-3
+
+Points = NDArray[np.float64]
+# Materials by kind, "Fill" or "Stroke", and colour.
+Materials = dict[tuple[str, tuple[float, ...]], bpy.types.Material]
+# Kind, colour and outline of one colour of a part, around the part's middle.
+Paint: TypeAlias = "tuple[str, tuple[float, ...], core.Mesh]"
 
 
 @dataclass(frozen=True)
@@ -39,20 +54,18 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> list[Shape]:
 
     outlines: of an SVG, "ONE" of everything, "SEVERAL" of each shape, or "AUTO", several of exported cages.
     """
-    exchange = core.exchange
-    if not path.exists():
-        raise UserError(f"There is no file '{path}'")
-    try:
-        if path.suffix.lower() in SVG:
-            return _svg_shapes(path, outlines)
-        if path.suffix.lower() not in MAPS:
-            raise UserError(f"'{path.name}' is not a supported file type: choose .svg, .geojson or .json")
-        text = exchange.read_whole(path, exchange.Limits())
-        if exchange.is_engine_json(text):
-            return [Shape(path.stem, exchange.from_engine_json(text), True, EXPORTED)]
-        features = exchange.features_from_geojson(text)
-    except (core.NestedCagesError, OSError) as error:
-        raise UserError(f"'{path.name}' cannot be read: {told(error)}") from error
+    exchange, ending = core.exchange, path.suffix.lower()
+    if path.exists() and ending not in (*SVG, *MAPS):
+        raise UserError(f"'{path.name}' is not a supported file type: choose .svg, .geojson or .json")
+    content = _content(path)
+    with blamed(f"'{path.name}' cannot be read"):
+        if ending in SVG:
+            found = exchange.svg_shapes(content, each=EACH[outlines])
+            scale = EXPORTED if found.written else PIXEL
+            return [Shape(name or path.stem, mesh, True, scale) for name, mesh in found.shapes]
+        if exchange.is_engine_json(content):
+            return [Shape(path.stem, exchange.from_engine_json(content), True, EXPORTED)]
+        features = exchange.features_from_geojson(content)
     if not features:
         raise UserError(f"'{path.name}' has no polygons")
     return [
@@ -66,11 +79,19 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> list[Shape]:
     ]
 
 
-def _svg_shapes(path: Path, outlines: str) -> list[Shape]:
-    """The outlines of an SVG. Raises: core.NestedCagesError, OSError."""
-    content = core.exchange.read_whole(path, core.exchange.Limits())
-    found = core.exchange.svg_shapes(content, each=EACH[outlines])
-    return [Shape(name or path.stem, mesh, True, EXPORTED if found.written else PIXEL) for name, mesh in found.shapes]
+def parts_in(path: Path) -> tuple[tuple[core.exchange.SvgPart, ...], tuple[str, ...]]:
+    """The parts of a layered SVG, the lowest first, and notes on what was left out. Raises: UserError."""
+    content = _content(path)
+    with blamed(f"'{path.name}' cannot be read"):
+        return core.exchange.svg_parts(content)
+
+
+def _content(path: Path) -> bytes:
+    """What is in a file of a size that can be read. Raises: UserError."""
+    if not path.exists():
+        raise UserError(f"There is no file '{path}'")
+    with blamed(f"'{path.name}' cannot be read"):
+        return core.exchange.read_whole(path, core.exchange.Limits())
 
 
 def place(
@@ -81,46 +102,106 @@ def place(
     y_down: whether the y axis points down, None for the default of the file format; scale: metres per unit of the file,
     0 for the default.
     """
-    made: list[tuple[str, core.Mesh, NDArray[np.float64]]] = []
+    made: list[tuple[str, core.Mesh, Points]] = []
     for shape in shapes:
         yield Progress(0.5 + 0.5 * len(made) / len(shapes), f"placing '{shape.name}'")
         turned = shape.y_down if y_down is None else y_down
         unit = scale or shape.scale
         points = shape.mesh.vertices * (unit, -unit if turned else unit)
-        middle = (0.5 * (points.min(axis=0) + points.max(axis=0))).astype(np.float32).astype(np.float64)
-        kept = stored(shape.name, [points[loop] - middle for loop in shape.mesh.loops])
-        made.append((shape.name, kept, middle))
-    return [_object(context, *parts) for parts in made]
+        middle = _middle(points)
+        made.append((shape.name, _stored(shape.name, [points[loop] - middle for loop in shape.mesh.loops]), middle))
+    found = []
+    for name, mesh, middle in made:
+        obj = bpy.data.objects.new(name, filling.new_mesh(name, mesh.vertices, mesh.edges))
+        obj.location = (*middle.tolist(), 0.0)
+        context.collection.objects.link(obj)
+        found.append(obj)
+    return found
 
 
-def _object(context: bpy.types.Context, name: str, mesh: core.Mesh, middle: NDArray[np.float64]) -> bpy.types.Object:
-    """A new object of edges that stands at `middle` (2,)."""
-    data = bpy.data.meshes.new(name)
-    corners = np.column_stack([mesh.vertices, np.zeros(len(mesh.vertices))])
-    data.from_pydata(corners.tolist(), mesh.edges.tolist(), [])
-    obj = bpy.data.objects.new(name, data)
-    obj.location = (*middle.tolist(), 0.0)
-    context.collection.objects.link(obj)
-    return obj
+def place_parts(
+    context: bpy.types.Context, title: str, parts: tuple[core.exchange.SvgPart, ...], *, y_down: bool, scale: float
+) -> Work[list[bpy.types.Object]]:
+    """New objects, each around its own centre and above the one before, in a collection per group. Raises: UserError.
+
+    scale: metres per unit of the file, 0 for the default.
+    """
+    scale = scale or PIXEL
+    turn = np.array((scale, -scale if y_down else scale))
+    own = [np.concatenate([mesh.vertices for mesh in (part.fill, part.stroke) if mesh]) * turn for part in parts]
+    extent = size(np.concatenate(own))
+    made: list[tuple[core.exchange.SvgPart, Points, list[Paint]]] = []
+    for part, points in zip(parts, own, strict=True):
+        yield Progress(0.5 + 0.5 * len(made) / len(parts), f"placing '{part.name}'")
+        middle, paints = _middle(points), []
+        coloured = (("Fill", part.fill, part.fill_colour), ("Stroke", part.stroke, part.stroke_colour))
+        for kind, mesh, shade in coloured:
+            if mesh is not None:
+                loops = [divided(mesh.vertices[loop] * turn - middle, LONGEST_SIDE * extent) for loop in mesh.loops]
+                paints.append((kind, tuple(shade), _stored(part.name, loops)))
+        made.append((part, middle, paints))
+    home = bpy.data.collections.new(title)
+    context.collection.children.link(home)
+    groups: dict[tuple[str, ...], bpy.types.Collection] = {(): home}
+    materials: Materials = {}
+    found = []
+    for number, (part, middle, paints) in enumerate(made):
+        obj = bpy.data.objects.new(part.name, _faces(part.name, paints, materials))
+        obj.location = (*middle.tolist(), DEPTH * extent * number)
+        obj.color = obj.data.materials[0].diffuse_color
+        _group(groups, part.groups).objects.link(obj)
+        found.append(obj)
+    return found
 
 
-def stored(name: str, loops: list[NDArray[np.float64]]) -> core.Mesh:
+def _group(known: dict[tuple[str, ...], bpy.types.Collection], groups: tuple[str, ...]) -> bpy.types.Collection:
+    """The collection of a group, a new one inside that of the group around it."""
+    if groups not in known:
+        known[groups] = bpy.data.collections.new(groups[-1])
+        _group(known, groups[:-1]).children.link(known[groups])
+    return known[groups]
+
+
+def _faces(name: str, paints: list[Paint], materials: Materials) -> bpy.types.Mesh:
+    """A new mesh of all paints, joined where they have the same points, and a material of each."""
+    points: dict[tuple[float, float], int] = {}
+    faces: list[list[int]] = []
+    slots: list[int] = []
+    for slot, (_, _, mesh) in enumerate(paints):
+        numbers = [points.setdefault((x, y), len(points)) for x, y in mesh.vertices.tolist()]
+        triangles = triangulation.triangulate(mesh).triangles.tolist()
+        faces += [[numbers[corner] for corner in triangle] for triangle in triangles]
+        slots += [slot] * len(triangles)
+    data = filling.new_mesh(name, np.array(list(points)), faces=faces)
+    for kind, shade, _ in paints:
+        if (kind, shade) not in materials:
+            code = "".join(f"{round(255.0 * part):02X}" for part in shade[:3])
+            colour = Color(shade[:3]).from_srgb_to_scene_linear()
+            materials[kind, shade] = display.flat_material(f"{kind} #{code}", (*colour[:], shade[3]))
+        data.materials.append(materials[kind, shade])
+    data.polygons.foreach_set("material_index", slots)
+    return data
+
+
+def _middle(points: Points) -> Points:
+    """The middle (2,) of the bounding box of points (n, 2), a float32 value."""
+    middle: Points = (0.5 * (points.min(axis=0) + points.max(axis=0))).astype(np.float32).astype(np.float64)
+    return middle
+
+
+def _stored(name: str, loops: list[Points]) -> core.Mesh:
     """The core's ``Mesh`` of loops (k, 2) in float32 precision. Raises: UserError.
 
     Points that coincide in float32 are merged, and loops that touch because of it are joined.
     """
     extent = size(np.concatenate(loops))
-    try:
-        kept = [_rounded(loop, extent) for loop in loops]
+
+    def rounded(loops: list[Points]) -> list[Points]:
+        return [chains.without_doubles(loop.astype(np.float32), extent).astype(np.float64) for loop in loops]
+
+    with blamed(f"'{name}' loses detail in Blender's precision"):
         try:
-            return core.Mesh.from_loops(kept)
+            return core.Mesh.from_loops(rounded(loops))
         except core.NestedCagesError:
-            mended = core.exchange.solid([core.exchange.Painted(kept, evenodd=True)])
-            return core.Mesh.from_loops([_rounded(mended.vertices[loop], extent) for loop in mended.loops])
-    except core.NestedCagesError as error:
-        raise UserError(f"'{name}' loses detail in Blender's precision: {error}") from error
-
-
-def _rounded(loop: NDArray[np.float64], extent: float) -> NDArray[np.float64]:
-    """A loop (k, 2) as float32, without repeated points."""
-    return chains.without_doubles(loop.astype(np.float32), extent).astype(np.float64)
+            mended = core.exchange.solid([core.exchange.Painted(rounded(loops), evenodd=True)])
+            return core.Mesh.from_loops(rounded([mended.vertices[loop] for loop in mended.loops]))

@@ -9,11 +9,10 @@ from typing import Any
 
 import bpy
 import numpy as np
-from mathutils import Matrix, Vector
-from mathutils.geometry import delaunay_2d_cdt
+from mathutils import Matrix
 from numpy.typing import NDArray
 
-from ..core import core, distance, memory, pictures, predicates, tasks
+from ..core import blamed, core, memory, pictures, tasks, triangulation
 from ..errors import UserError
 from ..generation.generate import STAGES
 from ..generation.job import Progress, Work
@@ -24,12 +23,10 @@ from ..scene.selection import scene_of
 
 Points = NDArray[np.float64]
 
-# Cells along the longer side, for points inside the outline that let the picture bend smoothly.
+# Triangles along the longer side of a picture, which let it bend smoothly.
 CELLS = 24
 # Distance between pictures that are laid out in a row, in units.
 GAP = 0.1
-# Distance of inner points from the outline, as a fraction of a cell.
-OUTLINE_DISTANCE = 0.5
 
 
 @dataclass(frozen=True)
@@ -45,10 +42,7 @@ class Canvas:
         x, y = (side / np.linalg.norm(side) for side in (self.width, self.height))
         if abs(float(x @ y)) > PLANARITY:
             raise UserError("The picture is sheared: apply the scale of its object and its parents, or use a new one")
-        matrix = np.eye(4)
-        middle = self.corner + 0.5 * (self.width + self.height)
-        matrix[:3, :] = np.column_stack([x, y, np.cross(x, y), middle]).astype(np.float32)
-        return Frame(matrix=matrix, height=0.0, scale=1.0, own=True)
+        return replace(Frame.through(self.corner + 0.5 * (self.width + self.height), x, y), own=True)
 
     def placed(self, parts: Points) -> Points:
         """Points (n, 2), as fractions of the picture's width and height, in the frame, rounded to float32."""
@@ -73,11 +67,13 @@ def image_on(obj: bpy.types.Object | None) -> bpy.types.Image | None:
         return None
     if obj.type == "EMPTY":
         return obj.data if isinstance(obj.data, bpy.types.Image) else None
-    material = obj.active_material if obj.type == "MESH" else None
-    if material is None or material.node_tree is None:
-        return None
-    nodes: Any = material.node_tree.nodes
-    return next((node.image for node in nodes if node.bl_idname == "ShaderNodeTexImage" and node.image), None)
+    return next(iter(_images(obj.active_material)), None) if obj.type == "MESH" else None
+
+
+def _images(material: bpy.types.Material | None) -> list[bpy.types.Image]:
+    """The images in a material."""
+    nodes: Any = material.node_tree.nodes if material is not None and material.node_tree is not None else ()
+    return [node.image for node in nodes if node.bl_idname == "ShaderNodeTexImage" and node.image]
 
 
 def canvas_of(obj: bpy.types.Object | None, size: tuple[int, int]) -> Canvas:
@@ -128,57 +124,30 @@ def _on_faces(obj: bpy.types.Object, matrix: Points) -> Canvas:
 
 
 def filled(name: str, outline: core.Mesh, canvas: Canvas, image: bpy.types.Image) -> bpy.types.Mesh:
-    """A new mesh around the outline, in the canvas's frame, that shows the picture."""
-    points, triangles = _triangles(outline)
-    data = bpy.data.meshes.new(name)
-    corners = np.column_stack([points, np.zeros(len(points))])
-    data.from_pydata(corners.tolist(), [], triangles.tolist())
+    """A new mesh in the outline, in the canvas's frame, that shows the picture."""
+    spacing = float(np.ptp(outline.vertices, axis=0).max()) / CELLS
+    inside = triangulation.triangulate(outline, triangulation.Sampling(spacing, growth=0.0))
+    points = inside.vertices
+    data = filling.new_mesh(name, points, faces=inside.triangles)
     sides = np.array([np.linalg.norm(canvas.width), np.linalg.norm(canvas.height)])
     parts = points / sides + 0.5
     layer = data.uv_layers.new(name="UVMap")
     used = filling.stored(data.loops, "vertex_index", 1, np.int32).ravel()
     layer.data.foreach_set("uv", parts[used].astype(np.float32).ravel())
     data.materials.append(material_of(image))
-    data.update()
     return data
-
-
-def _triangles(outline: core.Mesh) -> tuple[Points, NDArray[np.int64]]:
-    """Points (n, 2), those of the outline first, and counter-clockwise triangles (t, 3) that fill it evenly."""
-    border = np.asarray(outline.vertices)
-    low, high = border.min(axis=0), border.max(axis=0)
-    cell = float((high - low).max()) / CELLS
-    x, y = (np.arange(low[k] + 0.5 * cell, high[k], cell) for k in range(2))
-    grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    starts, ends = border[outline.edges[:, 0]], border[outline.edges[:, 1]]
-    inside = predicates.winding_number(grid, starts, ends) == 1
-    far = distance.point_edge(grid[:, None], starts, ends).distance.min(axis=1) > OUTLINE_DISTANCE * cell
-    inner = grid[inside & far]
-    inner = inner.astype(np.float32).astype(np.float64)
-    points = np.concatenate([border, inner])
-    found = delaunay_2d_cdt([Vector(point) for point in points], outline.edges.tolist(), [], 0, 0.0)
-    origin = [first[0] if first else -1 for first in found[3]]
-    triangles = np.array([[origin[corner] for corner in face] for face in found[2]], dtype=np.int64).reshape(-1, 3)
-    middles = points[triangles].mean(axis=1)
-    kept = (triangles >= 0).all(axis=1) & (predicates.winding_number(middles, starts, ends) == 1)
-    return points, triangles[kept]
 
 
 def material_of(image: bpy.types.Image) -> bpy.types.Material:
     """A material that shows an image without lighting, with its transparency; one per file."""
     name = f"{image.name} Cutout"
     material = bpy.data.materials.get(name)
-    if material is not None and _shows(material, image):
+    if material is not None and image in _images(material):
         return material
     material = nodes.material(nodes.CUTOUT, name)
     picture: Any = material.node_tree.nodes["Image Texture"]
     picture.image = image
     return material
-
-
-def _shows(material: bpy.types.Material, image: bpy.types.Image) -> bool:
-    nodes: Any = material.node_tree.nodes if material.node_tree is not None else ()
-    return any(node.bl_idname == "ShaderNodeTexImage" and node.image == image for node in nodes)
 
 
 def place(
@@ -230,17 +199,15 @@ class Picture:
         if traced is not None:
             return traced
         yield Progress(0.0, f"'{self.name}': tracing pixels")
-        try:
+        with blamed(f"'{self.name}'"):
             made = yield from tasks.mapped(
                 pictures.picture_cages_run(self.alpha, [vertices], **options),
                 lambda step: Progress(step.fraction, f"'{self.name}': {STAGES[step.stage]}"),
             )
             found = made.cages[0]
             traced = core.Mesh(found.vertices * (1.0, -1.0) + (0.0, self.size[1]), found.edges)
-            known().put(key, traced, found.vertices.nbytes)
-            return traced
-        except core.NestedCagesError as error:
-            raise UserError(f"'{self.name}': {error}") from error
+        known().put(key, traced, found.vertices.nbytes)
+        return traced
 
 
 def place_outline(
@@ -255,9 +222,7 @@ def place_outline(
         unit, offset = unit * target.empty_display_size, (target.empty_image_offset[0], target.empty_image_offset[1])
     points = (mesh.vertices + np.array(offset) * picture.size) * unit
     name = f"{picture.name} Outline"
-    data = bpy.data.meshes.new(name)
-    data.from_pydata(np.column_stack([points, np.zeros(len(points))]).tolist(), mesh.edges.tolist(), [])
-    obj = bpy.data.objects.new(name, data)
+    obj = bpy.data.objects.new(name, filling.new_mesh(name, points, mesh.edges))
     display.apply_display(obj, 1)
     (ownership.home_of(scene_of(context), target) if target is not None else context.collection).objects.link(obj)
     if target is not None:
@@ -268,6 +233,5 @@ def place_outline(
 def image_of(context: bpy.types.Context) -> bpy.types.Image | None:
     """The image of the active image empty, or of an image editor."""
     obj = context.view_layer.objects.active
-    if obj is not None and obj.type == "EMPTY" and isinstance(obj.data, bpy.types.Image):
-        return obj.data
-    return getattr(context.space_data, "image", None)
+    shown = image_on(obj) if obj is not None and obj.type == "EMPTY" else None
+    return shown or getattr(context.space_data, "image", None)

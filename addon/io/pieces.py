@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import bpy
-import numpy as np
 from mathutils import Matrix
 
-from ..core import core, triangulation
-from ..errors import UserError
+from ..core import blamed, core, triangulation
 from ..generation.memory import remembered
 from ..scene import convert, display, filling, ownership
 from ..scene.plane import size
@@ -21,13 +18,8 @@ from . import exporters
 PASSIVE, ACTIVE = "PASSIVE", "ACTIVE"
 
 
-@dataclass(frozen=True)
-class Tiles:
-    """The convex pieces of a cage as indices of its vertices."""
-
-    drawing: convert.Drawing
-    mesh: core.Mesh
-    pieces: Sequence[Sequence[int]]
+# A drawing, its mesh, and its convex pieces as indices of vertices.
+Tiles: TypeAlias = "tuple[convert.Drawing, core.Mesh, Sequence[Sequence[int]]]"
 
 
 def make(
@@ -52,37 +44,34 @@ def make(
 
 def _tiles(drawing: convert.Drawing, most: int) -> Tiles:
     mesh = drawing.mesh()
-    try:
+    with blamed(f"'{drawing.name}'"):
         pieces = remembered(
             lambda: triangulation.piece_vertices(mesh, most), mesh.vertices.nbytes, "pieces", mesh, most
         )
-        return Tiles(drawing, mesh, pieces)
-    except core.NestedCagesError as error:
-        raise UserError(f"'{drawing.name}': {error}") from error
+    return drawing, mesh, pieces
 
 
 def _write(
     context: bpy.types.Context, obj: bpy.types.Object, tiles: Tiles, height: float, body: str
 ) -> list[bpy.types.Object]:
     """The pieces of one object, preceded by their compound body if it is active."""
-    frame = tiles.drawing.frame
-    points = frame.points(tiles.mesh.vertices)
+    (drawing, mesh, pieces), made = tiles, []
+    frame, points = drawing.frame, drawing.frame.points(mesh.vertices)
     half = 0.5 * height / frame.scale if height > 0.0 or not body else filling.HALF_HEIGHT * size(points)
     home = bpy.data.collections.new(f"{obj.name} Pieces")
     (obj.users_collection or [context.scene.collection])[0].children.link(home)
-    made = []
-    for number, piece in enumerate(tiles.pieces, 1):
+    for number, piece in enumerate(pieces, 1):
         name = f"{obj.name} Piece {number}"
-        new = bpy.data.objects.new(name, _data(name, points[list(piece)], half))
+        new = bpy.data.objects.new(name, filling.piece(name, points[list(piece)], half))
         new.color = display.colour(1, number)
         home.objects.link(new)
         exporters.put(new, obj, frame)
         made.append(new)
     if body != ACTIVE:
         return made
-    middle = Matrix.Translation((*_centroid(tiles.mesh), frame.height))  # bodies rotate around their origin
+    middle = Matrix.Translation((*_centroid(mesh), frame.height))  # bodies rotate around their origin
     name = f"{obj.name} Body"
-    data = filling.prism(name, points, tiles.mesh, half)
+    data = filling.prism(name, points, mesh, half)
     data.transform(middle.inverted())
     whole = bpy.data.objects.new(name, data)
     home.objects.link(whole)
@@ -107,21 +96,6 @@ def _carry(obj: bpy.types.Object, whole: bpy.types.Object) -> None:
             root.parent = whole
             root.matrix_parent_inverse = whole.matrix_world.inverted()
             root.matrix_world = place
-
-
-def _data(name: str, points: filling.Points, half: float) -> bpy.types.Mesh:
-    """A face with corners (k, 3), or a prism of twice this height."""
-    face, data = np.arange(len(points)), bpy.data.meshes.new(name)
-    if half > 0.0:
-        raised, after = np.array([0.0, 0.0, half]), np.roll(face, -1)
-        above = face + len(points)
-        walls = np.column_stack([face, after, after + len(points), above])
-        corners = np.concatenate([points - raised, points + raised])
-        data.from_pydata(corners.tolist(), [], [face[::-1].tolist(), above.tolist(), *walls.tolist()])
-    else:
-        data.from_pydata(points.tolist(), [], [face.tolist()])
-    data.update()
-    return data
 
 
 def _centroid(mesh: core.Mesh) -> tuple[float, float]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -15,7 +14,7 @@ from ..core import core
 from ..errors import UserError
 from ..generation.job import Progress, Work
 from ..scene import filling, ownership
-from ..scene.areas import Area, Faces, Patch, areas_of, loops_of
+from ..scene.areas import areas_of
 from ..scene.plane import Frame, fitted_frame, own_frame, world_matrix
 from ..scene.reading import READERS, lines_of
 from ..scene.selection import scene_of
@@ -29,18 +28,6 @@ AXES = {
 }
 # Largest area of faces seen edge-on, as a fraction of their size squared.
 EDGE_ON = 1e-12
-
-
-@dataclass(frozen=True)
-class Options:
-    """`strokes`: with the width of strokes; `closed`: closed ones are areas too. `fill_holes`: without holes.
-    `gap`: parts closer than this length of the scene are joined.
-    """
-
-    strokes: bool = True
-    closed: bool = False
-    fill_holes: bool = False
-    gap: float = 0.0
 
 
 def plane_of(context: bpy.types.Context, active: bpy.types.Object, plane: str) -> Frame:
@@ -62,27 +49,31 @@ def plane_of(context: bpy.types.Context, active: bpy.types.Object, plane: str) -
 
 def _facing(active: bpy.types.Object, x: NDArray[np.float64], y: NDArray[np.float64]) -> Frame:
     """A frame of unit scale through the origin of the active object."""
-    matrix = np.eye(4)
-    matrix[:3, :] = np.column_stack([x, y, np.cross(x, y), np.array(active.matrix_world.translation)]).astype(
-        np.float32
-    )
-    return Frame(matrix=matrix, height=0.0, scale=1.0, own=False)
+    return Frame.through(np.array(active.matrix_world.translation), x, y)
 
 
 def outline(
     context: bpy.types.Context,
     objects: Sequence[bpy.types.Object],
     frame: Frame,
-    options: Options = Options(),
+    *,
+    strokes: bool = True,
+    closed: bool = False,
+    fill_holes: bool = False,
+    gap: float = 0.0,
 ) -> Work[tuple[tuple[NDArray[np.float64], ...], list[UserError]]]:
-    """The loops (k, 2) of the silhouette of objects in a frame, and why some have none. Raises: UserError if all do."""
+    """The loops (k, 2) of the silhouette of objects in a frame, and why some have none. Raises: UserError if all do.
+
+    strokes: with the width of strokes; closed: closed ones are areas too. fill_holes: without holes. gap: parts closer
+    than this length of the scene are joined.
+    """
     areas: list[core.exchange.Painted] = []
     problems: list[UserError] = []
     for done, obj in enumerate(objects):
         yield Progress(0.5 * done / len(objects), f"reading '{obj.name}'")
         try:
-            for area in areas_of(context, obj, strokes=options.strokes, closed=options.closed):
-                areas += _painted(area, frame)
+            found = areas_of(context, obj, frame, strokes=strokes, closed=closed)
+            areas += [area for area in found if any(map(_has_room, area.loops))]
         except UserError as error:
             problems.append(error)
     name = objects[0].name
@@ -90,31 +81,14 @@ def outline(
         raise problems[0] if problems else UserError(f"'{name}' is seen from the side: choose another plane")
     yield Progress(0.5, "uniting painted areas")
     loops = united(name, areas)
-    if options.gap > 0.0:
-        loops = _changed(name, core.exchange.joined(core.Mesh.from_loops(loops), options.gap / frame.scale))
-    if options.fill_holes:
+    if gap > 0.0:
+        mesh = core.exchange.joined(core.Mesh.from_loops(loops), gap / frame.scale)
+        loops = united(name, [core.exchange.Painted([mesh.vertices[loop] for loop in mesh.loops], evenodd=True)])
+    if fill_holes:
         mesh = core.Mesh.from_loops(loops)
         outer = [mesh.vertices[loop] for loop, sign in zip(mesh.loops, mesh.loop_signs, strict=True) if sign > 0]
         loops = united(name, [core.exchange.Painted([loop]) for loop in outer])
     return loops, problems
-
-
-def _changed(name: str, mesh: core.Mesh) -> tuple[NDArray[np.float64], ...]:
-    return united(name, [core.exchange.Painted([mesh.vertices[loop] for loop in mesh.loops], evenodd=True)])
-
-
-def _painted(area: Area, frame: Frame) -> list[core.exchange.Painted]:
-    """An area of the world in a frame, as shapes of float32 coordinates."""
-    if isinstance(area, Patch):
-        loops = [_seen(frame, loop) for loop in area.loops]
-        return [core.exchange.Painted(loops, area.evenodd)] if any(map(_has_room, loops)) else []
-    flat = _seen(frame, area.points)
-    shapes = flat[area.triangles] if isinstance(area, Faces) else loops_of(flat, area.radii / frame.scale)
-    return [core.exchange.Painted([shape]) for shape in shapes if _has_room(shape)]
-
-
-def _seen(frame: Frame, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    return frame.from_world(points)[0].astype(np.float32).astype(np.float64)
 
 
 def _has_room(loop: NDArray[np.float64]) -> bool:

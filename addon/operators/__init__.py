@@ -6,9 +6,9 @@ import bpy
 
 from ..following import live as following_live
 from ..generation.job import running
-from . import bake, bind, exporters, follow, generate, importers, levels, parts, pictures, verify
+from . import animation, bind, exporters, generate, importers, levels, parts, pictures, verify
 
-_ROOMS = (generate, verify, bake, bind, parts, follow, importers, exporters, pictures, levels)
+_ROOMS = (generate, verify, bind, parts, animation, importers, exporters, pictures, levels)
 CLASSES = [
     found
     for room in _ROOMS

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import bpy
+from bpy.props import CollectionProperty
 
 from .. import record
 from ..binding.adoption import adopt, waiting
 from ..errors import Fault, UserError, counted
 from ..generation.job import TICK, Job, Work, completed, part, running
-from ..properties.kinds import flag
+from ..properties.kinds import flag, text
 from ..scene import ownership
 from ..scene.selection import chosen, outputs_of_chosen, scene_of
 
@@ -112,6 +115,8 @@ class JobOperator(Operator):
 
     # Whether the work changes the scene before it is done, which blocks all other changes.
     exclusive = False
+    # A setting of the 3D view that shows the result, by its part and name: its default, and what is better.
+    shown_by: tuple[str, str, object, object] | None = None
 
     # Blender evaluates annotations of classes; with generic ones, version 4.2 crashes on exit.
     _job = None  # type: Job[None] | None
@@ -171,7 +176,12 @@ class JobOperator(Operator):
         return {"FINISHED"}
 
     def show_result_in(self, context: bpy.types.Context) -> None:
-        """Changes the views of the window in which the work has ended."""
+        """Shows the result in the 3D view in which the work has ended, unless the user has changed its setting."""
+        space: Any = context.space_data
+        if self.shown_by is not None and isinstance(space, bpy.types.SpaceView3D):
+            part, name, default, better = self.shown_by
+            if getattr(getattr(space, part), name) == default:
+                setattr(getattr(space, part), name, better)
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Stops the work; also called by Blender when it exits or opens another file."""
@@ -241,8 +251,8 @@ class OutputOperator(JobOperator):
         self.tell_skipped(problems)
 
     def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[Any]:
-        """The work on one output. Raises: UserError, with nothing changed."""
-        raise NotImplementedError
+        """The work on one output, if it is not all done at the end. Raises: UserError, with nothing changed."""
+        yield from ()
 
     def finish(self, context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, Any]]) -> None:
         """Selects and reports, given the outputs and what `each` has returned for them."""
@@ -267,6 +277,12 @@ class DialogJobOperator(JobOperator):
         asked: Outcome = self.ask(context, event)
         return asked
 
+    def draw_options(self, *names: str) -> None:
+        """Draws options below each other."""
+        self.layout.use_property_split = True
+        for name in names:
+            self.layout.prop(self, name)
+
     def execute(self, context: bpy.types.Context) -> Outcome:
         if not self._asked:
             return super().execute(context)
@@ -279,6 +295,25 @@ class DialogJobOperator(JobOperator):
                 options[key] = [{"name": item.name} for item in value]
         again("INVOKE_DEFAULT", **{**options, "answered": True})
         return {"CANCELLED"}  # this operator has changed nothing: undo and redo are for the invoked one
+
+
+class FilesOperator(DialogJobOperator):
+    """A job on one file or several."""
+
+    directory: text("Folder", "Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
+    files: CollectionProperty(
+        name="Files",
+        description="The files, if there are several",
+        type=bpy.types.OperatorFileListElement,
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
+
+
+def paths_of(operator: Any) -> list[Path]:
+    """The files that were chosen in an operator."""
+    names = [file.name for file in operator.files if file.name] if operator.directory else []
+    given = [os.path.join(operator.directory, name) for name in names] or [operator.filepath]
+    return [Path(bpy.path.abspath(path)) for path in given if path]
 
 
 def _asks_to_cancel(context: bpy.types.Context, event: bpy.types.Event) -> bool:

@@ -22,15 +22,8 @@ METHOD_ITEMS = (
     (LINEAR, NAMES[LINEAR], "Linear on the triangles of the cage: nothing leaves it unless a triangle flips"),
 )
 
-# Wire threshold of a 3D view: all edges, Blender's default; or only borders and edges between faces at an angle.
-ALL_EDGES, OUTLINES = 1.0, 0.5
-
-
-def show_outlines(context: bpy.types.Context) -> None:
-    """Hides edges between coplanar triangles in the 3D view, unless the user has changed that setting."""
-    space = context.space_data
-    if isinstance(space, bpy.types.SpaceView3D) and space.overlay.wireframe_threshold == ALL_EDGES:
-        space.overlay.wireframe_threshold = OUTLINES
+# Borders and edges between faces at an angle instead of all edges.
+OUTLINES = ("overlay", "wireframe_threshold", 1.0, 0.5)
 
 
 class BindingOperator(OutputOperator):
@@ -53,8 +46,7 @@ class LinkOperator(BindingOperator):
 
     method: choice("Method", "How each level follows the next coarser one", METHOD_ITEMS, default="AUTO")
 
-    def show_result_in(self, context: bpy.types.Context) -> None:
-        show_outlines(context)
+    shown_by = OUTLINES
 
     def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[binding.Binding]:
         if not self.needs_bound and ownership.is_bound(collection):
@@ -63,7 +55,7 @@ class LinkOperator(BindingOperator):
 
     def finish(self, context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, binding.Binding]]) -> None:
         cages = [ownership.members(collection)[-1] for collection, _ in done]
-        error = max((link.rest for _, made in done for link in made.links), default=0.0)
+        error = max(made.rest for _, made in done)
         select(context, *cages)
         name = f"'{cages[0].name}'" if len(cages) == 1 else f"the {len(cages)} coarsest cages"
         said = done[0][1].original if len(done) == 1 else f"{len(done)} drawings follow."
@@ -144,12 +136,8 @@ class OBJECT_OT_nested_cages_add_handles(OutputOperator, bpy.types.Operator):
             return f"'{cage.name}' has handles already"
         return "" if cage.is_editable else f"'{cage.name}' cannot be changed because it is linked from another file"
 
-    def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[bpy.types.Object]:
-        yield from ()
-        return ownership.members(collection)[-1]
-
-    def finish(self, context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, bpy.types.Object]]) -> None:
-        cages = [cage for _, cage in done]
+    def finish(self, context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, None]]) -> None:
+        cages = [ownership.members(collection)[-1] for collection, _ in done]
         select(context, *handles.add(context, cages, self.kind))
         if self.kind == handles.BONES:
             bpy.ops.object.mode_set(mode="POSE")

@@ -9,6 +9,7 @@ import bpy
 from bpy_extras.io_utils import ExportHelper
 
 from ..characters import engine
+from ..core import blamed, core
 from ..errors import UserError, counted
 from ..io import exporters, pieces
 from ..properties.kinds import choice, flag, length, number, text, whole
@@ -118,21 +119,26 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
             return
         objects = coarsest(context) if self.kind == "ENGINE" else outlines(context)
         shapes = exporters.meshes(context, objects, world=self.world, scale=self.scale)
-        extras = exporters.Extras(
-            self.triangles,
-            max(3, self.pieces) if self.pieces else 0,
-            [ownership.depth_of(obj) for obj in objects] if any(map(ownership.level_of, objects)) else None,
-            exporters.paper(context, objects[0], world=self.world) if self.scale == 1.0 else None,
+        exporters.write(
+            path,
+            self.kind,
+            shapes,
+            flip_y=self.flip_y,
+            triangles=self.triangles,
+            pieces=max(3, self.pieces) if self.pieces else None,
+            levels=[ownership.depth_of(obj) for obj in objects] if any(map(ownership.level_of, objects)) else None,
+            size=exporters.paper(context, objects[0], world=self.world) if self.scale == 1.0 else None,
         )
-        count = exporters.write(path, self.kind, shapes, flip_y=self.flip_y, extras=extras)
-        self.report({"INFO"}, f"{counted(count, 'outline')} written to {path.name}")
+        self.report({"INFO"}, f"{counted(len(shapes), 'outline')} written to {path.name}")
 
     def _character(self, context: bpy.types.Context, path: Path) -> None:
         """Writes the rigged drawing of the selection. Raises: UserError."""
         found = outputs_of_chosen(context)
         if len(found) != 1:
             raise UserError("Select one rigged drawing, or its cage: a file has one character")
-        exporters.write_file(path, engine.json_of(context, found[0], flip_y=self.flip_y, frames=self.frames))
+        text = engine.json_of(context, found[0], flip_y=self.flip_y, frames=self.frames)
+        with blamed(f"'{path.name}' cannot be written"):
+            core.exchange.write_whole(path, text)
         self.report({"INFO"}, f"'{found[0].name}' written to {path.name}")
 
 

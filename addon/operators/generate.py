@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 from .. import record
+from ..animation.timeline import Timing
 from ..binding import binding, field
 from ..binding.adoption import adopt
 from ..errors import UserError, counted
@@ -20,7 +21,7 @@ from ..generation.job import Work, completed, part, running
 from ..generation.levels import OWN
 from ..generation.rules import Places
 from ..notes import in_scene, note
-from ..properties import conversion, groups
+from ..properties import conversion, groups, level_list
 from ..properties.settings import GenerationProperties, OperatorProperties
 from ..rigging.pose import Pose, unmoved
 from ..scene import convert, ownership, painted
@@ -42,6 +43,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
 
     modes = ("OBJECT", "EDIT_MESH")
     wrong_mode = "Switch to Object Mode, or select edge loops of a mesh in Edit Mode"
+    shown_by = ("shading", "wireframe_color_type", "THEME", "OBJECT")
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
@@ -76,12 +78,6 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
         yield from self._write(scene, [replace(result, used=used) for result in generation.results])
         self.tell_skipped(problems)
 
-    def show_result_in(self, context: bpy.types.Context) -> None:
-        """Shows wires in object colours in the 3D view, unless the user has changed that setting."""
-        space = context.space_data
-        if isinstance(space, bpy.types.SpaceView3D) and space.shading.wireframe_color_type == "THEME":
-            space.shading.wireframe_color_type = "OBJECT"
-
     def _write(self, scene: bpy.types.Scene, results: Sequence[Result]) -> Work[None]:
         """Puts the results into the scene. Raises: UserError."""
         gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
@@ -93,7 +89,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
         adopt(scene, [result.drawing.source for result in results if result.drawing.source is not None])
         earlier = [found for result in results if (found := output.earlier_output(scene, result)) is not None]
         poses = {found: _poses(found) for found in earlier}
-        writing = output.writing(scene, results, conversion.timing(self), self.thickness)
+        writing = output.writing(scene, results, conversion.filled(Timing, self), self.thickness)
         collections, lost = yield from part(writing, 0, 1, begin=COMPUTED)
         bound = {collection: binding.forget(collection) for collection in collections}
         if self.show_result:
@@ -242,7 +238,7 @@ def _request(
     values: GenerationProperties,
 ) -> Request:
     """One drawing, of all objects, and the user's own levels for it. Raises: UserError."""
-    reading = conversion.reading_options(values)
+    reading = conversion.filled(convert.ReadingOptions, values)
     outlines = [convert.read(context, obj, reading, lines.get(obj)) for obj in objects]
     fine = convert.fine_drawing(outlines[0], reading)
     layers = [convert.drawing_in(fine.frame, outline, reading, layer=True) for outline in outlines[1:]]
@@ -283,7 +279,7 @@ def _places(
 def _own_objects(context: bpy.types.Context, values: GenerationProperties) -> list[bpy.types.Object]:
     """The objects that are levels. Raises: UserError."""
     objects = []
-    for name in conversion.own_names(values):
+    for name in level_list.names_of(values.levels, values.level_objects):
         obj = context.scene.objects.get(name)
         if obj is None:
             raise UserError(f"'{name}' is named as a level but is not in the scene")

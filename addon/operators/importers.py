@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import CollectionProperty
 from bpy_extras.io_utils import ImportHelper
 
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
-from ..io import importers, layered
+from ..io import importers
 from ..properties.kinds import choice, number, text
 from ..scene.filling import mesh_of
 from ..scene.selection import select
-from .base import DialogJobOperator
+from .base import FilesOperator, paths_of
 
 Y_ITEMS = (
     ("AUTO", "Automatic", "Down in SVG and collision outlines, up in maps"),
@@ -32,20 +30,13 @@ Y_DOWN = {"AUTO": None, "DOWN": True, "UP": False}
 EXTENSIONS = (*importers.SVG, *importers.MAPS)
 
 
-class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
+class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
     """Read drawings: the filled area of an SVG, each feature of a GeoJSON, or a collision outline"""
 
     bl_label = "Import Outlines"
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
     filepath: text("File Path", "File to read", subtype="FILE_PATH", options={"SKIP_PRESET"})
-    directory: text("Folder", "Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
-    files: CollectionProperty(
-        name="Files",
-        description="Files to read, if there are several",
-        type=bpy.types.OperatorFileListElement,
-        options={"HIDDEN", "SKIP_SAVE"},
-    )
     filter_glob: text(
         "Filter", "Files that are shown", default=";".join(f"*{ending}" for ending in EXTENSIONS), options={"HIDDEN"}
     )
@@ -63,17 +54,10 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
         return self.invoke_popup(context)
 
     def draw(self, _context: bpy.types.Context) -> None:
-        self.layout.use_property_split = True
-        self.layout.prop(self, "y")
-        self.layout.prop(self, "scale")
-        self.layout.prop(self, "outlines")
+        self.draw_options("y", "scale", "outlines")
 
     def work(self, context: bpy.types.Context) -> Work[None]:
-        names = [file.name for file in self.files if file.name]
-        folder = Path(bpy.path.abspath(self.directory)) if self.directory else None
-        paths = [folder / name for name in names] if folder is not None else []
-        if not paths and self.filepath:
-            paths = [Path(bpy.path.abspath(self.filepath))]
+        paths = paths_of(self)
         if not paths:
             raise UserError("Choose a file to read")
         shapes: list[importers.Shape] = []
@@ -81,7 +65,7 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
         for done, path in enumerate(paths):
             yield Progress(0.5 * done / len(paths), f"reading '{path.name}'")
             if self.outlines == "PARTS" and path.suffix.lower() in importers.SVG:
-                parts, notes = layered.read(path)
+                parts, notes = importers.parts_in(path)
                 layered_files.append((path.stem, parts))
                 for note in notes:
                     self.report({"WARNING"}, f"'{path.name}': {note}")
@@ -89,7 +73,7 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
                 shapes += importers.shapes_in(path, self.outlines)
         made = yield from importers.place(context, shapes, y_down=Y_DOWN[self.y], scale=self.scale)
         for title, parts in layered_files:
-            made += yield from layered.place(context, title, parts, y_down=self.y != "UP", scale=self.scale)
+            made += yield from importers.place_parts(context, title, parts, y_down=self.y != "UP", scale=self.scale)
         select(context, *made)
         count = sum(len(mesh_of(obj).vertices) for obj in made)
         word = "part" if layered_files and not shapes else "outline"

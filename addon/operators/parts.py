@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import bpy
 
 from ..binding import field
 from ..binding.adoption import adopt
-from ..characters import bones, drawing, rig
+from ..characters import rig
 from ..core import core
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work, completed
@@ -20,7 +21,7 @@ from ..scene.areas import paints
 from ..scene.convert import Drawing
 from ..scene.selection import chosen, scene_of, select
 from .base import JobOperator
-from .bind import show_outlines
+from .bind import OUTLINES
 
 
 class OnParts(JobOperator):
@@ -35,7 +36,7 @@ class OnParts(JobOperator):
     def united(self, context: bpy.types.Context, parts: Sequence[bpy.types.Object]) -> tuple[Drawing, list[UserError]]:
         """The parts in their own shapes as one drawing, and why some were left out. Raises: UserError."""
         with field.unposed(map(field.shown_by, parts)):
-            return completed(drawing.united(context, parts, self.gap))
+            return completed(rig.united(context, parts, self.gap))
 
 
 class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
@@ -47,14 +48,13 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
 
     vertices: whole("Vertices", "Vertices of the cage apart from those at joints; 0: as many as its loops need", min=0)
 
+    shown_by = OUTLINES
+
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
         if _armature(context) is None:
             return "Select an armature too, or press Suggest Bones"
         return super().unavailable(context)
-
-    def show_result_in(self, context: bpy.types.Context) -> None:
-        show_outlines(context)
 
     def work(self, context: bpy.types.Context) -> Work[None]:
         armature = _armature(context)
@@ -113,7 +113,7 @@ class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
         found = core.suggest_bones(whole.mesh(), skeleton)
         if not found:
             raise UserError(f"'{whole.name}' has no limbs: it is round; draw a bone yourself")
-        armature = bones.add(context, f"{whole.name} Bones", whole.frame, found)
+        armature = rig.add_bones(context, f"{whole.name} Bones", whole.frame, found)
         select(context, *(obj for part in parts if (obj := found_object(part)) is not None), armature)
         self.tell_skipped(problems, "object")
         self.report({"INFO"}, f"{counted(len(found), 'bone')}: edit them, then press Rig with Armature")
@@ -165,9 +165,9 @@ class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
         active = context.view_layer.objects.active
         objects = sorted(chosen, key=lambda obj: (obj is not active, obj.name))
         frame = silhouette.plane_of(context, objects[0], self.plane)
-        options = silhouette.Options(strokes=self.strokes, fill_holes=self.fill_holes, gap=self.gap)
+        options: Any = {"strokes": self.strokes, "fill_holes": self.fill_holes, "gap": self.gap}
         identities = [obj.session_uid for obj in objects]
-        loops, problems = yield from silhouette.outline(context, objects, frame, options)
+        loops, problems = yield from silhouette.outline(context, objects, frame, **options)
         parts = [part for each in identities if (part := found_object(each)) is not None]
         if not parts or parts[0].session_uid != identities[0]:
             raise UserError("The active object was deleted meanwhile, so its silhouette was discarded")

@@ -9,16 +9,17 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.props import CollectionProperty
 from bpy_extras.io_utils import ImportHelper
 
 from ..animation import bake
+from ..animation.timeline import Timing
 from ..binding import binding, handles
 from ..errors import UserError, counted
 from ..generation import output
 from ..generation.generate import Generation, Options, Request, Result
 from ..generation.job import Work, completed
 from ..generation.levels import parse_levels
+from ..generation.methods import Methods
 from ..io import pictures
 from ..io.pictures import Canvas, Picture
 from ..keys import found_object
@@ -29,7 +30,7 @@ from ..scene import ownership, units
 from ..scene.convert import Drawing
 from ..scene.filling import mesh_of
 from ..scene.selection import scene_of, select
-from .base import DialogJobOperator
+from .base import DialogJobOperator, FilesOperator, paths_of
 
 
 class PictureProperties:
@@ -64,24 +65,18 @@ class Part:
     shown_by: int | None
 
 
-class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
+class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
     """Cut out image files, or selected image planes and empties, as textured meshes that follow a cage"""
 
     bl_label = "Cutout"
     exclusive = True
+    shown_by = ("shading", "color_type", "MATERIAL", "TEXTURE")
 
     filepath: text(
         "File Path",
         "Picture with an alpha channel; empty takes the selected image planes and image empties",
         subtype="FILE_PATH",
         options={"SKIP_PRESET", "SKIP_SAVE"},
-    )
-    directory: text("Folder", "Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
-    files: CollectionProperty(
-        name="Files",
-        description="Pictures, if there are several",
-        type=bpy.types.OperatorFileListElement,
-        options={"HIDDEN", "SKIP_SAVE"},
     )
     filter_image: flag("Images", "Show images", default=True, options={"HIDDEN", "SKIP_SAVE"})
     vertices: whole("Vertices", "Vertex count of the mesh's outline", default=64, min=3, soft_max=256)
@@ -95,9 +90,7 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
         return ImportHelper.invoke(self, context, event)
 
     def draw(self, _context: bpy.types.Context) -> None:
-        self.layout.use_property_split = True
-        for name in ("vertices", *NAMES, "levels", "bind", "handles"):
-            self.layout.prop(self, name)
+        self.draw_options("vertices", *NAMES, "levels", "bind", "handles")
 
     def work(self, context: bpy.types.Context) -> Work[None]:
         parts, settings = self._parts(context), settings_of(context)
@@ -110,7 +103,8 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
                 frame, shown = part.canvas.frame(), Picture.of(part.image)
                 found = yield from shown.outline(self.vertices, **values(self))
                 points = part.canvas.placed(np.asarray(found.vertices) / shown.size)
-                drawing = Drawing(_stem(part.image), frame, tuple(points[loop] for loop in found.loops))
+                name = Path(part.image.name).stem or part.image.name
+                drawing = Drawing(name, frame, tuple(points[loop] for loop in found.loops))
                 drawing.mesh()
             except UserError as error:
                 problems.append(error)
@@ -121,7 +115,7 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
         if not drawings:
             raise problems[0]
         requests = [Request(drawing) for _, drawing in drawings]
-        generation = Generation(requests, Options(levels=levels, methods=conversion.methods(settings)))
+        generation = Generation(requests, Options(levels=levels, methods=conversion.filled(Methods, settings)))
         yield from generation
         problems += generation.problems
         # Those that have a cage, in the same order.
@@ -154,12 +148,6 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
                 "the threshold",
             )
 
-    def show_result_in(self, context: bpy.types.Context) -> None:
-        """Shows textures in solid views, unless the user has changed their colour."""
-        space = context.space_data
-        if isinstance(space, bpy.types.SpaceView3D) and space.shading.color_type == "MATERIAL":
-            space.shading.color_type = "TEXTURE"
-
     def _write(self, context: bpy.types.Context, made: Sequence[bpy.types.Object], results: Sequence[Result]) -> None:
         """Cages around the new objects, without animation, and bound."""
         placed = [
@@ -167,7 +155,7 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
             for obj, result in zip(made, results, strict=True)
         ]
         scene = scene_of(context)
-        collections, _ = output.write(scene, placed, conversion.timing(settings_of(context)))
+        collections, _ = output.write(scene, placed, conversion.filled(Timing, settings_of(context)))
         for collection in collections:
             if bake.is_animated(collection):
                 bake.remove(scene, collection)
@@ -187,10 +175,8 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
 
     def _parts(self, context: bpy.types.Context) -> list[Part]:
         """The requested pictures. Raises: UserError."""
-        if self.filepath or self.files:
-            folder = Path(bpy.path.abspath(self.directory))
-            several = [folder / item.name for item in self.files if item.name]
-            images = [pictures.load(path) for path in several or [Path(bpy.path.abspath(self.filepath))]]
+        if paths := paths_of(self):
+            images = [pictures.load(path) for path in paths]
             places = pictures.side_by_side([_size(image) for image in images])
             return [Part(image, place, None) for image, place in zip(images, places, strict=True)]
         shown = _shown(context)
@@ -218,11 +204,6 @@ def _size(image: bpy.types.Image) -> tuple[int, int]:
     return width, height
 
 
-def _stem(image: bpy.types.Image) -> str:
-    """The name of an image without file extension."""
-    return Path(image.name).stem or image.name
-
-
 class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bpy.types.Operator):
     """Make a collision outline of few vertices around all opaque pixels of an image"""
 
@@ -242,10 +223,8 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bp
         return context.window_manager.invoke_props_dialog(self)
 
     def draw(self, _context: bpy.types.Context) -> None:
-        self.layout.use_property_split = True
         self.layout.prop_search(self, "image", bpy.data, "images")
-        for name in ("vertices", *NAMES):
-            self.layout.prop(self, name)
+        self.draw_options("vertices", *NAMES)
 
     def work(self, context: bpy.types.Context) -> Work[None]:
         image = bpy.data.images.get(self.image) if self.image else pictures.image_of(context)

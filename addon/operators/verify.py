@@ -140,20 +140,15 @@ class OBJECT_OT_nested_cages_select_fault(Operator, bpy.types.Operator):
         context.scene.cursor.location = middle
         if obj.type in {"MESH", "CURVE"}:
             bpy.ops.object.mode_set(mode="EDIT")
-            if obj.type == "MESH":
-                bpy.ops.mesh.select_all(action="DESELECT")
-            else:
-                bpy.ops.curve.select_all(action="DESELECT")
+            (bpy.ops.mesh if obj.type == "MESH" else bpy.ops.curve).select_all(action="DESELECT")
             bpy.ops.object.mode_set(mode="OBJECT")
             _select_points(obj, fault)
             if obj.type == "MESH":
                 context.tool_settings.mesh_select_mode = (True, False, False)
             bpy.ops.object.mode_set(mode="EDIT")
         if context.area is not None and context.area.type == "VIEW_3D" and context.region is not None:
-            if obj.type in {"MESH", "CURVE"}:
-                bpy.ops.view3d.view_selected()
-            else:
-                bpy.ops.view3d.view_center_cursor()
+            views = bpy.ops.view3d
+            (views.view_selected if obj.type in {"MESH", "CURVE"} else views.view_center_cursor)()
         names = ", ".join(f"{x:.4g}" for x in (middle.x, middle.y, middle.z))
         self.report({"INFO"}, f"'{obj.name}' at ({names}), where the 3D cursor is now")
 
@@ -186,13 +181,9 @@ class OBJECT_OT_nested_cages_report(OutputOperator, bpy.types.Operator):
     modes = ("OBJECT", "POSE")
     both = True
 
-    def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[list[str]]:
-        yield from ()
-        return list(lines(collection))
-
-    def finish(self, _context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, list[str]]]) -> None:
+    def finish(self, _context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, None]]) -> None:
         text = bpy.data.texts.get(NAME) or bpy.data.texts.new(NAME)
-        text.from_string("\n\n".join("\n".join(found) for _, found in done) + "\n")
+        text.from_string("\n\n".join("\n".join(lines(collection)) for collection, _ in done) + "\n")
         self.report({"INFO"}, f"Written to the text '{NAME}': open it in a Text Editor")
 
 

@@ -14,15 +14,9 @@ from ..generation.methods import Methods
 from ..generation.rules import Rules
 from ..scene import units
 from ..scene.convert import ReadingOptions
-from . import level_list
 from .settings import NAMES, GenerationProperties
 
 Filled = TypeVar("Filled", ReadingOptions, Timing, Methods, Rules)
-
-
-def reading_options(values: GenerationProperties) -> ReadingOptions:
-    """Options for reading objects."""
-    return _filled(ReadingOptions, values)
 
 
 def options(values: GenerationProperties, scene: bpy.types.Scene) -> Options:
@@ -34,8 +28,8 @@ def options(values: GenerationProperties, scene: bpy.types.Scene) -> Options:
         clearance_share=0.01 * values.clearance_share,
         inside=values.inside,
         shrink=values.shrink,
-        rules=rules(values),
-        methods=methods(values),
+        rules=filled(Rules, values),
+        methods=filled(Methods, values),
     )
 
 
@@ -44,28 +38,8 @@ def used(values: GenerationProperties) -> dict[str, Any]:
     return {name: getattr(values, name) for name in NAMES}
 
 
-def rules(values: GenerationProperties) -> Rules:
-    """What cages must be."""
-    return _filled(Rules, values)
-
-
-def methods(values: GenerationProperties) -> Methods:
-    """The methods of the computation."""
-    return _filled(Methods, values)
-
-
-def timing(values: GenerationProperties) -> Timing:
-    """The timing of the animation."""
-    return _filled(Timing, values)
-
-
-def own_names(values: GenerationProperties) -> list[str]:
-    """Names of the own objects that the levels use."""
-    return [] if values.use_selected_as_levels else level_list.names_of(values.levels, values.level_objects)
-
-
-def _filled(kind: type[Filled], values: GenerationProperties) -> Filled:
-    """An instance of a dataclass whose fields have the names of settings."""
+def filled(kind: type[Filled], values: GenerationProperties) -> Filled:
+    """How to read objects, when to play steps, the methods, or what cages must be: the fields are named as settings."""
     found: dict[str, Any] = {field.name: getattr(values, field.name) for field in fields(kind)}
     found |= {name: frozenset(value) for name, value in found.items() if isinstance(value, set)}
     return kind(**found)

@@ -7,6 +7,7 @@ from typing import Any
 
 import bpy
 
+from ..generation.methods import Methods
 from ..generation.rules import ROTATION
 from . import conversion
 from .settings import GenerationProperties
@@ -41,7 +42,7 @@ ALTERNATIVES: dict[str, tuple[str, object]] = {
 
 def draw(layout: bpy.types.UILayout, values: GenerationProperties, names: Iterable[str]) -> None:
     """Draws settings; those that do not apply to the chosen methods are greyed out."""
-    chosen = conversion.methods(values)
+    chosen = conversion.filled(Methods, values)
     for name in names:
         line = layout.column()
         other, wanted = ALTERNATIVES.get(name, ("fit_length", values.fit_length))
@@ -73,13 +74,15 @@ def shows_research() -> bool:
 
 # The title of what cages must be, apart from tight.
 SHAPE_TITLE = "Shape of Cages"
+# The settings in each part of the panels.
+PARTS = {
+    "Animation": (*FRAMES, *ANIMATION),
+    SHAPE_TITLE: (*RULES, *PLACES),
+    "Drawing and Cages": (*WHICH, *READING, *SHAPE, *LOOKS),
+    "Advanced": ADVANCED,
+}
 
 
 def parts() -> list[tuple[str, tuple[str, ...]]]:
     """The parts of the operator's panel, by title."""
-    found = [
-        ("Animation", (*FRAMES, *ANIMATION)),
-        (SHAPE_TITLE, (*RULES, *PLACES)),
-        ("Drawing and Cages", (*WHICH, *READING, *SHAPE, *LOOKS)),
-    ]
-    return [*found, ("Advanced", ADVANCED)] if shows_research() else found
+    return [(title, names) for title, names in PARTS.items() if title != "Advanced" or shows_research()]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 import bpy
@@ -47,6 +49,16 @@ class LevelSettings(Protocol):
 _busy: list[LevelSettings] = []
 
 
+@contextmanager
+def _writing(settings: LevelSettings) -> Iterator[None]:
+    """Lets the text and the list be written without writing each other."""
+    _busy.append(settings)
+    try:
+        yield
+    finally:
+        _busy.clear()
+
+
 def _write(self: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """Writes the list that this level is in into the text."""
     scene: Any = self.id_data
@@ -60,44 +72,24 @@ def _has_outline(_self: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
     return readable(obj)
 
 
+# What both kinds of percentages have.
+PER_CENT = {"default": 10.0, "min": 0.01, "precision": 1, "update": _write}
+
+
 class NestedCagesLevel(bpy.types.PropertyGroup):
     """One level of the list."""
 
     kind: choice("Kind", "How the level is given", KIND_ITEMS, default="COUNT", update=_write)
     count: whole("Vertices", "Vertex count of the cage", default=24, min=3, update=_write)
-    percent: number(
-        "Percent",
-        "Fraction of the drawing's vertex count",
-        default=10.0,
-        min=0.01,
-        max=100.0,
-        precision=1,
-        update=_write,
-    )
+    percent: number("Percent", "Fraction of the drawing's vertex count", max=100.0, **PER_CENT)
     distance: length(
-        "Distance",
-        "Largest distance of the cage from the drawing",
-        default=0.1,
-        min=1e-6,
-        soft_max=10.0,
-        update=_write,
+        "Distance", "Largest distance of the cage from the drawing", default=0.1, min=1e-6, soft_max=10.0, update=_write
     )
-    excess: number(
-        "More Area",
-        "Extra area of the cage, in per cent of the drawing's",
-        default=10.0,
-        min=0.01,
-        soft_max=100.0,
-        precision=1,
-        update=_write,
-    )
+    excess: number("More Area", "Extra area of the cage, in per cent of the drawing's", soft_max=100.0, **PER_CENT)
     own: PointerProperty(
-        name="Object",
-        description="Coarse mesh that becomes this cage",
-        type=bpy.types.Object,
-        poll=_has_outline,
+        name="Object", description="Coarse mesh that becomes this cage", type=bpy.types.Object, poll=_has_outline,
         update=_write,
-    )
+    )  # fmt: skip
 
 
 def names_of(levels: str, objects: str) -> list[str]:
@@ -115,12 +107,9 @@ def write(settings: LevelSettings) -> None:
     """Writes the list into the text and the names of own objects."""
     if _busy:
         return
-    _busy.append(settings)
-    try:
+    with _writing(settings):
         settings.levels = ", ".join(_text(level, settings.id_data) for level in settings.level_list)
         settings.level_objects = own_objects(settings)
-    finally:
-        _busy.clear()
 
 
 def fill(settings: LevelSettings) -> None:
@@ -132,8 +121,7 @@ def fill(settings: LevelSettings) -> None:
     except UserError:
         return
     names = iter(names_of(settings.levels, settings.level_objects))
-    _busy.append(settings)
-    try:
+    with _writing(settings):
         settings.level_list.clear()
         for level in levels:
             item = settings.level_list.add()
@@ -148,8 +136,6 @@ def fill(settings: LevelSettings) -> None:
             elif isinstance(level, core.Within):
                 item.kind, item.distance = "DISTANCE", level.limit
         settings.level_index = min(settings.level_index, len(levels) - 1)
-    finally:
-        _busy.clear()
 
 
 def add(settings: LevelSettings) -> None:
@@ -159,16 +145,13 @@ def add(settings: LevelSettings) -> None:
     last = settings.level_list[-1] if len(settings.level_list) else None
     names = ("kind", "count", "percent", "distance", "excess")
     before = {name: getattr(last, name) for name in names} if last is not None else {}
-    _busy.append(settings)
-    try:
+    with _writing(settings):
         item = settings.level_list.add()
         for name, value in before.items():
             setattr(item, name, value)
         item.count, item.percent = max(3, item.count // 2), max(0.01, item.percent / 2.0)
         item.distance, item.excess = 2.0 * item.distance, 2.0 * item.excess
         settings.level_index = len(settings.level_list) - 1
-    finally:
-        _busy.clear()
     write(settings)
 
 

@@ -6,6 +6,8 @@ their copies, those of collections do not. `record` reads and writes both, and t
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 from bpy.props import BoolVectorProperty, CollectionProperty, FloatVectorProperty, IntVectorProperty, PointerProperty
 
@@ -123,23 +125,24 @@ CLASSES = (
 )
 
 
+# Of what, under which name, and what they say.
+POINTERS = (
+    (bpy.types.Collection, "nested_cages", NestedCagesRecord, "The record of these cages"),
+    (bpy.types.Object, "nested_cages_member", NestedCagesMember, "Its part in a set of cages"),
+    (bpy.types.Scene, "nested_cages_playing", NestedCagesRange, "Frames before and as the animation set them"),
+)
+
+
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
-    bpy.types.Collection.nested_cages = PointerProperty(  # type: ignore[attr-defined, func-returns-value]
-        type=NestedCagesRecord, name="Nested Cages", description="The record of these cages"
-    )
-    bpy.types.Object.nested_cages_member = PointerProperty(  # type: ignore[attr-defined, func-returns-value]
-        type=NestedCagesMember, name="Nested Cages Member", description="Its part in a set of cages"
-    )
-    bpy.types.Scene.nested_cages_playing = PointerProperty(  # type: ignore[attr-defined, func-returns-value]
-        type=NestedCagesRange, name="Nested Cages Playing", description="Frames before and as the animation set them"
-    )
+    for owner, name, kind, says in POINTERS:
+        pointer: Any = PointerProperty
+        setattr(owner, name, pointer(type=kind, name=name.replace("_", " ").title(), description=says))
 
 
 def unregister() -> None:
-    del bpy.types.Scene.nested_cages_playing  # type: ignore[attr-defined]
-    del bpy.types.Object.nested_cages_member  # type: ignore[attr-defined]
-    del bpy.types.Collection.nested_cages  # type: ignore[attr-defined]
+    for owner, name, _, _ in POINTERS:
+        delattr(owner, name)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -144,8 +144,6 @@ def _set(stack: ExitStack, owner: Any, name: str, value: object) -> None:
 
 def _copied(value: Any) -> Any:
     """A copy of a value, independent of the object."""
-    return value.copy() if hasattr(value, "copy") and not isinstance(value, bpy.types.ID) else _plain(value)
-
-
-def _plain(value: Any) -> Any:
-    return value if isinstance(value, str | bpy.types.ID) or not hasattr(value, "__len__") else tuple(value)
+    if isinstance(value, str | bpy.types.ID) or not hasattr(value, "__len__"):
+        return value
+    return value.copy() if hasattr(value, "copy") else tuple(value)

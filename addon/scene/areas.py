@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import chains
+from ..core import chains, core
 from ..errors import UserError
 from .convert import read
 from .filling import evaluated_mesh, loop_edges, points_of, stored
-from .plane import transform, world_matrix
-from .reading import READERS, has_nodes, realized
+from .plane import Frame, transform, world_matrix
+from .reading import READERS, has_nodes, realized, temporary
 from .strokes import SMOOTH, STRAIGHT, style_of, unseen
 
 Points = NDArray[np.float64]
@@ -28,47 +27,22 @@ SEGMENTS = 12
 SOLID = {"MESH", "CURVE", "FONT", "SURFACE", "META"}
 
 
-@dataclass(frozen=True)
-class Patch:
-    """Closed loops (k, 3) in the world. ``evenodd``: whether the even-odd fill rule applies, else non-zero winding."""
-
-    loops: tuple[Points, ...]
-    evenodd: bool = False
-
-
-@dataclass(frozen=True)
-class Faces:
-    """Triangles (t, 3) between points (n, 3) in the world."""
-
-    points: Points
-    triangles: NDArray[np.int32]
-
-
-@dataclass(frozen=True)
-class Stroke:
-    """A line (k, 3) in the world with its radius (k,) at each point, in the world's unit."""
-
-    points: Points
-    radii: Points
-
-
-Area = Patch | Faces | Stroke
-
-
 def areas_of(
-    context: bpy.types.Context, obj: bpy.types.Object, *, strokes: bool = True, closed: bool = False
-) -> list[Area]:
-    """All that an object paints, its instances included. Raises: UserError if nothing.
+    context: bpy.types.Context, obj: bpy.types.Object, frame: Frame, *, strokes: bool = True, closed: bool = False
+) -> list[core.exchange.Painted]:
+    """All that an object paints, its instances included, as float32 shapes in a frame. Raises: UserError if nothing.
 
     strokes: with the width of Grease Pencil strokes; closed: closed strokes are areas too, even if not filled.
     """
     if obj.type == "GREASEPENCIL":
-        found = list(_drawn(context, obj, strokes, closed or not strokes))
+        found = list(_drawn(context, obj, frame, strokes, closed or not strokes))
     else:
-        found = [*_shape(context, obj)] if obj.type in SOLID else []
-        found += _instances(context, obj)
-        if obj.type in {"FONT", "CURVES"}:
-            found += _outlines(context, obj)
+        found = [*_shape(context, obj, frame)] if obj.type in SOLID else []
+        found += _instances(context, obj, frame)
+        if obj.type in {"FONT", "CURVES"}:  # hair, and texts, whose faces may omit overlaps
+            outline = read(context, obj)
+            world = (transform(outline.matrix, loop.astype(np.float64)) for loop in outline.loops)
+            found.append(core.exchange.Painted([_seen(frame, loop) for loop in world], obj.type != "FONT"))
     if not found:
         raise UserError(
             f"'{obj.name}' has no silhouette: it has neither faces nor closed lines nor strokes with a width"
@@ -86,47 +60,47 @@ def instances_collection(obj: bpy.types.Object) -> bool:
     return obj.type == "EMPTY" and obj.instance_type == "COLLECTION" and obj.instance_collection is not None
 
 
-def _instances(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
+def _seen(frame: Frame, points: Points) -> Points:
+    """Points (n, 3) of the world in a frame, (n, 2), as float32 values."""
+    return frame.from_world(points)[0].astype(np.float32).astype(np.float64)
+
+
+def _instances(context: bpy.types.Context, obj: bpy.types.Object, frame: Frame) -> Iterator[core.exchange.Painted]:
     """The areas of what an object instances: a collection, or its children on its vertices or faces."""
     for found in context.evaluated_depsgraph_get().object_instances if obj.instance_type != "NONE" else ():
         if found.is_instance and found.parent is not None and found.parent.original == obj:
             shown = found.object
             # Wires, such as cages, are no part of what a collection paints.
             if shown is not None and shown.type in SOLID and shown.display_type not in {"WIRE", "BOUNDS"}:
-                yield from _faces(shown, np.array(found.matrix_world, dtype=np.float64))
+                yield from _faces(shown, np.array(found.matrix_world, dtype=np.float64), frame)
 
 
-def _shape(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
+def _shape(context: bpy.types.Context, obj: bpy.types.Object, frame: Frame) -> Iterator[core.exchange.Painted]:
     """The faces of the evaluated object, its instances included, and the inside of its closed lines."""
-    yield from _faces(obj.evaluated_get(context.evaluated_depsgraph_get()), world_matrix(obj))
+    yield from _faces(obj.evaluated_get(context.evaluated_depsgraph_get()), world_matrix(obj), frame)
     if has_nodes(obj):
-        with realized(context, obj, 0, bpy.data.batch_remove) as shape:
-            yield from _faces(shape.evaluated_get(context.evaluated_depsgraph_get()), world_matrix(obj))
+        with temporary() as blocks:
+            shape = realized(context, obj, 0, blocks)
+            yield from _faces(shape.evaluated_get(context.evaluated_depsgraph_get()), world_matrix(obj), frame)
 
 
-def _faces(evaluated: bpy.types.Object, matrix: Points) -> Iterator[Area]:
+def _faces(evaluated: bpy.types.Object, matrix: Points, frame: Frame) -> Iterator[core.exchange.Painted]:
     with evaluated_mesh(evaluated) as mesh:
         if mesh is None:
             return
         mesh.calc_loop_triangles()
         points, lone = points_of(mesh), loop_edges(mesh, 0)
         triangles = stored(mesh.loop_triangles, "vertices", 3, np.int32)
-    world = transform(matrix, points)
-    if len(triangles):
-        yield Faces(world, triangles)
-    loops = tuple(world[loop] for loop in chains.chains(lone, len(points)).closed if len(loop) >= chains.SMALLEST_LOOP)
+    flat = _seen(frame, transform(matrix, points))
+    yield from (core.exchange.Painted([triangle]) for triangle in flat[triangles])
+    loops = [flat[loop] for loop in chains.chains(lone, len(points)).closed if len(loop) >= chains.SMALLEST_LOOP]
     if loops:
-        yield Patch(loops, evenodd=True)
+        yield core.exchange.Painted(loops, evenodd=True)
 
 
-def _outlines(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
-    """The inside of all closed lines of hair curves, or of a text, whose faces may omit overlaps."""
-    outline = read(context, obj)
-    loops = tuple(transform(outline.matrix, loop.astype(np.float64)) for loop in outline.loops)
-    yield Patch(loops, evenodd=obj.type != "FONT")
-
-
-def _drawn(context: bpy.types.Context, obj: bpy.types.Object, strokes: bool, closed: bool) -> Iterator[Area]:
+def _drawn(
+    context: bpy.types.Context, obj: bpy.types.Object, frame: Frame, strokes: bool, closed: bool
+) -> Iterator[core.exchange.Painted]:
     """Fills and strokes of the visible layers of a Grease Pencil drawing on the current frame.
 
     Raises: UserError for strokes that are not made of straight pieces.
@@ -147,15 +121,16 @@ def _drawn(context: bpy.types.Context, obj: bpy.types.Object, strokes: bool, clo
                     f"'{obj.name}' has Bézier or NURBS strokes: convert them to poly curves (Edit Mode, Stroke, Set "
                     "Curve Type)"
                 )
-            points, radii = transform(matrix, drawn[:, :3]), scale * np.maximum(drawn[:, 3], 0.0)
+            points = _seen(frame, transform(matrix, drawn[:, :3]))
+            radii = scale / frame.scale * np.maximum(drawn[:, 3], 0.0)
             style = style_of(evaluated, stroke)
             filled = (style is not None and style.show_fill) or (stroke.cyclic and closed)
             if filled and len(points) >= chains.SMALLEST_LOOP:
-                yield Patch((points,), evenodd=True)
+                yield core.exchange.Painted([points], evenodd=True)
             lined = strokes and (style is None or style.show_stroke)
             if lined and len(points) and radii.max() > 0.0:
                 line = np.append(np.arange(len(points)), 0) if stroke.cyclic else np.arange(len(points))
-                yield Stroke(points[line], radii[line])
+                yield from (core.exchange.Painted([shape]) for shape in _stroke(points[line], radii[line]))
 
 
 def _smooth(values: Points, cyclic: bool) -> Points:
@@ -171,7 +146,7 @@ def _smooth(values: Points, cyclic: bool) -> Points:
     return found if cyclic else np.concatenate([found, values[-1:]])
 
 
-def loops_of(stroke: Points, radii: Points) -> list[Points]:
+def _stroke(stroke: Points, radii: Points) -> list[Points]:
     """Loops (k, 2) of simple shapes that together cover a stroke (k, 2): a disc around each point, a quad between."""
     angles = 2.0 * np.pi * (np.arange(ROUND) + 0.5) / ROUND
     circle = np.column_stack([np.cos(angles), np.sin(angles)]) / np.cos(np.pi / ROUND)

@@ -10,8 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import core, triangulation
-from ..errors import UserError
+from ..core import blamed, core, triangulation
 
 # Half the height of a prism around a planar drawing, as a fraction of the cage's size.
 HALF_HEIGHT = 0.1
@@ -59,19 +58,22 @@ def evaluated_mesh(evaluated: bpy.types.Object) -> Iterator[bpy.types.Mesh | Non
 
 def outline(obj: bpy.types.Object) -> core.Mesh:
     """The core's ``Mesh`` of a mesh object's own x and y, unposed. Raises: UserError."""
-    try:
+    with blamed(f"'{obj.name}'"):
         return core.Mesh(points_of(mesh_of(obj))[:, :2], loop_edges(mesh_of(obj)))
-    except core.NestedCagesError as error:
-        raise UserError(f"'{obj.name}': {error}") from error
+
+
+def new_mesh(name: str, points: Points, edges: Any = (), faces: Any = ()) -> bpy.types.Mesh:
+    """A new mesh with points (n, 3), or (n, 2) at height 0, edges and faces, arrays or lists."""
+    data = bpy.data.meshes.new(name)
+    high = points if points.shape[1] == 3 else np.column_stack([points, np.zeros(len(points))])
+    data.from_pydata(*(each.tolist() if isinstance(each, np.ndarray) else each for each in (high, edges, faces)))
+    data.update()
+    return data
 
 
 def filled(name: str, points: Points, mesh: core.Mesh) -> bpy.types.Mesh:
     """A new mesh with the points (n, 3), the outline's edges and then its triangles, which leave holes open."""
-    data = bpy.data.meshes.new(name)
-    triangles = triangulation.triangulate(mesh).triangles
-    data.from_pydata(points.tolist(), mesh.edges.tolist(), triangles.tolist())
-    data.update()
-    return data
+    return new_mesh(name, points, mesh.edges, triangulation.triangulate(mesh).triangles)
 
 
 def add_faces(data: bpy.types.Mesh, triangles: NDArray[np.int64]) -> None:
@@ -92,16 +94,26 @@ def add_attribute(data: bpy.types.Mesh, name: str, kind: AttributeType, values: 
 
 def prism(name: str, points: Points, mesh: core.Mesh, half_height: float) -> bpy.types.Mesh:
     """A new closed mesh: the filled outline (n, 3) below and above its plane, and walls between; normals point out."""
-    count = len(points)
-    raised = np.array([0.0, 0.0, half_height])
-    below = triangulation.triangulate(mesh).triangles
-    start, end = np.arange(count), np.asarray(mesh.successor)
-    walls = np.column_stack([start, end, end + count, start + count])
-    data = bpy.data.meshes.new(name)
+    return _raised(name, points, triangulation.triangulate(mesh).triangles, np.asarray(mesh.successor), half_height)
+
+
+def piece(name: str, points: Points, half_height: float) -> bpy.types.Mesh:
+    """A new mesh of a convex polygon (k, 3): a face, or a prism around its plane."""
+    face = np.arange(len(points))[None]
+    if half_height > 0.0:
+        return _raised(name, points, face, np.roll(face[0], -1), half_height)
+    return new_mesh(name, points, faces=face)
+
+
+def _raised(
+    name: str, points: Points, below: NDArray[np.int64], after: NDArray[np.int64], half_height: float
+) -> bpy.types.Mesh:
+    """The prism of a solid by its faces (t, k), with walls from each point to the one after it (n,)."""
+    count, raised = len(points), np.array([0.0, 0.0, half_height])
+    start = np.arange(count)
+    walls = np.column_stack([start, after, after + count, start + count])
     faces = [*below[:, ::-1].tolist(), *(below + count).tolist(), *walls.tolist()]
-    data.from_pydata(np.concatenate([points - raised, points + raised]).tolist(), [], faces)
-    data.update()
-    return data
+    return new_mesh(name, np.concatenate([points - raised, points + raised]), faces=faces)
 
 
 def curve(name: str, points: Points, mesh: core.Mesh) -> bpy.types.Curve:

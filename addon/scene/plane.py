@@ -41,6 +41,13 @@ class Frame:
     scale: float
     own: bool
 
+    @classmethod
+    def through(cls, origin: Array, x: Array, y: Array) -> Frame:
+        """A frame of unit scale from its origin and unit axes, (3,) each, as Blender stores it: in float32."""
+        matrix = np.eye(4)
+        matrix[:3, :] = np.column_stack([x, y, np.cross(x, y), origin]).astype(np.float32)
+        return cls(matrix=matrix, height=0.0, scale=1.0, own=False)
+
     def points(self, plane_points: NDArray[np.float32] | Array) -> Array:
         """Points (n, 2) of the plane with their height, (n, 3)."""
         return np.column_stack([plane_points, np.full(len(plane_points), self.height)])
@@ -135,7 +142,4 @@ def fitted_frame(matrix: Array, points: Array) -> Frame:
     x_axis = along if np.linalg.norm(along) > PLANARITY * np.linalg.norm(matrix[:3, 0]) else directions[0]
     x_axis = x_axis / np.linalg.norm(x_axis)
     middle = middle - ((middle - world.mean(axis=0)) @ normal) * normal
-    # Blender stores the matrix in float32: express the drawing in the stored frame.
-    fitted = np.eye(4)
-    fitted[:3, :] = np.column_stack([x_axis, np.cross(normal, x_axis), normal, middle]).astype(np.float32)
-    return Frame(matrix=fitted, height=0.0, scale=1.0, own=False)
+    return Frame.through(middle, x_axis, np.cross(normal, x_axis))

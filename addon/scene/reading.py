@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from typing import Any, NamedTuple
 
 import bmesh
@@ -16,9 +16,8 @@ from . import strokes
 from .display import add_nodes_modifier, is_ours
 from .filling import evaluated_mesh, loop_edges, mesh_of, stored
 
-# Removes temporary blocks, now or later.
-Remove = Callable[[list[Any]], None]
-Reader = Callable[[bpy.types.Context, bpy.types.Object, int, Remove], AbstractContextManager[bpy.types.Object]]
+# Makes an object whose evaluated mesh has the lines of another one, or returns that; notes new blocks in a list.
+Reader = Callable[[bpy.types.Context, bpy.types.Object, int, list[Any]], bpy.types.Object]
 
 
 class Lines(NamedTuple):
@@ -42,143 +41,130 @@ def lines_of(context: bpy.types.Context, obj: bpy.types.Object, resolution: int 
         raise UserError(
             f"'{obj.name}' is of a kind without an outline: select a curve, a text, a Grease Pencil or a mesh"
         )
-    with _with_lines(context, obj, resolution, bpy.data.batch_remove) as subject:
-        return _evaluated_lines(context, subject)
+    with temporary() as blocks:
+        return _evaluated_lines(context, _with_lines(context, obj, resolution, blocks))
 
 
 def lines_of_all(
     context: bpy.types.Context, objects: Sequence[bpy.types.Object], resolution: int = 0
 ) -> dict[bpy.types.Object, Lines]:
     """`lines_of` several objects by one evaluation of the scene; without those that must be read by themselves."""
-    found, garbage = {}, list[Any]()
     meshes_first = sorted(objects, key=lambda obj: obj.type != "MESH")  # these need no copy, which would be evaluated
-    with ExitStack() as stack:
-        stack.callback(lambda: bpy.data.batch_remove(garbage) if garbage else None)
+    with temporary() as blocks:
         subjects = {}
         for obj in meshes_first:
             if obj.type in READERS and obj.mode != "EDIT":
                 with suppress(UserError):
-                    subjects[obj] = stack.enter_context(_with_lines(context, obj, resolution, garbage.extend))
-        for obj, subject in subjects.items():
-            found[obj] = _evaluated_lines(context, subject)
-    return found
+                    subjects[obj] = _with_lines(context, obj, resolution, blocks)
+        return {obj: _evaluated_lines(context, subject) for obj, subject in subjects.items()}
 
 
 @contextmanager
-def _itself(
-    context: bpy.types.Context, obj: bpy.types.Object, _resolution: int, remove: Remove
-) -> Iterator[bpy.types.Object]:
+def temporary() -> Iterator[list[Any]]:
+    """A list of data-blocks, which are removed in the end."""
+    blocks: list[Any] = []
+    try:
+        yield blocks
+    finally:
+        if blocks:
+            bpy.data.batch_remove(blocks)
+
+
+def _itself(context: bpy.types.Context, obj: bpy.types.Object, _resolution: int, blocks: list[Any]) -> bpy.types.Object:
     """A mesh object itself, or an enabled copy if it is disabled and hence not evaluated."""
     if obj.evaluated_get(context.evaluated_depsgraph_get()).is_evaluated:
-        yield obj
-        return
+        return obj
+    return _shown_copy(context, obj, blocks)
+
+
+def _shown_copy(context: bpy.types.Context, obj: bpy.types.Object, blocks: list[Any]) -> bpy.types.Object:
+    """A copy that is evaluated, since nothing hides it; other animated values are already current."""
     copy = obj.copy()
-    try:
-        copy.animation_data_clear()  # it may hide the copy; other animated values are already current
-        copy.hide_viewport = False
-        context.scene.collection.objects.link(copy)
-        yield copy
-    finally:
-        remove([copy])
+    blocks.append(copy)
+    copy.animation_data_clear()
+    copy.hide_viewport = False
+    context.scene.collection.objects.link(copy)
+    return copy
 
 
-@contextmanager
 def _plain_copy(
-    context: bpy.types.Context, obj: bpy.types.Object, resolution: int, remove: Remove
-) -> Iterator[bpy.types.Object]:
-    """A temporary copy of a curve or text, with its modifiers, without bevel, extrusion and fill."""
-    copy = obj.copy()
+    context: bpy.types.Context, obj: bpy.types.Object, resolution: int, blocks: list[Any]
+) -> bpy.types.Object:
+    """A copy of a curve or text, with its modifiers, without bevel, extrusion and fill."""
     data: Any = obj.data.copy()
-    try:
-        copy.data = data
-        copy.animation_data_clear()
-        data.bevel_mode = "ROUND"
-        data.bevel_depth = data.extrude = 0.0
-        data.bevel_object = data.taper_object = None
-        if obj.type == "FONT":
-            data.fill_mode = "NONE"
-        else:
-            data.dimensions = "3D"
-        if resolution:
-            data.resolution_u = resolution
-            for spline in getattr(data, "splines", ()):
-                spline.resolution_u = resolution
-        context.scene.collection.objects.link(copy)
-        copy.hide_viewport = False
-        yield copy
-    finally:
-        remove([copy, data])
+    blocks.append(data)
+    data.bevel_mode = "ROUND"
+    data.bevel_depth = data.extrude = 0.0
+    data.bevel_object = data.taper_object = None
+    if obj.type == "FONT":
+        data.fill_mode = "NONE"
+    else:
+        data.dimensions = "3D"
+    if resolution:
+        data.resolution_u = resolution
+        for spline in getattr(data, "splines", ()):
+            spline.resolution_u = resolution
+    copy = _shown_copy(context, obj, blocks)
+    copy.data = data
+    return copy
 
 
-@contextmanager
 def _shown_strokes(
-    _context: bpy.types.Context, obj: bpy.types.Object, _resolution: int, remove: Remove
-) -> Iterator[bpy.types.Object]:
-    """A Grease Pencil object itself, or a temporary copy without what it hides. Raises: UserError for masks."""
+    _context: bpy.types.Context, obj: bpy.types.Object, _resolution: int, blocks: list[Any]
+) -> bpy.types.Object:
+    """A Grease Pencil object itself, or a copy without what it hides. Raises: UserError for masks."""
     if not strokes.hides(obj):
-        yield obj
-        return
+        return obj
     copy, data = obj.copy(), obj.data.copy()
-    try:
-        copy.data = data
-        strokes.remove_hidden(copy)
-        yield copy
-    finally:
-        remove([copy, data])
+    blocks += [copy, data]
+    copy.data = data
+    strokes.remove_hidden(copy)
+    return copy
 
 
-@contextmanager
-def realized(
-    context: bpy.types.Context, obj: bpy.types.Object, resolution: int, remove: Remove
-) -> Iterator[bpy.types.Object]:
-    """A temporary mesh object with the faces and lines that an object displays, its instances included."""
-    tree = bpy.data.node_groups.new(obj.name, "GeometryNodeTree")
-    nodes: Any = tree.nodes
-    mesh = bpy.data.meshes.new(obj.name)
+def realized(context: bpy.types.Context, obj: bpy.types.Object, resolution: int, blocks: list[Any]) -> bpy.types.Object:
+    """A new mesh object with the faces and lines that an object displays, its instances included."""
+    tree, mesh = bpy.data.node_groups.new(obj.name, "GeometryNodeTree"), bpy.data.meshes.new(obj.name)
     helper = bpy.data.objects.new(obj.name, mesh)
-    try:
-        tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-        source = nodes.new("GeometryNodeObjectInfo")
-        source.transform_space = "ORIGINAL"
-        source.inputs["Object"].default_value = obj
+    blocks += [helper, mesh, tree]
+    nodes: Any = tree.nodes
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    source = nodes.new("GeometryNodeObjectInfo")
+    source.transform_space = "ORIGINAL"
+    source.inputs["Object"].default_value = obj
 
-        def then(geometry: Any, *kinds: str) -> Any:
-            for kind in kinds:
-                node = nodes.new(kind)
-                if kind == "GeometryNodeSetSplineResolution":
-                    node.inputs["Resolution"].default_value = resolution
-                tree.links.new(geometry, node.inputs[0])
-                geometry = node.outputs[0]
-            return geometry
+    def then(geometry: Any, *kinds: str) -> Any:
+        for kind in kinds:
+            node = nodes.new(kind)
+            if kind == "GeometryNodeSetSplineResolution":
+                node.inputs["Resolution"].default_value = resolution
+            tree.links.new(geometry, node.inputs[0])
+            geometry = node.outputs[0]
+        return geometry
 
-        # The layers of Grease Pencil, with their own transforms, come as instances.
-        layers = ["GeometryNodeGreasePencilToCurves"] if obj.type == "GREASEPENCIL" else []
-        real = then(source.outputs["Geometry"], *layers, "GeometryNodeRealizeInstances")
-        parts, both = nodes.new("GeometryNodeSeparateComponents"), nodes.new("GeometryNodeJoinGeometry")
-        tree.links.new(real, parts.inputs[0])
-        finer = ["GeometryNodeSetSplineResolution"] if resolution else []
-        lines = then(parts.outputs["Curve"], *finer, "GeometryNodeCurveToMesh")
-        for geometry in (parts.outputs["Mesh"], lines):
-            tree.links.new(geometry, both.inputs[0])
-        tree.links.new(both.outputs[0], nodes.new("NodeGroupOutput").inputs[0])
-        add_nodes_modifier(helper, "Curves", tree)
-        context.scene.collection.objects.link(helper)
-        yield helper
-    finally:
-        remove([helper, mesh, tree])
+    # The layers of Grease Pencil, with their own transforms, come as instances.
+    layers = ["GeometryNodeGreasePencilToCurves"] if obj.type == "GREASEPENCIL" else []
+    real = then(source.outputs["Geometry"], *layers, "GeometryNodeRealizeInstances")
+    parts, both = nodes.new("GeometryNodeSeparateComponents"), nodes.new("GeometryNodeJoinGeometry")
+    tree.links.new(real, parts.inputs[0])
+    finer = ["GeometryNodeSetSplineResolution"] if resolution else []
+    lines = then(parts.outputs["Curve"], *finer, "GeometryNodeCurveToMesh")
+    for geometry in (parts.outputs["Mesh"], lines):
+        tree.links.new(geometry, both.inputs[0])
+    tree.links.new(both.outputs[0], nodes.new("NodeGroupOutput").inputs[0])
+    add_nodes_modifier(helper, "Curves", tree)
+    context.scene.collection.objects.link(helper)
+    return helper
 
 
-@contextmanager
 def _with_lines(
-    context: bpy.types.Context, obj: bpy.types.Object, resolution: int, remove: Remove
-) -> Iterator[bpy.types.Object]:
+    context: bpy.types.Context, obj: bpy.types.Object, resolution: int, blocks: list[Any]
+) -> bpy.types.Object:
     """An object, maybe a temporary one, whose evaluated mesh has the lines of another one."""
-    with READERS[obj.type](context, obj, resolution, remove) as found:
-        if obj.type in {"CURVES", "GREASEPENCIL"} or has_nodes(obj):
-            with realized(context, found, resolution, remove) as mesh:
-                yield mesh
-        else:
-            yield found
+    found = READERS[obj.type](context, obj, resolution, blocks)
+    if obj.type in {"CURVES", "GREASEPENCIL"} or has_nodes(obj):
+        return realized(context, found, resolution, blocks)
+    return found
 
 
 def has_nodes(obj: bpy.types.Object) -> bool:

@@ -40,13 +40,6 @@ def drawing(name: str, loops: Sequence[NDArray[np.float64]], radius: float) -> b
     return made
 
 
-def set_colour(obj: bpy.types.Object, colour: Sequence[float]) -> None:
-    """Gives the strokes of a new drawing a colour (4,)."""
-    material: Any = obj.active_material
-    material.grease_pencil.color = colour
-    obj.color = colour
-
-
 def is_shown(layer: Any) -> bool:
     """Whether a layer and the groups that it is in are shown."""
     group = layer.parent_group

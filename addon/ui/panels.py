@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from .. import record
+from ..animation.timeline import Timing
+from ..binding import binding
 from ..binding.adoption import waiting
 from ..errors import UserError
 from ..generation import output
@@ -32,12 +34,29 @@ else:
     Mixin = object
 
 
+def _split(layout: Any) -> Any:
+    """A layout with names at the left of settings."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    return layout
+
+
 class SidebarPanel(Mixin):
     """Base of all panels: their place."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = CATEGORY
+
+
+class PartPanel(SidebarPanel):
+    """A closed part of the main panel, with the settings that its title stands for."""
+
+    bl_parent_id = "VIEW3D_PT_nested_cages"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        groups.draw(_split(self.layout).column(), settings_of(context), groups.PARTS[self.bl_label])
 
 
 class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
@@ -49,10 +68,7 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
         NESTEDCAGES_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context: bpy.types.Context) -> None:
-        settings = settings_of(context)
-        layout: Any = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        settings, layout = settings_of(context), _split(self.layout)
         column = layout.column()
         levels = column.row(align=True)
         levels.active = not settings.use_selected_as_levels
@@ -78,32 +94,14 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
         _draw_binding(layout, collection_of_active(context))
 
 
-class SettingsPanel(SidebarPanel):
-    """A closed part of the main panel with settings."""
-
-    bl_parent_id = "VIEW3D_PT_nested_cages"
-    bl_options = {"DEFAULT_CLOSED"}
-    names: tuple[str, ...] = ()
-
-    def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        groups.draw(layout.column(), settings_of(context), self.names)
-
-
-class VIEW3D_PT_nested_cages_animation(SettingsPanel, bpy.types.Panel):
+class VIEW3D_PT_nested_cages_animation(PartPanel, bpy.types.Panel):
     """Timing of the animation of how the cages form"""
 
     bl_label = "Animation"
 
     def draw(self, context: bpy.types.Context) -> None:
-        settings = settings_of(context)
-        layout: Any = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        column = layout.column(align=True)
-        groups.draw(column, settings, groups.FRAMES)
+        settings, layout = settings_of(context), _split(self.layout)
+        groups.draw(layout.column(align=True), settings, groups.FRAMES)
         groups.draw(layout.column(), settings, groups.ANIMATION)
         _draw_length(layout, context)
         if collection_of_active(context) is not None:
@@ -112,25 +110,22 @@ class VIEW3D_PT_nested_cages_animation(SettingsPanel, bpy.types.Panel):
             column.operator("object.nested_cages_remove_animation", icon="X")
 
 
-class VIEW3D_PT_nested_cages_rules(SettingsPanel, bpy.types.Panel):
+class VIEW3D_PT_nested_cages_rules(PartPanel, bpy.types.Panel):
     """What cages must be, apart from tight: convex, on a grid, symmetric, finer where it matters"""
 
     bl_label = groups.SHAPE_TITLE
-    names = (*groups.RULES, *groups.PLACES)
 
 
-class VIEW3D_PT_nested_cages_reading(SettingsPanel, bpy.types.Panel):
+class VIEW3D_PT_nested_cages_reading(PartPanel, bpy.types.Panel):
     """Which objects to enclose, how to read them, and how cages start"""
 
     bl_label = "Drawing and Cages"
-    names = (*groups.WHICH, *groups.READING, *groups.SHAPE, *groups.LOOKS)
 
 
-class VIEW3D_PT_nested_cages_advanced(SettingsPanel, bpy.types.Panel):
+class VIEW3D_PT_nested_cages_advanced(PartPanel, bpy.types.Panel):
     """Parts of the method, for comparisons. Greyed-out settings don't apply to the chosen methods"""
 
     bl_label = "Advanced"
-    names = groups.ADVANCED
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
@@ -140,24 +135,24 @@ class VIEW3D_PT_nested_cages_advanced(SettingsPanel, bpy.types.Panel):
         NESTEDCAGES_PT_method_presets.draw_panel_header(self.layout)
 
 
-class VIEW3D_PT_nested_cages_character(SidebarPanel, bpy.types.Panel):
+class VIEW3D_PT_nested_cages_character(PartPanel, bpy.types.Panel):
     """Many drawings in one cage that bones move"""
 
     bl_label = "Character"
-    bl_parent_id = "VIEW3D_PT_nested_cages"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout: Any = self.layout
-        result.draw_character(layout, context)
+        layout, collection = self.layout, collection_of_active(context)
+        column = layout.column(align=True)
+        column.operator("object.nested_cages_suggest_bones", icon="GROUP_BONE")
+        column.operator("object.nested_cages_rig", icon="ARMATURE_DATA")
+        if collection is not None and ownership.is_bound(collection) and binding.newcomers(context, collection):
+            layout.operator("object.nested_cages_bind", text="Bind New Parts", icon="LINKED")
 
 
-class VIEW3D_PT_nested_cages_motion(SidebarPanel, bpy.types.Panel):
+class VIEW3D_PT_nested_cages_motion(PartPanel, bpy.types.Panel):
     """Cages that follow a drawing"""
 
     bl_label = "Motion"
-    bl_parent_id = "VIEW3D_PT_nested_cages"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         self.layout.operator("object.nested_cages_follow", icon="ARMATURE_DATA")
@@ -186,16 +181,11 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         result.draw_live(column)
 
 
-class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
+class VIEW3D_PT_nested_cages_use(PartPanel, bpy.types.Panel):
     """The active object's cages as other objects and as files"""
 
     bl_label = "Convert and Export"
-    bl_options = {"DEFAULT_CLOSED"}
-    bl_parent_id = "VIEW3D_PT_nested_cages"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return collection_of_active(context) is not None
+    poll = VIEW3D_PT_nested_cages_result.poll
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
@@ -222,7 +212,8 @@ def _draw_list(layout: bpy.types.UILayout, settings: NestedCagesSettings) -> Non
 def _draw_length(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """The length of the animation with the current settings, from the steps of existing output."""
     collection, scene = collection_of_active(context), context.scene
-    frames = output.length(collection, conversion.timing(settings_of(context))) if collection is not None else None
+    timing = conversion.filled(Timing, settings_of(context))
+    frames = output.length(collection, timing) if collection is not None else None
     if frames is not None:
         seconds = frames * scene.render.fps_base / scene.render.fps
         layout.label(text=f"Length as before: {frames} frames, {seconds:.1f} s")

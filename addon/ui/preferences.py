@@ -49,10 +49,8 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
     def draw(self, _context: bpy.types.Context) -> None:
         layout = self.layout
         layout.use_property_split = True
-        layout.prop(self, "category")
-        layout.prop(self, "line_width")
-        layout.prop(self, "research")
-        layout.prop(self, "has_defaults")
+        for name in ("category", "line_width", "research", "has_defaults"):
+            layout.prop(self, name)
         column = layout.column()
         column.active = self.has_defaults
         for name in DEFAULTS:
@@ -61,20 +59,8 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
 
 
 # Settings that the preferences show; all others are stored too.
-DEFAULTS = (
-    "levels",
-    "clearance",
-    "decimation",
-    "energy",
-    "fit_length",
-    "length",
-    "frames_per_step",
-    "show_flow",
-    "ease",
-    "loop_back",
-    "thickness",
-    "resolution",
-)
+DEFAULTS = ("levels", "clearance", *groups.SHAPE, "fit_length", "length", "frames_per_step")
+DEFAULTS += ("show_flow", "ease", "loop_back", *groups.LOOKS, "resolution")
 
 
 class SCENE_OT_nested_cages_store_defaults(Operator, bpy.types.Operator):
@@ -87,10 +73,10 @@ class SCENE_OT_nested_cages_store_defaults(Operator, bpy.types.Operator):
 
     @classmethod
     def unavailable(cls, _context: bpy.types.Context) -> str:
-        return "The add-on is not enabled in the preferences" if preferences() is None else ""
+        return "The add-on is not enabled in the preferences" if groups.preferences() is None else ""
 
     def run(self, context: bpy.types.Context) -> None:
-        found = preferences()
+        found = groups.preferences()
         copy_values(settings_of(context), found.defaults)
         # Objects of this file do not exist in others.
         found.defaults.level_objects = ""
@@ -98,17 +84,11 @@ class SCENE_OT_nested_cages_store_defaults(Operator, bpy.types.Operator):
         context.preferences.is_dirty = True
 
 
-def preferences() -> NestedCagesPreferences | None:
-    """The preferences; None while the add-on is not enabled."""
-    found: NestedCagesPreferences | None = groups.preferences()
-    return found
-
-
 @persistent  # type: ignore[untyped-decorator]
 def _begin_file(filepath: str = "", _unused: object = None) -> None:
     """Forgets the last fault, and applies the user's defaults to a new file; saved files keep their settings."""
     remember_fault(None)
-    found = preferences()
+    found = groups.preferences()
     if found is None or not found.has_defaults or filepath or bpy.data.filepath:
         return
     for scene in bpy.data.scenes:
@@ -122,7 +102,7 @@ def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.app.handlers.load_post.append(_begin_file)
-    found = preferences()
+    found = groups.preferences()
     if found is not None:
         panels.move_to(found.category.strip() or panels.CATEGORY)
 

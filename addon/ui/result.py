@@ -1,4 +1,4 @@
-"""Parts of the sidebar: a summary of each output with notes, Live, and characters."""
+"""Parts of the sidebar: a summary of each output with notes, and Live."""
 
 from __future__ import annotations
 
@@ -7,10 +7,8 @@ import textwrap
 import bpy
 
 from .. import record
-from ..binding import binding
 from ..following import live
 from ..scene import ownership
-from ..scene.selection import collection_of_active
 
 # Letters per line of a note: fits into the sidebar at its default width.
 NOTE_WIDTH = 36
@@ -58,13 +56,3 @@ def draw_live(layout: bpy.types.UILayout) -> None:
     column.label(text="Out of date" if now.behind else "Up to date", icon="TIME" if now.behind else "CHECKMARK")
     for line in textwrap.wrap(now.problem, NOTE_WIDTH):
         column.label(text=line, translate=False)
-
-
-def draw_character(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """The buttons in the order of the work, and which parts a bound cage can take along."""
-    column = layout.column(align=True)
-    column.operator("object.nested_cages_suggest_bones", icon="GROUP_BONE")
-    column.operator("object.nested_cages_rig", icon="ARMATURE_DATA")
-    collection = collection_of_active(context)
-    if collection is not None and ownership.is_bound(collection) and binding.newcomers(context, collection):
-        layout.operator("object.nested_cages_bind", text="Bind New Parts", icon="LINKED")

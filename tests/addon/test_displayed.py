@@ -284,6 +284,11 @@ def test_a_drawing_in_two_scenes_has_no_ghost_in_the_other() -> None:
     assert {"Drawing Fine", "Drawing Cage 1"} <= {obj.name for obj in other.objects}  # one set, shown in both
 
 
+def plane(addon):
+    """The x and y axes of the world."""
+    return addon.scene.plane.Frame(np.eye(4), 0.0, 1.0, own=False)
+
+
 def word(obj, fill):
     """Makes an object display letters by Geometry Nodes, as instances."""
     tree = bpy.data.node_groups.new("Text", "GeometryNodeTree")
@@ -305,8 +310,8 @@ def test_instances_of_nodes_are_read_as_displayed(addon, kind, fill) -> None:
     word(source, fill)
     loops = addon.scene.convert.read(bpy.context, source).loops
     assert len(loops) == 4 and np.ptp(np.concatenate(loops)[:, 0]) == pytest.approx(0.8, abs=0.2)
-    areas = addon.scene.areas.areas_of(bpy.context, source)
-    assert max(np.ptp(area.points[:, 0]) for area in areas if hasattr(area, "triangles")) < 1.0 if fill else areas
+    areas = addon.scene.areas.areas_of(bpy.context, source, plane(addon))
+    assert max(np.ptp(area.loops[0][:, 0]) for area in areas) < 1.0 if fill else areas
     assert bpy.ops.object.nested_cages_generate(levels="24, 16") == {"FINISHED"}
     outer = bpy.data.objects[f"{source.name} Cage 1"]
     assert np.ptp(evaluated(outer)[:, 0]) < 1.2
@@ -364,11 +369,11 @@ def test_hidden_strokes_are_not_read(addon, way) -> None:
     HIDING[way](drawn)
     (loop,) = addon.scene.convert.read(bpy.context, drawn).loops
     assert len(loop) == 24 and len(data.layers) == 2 and len(bpy.data.objects) == 1
-    areas = addon.scene.areas.areas_of(bpy.context, drawn, strokes=False, closed=True)
+    areas = addon.scene.areas.areas_of(bpy.context, drawn, plane(addon), strokes=False, closed=True)
     assert [len(area.loops[0]) for area in areas] == [24]
     data.layers.active = data.layers["Shown"]
     bpy.ops.grease_pencil.layer_mask_add(name="Lines")
     data.layers["Shown"].use_masks = True
-    for reader in (addon.scene.convert.read, addon.scene.areas.areas_of):
+    for reader, *more in ((addon.scene.convert.read,), (addon.scene.areas.areas_of, plane(addon))):
         with pytest.raises(addon.errors.UserError, match="has masks"):
-            reader(bpy.context, drawn)
+            reader(bpy.context, drawn, *more)

@@ -146,7 +146,7 @@ def modal(addon, monkeypatch):
         space_data=None,
         **{name: getattr(bpy.context, name) for name in names},
     )
-    blender = SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types, ops=bpy.ops)
+    blender = SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types, ops=bpy.ops, path=bpy.path)
     monkeypatch.setattr(addon.operators.base, "bpy", blender)
 
     def operator(name, **values):

@@ -60,6 +60,11 @@ WITH = {
 }
 
 
+def chosen_methods(addon):
+    """The methods that the scene's settings choose."""
+    return addon.properties.conversion.filled(addon.generation.methods.Methods, bpy.context.scene.nested_cages)
+
+
 def choices(addon):
     return [(name, key) for name, setting in addon.generation.choices.SETTINGS.items() for key in setting.choices]
 
@@ -86,7 +91,7 @@ def test_each_choice_is_the_object_that_it_is_called_after(addon, core, name, ke
 def test_untouched_they_are_the_core_s_own(addon, core) -> None:
     assert addon.generation.methods.Methods().settings() == core.Settings()
     assert bpy.context.scene.nested_cages.contact == "AUTOMATIC"
-    assert addon.properties.conversion.methods(bpy.context.scene.nested_cages) == addon.generation.methods.Methods()
+    assert chosen_methods(addon) == addon.generation.methods.Methods()
 
 
 def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon, core) -> None:
@@ -239,7 +244,9 @@ def test_presets_of_published_methods_are_the_core_s_definitions(addon, core, pr
     from nestedcages_core.published import settings as published
 
     bpy.ops.scene.nested_cages_use_preset(name=preset)
-    made = addon.properties.conversion.methods(bpy.context.scene.nested_cages).settings()
+    made = addon.properties.conversion.filled(
+        addon.generation.methods.Methods, bpy.context.scene.nested_cages
+    ).settings()
     defined = getattr(published, definition)
     assert made.tightening.iterations == defined.tightening.iterations == 0
     names = ["decimation", "starts", "fallback", "energy", "contact", "flow"]

@@ -66,7 +66,7 @@ def draw(extension):
     def drawn_by(name: str) -> list[str]:
         drawn: list[str] = []
         panel = getattr(panels, name)
-        panel.draw(SimpleNamespace(layout=Layout(drawn), names=getattr(panel, "names", ())), bpy.context)
+        panel.draw(SimpleNamespace(layout=Layout(drawn), bl_label=panel.bl_label), bpy.context)
         return drawn
 
     return drawn_by

@@ -1,4 +1,6 @@
-"""Follow Animation: cages around a drawing that moves; Live: cages that follow its edits."""
+"""Follow Animation: cages around a drawing that moves; Live: cages that follow its edits; and Bake to One Action
+or Remove Animation, for how cages form.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,9 @@ from ..properties import conversion, groups
 from ..properties.kinds import flag, whole
 from ..properties.settings import OperatorProperties
 from ..scene import ownership, units
+from ..scene.convert import ReadingOptions
 from ..scene.selection import chosen, collection_of_active, scene_again, scene_of
-from .base import DialogJobOperator, Operator, redraw
+from .base import DialogJobOperator, Operator, OutputOperator, redraw
 from .generate import sources, why_nothing
 
 # Approximate fraction of the work for reading the frames.
@@ -78,7 +81,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
         groups.draw(layout.column(), self, groups.READING)
 
     def work(self, context: bpy.types.Context) -> Work[None]:
-        scene, reading = scene_of(context), conversion.reading_options(self)
+        scene, reading = scene_of(context), conversion.filled(ReadingOptions, self)
         options = conversion.options(self, scene)
         if options.inside:
             raise UserError("Cages that follow a motion lie around the drawing: leave 'Inside' off")
@@ -165,6 +168,40 @@ class OBJECT_OT_nested_cages_live(Operator, bpy.types.Operator):
         if bake.is_animated(collection):
             bake.remove(scene, collection)
             self.report({"INFO"}, "The animation was removed: Generate makes it again")
-        reading = conversion.reading_options(settings)
-        used = conversion.used(settings)
+        reading, used = conversion.filled(ReadingOptions, settings), conversion.used(settings)
         live.start(live.Live(scene, source, options, reading, used, lambda: redraw(bpy.context)))
+
+
+class OnAnimation(OutputOperator):
+    """Base of both operators, which work on animated cages."""
+
+    @classmethod
+    def unsuitable(cls, collection: bpy.types.Collection) -> str:
+        if ownership.is_bound(collection):
+            return "Unbind the drawing from its cages first: its animation is turned off while bound"
+        return "" if bake.is_animated(collection) else "The cages have no animation"
+
+
+class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
+    """Put the animation of the drawing and all of its cages into one action with a slot for each"""
+
+    bl_label = "Bake to One Action"
+
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        return super().unavailable(context) if bake.has_slots() else "One action for several objects needs Blender 4.4"
+
+    def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[None]:
+        action = bake.bake(collection)
+        self.report({"INFO"}, f"The animation is in the action '{action.name}'")
+        yield from ()
+
+
+class OBJECT_OT_nested_cages_remove_animation(OnAnimation, bpy.types.Operator):
+    """Remove the steps, their keyframes and markers, and keep the finished cages"""
+
+    bl_label = "Remove Animation, Keep Cages"
+
+    def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[None]:
+        bake.remove(scene_of(context), collection)
+        yield from ()
