@@ -34,42 +34,33 @@ def cages(
 
     Raises: ValueError with the operator's message if nothing can be caged.
     """
-    chosen = list(objects)
-    strange = [each for each in chosen if not isinstance(each, bpy.types.Object)]
-    if strange:
-        raise ValueError(f"{strange[0]!r:.60} is not an object: give objects, such as bpy.data.objects[name]")
-    context = bpy.context
-    context.view_layer.update()
-    with _shown(context, chosen):
-        return _cages(context, chosen, levels, settings)
-
-
-def _cages(
-    context: bpy.types.Context, chosen: Sequence[bpy.types.Object], levels: Levels, settings: dict[str, Any]
-) -> list[list[bpy.types.Object]]:
-    """`cages` for visible objects, without showing hidden ones first. Raises: ValueError."""
+    context, chosen, inside = bpy.context, list(objects), bool(settings.get("inside", False))
     operator: Any = bpy.ops.object.nested_cages_generate  # type: ignore[attr-defined]
-    for obj in chosen:
-        if not convert.readable(obj):
-            raise ValueError(f"'{obj.name}' has no outline, it is of the type {obj.type}")
-        if obj.name not in context.view_layer.objects or not obj.visible_get():
-            raise ValueError(f"'{obj.name}' is not visible in the current view layer, so it cannot be caged")
     if not chosen:
         raise ValueError("No objects were given")
-    text, own = _levels(levels)
-    known = operator.get_rna_type().properties
-    unknown = [name for name in settings if name not in known]
+    for obj in chosen:
+        if not isinstance(obj, bpy.types.Object):
+            raise ValueError(f"{obj!r:.60} is not an object: give objects, such as bpy.data.objects[name]")
+        if not convert.readable(obj):
+            raise ValueError(f"'{obj.name}' has no outline, it is of the type {obj.type}")
+    unknown = [name for name in settings if name not in operator.get_rna_type().properties]
     if unknown:
         raise ValueError(f"There is no setting '{unknown[0]}'")
-    inside = bool(settings.get("inside", False))
-    before = {obj: _meshes(context, obj, inside) for obj in chosen}
-    with _selected(context, chosen):
-        try:
-            operator(**{"levels": text, "level_objects": "\n".join(own), "show_result": False, **settings})
-        except RuntimeError as error:
-            raise ValueError(str(error).removeprefix("Error: ").strip()) from error
-    wanted = chosen[:1] if settings.get("together") or settings.get("use_selected_as_levels") else chosen
-    return [_cages_of(context, obj, inside) if _meshes(context, obj, inside) != before[obj] else [] for obj in wanted]
+    text, own = _levels(levels)
+    context.view_layer.update()
+    with _shown(context, chosen):
+        for obj in chosen:
+            if obj.name not in context.view_layer.objects or not obj.visible_get():
+                raise ValueError(f"'{obj.name}' is not visible in the current view layer, so it cannot be caged")
+        before = {obj: _meshes(context, obj, inside) for obj in chosen}
+        with _selected(context, chosen):
+            try:
+                operator(**{"levels": text, "level_objects": "\n".join(own), "show_result": False, **settings})
+            except RuntimeError as error:
+                raise ValueError(str(error).removeprefix("Error: ").strip()) from error
+        made = {obj: _cages_of(context, obj, inside) for obj in chosen if _meshes(context, obj, inside) != before[obj]}
+    common = settings.get("together") or settings.get("use_selected_as_levels")
+    return [made.get(obj, []) for obj in (chosen[:1] if common else chosen)]
 
 
 def _cages_of(context: bpy.types.Context, obj: bpy.types.Object, inside: bool) -> list[bpy.types.Object]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -10,7 +11,12 @@ class Fault:
     """The place of a fault: the object's session ID, and world coordinates."""
 
     identity: int
-    places: tuple[tuple[float, float, float], ...]
+    places: tuple[tuple[float, ...], ...]
+
+    @classmethod
+    def at(cls, identity: int, points: Any) -> Fault:
+        """A fault at points (k, 3) of the world."""
+        return cls(identity, tuple(map(tuple, points.tolist())))
 
 
 class UserError(Exception):

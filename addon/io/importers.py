@@ -19,7 +19,7 @@ from ..errors import UserError
 from ..generation.job import Progress, Work
 from ..scene import display, filling
 from ..scene.plane import size
-from ..scene.uniting import divided
+from ..scene.uniting import divided, outline_of
 
 SVG, MAPS = (".svg",), (".geojson", ".json")
 
@@ -195,13 +195,5 @@ def _stored(name: str, loops: list[Points]) -> core.Mesh:
     Points that coincide in float32 are merged, and loops that touch because of it are joined.
     """
     extent = size(np.concatenate(loops))
-
-    def rounded(loops: list[Points]) -> list[Points]:
-        return [chains.without_doubles(loop.astype(np.float32), extent).astype(np.float64) for loop in loops]
-
-    with blamed(f"'{name}' loses detail in Blender's precision"):
-        try:
-            return core.Mesh.from_loops(rounded(loops))
-        except core.NestedCagesError:
-            mended = core.exchange.solid([core.exchange.Painted(rounded(loops), evenodd=True)])
-            return core.Mesh.from_loops(rounded([mended.vertices[loop] for loop in mended.loops]))
+    rounded = [chains.without_doubles(loop.astype(np.float32), extent).astype(np.float64) for loop in loops]
+    return core.Mesh.from_loops(outline_of(name, rounded, evenodd=True))

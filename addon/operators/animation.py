@@ -5,7 +5,6 @@ or Remove Animation, for how cages form.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import bpy
 
@@ -47,10 +46,6 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
         return "" if sources(context) else why_nothing(context)
-
-    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Any:
-        self.prepare(context)
-        return context.window_manager.invoke_props_dialog(self)
 
     def prepare(self, context: bpy.types.Context) -> None:
         """Takes what is not given from the cages that the active drawing has, or else from the panel."""

@@ -268,12 +268,13 @@ class DialogJobOperator(JobOperator):
 
     def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Any:
         """Opens the dialog."""
-        raise NotImplementedError
+        return context.window_manager.invoke_props_dialog(self)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
         if self.answered or bpy.app.background or context.window is None:
             return super().invoke(context, event)
         self._asked = True
+        self.prepare(context)
         asked: Outcome = self.ask(context, event)
         return asked
 

@@ -85,9 +85,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
     handles: flag("Handles", "Add a bone per corner of each bound cage to move that corner", default=True)
 
     def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Any:
-        if _shown(context):
-            return context.window_manager.invoke_props_dialog(self)
-        return ImportHelper.invoke(self, context, event)
+        return super().ask(context, event) if _shown(context) else ImportHelper.invoke(self, context, event)
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.draw_options("vertices", *NAMES, "levels", "bind", "handles")
@@ -216,11 +214,10 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bp
     def unavailable(cls, _context: bpy.types.Context) -> str:
         return "" if bpy.data.images else "Load an image with an alpha channel, or drag one into the 3D view"
 
-    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Any:
+    def prepare(self, context: bpy.types.Context) -> None:
         found = pictures.image_of(context)
         if not self.image and found is not None:
             self.image = found.name
-        return context.window_manager.invoke_props_dialog(self)
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.prop_search(self, "image", bpy.data, "images")

@@ -234,13 +234,12 @@ def _shape_keys(block: bpy.types.Key | None) -> tuple[ShapeKey, ...]:
     found = artists_keys(block)
     if block is None or not found:
         return ()
-    basis = ShapeKey(block.reference_key.name, np.empty((0, 3)), "", {})
-    return (basis, *(_shape_key(key) for key in found))
-
-
-def _shape_key(key: bpy.types.ShapeKey) -> ShapeKey:
-    values = {name: getattr(key, name) for name in KEY_VALUES if hasattr(key, name)}
-    return ShapeKey(key.name, points_of(key) - points_of(key.relative_key), key.relative_key.name, values)
+    keys = [ShapeKey(block.reference_key.name, np.empty((0, 3)), "", {})]
+    for key in found:
+        values = {name: getattr(key, name) for name in KEY_VALUES if hasattr(key, name)}
+        offsets = points_of(key) - points_of(key.relative_key)
+        keys.append(ShapeKey(key.name, offsets, key.relative_key.name, values))
+    return tuple(keys)
 
 
 def _attributes(mesh: bpy.types.Mesh) -> tuple[dict[str, tuple[str, Points]], list[str]]:

@@ -10,15 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import keys
-from ..core import chains, core
+from ..core import chains, core, distance
 from ..errors import Fault, UserError
-from . import faults
-from .plane import PLANARITY, Frame, fitted_frame, own_frame, transform, world_matrix
+from .plane import PLANARITY, Frame, fitted_frame, nearest, own_frame, size, transform, world_matrix
 from .reading import READERS, Lines, has_nodes, lines_of
 from .uniting import outline_of, united
 
 # Smallest part of the area of several drawings that is missing from their sum if one lies in another.
 NESTED_PART = 1e-9
+# Largest distance of edges at fault from the place in a message, as a fraction of the drawing's size: they may be
+# rounded.
+NEAR = 1e-4
+# Maximum number of points of a fault.
+MOST_POINTS = 8
 
 
 @dataclass(frozen=True)
@@ -76,21 +80,53 @@ class Drawing:
         try:
             return core.Mesh.from_loops(self.loops)
         except core.NestedCagesError as error:
-            sentence = faults.with_names(error.fault, self._parts)
+            sentence = with_names(error.fault, self._parts)
             raise UserError(f"'{self.name}': {sentence}", self.fault(error.fault)) from error
 
     def fault(self, found: core.Fault) -> Fault | None:
-        """The place that a message of the core names, if any."""
-        return faults.fault(found, self._parts, self.frame)
+        """The ends of the edges at the place that a message of the core names, of the closest object; None without a
+        place.
+        """
+        if found.data.get("place") is None:
+            return None
+        place = np.array(found.data["place"], dtype=np.float64)
+        reach = NEAR * size(np.concatenate(self.loops))
+        closest = min(self._parts, key=lambda part: min(_distances(loop, place).min() for loop in part.loops))
+        near = [_distances(loop, place) <= reach for loop in closest.loops]
+        points = np.concatenate([loop[at | np.roll(at, 1)] for loop, at in zip(closest.loops, near, strict=True)])
+        if not len(points):
+            every = np.concatenate(closest.loops)
+            points = every[nearest(place[None], every)]
+        closest_first = np.argsort(np.linalg.norm(points - place, axis=1), kind="stable")[:MOST_POINTS]
+        return Fault.at(closest.identity, self.frame.to_world(points[closest_first]))
 
     @property
-    def _parts(self) -> list[faults.Part]:
-        """The loops of each object."""
+    def _parts(self) -> list[Drawing]:
+        """The drawing of each object."""
         if self.united:
-            return [faults.Part(self.name, self.identity, self.loops)]
+            return [self]
         own = len(self.loops) - sum(len(other.loops) for other in self.others)
-        parts = [(self, self.loops[:own]), *((other, other.loops) for other in self.others)]
-        return [faults.Part(part.name, part.identity, loops) for part, loops in parts]
+        return [replace(self, loops=self.loops[:own], others=()), *self.others]
+
+
+def with_names(found: core.Fault, parts: Sequence[Drawing]) -> str:
+    """A message of the core, and which objects its loops belong to, for a drawing of several objects."""
+    owners = [(part, number) for part in parts for number in range(len(part.loops))]
+    loops = [loop for loop in found.data.get("loops", ()) if loop < len(owners)]
+    if len(parts) < 2 or not loops:
+        return str(found)
+    names = []
+    for loop in loops:
+        part, own = owners[loop]
+        of_it = f"loop {own} of " if len(part.loops) > 1 else ""
+        names.append(f"loop {loop} is {of_it}'{part.name}'")
+    return f"{found} Here {' and '.join(names)}."
+
+
+def _distances(loop: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distances (k,) of a place from the edges of a loop (k, 2)."""
+    found: NDArray[np.float64] = distance.point_edge(place, loop, np.roll(loop, -1, axis=0)).distance
+    return found
 
 
 def readable(obj: bpy.types.Object) -> bool:
@@ -145,7 +181,7 @@ def drawing_in(
         offs.append(heights)
     heights = np.concatenate(offs)
     off = float(np.abs(heights - (np.median(heights) if layer else 0.0)).max())
-    extent = float(np.linalg.norm(np.ptp(np.concatenate(loops), axis=0))) * frame.scale
+    extent = size(np.concatenate(loops)) * frame.scale
     if off > PLANARITY * extent and not options.project:
         raise UserError(
             f"'{outline.name}' does not lie in one plane with the drawing: it is up to {off:.3g} off it; flatten it, "
@@ -241,8 +277,7 @@ def _open_error(obj: bpy.types.Object, lines: Sequence[NDArray[np.float32]]) -> 
 
 def _fault(obj: bpy.types.Object, points: NDArray[np.float32]) -> Fault:
     """A fault at points (k, 3) in an object's own space."""
-    world = transform(np.array(obj.matrix_world, dtype=np.float64), points.astype(np.float64)).tolist()
-    return Fault(obj.session_uid, tuple((x, y, z) for x, y, z in world))
+    return Fault.at(obj.session_uid, transform(np.array(obj.matrix_world, dtype=np.float64), points.astype(np.float64)))
 
 
 def _place(point: NDArray[np.float32]) -> str:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..core import chains, core
 from ..errors import UserError
+from .plane import size
 
 Loop = NDArray[np.float64]
 Loops = tuple[Loop, ...]
@@ -17,22 +18,22 @@ Loops = tuple[Loop, ...]
 CLOSED_GAP = 1e-5
 
 
-def outline_of(name: str, loops: Sequence[Loop]) -> Loops:
+def outline_of(name: str, loops: Sequence[Loop], *, evenodd: bool = False) -> Loops:
     """The outline of one area given by loops (k, 2), in float32; unchanged unless they cross or touch.
 
-    The non-zero winding rule decides what is inside. Raises: UserError.
+    evenodd: the rule that decides what is inside, instead of non-zero winding. Raises: UserError.
     """
     try:
         core.Mesh.from_loops(loops)
     except core.NestedCagesError:
-        return united(name, [core.exchange.Painted(loops)])
+        return united(name, [core.exchange.Painted(loops, evenodd)])
     return tuple(loops)
 
 
 def united(name: str, areas: Sequence[core.exchange.Painted]) -> Loops:
     """The outline of the union of areas, loops (k, 2), float32 values as float64. Raises: UserError."""
     points = np.concatenate([loop for area in areas for loop in area.loops])
-    extent = float(np.linalg.norm(np.ptp(points, axis=0)))
+    extent = size(points)
     problem: core.NestedCagesError | None = None
     for gap in (0.0, CLOSED_GAP * extent):
         try:

@@ -277,13 +277,13 @@ def test_select_fault_finds_the_ends_of_an_open_curve(addon) -> None:
 
 def test_loops_are_told_by_the_names_of_their_objects(addon, core) -> None:
     """Numbers that count through all objects mean nothing to a user."""
-    faults = addon.scene.faults
-    one = faults.Part("One", 1, [star(), circle(12, 0.3)])
-    two = faults.Part("Two", 2, [circle(40, 1.0, (0.9, 0.0))])
+    convert, frame = addon.scene.convert, addon.scene.plane.Frame(np.eye(4), 0.0, 1.0, own=True)
+    one = convert.Drawing("One", frame, (star(), circle(12, 0.3)), 1)
+    two = convert.Drawing("Two", frame, (circle(40, 1.0, (0.9, 0.0)),), 2)
     said = core.Fault("Loops 0 and 2 cross near (0.5, 0.8).", "mesh.crossing", loops=(0, 2), place=(0.5, 0.8))
-    assert faults.with_names(said, [one, two]) == f"{said} Here loop 0 is loop 0 of 'One' and loop 2 is 'Two'."
-    assert faults.with_names(said, [one]) == said
-    assert faults.with_names(core.Fault("Open.", "mesh.open", loops=(7,)), [one, two]) == "Open."
+    assert convert.with_names(said, [one, two]) == f"{said} Here loop 0 is loop 0 of 'One' and loop 2 is 'Two'."
+    assert convert.with_names(said, [one]) == said
+    assert convert.with_names(core.Fault("Open.", "mesh.open", loops=(7,)), [one, two]) == "Open."
 
 
 def test_drawings_of_one_run_share_a_collection_within_their_own(addon) -> None:
