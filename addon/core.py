@@ -24,10 +24,7 @@ if TYPE_CHECKING:
 else:
 
     class _LazyModule(ModuleType):
-        """Stands for the core or one of its modules; looks up names there on first use.
-
-        Raises: UserError without scipy.
-        """
+        """The core or one of its modules; finds names there on first use. Raises: UserError without scipy."""
 
         def __getattr__(self, name: str) -> object:
             if name.startswith("__"):

@@ -220,10 +220,7 @@ def _take_along(
     space: bpy.types.Object,
     levels: list[bpy.types.Object],
 ) -> str:
-    """Makes the drawings themselves follow; returns which do, and why others do not.
-
-    The fine mesh, a copy of them all, is hidden if it is not needed.
-    """
+    """Makes the drawings follow, instead of the fine mesh if all can; returns which do, and why others do not."""
     fine, made = levels[0], field.field_of(levels[1])
     assert made is not None
     problems = [] if originals else [f"The original object was deleted; '{fine.name}' follows"]

@@ -77,9 +77,7 @@ def _images(material: bpy.types.Material | None) -> list[bpy.types.Image]:
 
 
 def canvas_of(obj: bpy.types.Object | None, size: tuple[int, int]) -> Canvas:
-    """The place where an object shows a picture of that size in pixels; without an object, around the origin, 1 unit
-    long.
-
+    """The place where an object shows a picture of that size in pixels; without an object, 1 unit long at the origin.
     Raises: UserError.
     """
     extent = np.array(size) / max(size)

@@ -21,7 +21,7 @@ from ..properties.settings import OperatorProperties
 from ..scene import ownership, units
 from ..scene.convert import ReadingOptions
 from ..scene.selection import chosen, collection_of_active, scene_again, scene_of
-from .base import DialogJobOperator, Operator, OutputOperator, redraw
+from .base import NOTHING, DialogJobOperator, Operator, OutputOperator, redraw
 from .generate import sources, why_nothing
 
 # Approximate fraction of the work for reading the frames.
@@ -57,7 +57,8 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
             return
         given = self.properties.is_property_set("levels")
         self.take_from_panel(context, groups.NOT_MOVING, found.settings)
-        if not given and not _has_counts(self.levels, scene_of(context)):
+        levels = parse_levels(self.levels, units.lengths(scene_of(context)))
+        if not given and (OWN in levels or not are_counts(levels)):
             self.levels = ", ".join(str(len(cage.data.vertices)) for cage in ownership.members(collection)[1:])
 
     def draw(self, _context: bpy.types.Context) -> None:
@@ -124,12 +125,6 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
         self.report({"INFO"}, f"{counted(len(cages), 'cage')} {certified}; mean excess {shown}")
 
 
-def _has_counts(levels: str, scene: bpy.types.Scene) -> bool:
-    """Whether all levels of a text are numbers or shares of vertices."""
-    found = parse_levels(levels, units.lengths(scene))
-    return OWN not in found and are_counts(found)
-
-
 class OBJECT_OT_nested_cages_live(Operator, bpy.types.Operator):
     """Let the cages of the active object follow the edits of its drawing, in any mode, until it is switched off or
     another file is opened. Removes the animation of how the cages form
@@ -144,7 +139,7 @@ class OBJECT_OT_nested_cages_live(Operator, bpy.types.Operator):
             return ""
         collection = collection_of_active(context)
         if collection is None:
-            return "Select a drawing that has cages, or one of its cages"
+            return NOTHING
         if ownership.source_of(collection) is None:
             return "The drawing of these cages is gone"
         return live.why_not(collection)

@@ -108,9 +108,8 @@ class Operator(Named):
 
 
 class JobOperator(Operator):
-    """An operator whose work is a generator: run at once when executed, in slices with progress when invoked.
-
-    Scripts, redo and Blender in the background execute it at once.
+    """An operator whose work is a generator: run at once when executed, as by scripts, redo and in the background; in
+    slices with progress when invoked.
     """
 
     # Whether the work changes the scene before it is done, which blocks all other changes.

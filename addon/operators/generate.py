@@ -153,8 +153,8 @@ def sources(context: bpy.types.Context, *, as_selected: bool = False) -> list[bp
         return list(context.objects_in_mode_unique_data)
     selected = [obj for obj in context.selected_objects if convert.readable(obj)]
     active = context.view_layer.objects.active
-    if not context.selected_objects and active is not None and _has_cages(context, active):
-        return [active]
+    if not context.selected_objects and active is not None and convert.readable(active):
+        return [active] if ownership.outputs_of(scene_of(context), active) else []
     if as_selected:
         return [obj for obj in selected if record.member(obj).of not in selected]
     return list(dict.fromkeys(found for obj in selected for found in _drawings_of(obj, selected)))
@@ -171,11 +171,6 @@ def why_nothing(context: bpy.types.Context) -> str:
     if active is not None and not active.visible_get():
         return f"'{active.name}' is hidden: show it (Alt H, or the Outliner) and select it"
     return f"Nothing is selected: select {wanted}"
-
-
-def _has_cages(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
-    """Whether an object is a drawing with cages."""
-    return convert.readable(obj) and bool(ownership.outputs_of(scene_of(context), obj))
 
 
 def _poses(collection: bpy.types.Collection) -> dict[int | None, Pose]:

@@ -13,6 +13,7 @@ from ..core import core
 from ..errors import UserError
 from ..generation.levels import OWN, parse_levels
 from ..scene import units
+from ..scene.convert import readable
 from .kinds import choice, length, number, whole
 
 KIND_ITEMS = (
@@ -66,12 +67,6 @@ def _write(self: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
         write(scene.nested_cages)  # type: ignore[attr-defined]
 
 
-def _has_outline(_self: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
-    from ..scene.convert import readable
-
-    return readable(obj)
-
-
 # What both kinds of percentages have.
 PER_CENT = {"default": 10.0, "min": 0.01, "precision": 1, "update": _write}
 
@@ -87,9 +82,12 @@ class NestedCagesLevel(bpy.types.PropertyGroup):
     )
     excess: number("More Area", "Extra area of the cage, in per cent of the drawing's", soft_max=100.0, **PER_CENT)
     own: PointerProperty(
-        name="Object", description="Coarse mesh that becomes this cage", type=bpy.types.Object, poll=_has_outline,
+        name="Object",
+        description="Coarse mesh that becomes this cage",
+        type=bpy.types.Object,
+        poll=lambda _level, obj: readable(obj),
         update=_write,
-    )  # fmt: skip
+    )
 
 
 def names_of(levels: str, objects: str) -> list[str]:

@@ -20,8 +20,8 @@ from ..scene.filling import loop_edges, mesh_of, points_of, stored
 from ..scene.plane import size
 from .rig import rest_points
 
-# The properties of parenting, in the order in which they are set.
-PARENTING = ("parent", "parent_type", "parent_bone", "parent_vertices", "matrix_parent_inverse")
+# All properties of a placement, in the order in which they are set.
+PLACEMENT = (*placement.PARENTING, *placement.TRANSFORM)
 # Smaller offsets of vertices, as a fraction of the size, are rounding, not a pose.
 SMALLEST_POSE = 1e-5
 
@@ -36,9 +36,9 @@ class Placement:
     @classmethod
     def of(cls, obj: bpy.types.Object) -> Placement:
         carried = placement.carrier_of(obj) if placement.constraint_of(obj) is not None else None
-        return cls({name: _copied(getattr(obj, name)) for name in (*PARENTING, *placement.TRANSFORM)}, carried)
+        return cls({name: _copied(getattr(obj, name)) for name in PLACEMENT}, carried)
 
-    def give(self, obj: bpy.types.Object, names: Iterable[str] = (*PARENTING, *placement.TRANSFORM)) -> None:
+    def give(self, obj: bpy.types.Object, names: Iterable[str] = PLACEMENT) -> None:
         """Applies the placement to an object."""
         if "parent" in names:
             placement.carry(obj, *(self.carried or (None, None)))

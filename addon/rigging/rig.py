@@ -92,9 +92,7 @@ class Rig:
         )
 
     def give(self, obj: bpy.types.Object, *, same_vertices: bool = False) -> list[str]:
-        """Transfers everything to the object's new mesh, replacing what is there; returns what could not be
-        transferred.
-
+        """Transfers everything to the object's new mesh, in place of what is there; returns what could not go along.
         same_vertices: vertices keep their numbers if there are as many as before, wherever they are.
         """
         mesh = mesh_of(obj)

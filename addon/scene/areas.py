@@ -101,10 +101,7 @@ def _faces(evaluated: bpy.types.Object, matrix: Points, frame: Frame) -> Iterato
 def _drawn(
     context: bpy.types.Context, obj: bpy.types.Object, frame: Frame, strokes: bool, closed: bool
 ) -> Iterator[core.exchange.Painted]:
-    """Fills and strokes of the visible layers of a Grease Pencil drawing on the current frame.
-
-    Raises: UserError for strokes that are not made of straight pieces.
-    """
+    """Fills and strokes of the visible layers on the current frame. Raises: UserError for Bézier and NURBS strokes."""
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     for layer, hidden in unseen(evaluated).items():
         matrix = world_matrix(obj) @ np.array(layer.matrix_local)

@@ -20,6 +20,8 @@ TRANSFORM = (
     "delta_rotation_quaternion",
     "delta_scale",
 )
+# The properties of parenting, in the order in which they are set.
+PARENTING = ("parent", "parent_type", "parent_bone", "parent_vertices", "matrix_parent_inverse")
 # The constraint that takes the place of a parent.
 CARRIED = "Nested Cages Drawing"
 # Where another object is, in its space.
@@ -82,9 +84,8 @@ def attach(obj: bpy.types.Object, carrier: bpy.types.Object) -> None:
 
 
 def rebase(obj: bpy.types.Object, source: bpy.types.Object, back: Matrix) -> None:
-    """Leaves an object where it is while the space of the drawing that carries it by a constraint has changed.
-
-    back: from the space of before to that of now. Blender does so for children.
+    """Leaves an object where it is while the space of the drawing that carries it by a constraint changes, as Blender
+    leaves children; back: from the space of before to that of now.
     """
     constraint = constraint_of(obj)
     if constraint is not None and constraint.target == source:
@@ -139,7 +140,7 @@ def copy_transform(source: bpy.types.Object, target: bpy.types.Object) -> None:
 def stand_as(source: bpy.types.Object, target: bpy.types.Object) -> None:
     """Puts a new object where another one is displayed: with its transform, parent and constraints."""
     copy_transform(source, target)
-    for name in ("parent", "parent_type", "parent_bone", "parent_vertices", "matrix_parent_inverse"):
+    for name in PARENTING:
         setattr(target, name, getattr(source, name))
     for constraint in source.constraints:
         target.constraints.copy(constraint)

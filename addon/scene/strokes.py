@@ -16,10 +16,7 @@ SMOOTH, STRAIGHT = 0, 1
 
 
 def drawing(name: str, loops: Sequence[NDArray[np.float64]], radius: float) -> bpy.types.ID:
-    """A new drawing with a closed stroke of straight pieces per loop (k, 3), and a material of its own.
-
-    Raises: UserError before Blender 4.3.
-    """
+    """A new drawing with a closed polyline per loop (k, 3) and a material. Raises: UserError before Blender 4.3."""
     if not hasattr(bpy.types, "GreasePencilDrawing"):
         raise UserError("Grease Pencil drawings need Blender 4.3 or later: choose curves instead")
     known: Any = getattr(bpy.data, "grease_pencils_v3", bpy.data.grease_pencils)

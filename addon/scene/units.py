@@ -32,9 +32,7 @@ def written(length: float, scene: bpy.types.Scene) -> str:
 
 def loop_sizes(obj: bpy.types.Object, resolution: int = 0) -> tuple[int, ...]:
     """Vertices of each loop of an outline before modifiers, for a mesh of all loops together; empty for types whose
-    counts are unknown until they are read.
-
-    resolution: segments between two control points of a curve, 0 = the curve's own.
+    counts are unknown until they are read. resolution: as of `lines_of`.
     """
     if obj.type == "MESH":
         return (len(loop_edges(mesh_of(obj))),)

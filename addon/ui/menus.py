@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 from ..operators.exporters import SHAPE_ITEMS
@@ -53,19 +55,16 @@ def _object_menu(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
     self.layout.menu(VIEW3D_MT_nested_cages.__name__, icon="MOD_MESHDEFORM")
 
 
-def _import_menu(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
-    self.layout.operator("object.nested_cages_import", text="Outlines for Cages (.svg/.geojson/.json)")
-
-
-def _export_menu(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
-    self.layout.operator("object.nested_cages_export", text="Nested Cages (.svg/.geojson/.json)")
+def _file_menu(name: str, text: str) -> Any:
+    """Draws an operator on files."""
+    return lambda menu, _context: menu.layout.operator(f"object.nested_cages_{name}", text=text)
 
 
 MENUS = (
     ("VIEW3D_MT_object", _object_menu),
     ("VIEW3D_MT_object_context_menu", _object_menu),
-    ("TOPBAR_MT_file_import", _import_menu),
-    ("TOPBAR_MT_file_export", _export_menu),
+    ("TOPBAR_MT_file_import", _file_menu("import", "Outlines for Cages (.svg/.geojson/.json)")),
+    ("TOPBAR_MT_file_export", _file_menu("export", "Nested Cages (.svg/.geojson/.json)")),
 )
 
 

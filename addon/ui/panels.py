@@ -103,8 +103,13 @@ class VIEW3D_PT_nested_cages_animation(PartPanel, bpy.types.Panel):
         settings, layout = settings_of(context), _split(self.layout)
         groups.draw(layout.column(align=True), settings, groups.FRAMES)
         groups.draw(layout.column(), settings, groups.ANIMATION)
-        _draw_length(layout, context)
-        if collection_of_active(context) is not None:
+        collection, scene = collection_of_active(context), context.scene
+        timing = conversion.filled(Timing, settings)
+        frames = output.length(collection, timing) if collection is not None else None
+        if frames is not None:  # with these settings, from the steps of the output
+            seconds = frames * scene.render.fps_base / scene.render.fps
+            layout.label(text=f"Length as before: {frames} frames, {seconds:.1f} s")
+        if collection is not None:
             column = layout.column(align=True)
             column.operator("object.nested_cages_bake_action", icon="ACTION")
             column.operator("object.nested_cages_remove_animation", icon="X")
@@ -209,16 +214,6 @@ def _draw_list(layout: bpy.types.UILayout, settings: NestedCagesSettings) -> Non
     buttons.operator("scene.nested_cages_level_move", text="", icon="TRIA_DOWN").step = 1
 
 
-def _draw_length(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """The length of the animation with the current settings, from the steps of existing output."""
-    collection, scene = collection_of_active(context), context.scene
-    timing = conversion.filled(Timing, settings_of(context))
-    frames = output.length(collection, timing) if collection is not None else None
-    if frames is not None:
-        seconds = frames * scene.render.fps_base / scene.render.fps
-        layout.label(text=f"Length as before: {frames} frames, {seconds:.1f} s")
-
-
 class NESTEDCAGES_UL_levels(bpy.types.UIList):
     """One level per line"""
 
@@ -280,7 +275,8 @@ CLASSES = (
 
 
 def move_to(category: str) -> None:
-    """Shows the panels in another tab of the sidebar."""
+    """Shows the panels in another tab of the sidebar; without a name, in their own."""
+    category = category.strip() or CATEGORY
     panels = [cls for cls in CLASSES if issubclass(cls, SidebarPanel)]
     if all(cls.bl_category == category for cls in panels):
         return

@@ -13,10 +13,6 @@ from ..properties.settings import GenerationProperties, copy_values, settings_of
 from . import panels
 
 
-def _move_panels(preferences: NestedCagesPreferences, _context: bpy.types.Context) -> None:
-    panels.move_to(preferences.category.strip() or panels.CATEGORY)
-
-
 class NestedCagesDefaults(bpy.types.PropertyGroup, GenerationProperties):
     """The settings in the preferences, which cannot refer to the list's objects."""
 
@@ -30,7 +26,7 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
         "Sidebar Tab",
         "Tab in the sidebar of the 3D view that holds the panels",
         default=panels.CATEGORY,
-        update=_move_panels,
+        update=lambda preferences, _context: panels.move_to(preferences.category),
     )
     research: flag(
         "Research Settings", "Show the panel Advanced with the parts of the method, for comparisons and teaching"
@@ -104,7 +100,7 @@ def register() -> None:
     bpy.app.handlers.load_post.append(_begin_file)
     found = groups.preferences()
     if found is not None:
-        panels.move_to(found.category.strip() or panels.CATEGORY)
+        panels.move_to(found.category)
 
 
 def unregister() -> None:
