@@ -139,9 +139,9 @@ class EdgeSearch:
             lengths = np.hypot(*(self.ends - self.starts).T)
             wanted = lengths.sum() / (SAMPLES_PER_MEAN_EDGE * len(lengths) + EXTRA_SAMPLES)
             counts = np.maximum(np.ceil(lengths / max(wanted, SMALLEST_LENGTH)), 1.0).astype(np.int64)
-            self._edge_of_sample = np.repeat(np.arange(len(lengths)), counts)
-            place = position_in_group(counts)
-            parameter = (place + 0.5) / counts[self._edge_of_sample]
+            # both ends too: a point beyond the end of an edge may be farther from others of it than `_by_tree` expects
+            self._edge_of_sample = np.repeat(np.arange(len(lengths)), counts + 1)
+            parameter = position_in_group(counts + 1) / counts[self._edge_of_sample]
             direction = (self.ends - self.starts)[self._edge_of_sample]
             self._spacing = float((lengths / counts).max())
             self._tree = scipy.spatial.cKDTree(self.starts[self._edge_of_sample] + parameter[:, None] * direction)

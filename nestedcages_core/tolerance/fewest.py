@@ -130,6 +130,8 @@ class _Search:
         self.best: Level | None = None
         self.taken = np.inf
         self.error: NestedCagesError | None = None
+        self._measured = np.empty((0, 2)), np.inf
+        """What was measured last: the vertices of a cage and what it takes."""
 
     @property
     def count(self) -> int:
@@ -223,14 +225,15 @@ class _Search:
 
     def taken_by(self, cage: Mesh) -> float:
         """The distance or the excess of a cage; of one inside, those of the fine mesh around it."""
-        taken = self.need.measured(cage, self.fine, self.side, SLACK * self.need.limit)
-        if self.need.distance is None or self.best is None or cage is not self.best.cage:
-            return taken
-        return min(taken, self.need.distance)
+        met = self.is_met(cage)
+        return self._measured[1] if met else self.need.measured(cage, self.fine, self.side, SLACK * self.need.limit)
 
     def is_met(self, cage: Mesh) -> bool:
         """Whether a cage stays within the tolerance."""
-        return self.need.is_met(cage, self.fine, self.side)
+        limit = self.need.limit
+        if not np.array_equal(self._measured[0], cage.vertices):
+            self._measured = cage.vertices, self.need.measured(cage, self.fine, self.side, SLACK * limit, limit)
+        return self._measured[1] <= limit
 
     def failure(self) -> NestedCagesError:
         """Why there is no level."""

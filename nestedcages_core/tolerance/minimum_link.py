@@ -160,17 +160,16 @@ class Corridor:
         size = self._usual
         while True:
             stop = min(min(window.next_foot, window.next_tip) + size, last + 1)
-            angles = self._angles(window, np.arange(window.next_foot, stop), np.arange(window.next_tip, stop))
-            highest = np.maximum.accumulate(np.maximum.accumulate(angles, axis=0), axis=1)
-            lowest = np.minimum.accumulate(np.minimum.accumulate(angles, axis=0), axis=1)
-            gates = np.arange(min(window.next_foot, window.next_tip), stop)
-            i, j = (np.maximum(gates - begin + 1, 0) for begin in (window.next_foot, window.next_tip))
-            apart = highest[i, j] - lowest[i, j] > np.pi + self.slack
+            begin = min(window.next_foot, window.next_tip)
+            feet, tips = np.arange(window.next_foot, stop), np.arange(window.next_tip, stop)
+            angles = self._angles(window, feet, tips)
+            apart = _ranges(angles, feet - begin + 1, tips - begin + 1, stop - begin) > np.pi + self.slack
             if apart.any():
                 k = int(apart.argmax())
                 self._usual = k + SPARE_GATES
-                before = (0, 0) if k == 0 else (int(i[k - 1]), int(j[k - 1]))
-                return self._ended(window, int(gates[k]), angles, before, (int(i[k]), int(j[k])))
+                i, j = begin + k + 1 - window.next_foot, begin + k + 1 - window.next_tip
+                before = max(i - 1, 0), max(j - 1, 0)
+                return self._ended(window, begin + k, angles, before, (max(i, 0), max(j, 0)))
             if stop == last + 1:
                 return Run(last + 1, None, window, last, last)
             size *= 2
@@ -270,6 +269,25 @@ def _angles_between(feet: FloatArray, tips: FloatArray) -> FloatArray:
     (x, u), (y, v) = ((feet @ axis, tips @ axis) for axis in (across, rotated_left(across)))
     angles: FloatArray = np.arctan2(y[:, None] - v, x[:, None] - u)
     return angles
+
+
+def _ranges(angles: FloatArray, foot_gate: IntArray, tip_gate: IntArray, count: int) -> FloatArray:
+    """(count,) range of the angles (F + 1, T + 1) of all feet and tips up to each gate.
+
+    foot_gate, tip_gate: (F,), (T,) the gate of each foot and tip from the second one on, counted from 1.
+    """
+    foot_gate, tip_gate = np.append(0, foot_gate), np.append(0, tip_gate)
+    tip_is_last = tip_gate > foot_gate[:, None]
+    extremes = []
+    for reduction, nothing in ((np.maximum, -np.inf), (np.minimum, np.inf)):
+        of_gate = np.full(count + 1, nothing)
+        of_gate[foot_gate] = reduction.reduce(np.where(tip_is_last, nothing, angles), axis=1)
+        of_gate[tip_gate] = reduction(
+            of_gate[tip_gate], reduction.reduce(np.where(tip_is_last, angles, nothing), axis=0)
+        )
+        extremes.append(reduction.accumulate(of_gate)[1:])
+    ranges: FloatArray = extremes[0] - extremes[1]
+    return ranges
 
 
 def _between(feet: FloatArray, tips: FloatArray) -> Line | None:

@@ -14,7 +14,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
-from ..geometry.signed_distance import EdgeSearch, SignedDistance
+from ..geometry.signed_distance import SignedDistance
 from ..geometry.triangulation import triangulate
 from ..geometry.vectors import norm
 
@@ -28,13 +28,13 @@ MAX_TRIANGLE_HALVINGS = 60
 """Cap on the halvings of a triangle: its sides are then shorter by a factor of a billion."""
 
 
-def reach(cage: Mesh, fine: Mesh, slack: float = 0.0) -> float:
+def reach(cage: Mesh, fine: Mesh, slack: float = 0.0, limit: float = np.inf) -> float:
     """Upper bound on the distance of a point of the cage's solid from the fine mesh's solid.
 
-    It is too large by at most 0.01 % and the slack. The cage must strictly enclose the fine mesh. A bay that the cage
-    fills counts with its widest place.
+    It is too large by at most 0.01 % and the slack, and at most the limit if the distance is; if not, any number above
+    the limit. The cage must strictly enclose the fine mesh. A bay that the cage fills counts with its widest place.
     """
-    return _reach(cage, fine, None, slack=slack)[0]
+    return _reach(cage, fine, limit, slack)[0]
 
 
 def stays_within(cage: Mesh, fine: Mesh, distance: float) -> bool:
@@ -44,13 +44,13 @@ def stays_within(cage: Mesh, fine: Mesh, distance: float) -> bool:
 
 def beyond(cage: Mesh, fine: Mesh, distance: float) -> FloatArray:
     """(P, 2) places of a cage that are farther than a distance; none if its reach, bounded from above, is not."""
-    return _reach(cage, fine, distance, RESOLVED * distance)[1]
+    return _reach(cage, fine, distance, resolved=RESOLVED * distance)[1]
 
 
 def _reach(
-    cage: Mesh, fine: Mesh, limit: float | None, resolved: float = 0.0, slack: float = 0.0
+    cage: Mesh, fine: Mesh, limit: float, slack: float = np.inf, resolved: float = 0.0
 ) -> tuple[float, FloatArray]:
-    """The reach; with a limit, any number on the same side of the limit, and places (P, 2) that are farther.
+    """The reach, or any number above the limit, and places (P, 2) that are farther than the limit.
 
     resolved: size of triangles down to which more such places are looked for, if above 0.
     """
@@ -58,36 +58,39 @@ def _reach(
     search = signed.search
     far = search.closest(cage.vertices).distance
     largest = float(far.max())
-    places = cage.vertices[far > (np.inf if limit is None else limit)]
+    places = cage.vertices[far > limit]
     if len(places) and not resolved:
         return largest, places
     between = cage
-    if float(fine.edge_lengths.sum()) > (slack + largest if limit is None else limit) * len(fine.vertices):
+    if float(fine.edge_lengths.sum()) > min(limit, slack + largest) * len(fine.vertices):
         between = Mesh.from_loops([mesh.vertices[loop] for mesh in (cage, fine) for loop in mesh.loops])
     tiles = triangulate(between)
     corners, near = tiles.vertices[tiles.triangles], search.closest(tiles.vertices).edge[tiles.triangles]
     for _ in range(MAX_TRIANGLE_HALVINGS):
-        middle = corners.mean(axis=1)
+        corners, near = _longest_first(corners, near)
+        middle = 0.5 * (corners[:, 0] + corners[:, 1])
         distance, nearest, _ = search.closest(middle)
-        radius = norm(corners - middle[:, None]).max(axis=1)
-        # all of a triangle whose middle is farther from the outline than its corners is in the solid, or out of it
+        radius = norm(corners[:, 1:] - middle[:, None]).max(axis=1)
+        # all of a triangle that is smaller than the distance of its middle is in the solid, or out of it
         apart = np.flatnonzero(distance > radius)
         inside = apart[signed.winding(middle[apart]) == 1]
         distance[inside] = -np.inf
         largest = max(largest, float(distance[apart].max(initial=0.0)))
-        if limit is not None and largest > limit:
+        if largest > limit:
             too_far = apart[distance[apart] > limit]
             places = np.concatenate((places, middle[too_far]))
             if not resolved:
                 return largest, places
             distance[(radius < resolved) & (distance <= limit)] = -np.inf
             distance[too_far] = -np.inf
-        enough = slack + (1.0 + REACH_PRECISION) * largest if limit is None else limit
+        enough = min(limit, slack + (1.0 + REACH_PRECISION) * largest)
         kept = np.flatnonzero(distance + radius > enough)
         kept = kept[_bounds(corners[kept], np.column_stack((near, nearest))[kept], fine) > enough]
         if len(kept) == 0:
             return max(enough, largest), places
-        corners, near = _halved(corners[kept], near[kept], search)
+        corners, near = np.tile(corners[kept], (2, 1, 1)), np.tile(near[kept], (2, 1))
+        for part, corner in ((slice(len(kept)), 1), (slice(len(kept), None), 0)):
+            corners[part, corner], near[part, corner] = middle[kept], nearest[kept]
     return np.inf, corners.mean(axis=1)
 
 
@@ -105,13 +108,8 @@ def _bounds(corners: FloatArray, edges: IntArray, fine: Mesh) -> FloatArray:
     return least
 
 
-def _halved(corners: FloatArray, near: IntArray, search: EdgeSearch) -> tuple[FloatArray, IntArray]:
-    """(2 T, 3, 2) triangles (T, 3, 2) divided at the middle of their longest sides, and the edges next to corners."""
+def _longest_first(corners: FloatArray, near: IntArray) -> tuple[FloatArray, IntArray]:
+    """Triangles (T, 3, 2) from their longest side on, and what belongs to their corners (T, 3)."""
     lengths = norm(np.roll(corners, -1, axis=1) - corners)
     rows, turns = np.arange(len(corners))[:, None], (lengths.argmax(axis=1)[:, None] + np.arange(3)) % 3
-    corners, near = np.tile(corners[rows, turns], (2, 1, 1)), np.tile(near[rows, turns], (2, 1))
-    middle = corners[: len(rows), :2].mean(axis=1)
-    edge = search.closest(middle).edge
-    for part, corner in ((slice(len(rows)), 1), (slice(len(rows), None), 0)):
-        corners[part, corner], near[part, corner] = middle, edge
-    return corners, near
+    return corners[rows, turns], near[rows, turns]

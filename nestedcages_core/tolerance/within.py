@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 
@@ -38,13 +38,13 @@ class Within:
         """The largest distance or excess."""
         return float(self.distance if self.distance is not None else self.excess or 0.0)
 
-    def measured(self, cage: Mesh, fine: Mesh, side: int = 1, slack: float = 0.0) -> float:
-        """The excess of a cage on a side, or an upper bound on its distance, too large by at most the slack."""
+    def measured(self, cage: Mesh, fine: Mesh, side: int = 1, slack: float = 0.0, limit: float = inf) -> float:
+        """The excess of a cage on a side, or an upper bound on its distance; slack, limit: as in `reach`."""
         if self.distance is None:
             return side * (cage.area / fine.area - 1.0)
         from .reach import reach  # imports triangulations, which few need
 
-        return reach(*by_side(cage, fine, side), slack)
+        return reach(*by_side(cage, fine, side), slack, limit)
 
     def note(self, count: int, taken: float, fewest: int | None = None) -> Fault:
         """What a cage of that many vertices takes of the limit; fewest: a lower bound on their number."""

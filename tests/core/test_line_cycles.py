@@ -59,7 +59,22 @@ def test_the_best_cycles_are_those_of_all_choices_of_lines(count: int, share: fl
                 cycle = paths.cycle(size).tolist()
                 assert areas[some.index(tuple(cycle))] == pytest.approx(totals[size])
                 corridor = np.sort(np.mod(np.array(cycle) - start, count)).tolist()
-                assert Paths(turns, turns.area, first, start, size).run(corridor)[size] <= totals[size] + 1e-6
+                assert Paths(turns, turns.area, first, start, size, corridor).run()[size] <= totals[size] + 1e-6
+
+
+def test_programs_that_run_as_one_find_what_each_finds_alone() -> None:
+    def several() -> list[Paths]:
+        return [Paths(turns, turns.area, first, start, most, way) for turns, first, start, most, way in asked]
+
+    asked = []
+    for count, share, most, corridor in ((5, 1.0, 4, None), (9, 0.3, 9, [0, 2, 3, 6, 8]), (7, 0.6, 3, [0, 2, 5])):
+        turns = random_turns(count, share)
+        asked.append((turns, np.searchsorted(turns.target, np.arange(count + 1)), count // 2, most, corridor))
+    alone, together = several(), several()
+    Paths.run_all(together)
+    for one, other in zip(alone, together, strict=True):
+        assert np.array_equal(one.run(), other.totals)
+        assert np.array_equal(one.least, other.least)
 
 
 def test_lines_are_shared_between_loops_as_if_all_ways_were_tried() -> None:

@@ -70,6 +70,19 @@ def test_tree_with_edges_of_very_different_lengths(monkeypatch: pytest.MonkeyPat
     assert np.allclose(SignedDistance.of(mesh).at(points).distance, by_shapely(mesh, points), rtol=0.0, atol=1e-13)
 
 
+def test_tree_beyond_the_tips_of_spikes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """There all of an edge but its end may be farther away than many places of other edges."""
+    monkeypatch.setattr(all_pairs, "TREE_COST", 0)
+    monkeypatch.setattr(all_pairs, "TREE_START", 0)
+    random = np.random.default_rng(1)
+    angles, radii = np.sort(random.uniform(0.0, 2.0 * np.pi, 200)), random.uniform(0.2, 1.0, 200)
+    spikes = radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    points = (spikes[:, None] + random.normal(0.0, 0.03, (200, 20, 2))).reshape(-1, 2)
+    mesh = Mesh.from_loops([spikes])
+    found = SignedDistance.of(mesh).search.closest(points).distance
+    assert np.allclose(found, np.abs(by_shapely(mesh, points)), rtol=0.0, atol=1e-13)
+
+
 @BY_NAME
 def test_gradient_is_the_derivative_of_the_distance(name: str) -> None:
     mesh = MESHES[name]

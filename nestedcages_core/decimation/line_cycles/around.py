@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +24,7 @@ from .frame import Frame
 from .free_rays import Obstacles
 from .loop_search import LoopSearch, shares
 from .places import places, weights
+from .shortest_cycles import Paths
 from .turns import SLACK
 
 if TYPE_CHECKING:
@@ -64,6 +65,15 @@ class NoCyclesError(NestingError):
     """No cycles of lines were found."""
 
 
+def together(searches: Sequence[Iterator[list[Paths]]]) -> Iterator[None]:
+    """Run what searches around several loops ask for, all at once. Yields in between."""
+    while searches:
+        asked = [(search, wanted) for search in searches if (wanted := next(search, None)) is not None]
+        Paths.run_all([paths for _, wanted in asked for paths in wanted])
+        yield
+        searches = [search for search, _ in asked]
+
+
 class Around:
     """A search for cycles around all loops of an outline."""
 
@@ -92,18 +102,17 @@ class Around:
         self.rounds = 0
         numbers = self._shares(searches)
         for _ in range(MAX_CLEARINGS):
-            for loop, number in numbers.items():
+            for _ in together([searches[loop].refine(number) for loop, number in numbers.items()]):
                 yield len(searches) / loops
-                searches[loop].refine(number)
             numbers = self._shares(searches)
             choice = Choice.of(searches, numbers, self.images)
             i, j = choice.crossings()
             if len(i) == 0:
                 break
             self.rounds += 1
-            for k in give_way(searches, choice, i, j, bias):
-                for _ in searches[k].solve(int(searches[k].cycle(numbers[k])[0])):
-                    yield len(searches) / loops
+            changed = give_way(searches, choice, i, j, bias)
+            for _ in together([searches[k].solve(int(searches[k].cycle(numbers[k])[0])) for k in changed]):
+                yield len(searches) / loops
             numbers = self._shares(searches)
         return self._mesh(choice)
 
@@ -219,7 +228,7 @@ class Around:
                     chain, lines, own_free, width=width, sizes=sizes, expected=likely, parts=parts
                 )
             yield
-            yield from self.searches[k].solve()
+        yield from together([search.solve() for search in self.searches.values()])
 
     def _sizes(self, loop: int, deserved: float, lines: int, copies: int, parts: int) -> range:
         """The possible numbers of lines of a part of a loop, and of as many others like it."""

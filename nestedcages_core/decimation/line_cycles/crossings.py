@@ -13,6 +13,7 @@ from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.predicates import BoxTree, segments_intersect
 from ...geometry.vectors import cross
 from .chain import Lines
+from .shortest_cycles import Paths
 from .turns import SLACK
 
 if TYPE_CHECKING:
@@ -34,11 +35,11 @@ class Search(Protocol):
     found: dict[int, Any]
     """What tells the best cycle of each number of lines."""
 
-    def solve(self, through: int | None = None) -> Iterator[None]:
-        """Search from scratch, at first and after changes of `free`. Yields between its programs."""
+    def solve(self, through: int | None = None) -> Iterator[list[Paths]]:
+        """Search from scratch, at first and after changes of `free`. Yields programs that are to be run."""
         ...
 
-    def refine(self, number: int) -> None:
+    def refine(self, number: int) -> Iterator[list[Paths]]:
         """Search once more near the best cycle of a number of lines."""
         ...
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 
 import numpy as np
 
@@ -61,38 +61,39 @@ class LoopSearch:
         self.totals: FloatArray = np.zeros(0)
         self.found: dict[int, Paths] = {}
 
-    def solve(self, through: int | None = None) -> Iterator[None]:
-        """Search from scratch, after changes of `free`; through: a line that good cycles had. Yields in between."""
+    def solve(self, through: int | None = None) -> Iterator[list[Paths]]:
+        """Search from scratch, after changes of `free`; through: a line that good cycles had.
+
+        Yields what is to be run, with that of other loops.
+        """
         self.areas = self.turns.within(self.free)
         self.totals, self.found = np.full(self.sizes.stop, np.inf), {}
         if through is not None:
-            self._search(through)
-            yield
+            yield from self._search(through)
         if not self.found:
             yield from self._first_cycles()
         if not self.found:
             return
         spare = CHEAP_WORK / (len(self.areas) * self.sizes.stop)
         for _ in range(min(int(spare), MAX_ACROSS)):
-            yield
-            if not self._search(self._across(self._usual())):
+            if not (yield from self._search(self._across(self._usual()))):
                 break
         more = MAX_MORE_IN_PARTS if self.parts > 1 else min(int(spare), MAX_MORE)
         if more:
             cycle = self._part(self._usual())
             gaps = np.mod(np.roll(cycle, -1) - cycle - 1, self.count) + 1
             g = int(gaps.argmin())
-            for step in np.unique(np.linspace(0, gaps[g], more + 2)[1:-1].astype(np.int64)).tolist():
-                yield
-                self._search(int((cycle[g] + step) % self.count))
+            steps = np.unique(np.linspace(0, gaps[g], more + 2)[1:-1].astype(np.int64)).tolist()
+            yield from self._search(*(int((cycle[g] + step) % self.count) for step in steps))
 
-    def refine(self, number: int) -> None:
+    def refine(self, number: int) -> Iterator[list[Paths]]:
         """Search once more through another line of the best cycle of a number of lines, near this cycle."""
         start = self._across(number)
         corridor = np.sort(np.mod(self._part(number) - start, self.count)).tolist()
         most = min(number + SPARE, self.sizes.stop - 1)
-        paths = self._paths(start, most)
-        self._keep(paths, paths.run(corridor))
+        paths = Paths(self.turns, self.areas, self.first, start, most, corridor)
+        yield [paths]
+        self._keep(paths)
 
     def cycle(self, number: int) -> IntArray:
         """(parts * number,) the lines of the best cycle, ascending."""
@@ -107,7 +108,7 @@ class LoopSearch:
     def _part(self, number: int) -> IntArray:
         return self.found[number].cycle(number)
 
-    def _first_cycles(self) -> Iterator[None]:
+    def _first_cycles(self) -> Iterator[list[Paths]]:
         """Search through the lines that most cycles are likely to have, until there is a cycle."""
         chain, count = self.chain, self.count
         lines = self.lines.take(np.arange(count))
@@ -124,20 +125,18 @@ class LoopSearch:
             start = int(score.argmax())
             if self.found or score[start] <= 0.0:
                 return
-            self._search(start)
-            yield
+            yield from self._search(start)
             apart = np.mod(lines.place - lines.place[start] + 0.5 * chain.size, chain.size) - 0.5 * chain.size
             score[np.abs(apart) < APART * chain.size] = -1.0
 
-    def _search(self, start: int) -> bool:
-        """Search cycles through a line; whether one is better than before."""
-        paths = self._paths(start, self.sizes.stop - 1)
-        return self._keep(paths, paths.run())
+    def _search(self, *starts: int) -> Generator[list[Paths], None, bool]:
+        """Search cycles through some lines; whether one is better than before."""
+        several = [Paths(self.turns, self.areas, self.first, start, self.sizes.stop - 1) for start in starts]
+        yield several
+        return any([self._keep(paths) for paths in several])
 
-    def _paths(self, start: int, most: int) -> Paths:
-        return Paths(self.turns, self.areas, self.first, start, most)
-
-    def _keep(self, paths: Paths, totals: FloatArray) -> bool:
+    def _keep(self, paths: Paths) -> bool:
+        totals = paths.totals
         better = np.flatnonzero(totals < self.totals[: len(totals)])
         improved = False
         for k in better[better >= self.sizes.start].tolist():

@@ -13,6 +13,7 @@ import numpy as np
 from ...geometry.arrays import FloatArray, IntArray
 from .chain import Chain, Lines
 from .images import Halves
+from .shortest_cycles import Paths
 from .turns import Turns, turns
 
 
@@ -27,7 +28,7 @@ class MirrorSearch:
         self.turns: Turns = turns(chain, lines, free, width)
         self.totals: FloatArray = np.zeros(0)
 
-    def solve(self, through: int | None = None) -> Iterator[None]:
+    def solve(self, through: int | None = None) -> Iterator[list[Paths]]:
         """Search from scratch, after changes of `free`. Yields in between."""
         image, rank = self.halves.image, self.halves.rank
         areas, (source, target) = self.turns.within(self.free), (self.turns.source, self.turns.target)
@@ -46,7 +47,7 @@ class MirrorSearch:
         self.totals = np.full(self.sizes.stop, np.inf)
         self.found: dict[int, tuple[int, int, int]] = {}
         for line_first in (0, 1):
-            yield
+            yield []
             least = self.least[line_first]
             least[0] = np.where(at_axis[0] == bool(line_first), begins, np.inf)
             for k in range(most):
@@ -59,8 +60,9 @@ class MirrorSearch:
                     if number in self.sizes and closed[end] < self.totals[number]:
                         self.totals[number], self.found[number] = closed[end], (line_first, k, end)
 
-    def refine(self, number: int) -> None:
+    def refine(self, number: int) -> Iterator[list[Paths]]:
         """The search knows no better cycle."""
+        return iter(())
 
     def cycle(self, number: int) -> IntArray:
         """(number,) the lines of the best cycle, ascending."""
