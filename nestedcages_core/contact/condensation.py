@@ -13,18 +13,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray, IntArray
-from ..geometry.precision import NEGLIGIBLE
+from ..geometry.precision import INPUT_ROUND_OFF, NEGLIGIBLE
 from ..solver.banded import BandOrder
 from ..solver.definite import Solve, factorised
-
-ROUNDING_SHIFT = 1e-14
-"""First shift of the unit diagonal of a system that rounding has made indefinite; also the smallest relative pivot."""
-
-ROUNDING_SHIFT_GROWTH = 100.0
-"""Factor to the next shift."""
-
-MAX_FACTORISATIONS = 10
-"""Cap on the shifts: the last one is 1e2 times the diagonal."""
 
 
 def newton_direction(
@@ -113,7 +104,9 @@ def _cage_solver(m: int, entries: FloatArray, row: IntArray, column: IntArray) -
     scale = _equal_diagonals(band[:, 0])
     beyond = np.concatenate([scale, np.zeros(height)])  # the band has places below the last row
     band *= scale[:, None] * sliding_window_view(beyond, height)[:size]
-    solve = _shifted_solver(band)
+    solve = (
+        factorised(band) or np.copy
+    )  # where rounding made it indefinite, the unit diagonal gives a descent direction
 
     def solution(right: FloatArray) -> FloatArray:
         ordered = np.empty(size)
@@ -125,21 +118,8 @@ def _cage_solver(m: int, entries: FloatArray, row: IntArray, column: IntArray) -
 
 def _equal_diagonals(diagonal: FloatArray) -> FloatArray:
     """Scaling to a unit diagonal: barrier stiffness across a gap of 1e-6 is 1e12 times that of the area."""
-    scale: FloatArray = 1.0 / np.sqrt(np.maximum(diagonal, ROUNDING_SHIFT * diagonal.max()))
+    scale: FloatArray = 1.0 / np.sqrt(np.maximum(diagonal, INPUT_ROUND_OFF * diagonal.max()))
     return scale
-
-
-def _shifted_solver(band: FloatArray) -> Solve:
-    """Solver for a matrix with unit diagonal, shifted until it is positive definite."""
-    shift = 0.0
-    for _ in range(MAX_FACTORISATIONS):
-        solve = factorised(band)
-        if solve is not None:
-            return solve
-        grown = max(ROUNDING_SHIFT_GROWTH * shift, ROUNDING_SHIFT)
-        band[:, 0] += grown - shift
-        shift = grown
-    return np.copy  # the unit diagonal alone still gives a descent direction
 
 
 def _inverse_2x2(blocks: FloatArray) -> FloatArray:
@@ -147,5 +127,5 @@ def _inverse_2x2(blocks: FloatArray) -> FloatArray:
     a, b, c, d = blocks[:, 0, 0], blocks[:, 0, 1], blocks[:, 1, 0], blocks[:, 1, 1]
     inverse = np.empty_like(blocks)
     inverse[:, 0, 0], inverse[:, 0, 1], inverse[:, 1, 0], inverse[:, 1, 1] = d, -b, -c, a
-    inverse /= np.maximum(a * d - b * c, ROUNDING_SHIFT * a * d)[:, None, None]
+    inverse /= np.maximum(a * d - b * c, INPUT_ROUND_OFF * a * d)[:, None, None]
     return inverse

@@ -20,16 +20,10 @@ from .pairs import Bodies, Pairs
 from .step_filter import StepFilter, TimeOfImpact
 
 CAGE_VERTEX_WEIGHT = 0.25
-"""Boundary length of a cage vertex in C-F pairs, as a fraction of the mean coarse edge length."""
-
-SELF_CONTACT_WEIGHT = 0.1
-"""The same in C-C pairs, where a weak barrier suffices."""
+"""Boundary length of a cage vertex, as a fraction of the mean coarse edge length."""
 
 DIRECT_STEP_MARGIN = 0.2
 """Fraction of its distance that each pair must keep when the fine mesh takes a step straight to its target."""
-
-SKIN_IN_EDGES = 0.5
-"""Skin of the candidate list, as a fraction of the mean coarse edge length."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +62,6 @@ class IncrementalPotential:
         self.containment: ContainmentEnergy | None = None
         if not self.step_filter.safe:
             self.containment = ContainmentEnergy(bodies.cage.successor, bodies.fine.successor)
-        self.skin = SKIN_IN_EDGES * bodies.cage_edge_length
         self._x: FloatArray | None = None
         self._pairs: Pairs | None = None
         self._measured: PointEdge | None = None
@@ -141,7 +134,7 @@ class IncrementalPotential:
 
     def _measure(self, x: FloatArray, reach: float) -> tuple[Pairs, PointEdge]:
         """The candidate pairs for a reach and their distances, cached for the last x."""
-        pairs = self.candidates.within(x, reach, self.skin)
+        pairs = self.candidates.within(x, reach, self.bodies.cage_edge_length)
         if self._x is not x or self._pairs is not pairs or self._measured is None:
             self._x, self._pairs, self._measured = x, pairs, pairs.measure(x)
         return pairs, self._measured
@@ -155,9 +148,7 @@ class IncrementalPotential:
 
     def _pair_weight(self, pairs: Pairs, d_hat: FloatArray) -> FloatArray:
         """(K,) λ_B · boundary length / d̂: the pressure is then of order λ_B for every range."""
-        weight = np.empty(len(pairs))
+        weight = np.full(len(pairs), CAGE_VERTEX_WEIGHT * self.bodies.cage_edge_length)
         weight[pairs.fine_cage] = self.bodies.fine_weight[pairs.point[pairs.fine_cage] - self.bodies.m]
-        weight[pairs.cage_fine] = CAGE_VERTEX_WEIGHT * self.bodies.cage_edge_length
-        weight[pairs.cage_cage] = SELF_CONTACT_WEIGHT * self.bodies.cage_edge_length
         weight *= self.weights.barrier / d_hat
         return weight

@@ -36,9 +36,6 @@ PROGRESS_RATIO, MAX_IDLE_SOLVES = 0.98, 3
 """The path is blocked after this many solves in a row (second) none of which leaves less than this fraction (first) of
 the distance to the target, in total or at the farthest vertex."""
 
-MIN_RANGE = 4.0
-"""Lower bound of d̂, in wanted clearances."""
-
 
 @dataclass(frozen=True)
 class IPC:
@@ -84,7 +81,7 @@ class IPC:
         """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`."""
         m = bodies.m
         energy = self.energy.at(bodies.coarse)
-        base = max(self.barrier_range * bodies.cage_edge_length, MIN_RANGE * clearance)
+        base = self.barrier_range * bodies.cage_edge_length
         ranges = BarrierRanges.local(bodies, x[:m], path[-1], base)
         candidates = self.broad_phase.candidates(bodies)
         iterations = 0
@@ -115,9 +112,9 @@ class IPC:
                 left = _distances(x[m:], target)
                 idle = 0 if (left < PROGRESS_RATIO * least).any() else idle + 1
                 least = np.minimum(least, left)
-                if idle >= MAX_IDLE_SOLVES:
+                if idle >= MAX_IDLE_SOLVES or not solution.converged:
                     return ContactOutcome(x, False, iterations, blocked(x[m:], target))
-                stiffness *= STIFFENING if solution.converged else 1.0
+                stiffness *= STIFFENING
             else:
                 return ContactOutcome(x, False, iterations, blocked(x[m:], target))
         return ContactOutcome(x, True, iterations)

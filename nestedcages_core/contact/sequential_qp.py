@@ -33,8 +33,8 @@ SHORT_FRACTION = 0.08
 LONG_FRACTION, STRIDE_GROWTH = 0.6, 1.7
 """After more than this fraction of a step (first) the stride grows by this factor (second)."""
 
-SLOW_FRACTION, STRIDE_REDUCTION = 0.25, 0.5
-"""After less than this fraction of a step (first) the stride shrinks by this factor (second)."""
+SLOW_FRACTION = 0.25
+"""After less than this fraction of a step the stride is halved."""
 
 REACH = 1.5
 """Bound on the motion of a cage vertex, in longest fine motions."""
@@ -134,8 +134,7 @@ class _Motion:
                 covered = inner(single[self.m :], part * length) / float((part * length).sum())
                 if covered > fraction or fraction <= SHORT_FRACTION:  # a fraction as short as this may be infeasible
                     kept, fraction = single, covered
-            stride *= STRIDE_GROWTH if fraction > LONG_FRACTION else 1.0
-            stride *= STRIDE_REDUCTION if fraction <= SLOW_FRACTION else 1.0
+            stride *= STRIDE_GROWTH if fraction > LONG_FRACTION else 0.5 if fraction <= SLOW_FRACTION else 1.0
             stride = min(stride, self.settings.stride * self.unit)
             if kept.any():
                 arrived = (kept[self.m :] >= 1.0) & (part >= 1.0)

@@ -33,19 +33,15 @@ FIRST_LOOK = 6
 """Steps of a tightening after which a cage that starts within the distance is looked at first: some leave it and come
 back."""
 
-MAX_TESTED = 4
-"""Greedy polygons of a round that are looked at."""
-
 SLACK = 0.01
 """Part of the distance by which what is said of a cage may be too large."""
 
-CLOSE_TO_BOUND, MANY_FOR_BOUND = 2, 1.25
+CLOSE_TO_BOUND = 2
 """Vertices of each loop above the bound up to which no fewer are tried: a greedy polygon has one too many at most, and
-the bound may lose one; and vertices for each of the bound."""
+the bound may lose one."""
 
-FIRST_MOST, LARGEST_GUESS, GAIN = 32, 128, 1.06
-"""Vertices per loop up to which a first search for an excess looks, and the last; excess before the tightening to that
-after it."""
+LARGEST_GUESS = 64
+"""Vertices per loop up to which a search for an excess looks for a first guess."""
 
 LARGEST_GROWTH = 2.0
 """Largest factor on the number of vertices from one trial to the next."""
@@ -164,7 +160,7 @@ class _Search:
                 max(links, len(found[0])) if found else links for links, found in zip(enough, polygons, strict=True)
             ]
             polygons = self._filled(polygons, bounds)
-            meshes = (self._nested([each[k] for each in polygons]) for k in range(min(MAX_TESTED, *map(len, polygons))))
+            meshes = (self._nested([each[k] for each in polygons]) for k in range(min(map(len, polygons))))
             mesh = next((each for each in meshes if each is not None), None)
             if mesh is None:
                 return
@@ -210,18 +206,13 @@ class _Search:
         needed = plan.side < 0 or plan.needs or plan.group is not None
         if self.need.excess is None or needed or not isinstance(method, KnowsCounts):
             return None
-        area, most = (1.0 + GAIN * self.need.limit) * self.fine.area, FIRST_MOST * len(self.inner.loops)
-        while most < min(LARGEST_GUESS * len(self.inner.loops), len(self.inner.vertices)):
-            search = method.fewest(self.inner, most, area)
-            guess = yield from self.builder.progress.follow(search, lambda done: (done, "decimation"))
-            if guess is not None:
-                return guess
-            most *= 2
-        return None
+        area, most = (1.0 + self.need.limit) * self.fine.area, LARGEST_GUESS * len(self.inner.loops)
+        search = method.fewest(self.inner, min(most, len(self.inner.vertices)), area)
+        return (yield from self.builder.progress.follow(search, lambda done: (done, "decimation")))
 
     def _is_close(self) -> bool:
         """Whether the best level has few vertices above the bound."""
-        return self.count <= max(self.bound + CLOSE_TO_BOUND * len(self.fine.loops), MANY_FOR_BOUND * self.bound)
+        return self.count <= self.bound + CLOSE_TO_BOUND * len(self.fine.loops)
 
     def taken_by(self, cage: Mesh) -> float:
         """The distance or the excess of a cage; of one inside, those of the fine mesh around it."""

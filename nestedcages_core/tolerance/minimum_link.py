@@ -12,6 +12,7 @@ import numpy as np
 
 from ..decimation.base import LEAST_PER_LOOP
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.precision import NEGLIGIBLE
 from ..geometry.vectors import cross, rotated_left, rotated_right
 
 SPARE_GATES = 2
@@ -20,10 +21,6 @@ SPARE_GATES = 2
 
 FAR = 4.0
 """Length of a line without an end, in sizes of the corridor."""
-
-
-POINT = 1e-4
-"""Length of a chord between the ends of two gates, in lengths of a gate, below which it has no direction."""
 
 
 class Line(NamedTuple):
@@ -223,7 +220,7 @@ class Corridor:
         k = missed % self.count
         across, chord = self.tips[k] - self.feet[k], side[k - 1] - side[k]
         if self.slack == 0.0:
-            is_point = float(np.hypot(*chord)) <= POINT * float(np.hypot(*across))
+            is_point = float(np.hypot(*chord)) <= NEGLIGIBLE * float(np.hypot(*across))
             return line.meets(side[k], across if is_point else chord)
         forward = rotated_left(across)
         end = line.meets(self.feet[k], across)

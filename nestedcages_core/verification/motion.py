@@ -24,9 +24,6 @@ from .linear_motion import COEFFICIENT_ROUNDING, never_meet
 
 Number = TypeVar("Number", float, FloatArray)
 
-BLOCK_MOTION = 1.0
-"""How much closer pairs may come during a block of several steps, in mean cage edge lengths (measured)."""
-
 BLOCK_NUMBERS = 2**20
 """Positions of a block of several steps, and pairs of a step tested together; bounds the memory to about 100 MB."""
 
@@ -99,7 +96,7 @@ class _Block:
             x = np.concatenate([cage.T, fine.T], axis=1)
             distance = np.hypot(*(x - listed[0]))
             farthest = np.maximum(self.farthest, distance)
-            full = self._approach(farthest) > BLOCK_MOTION * bodies.cage_edge_length
+            full = self._approach(farthest) > bodies.cage_edge_length  # measured: the fastest
             if len(listed) > 1 and (full or len(listed) * x.size > BLOCK_NUMBERS):
                 break
             listed.append(x)

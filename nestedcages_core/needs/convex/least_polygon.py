@@ -18,7 +18,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
-from ...geometry.precision import ROUND_OFF
+from ...geometry.precision import INPUT_ROUND_OFF, ROUND_OFF
 from ...geometry.shortest_cycle import shortest_cycle
 from ...geometry.vectors import rotated_left
 from .hull import Hull, Tangents, corner
@@ -26,17 +26,8 @@ from .hull import Hull, Tangents, corner
 STARTS = 6
 """Number of tangents that first polygons go through: where edges are not flush, several are nearly the best."""
 
-MAX_SWEEPS = 20
-"""Maximum number of sweeps over all edges."""
-
-GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
-"""Factor by which an interval shrinks in a step of golden-section search."""
-
 GOLDEN_STEPS = 30
-"""Steps of it: intervals are 1e-6 of the first one then, and areas exact to its square."""
-
-NEGLIGIBLE_GAIN = 1e-10
-"""Relative gain of area at which a search ends."""
+"""Steps of golden-section search: intervals are 1e-6 of the first one then, and areas exact to its square."""
 
 
 def least_polygon(hull: Hull, count: int) -> Tangents | None:
@@ -96,15 +87,14 @@ def _turned(hull: Hull, tangents: Tangents) -> Tangents:
     """The polygon with edges turned one by one, as long as the area shrinks."""
     angles = tangents.angle.copy()
     breaks = np.unique(np.mod(hull.flush, 2.0 * np.pi))
-    for _ in range(MAX_SWEEPS):
+    while True:
         before = hull.area(hull.tangents(angles))
         for k in range(len(angles)):
             if not _rests(hull, hull.tangents(angles), k):
                 angles[k] = _best_turn(hull, angles, k, breaks)
         after = hull.area(hull.tangents(angles))
-        if before - after <= NEGLIGIBLE_GAIN * before:
-            break
-    return hull.tangents(angles)
+        if before - after <= INPUT_ROUND_OFF * before:
+            return hull.tangents(angles)
 
 
 def _rests(hull: Hull, tangents: Tangents, k: int) -> bool:
@@ -137,8 +127,9 @@ def _best_turn(hull: Hull, angles: FloatArray, k: int, breaks: FloatArray) -> fl
     ahead = min(ahead, here + np.mod(after - here, 2.0 * np.pi) - 2.0 * ROUND_OFF)
     low, high = np.array([behind, here]), np.array([here, ahead])
     tried = [low.copy(), high.copy()]
+    golden = 0.5 * (np.sqrt(5.0) - 1.0)
     for _ in range(GOLDEN_STEPS):
-        one, other = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        one, other = high - golden * (high - low), low + golden * (high - low)
         left = area(one) < area(other)
         low, high = np.where(left, low, one), np.where(left, other, high)
     places = np.concatenate([[here], *tried, 0.5 * (low + high)])

@@ -13,6 +13,7 @@ from ...errors import Fault, NestingError, note
 from ...geometry.arrays import FloatArray
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
+from ...geometry.precision import INPUT_ROUND_OFF, ROUND_OFF
 from ...geometry.predicates import BoxTree, crossing_pairs, orientation, winding_number
 from ...geometry.vectors import norm
 from ...level.plan import Need, Plan, Solution
@@ -27,9 +28,6 @@ from ...verification.motion import certify_motion
 from .hull import Hull, Tangents, Wall, convex_hull, shortest_way
 from .least_polygon import least_polygon
 from .symmetric_polygon import image_angles, symmetric_polygon
-
-DISTANCE_MARGINS = (0.0, 1e-13, 1e-11, 1e-9)
-"""Lengths added to the clearance, in diagonals, tried until rounded corners keep it."""
 
 SOURCE = "convex hull"
 """Name of the start of these cages in reports."""
@@ -104,7 +102,7 @@ class _Solver:
         yield from self.progress.begin("decimation")
         problem = "its corners are too close together for floating-point numbers"
         for clearance in self.clearances:
-            for margin in DISTANCE_MARGINS:
+            for margin in (0.0, INPUT_ROUND_OFF, ROUND_OFF):  # until rounded corners keep the clearance
                 distance = self.units.clearance(clearance) * self.units.scale + margin * self.fine.diagonal
                 hulls = [
                     replace(Hull.of(self._points(loop), distance, group), weight_at=self.plan.weight_at)

@@ -32,14 +32,11 @@ FIRST_REACHES = (1, 2, 4)
 LATER_REACHES = (2, 3)
 """The same around a choice to improve: the next one is used where the previous one finds nothing better."""
 
-PUSH, MAX_PUSH = 1.0, 6.0
-"""Shift of the edges, in grid steps, that first layers allow for, and the largest displacement of a vertex."""
+MAX_PUSH = 6.0
+"""Largest displacement of a vertex, in grid steps, that first layers allow for."""
 
 MAX_LAYER = 72
 """Maximum number of points of a layer; the closest ones are kept."""
-
-MAX_IMPROVEMENTS = 12
-"""Maximum number of improvements."""
 
 CHUNK = 384
 """Number of fine vertices or edges measured together, before failed edges are left out."""
@@ -62,14 +59,15 @@ def put_on_grid(
             break
     if found is None:
         return None
-    reaches = list(LATER_REACHES)
-    for number in range(MAX_IMPROVEMENTS):
+    reaches, number = list(LATER_REACHES), 2.0
+    while reaches:
         better = search.chosen(search.layers_around(found, reaches[0]))
-        yield 1.0 - 0.75 / (2.0 + number)
+        yield 1.0 - 0.75 / number
+        number += 1.0
         if better is not None and search.cost(better) < search.cost(found):
             found = better
-        elif not (reaches := reaches[1:]):
-            break
+        else:
+            reaches = reaches[1:]
     return grid.points(found)
 
 
@@ -123,7 +121,7 @@ class _Search:
         n = self.side * rotated_right(along) / norm(along)[:, None]
         both = n + n[cage.predecessor]
         push = 2.0 * both / np.maximum((both**2).sum(axis=1), 1e-12)[:, None]
-        push *= np.minimum(1.0, MAX_PUSH / np.maximum(norm(push), 1e-12))[:, None] * PUSH * step
+        push *= np.minimum(1.0, MAX_PUSH / np.maximum(norm(push), 1e-12))[:, None] * step
         square = _square(reach)
         layers = []
         for start, way in zip(cage.vertices, push, strict=True):

@@ -21,9 +21,6 @@ SAMPLES = 400
 ANGLES = 90
 """Number of directions of mirrors that are tried: 2° apart."""
 
-REFINEMENTS = 12
-"""Maximum number of fits of a mirror to the closest points of the images."""
-
 MAX_FITTED = 6
 """Number of best directions that are fitted."""
 
@@ -118,7 +115,7 @@ class _Search:
     def _fitted(self, mirror: Mirror) -> Mirror:
         """The mirror that takes points closest to the points of the outline which are closest to their images."""
         best, least = mirror, self._mean(mirror)
-        for _ in range(REFINEMENTS):
+        while True:
             target = self.edges.nearest(mirror.image(self.few))
             a, b = self.few - self.few.mean(axis=0), target - target.mean(axis=0)
             # maximise Σ b · M a over mirrors M = (c s; s -c)
@@ -129,6 +126,5 @@ class _Search:
             mirror = Mirror((float(middle[0]), float(middle[1])), (cos(turn), sin(turn)))
             mean = self._mean(mirror)
             if mean >= least:
-                break
+                return best
             best, least = mirror, mean
-        return best

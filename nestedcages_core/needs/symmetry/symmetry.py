@@ -14,9 +14,6 @@ from ...geometry.group import Symmetry, rounded
 from ...geometry.mesh import Mesh
 from ...parameters import check_count
 
-QUARTER_TURNS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
-"""Cosine and sine of multiples of 90°, exactly."""
-
 SETTLING_STEPS = 4
 """Maximum number of double images until a point is its own."""
 
@@ -148,9 +145,10 @@ class Rotation:
         if 2 * element == self.order:
             return 2.0 * np.array(self._centre) - out
         if element:
-            quarters, rest = divmod(4 * element, self.order)
-            turn = 2.0 * pi * element / self.order
-            c, s = QUARTER_TURNS[quarters] if rest == 0 else (cos(turn), sin(turn))
+            turn, rest = 2.0 * pi * element / self.order, 4 * element % self.order
+            c, s = cos(turn), sin(turn)
+            if rest == 0:
+                c, s = float(round(c)), float(round(s))
             x, y = out[..., 0] - self._centre[0], out[..., 1] - self._centre[1]
             out[..., 0], out[..., 1] = self._centre[0] + (c * x - s * y), self._centre[1] + (s * x + c * y)
         return out
