@@ -47,10 +47,6 @@ class Painted:
         different = [points[(points != np.roll(points, -1, axis=0)).any(axis=1)] for points in self.loops]
         return Painted([loop for loop in different if len(loop) > 2], self.evenodd)
 
-    def painted(self, winding: IntArray) -> BoolArray:
-        """(...,) whether points with these winding numbers are inside."""
-        return np.asarray(winding % 2 == 1 if self.evenodd else winding != 0)
-
 
 Area = Painted | Any
 """A painted area, or a geometry of shapely."""
@@ -208,7 +204,8 @@ def _region(shapely: Any, area: Painted, budget: Budget | None) -> Any:
     lines = shapely.union_all(_rings(shapely, area.loops))
     faces = shapely.get_parts(shapely.polygonize([lines]))
     winding = winding_number(shapely.get_coordinates(shapely.point_on_surface(faces)), starts, ends)
-    kept = area.painted(winding) | (winding == ON_BOUNDARY)  # a face without area is a seam
+    inside = winding % 2 == 1 if area.evenodd else winding != 0
+    kept = inside | (winding == ON_BOUNDARY)  # a face without area is a seam
     return shapely.coverage_union_all(faces[kept])
 
 
@@ -240,28 +237,21 @@ def _on_the_rim(mesh: Mesh, areas: Sequence[Painted]) -> BoolArray:
 
     mesh: made of the areas' loops, in their order, which neither cross nor touch.
     """
-    begins = mesh.loop_order.begins
-    own = np.where(mesh.successor[begins] == begins + 1, mesh.loop_signs, -mesh.loop_signs)
-    owner = np.repeat(np.arange(len(areas)), [len(area.loops) for area in areas])
     order = mesh.loop_order
+    own = np.where(mesh.successor[order.begins] == order.begins + 1, mesh.loop_signs, -mesh.loop_signs)
+    owner = np.repeat(np.arange(len(areas)), [len(area.loops) for area in areas])
+    evenodd = np.array([area.evenodd for area in areas], dtype=bool)
+
+    def any_painted(inner: IntArray, outer: IntArray) -> BoolArray:
+        """(L,) whether any area paints the place inside of all loops `outer` that are paired with a loop `inner`."""
+        keys, index = np.unique(inner * len(areas) + owner[outer], return_inverse=True)
+        winding = np.bincount(index.ravel(), own[outer], len(keys)).astype(np.int64)
+        loop, area = np.divmod(keys, len(areas))
+        painted = np.zeros(len(own), dtype=bool)
+        painted[loop[np.where(evenodd[area], winding % 2 == 1, winding != 0)]] = True
+        return painted
+
     inner, outer = enclosing_pairs(order.vertices[extreme_places(order)], order, order.tree)
     itself = np.arange(len(own))
-    outside = _any_painted(inner, outer, own, owner, areas)
-    inside = _any_painted(np.concatenate((inner, itself)), np.concatenate((outer, itself)), own, owner, areas)
-    return np.asarray(outside != inside)
-
-
-def _any_painted(
-    inner: IntArray, outer: IntArray, own: IntArray, owner: IntArray, areas: Sequence[Painted]
-) -> BoolArray:
-    """(L,) whether any area paints the place inside of all loops `outer` that are paired with a loop `inner`.
-
-    own: (L,) sense in which a loop turns; owner: (L,) its area.
-    """
-    keys, index = np.unique(inner * len(areas) + owner[outer], return_inverse=True)
-    winding = np.bincount(index.ravel(), own[outer], len(keys)).astype(np.int64)
-    loop, area = np.divmod(keys, len(areas))
-    evenodd = np.array([each.evenodd for each in areas], dtype=bool)[area]
-    painted = np.zeros(len(own), dtype=bool)
-    painted[loop[np.where(evenodd, winding % 2 == 1, winding != 0)]] = True
-    return painted
+    outside = any_painted(inner, outer)
+    return np.asarray(outside != any_painted(np.append(inner, itself), np.append(outer, itself)))

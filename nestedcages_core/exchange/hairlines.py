@@ -16,7 +16,6 @@ MITRE_LIMIT = 50.0
 MARGIN = 1e-3
 """Depth, in widths, below which a difference from the offset region is the rounding of the offsets."""
 
-
 GRID = 1e-6
 """Spacing, in widths, of the grid that overlays are rounded to where they need one."""
 
@@ -79,10 +78,10 @@ def without_hairlines(shapely: Any, region: Any, *, gap: float, spike: float = 0
     try:
         fills = _fills(shapely, region, gap) if gap > 0.0 else []
         if fills:
-            region = _overlaid(shapely, "union", region, _united(shapely, fills, gap), gap)
+            region = _overlaid(shapely, "union", gap, region, _overlaid(shapely, "union_all", gap, fills))
         spikes = _spikes(shapely, region, spike) if spike > 0.0 else []
         if spikes:
-            region = _overlaid(shapely, "difference", region, _united(shapely, spikes, spike), spike)
+            region = _overlaid(shapely, "difference", spike, region, _overlaid(shapely, "union_all", spike, spikes))
     except shapely.errors.GEOSException:  # hairlines cost vertices, but no drawing
         return Hairlines(whole, holes, 0)
     return Hairlines(region, holes + len(fills), len(spikes))
@@ -99,19 +98,12 @@ def _without_small_holes(shapely: Any, region: Any, width: float) -> tuple[Any, 
     return (shapely.union_all(parts), small) if small else (region, 0)
 
 
-def _overlaid(shapely: Any, operation: str, one: Any, other: Any, width: float) -> Any:
+def _overlaid(shapely: Any, operation: str, width: float, *given: Any) -> Any:
     """An operation of GEOS, rounded to a fine grid where boundaries are too close together to do without."""
     try:
-        return getattr(shapely, operation)(one, other)
+        return getattr(shapely, operation)(*given)
     except shapely.errors.GEOSException:  # offsets may be invalid
-        return getattr(shapely, operation)(*map(shapely.make_valid, (one, other)), grid_size=GRID * width)
-
-
-def _united(shapely: Any, parts: list[Any], width: float) -> Any:
-    try:
-        return shapely.union_all(parts)
-    except shapely.errors.GEOSException:
-        return shapely.union_all(parts, grid_size=GRID * width)
+        return getattr(shapely, operation)(*map(shapely.make_valid, given), grid_size=GRID * width)
 
 
 def without_short_edges(ring: FloatArray, width: float) -> FloatArray:
@@ -125,22 +117,22 @@ def _fills(shapely: Any, region: Any, width: float) -> list[Any]:
     """What has to be added to a region so that no gap in it is narrower."""
     reach, margin = 0.5 * width, MARGIN * width
     wider = _offset(shapely, region, reach)
-    found = _overlaid(shapely, "difference", _offset(shapely, wider, -reach - margin), region, width)
+    found = _overlaid(shapely, "difference", width, _offset(shapely, wider, -reach - margin), region)
     if found.is_empty:
         return []
     closed = _offset(shapely, wider, -reach)
-    return _parts_at(shapely, _overlaid(shapely, "difference", closed, region, width), found)
+    return _parts_at(shapely, _overlaid(shapely, "difference", width, closed, region), found)
 
 
 def _spikes(shapely: Any, region: Any, width: float) -> list[Any]:
     """The ends of a region narrower than a width; neither its necks, handles nor parts, except for specks."""
     reach, margin = 0.5 * width, MARGIN * width
     core = _offset(shapely, region, -reach)
-    found = _overlaid(shapely, "difference", region, _offset(shapely, core, reach + margin), width)
+    found = _overlaid(shapely, "difference", width, region, _offset(shapely, core, reach + margin))
     if found.is_empty:
         return []
     body = _offset(shapely, core, reach)
-    parts = _parts_at(shapely, _overlaid(shapely, "difference", region, body, width), found)
+    parts = _parts_at(shapely, _overlaid(shapely, "difference", width, region, body), found)
     if not parts:
         return []
     contacts = _contacts(shapely, shapely.buffer(parts, margin), body)

@@ -38,28 +38,23 @@ class Limits:
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if not isinstance(value, int | np.integer) or isinstance(value, bool) or not 1 <= value <= GREATEST:
-                raise NestedCagesError(
-                    f"Limits: {name} must be a whole number from 1 to {GREATEST}, not {value!r:.60}.",
-                    code="file.invalid",
-                )
+                raise invalid(f"Limits: {name} must be a whole number from 1 to {GREATEST}, not {value!r:.60}.")
 
     def check(self, what: str, found: int) -> None:
         """Raise NestedCagesError if an amount exceeds the limit of a field."""
         allowed = getattr(self, what)
         if found > allowed:
-            raise self.exceeded(what, f"{found:,} {what}, more than the {allowed:,} allowed")
-
-    def exceeded(self, what: str, has: str) -> LimitError:
-        """The error for an input that has more than the limit of a field."""
-        return LimitError(
-            f"The input has {has}; raise the limit for {what}, or make the input smaller.",
-            code="limit.exceeded",
-            what=what,
-        )
+            raise _beyond(what, f"{found:,} {what}, more than the {allowed:,} allowed")
 
 
 class LimitError(NestedCagesError):
     """More than a limit allows."""
+
+
+def _beyond(what: str, has: str) -> LimitError:
+    """The error for an input that has more than the limit of a field."""
+    problem = f"The input has {has}; raise the limit for {what}, or make the input smaller."
+    return LimitError(problem, code="limit.exceeded", what=what)
 
 
 class Budget:
@@ -76,7 +71,7 @@ class Budget:
         if self.used[what] > allowed:
             has = f"more than the {allowed:,} {what} allowed"
             crossing = f"more crossings of outlines than can be united in the {allowed:,} seconds allowed"
-            raise self.limits.exceeded(what, crossing if what == "seconds" else has)
+            raise _beyond(what, crossing if what == "seconds" else has)
 
     def spend_crossings(self, number: int, *, own: bool) -> None:
         """Add the time of crossings; own: of an outline with itself. Raises NestedCagesError beyond the limit."""

@@ -23,9 +23,6 @@ OUTLINED = frozenset(("path", "rect", "circle", "ellipse", "line", "polyline", "
 NOT_POINTS = re.compile(r"[^\d\s,.eE+-].*", re.DOTALL)
 """From the first character that is not part of a number."""
 
-POINTS_AT_ONCE = 1000
-"""Points of a polygon that are read before they are counted."""
-
 
 def outline(item: ET.Element, viewport: Viewport, budget: Budget | None = None) -> list[Subpath]:
     """The outline of an element, in its own units, up to what cannot be read; nothing for other elements.
@@ -51,7 +48,8 @@ def outline(item: ET.Element, viewport: Viewport, budget: Budget | None = None) 
             where = quoted(end[0])
             viewport.faults.add(f"The points of the {title_of(item)} go wrong at {where}; the rest is left out")
             text = text[: end.start()]
-        values = _coordinates(text, budget)
+        values = [float(found[0]) for found in islice(NUMBER.finditer(text), 2 * budget.limits.points + 2)]
+        budget.spend("points", len(values) // 2)
         return through(np.reshape(values[: len(values) // 2 * 2], (-1, 2)), closed=name == "polygon")
     if name == "line":
         return through([[length("x1"), length("y1")], [length("x2"), length("y2")]], closed=False)
@@ -65,16 +63,6 @@ def outline(item: ET.Element, viewport: Viewport, budget: Budget | None = None) 
         centre = np.array([length("cx"), length("cy")])
         return [_cubics(ellipse(centre, np.diag(radii)))] if min(radii) > 0.0 else []
     return []
-
-
-def _coordinates(text: str, budget: Budget) -> list[float]:
-    """The numbers of a list of points, counted as they are read."""
-    values: list[float] = []
-    found = NUMBER.finditer(text)
-    while some := [float(number[0]) for number in islice(found, 2 * POINTS_AT_ONCE)]:
-        budget.spend("points", len(some) // 2)
-        values += some
-    return values
 
 
 def through(points: ArrayLike, *, closed: bool) -> list[Subpath]:

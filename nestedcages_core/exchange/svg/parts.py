@@ -12,9 +12,8 @@ from ...geometry.mesh import Mesh
 from ..fill import Area, union_of
 from ..libraries import load_shapely
 from .areas import Areas
-from .document import Box, Document
+from .document import Box
 from .nodes import Group, Shape
-from .options import SvgOptions
 from .reading import Reading
 
 Colour = tuple[float, float, float, float]
@@ -45,7 +44,7 @@ def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], t
     options: fields of `SvgOptions`. Raises NestedCagesError as `from_svg`.
     """
     blended: list[str] = []
-    reading = Reading(Document(text, SvgOptions(**options).limits), SvgOptions(**options), colours=True)
+    reading = Reading(text, options, colours=True)
 
     def work(root: Group, areas: Areas, page: Box | None) -> tuple[SvgPart, ...]:
         fills = dict(areas.parts(root, np.eye(3), areas.fill_of))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -79,7 +79,7 @@ def read_svg_drawing(path: str | os.PathLike[str], **options: Any) -> SvgDrawing
 
 def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
     """`from_svg`, with the document's frame and notes on omissions."""
-    reading = Reading(Document(text, SvgOptions(**options).limits), SvgOptions(**options))
+    reading = Reading(text, options)
     mesh = reading.made(reading.whole)
     return SvgDrawing(mesh, reading.document.frame, reading.said())
 
@@ -90,20 +90,20 @@ def svg_shapes(text: str | bytes, *, each: bool | None = None, **options: Any) -
     each: False for all shapes as one; None for all as one, except in documents that this package has written.
     options: fields of `SvgOptions`. Raises NestedCagesError as `from_svg`.
     """
-    document = Document(text, SvgOptions(**options).limits)
-    reading = Reading(document, SvgOptions(**options))
-    written = not document.strokes_count
+    reading = Reading(text, options)
+    written = not reading.document.strokes_count
     named = reading.made(reading.each) if each or (each is None and written) else [("", reading.made(reading.whole))]
     return SvgShapes(tuple(named), written, reading.said())
 
 
 class Reading:
-    """What both have in common: the tree of what counts, its areas, and the notes."""
+    """A document, its tree of what counts, its areas, and the notes."""
 
-    def __init__(self, document: Document, options: SvgOptions, *, colours: bool = False) -> None:
-        self.document = document
+    def __init__(self, text: str | bytes, options: Mapping[str, Any], *, colours: bool = False) -> None:
+        chosen = SvgOptions(**options)
+        self.document = Document(text, chosen.limits)
         self.colours = colours
-        self.options = options if document.strokes_count else replace(options, strokes=False)
+        self.options = chosen if self.document.strokes_count else replace(chosen, strokes=False)
         self.notes: list[str] = []
 
     def said(self) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from xml.etree import ElementTree as ET
 
@@ -131,21 +132,15 @@ class Scene:
         if name_of(target) not in ("symbol", "svg"):
             self._add(target, replace(context, matrix=context.matrix @ translation(x, y)), group)
             return
-        size = tuple(item.get(key) or target.get(key) for key in ("width", "height"))
+        size = [item.get(key) or target.get(key) for key in ("width", "height")]
         style = self.styles.computed(target, context.style)
         if style.get("display") != "none" or name_of(target) == "symbol":
             framed = Group()
-            self._add_framed(target, replace(context, style=style), framed, x, y, (size[0], size[1]))
+            self._add_framed(target, replace(context, style=style), framed, x, y, size)
             attach(framed, group)
 
     def _add_framed(
-        self,
-        item: ET.Element,
-        context: Context,
-        group: Group,
-        x: float,
-        y: float,
-        size: tuple[str | None, str | None],
+        self, item: ET.Element, context: Context, group: Group, x: float, y: float, size: Sequence[str | None]
     ) -> None:
         """Add the content of a nested `svg` or `symbol`, its view box fitted to its size."""
         box, around = view_box_of(item), context.viewport
@@ -214,9 +209,8 @@ class Scene:
     def _paint(self, key: str, default: str, context: Context) -> Paint | None:
         style = context.style
         opacity = context.opacity * share(style.get(f"{key}-opacity"))
-        return self.paints.paint(
-            style.get(key, default), opacity, style, bright=self.colours or context.purpose == MASK
-        )
+        bright = self.colours or context.purpose == MASK
+        return self.paints.paint(style.get(key, default), opacity, style, bright=bright)
 
     def _add_marker(self, vertex: Vertex, width: float, context: Context, group: Group) -> None:
         """Add the marker at a vertex of a path (SVG 1.1, section 11.6)."""

@@ -17,8 +17,8 @@ from .lengths import Viewport, measure, numbers, quoted
 MAX_ARC_SEGMENTS = 64
 """Maximum number of chords of a quarter circle at a cap or join."""
 
-BOX, FLAT, ROUND = "square", "flat", "round"
-CAPS = {"butt": FLAT, "round": ROUND, "square": BOX}
+FLAT = "flat"
+CAPS = {"butt": FLAT, "round": "round", "square": "square"}
 """GEOS's names of caps."""
 
 
@@ -57,7 +57,6 @@ def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
     """The stroke of an element with these properties, None if it has none."""
     if style.get("stroke", "none") == "none":
         return None
-
     width = measure(style.get("stroke-width", "1"), "r", "stroke-width", viewport, 1.0)
     if not width > 0.0:
         return None
@@ -88,29 +87,24 @@ def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: 
     tolerance: largest distance of chords from round caps and joins. Raises NestedCagesError for too many
     dashes, and for lines that cross themselves too often.
     """
-    if stroke.dashes:
-        lines = _dashed(lines, stroke, budget.limits)
+    lines = _dashed(lines, stroke, budget.limits)
     radius = 0.5 * stroke.width
     ratio = min(max(tolerance / radius, 1e-9), 0.5)
     segments = min(max(math.ceil(math.pi / 4.0 / math.acos(1.0 - ratio)), 2), MAX_ARC_SEGMENTS)
     found = []
     for line in lines:
         points = _different(line)
-        if len(points) == 1:
-            found += _dot(shapely, points[0], radius, stroke.cap, segments)
-            continue
         closed = line.closed and len(points) > 2
-        curve = shapely.linearrings(points) if closed else shapely.linestrings(points)
+        curve = (shapely.linearrings if closed else shapely.linestrings if len(points) > 1 else shapely.MultiPoint)(
+            points
+        )
         if not shapely.is_simple(curve):
             spend_crossings(edges_in(shapely, [curve]), budget, own=True)
-        tips = _tips(points, closed, radius, stroke.miter_limit) if stroke.join not in ("round", "bevel") else None
-        cap = CAPS.get(stroke.cap, FLAT)
-        join = stroke.join if stroke.join in ("round", "bevel") else "mitre" if tips is None else "bevel"
-        found.append(
-            shapely.buffer(
-                curve, radius, quad_segs=segments, cap_style=cap, join_style=join, mitre_limit=stroke.miter_limit
-            )
-        )
+        mitred = stroke.join not in ("round", "bevel")
+        tips = _tips(points, closed, radius, stroke.miter_limit) if mitred else None
+        join = ("mitre" if tips is None else "bevel") if mitred else stroke.join
+        style = {"cap_style": CAPS.get(stroke.cap, FLAT), "join_style": join, "mitre_limit": stroke.miter_limit}
+        found.append(shapely.buffer(curve, radius, quad_segs=segments, **style))
         if tips is not None and len(tips):
             found += list(shapely.polygons(tips))
     return [geometry for geometry in found if not geometry.is_empty]
@@ -124,15 +118,6 @@ def _different(line: Polyline) -> FloatArray:
     points = points[kept]
     repeats = line.closed and len(points) > 1 and bool((points[0] == points[-1]).all())
     return np.asarray(points[:-1] if repeats else points)
-
-
-def _dot(shapely: Any, at: FloatArray, radius: float, cap: str, segments: int) -> list[Any]:
-    """The area of a line without length: its caps."""
-    if cap == "round":
-        return [shapely.buffer(shapely.points(at), radius, quad_segs=segments)]
-    if cap == "square":
-        return [shapely.box(*(at - radius), *(at + radius))]
-    return []
 
 
 def _tips(points: FloatArray, closed: bool, radius: float, limit: float) -> FloatArray | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 
 import numpy as np
 
@@ -30,14 +31,14 @@ def read_transform(text: str) -> FloatArray:
         found = CALL.match(text, place)
         values = [float(x) * DEGREES[unit] for x, unit in VALUE.findall(found[2])] if found else []
         whole = found is not None and not VALUE.sub("", found[2]).strip(" ,\t\r\n") and np.isfinite(values).all()
-        matrix = _matrix(found[1], values) if found and whole else None
-        if found is None or matrix is None:
+        try:
+            product = product @ MATRICES[found[1] if found and whole else ""](*values)
+            place = found.end() if found else place
+        except (KeyError, TypeError, ValueError):  # another name, or a wrong number of values
             raise invalid(
                 f"The transform '{text[:MAX_TRANSFORM_SHOWN]}' cannot be read; use matrix, translate, scale, "
                 "rotate, skewX and skewY with finite numbers."
-            )
-        product = product @ matrix
-        place = found.end()
+            ) from None
     return product
 
 
@@ -61,24 +62,27 @@ def moved(points: FloatArray, matrix: FloatArray) -> FloatArray:
     return np.asarray(points @ matrix[:2, :2].T + matrix[:2, 2])
 
 
-def _matrix(name: str, values: list[float]) -> FloatArray | None:
-    """The matrix of one transform; None if the name or the number of values is wrong."""
-    count = len(values)
-    if name == "matrix" and count == 6:
-        return np.array([values[0::2], values[1::2], [0.0, 0.0, 1.0]])
-    if name == "translate" and count in (1, 2):
-        return translation(values[0], values[1] if count == 2 else 0.0)
-    if name in ("translateX", "translateY") and count == 1:
-        return translation(values[0], 0.0) if name[-1] == "X" else translation(0.0, values[0])
-    if name in ("scaleX", "scaleY") and count == 1:
-        return scaling(values[0], 1.0) if name[-1] == "X" else scaling(1.0, values[0])
-    if name == "scale" and count in (1, 2):
-        return scaling(values[0], values[-1])
-    if name == "rotate" and count in (1, 3):
-        about = values[1:] or [0.0, 0.0]
-        return translation(*about) @ turned(values[0]) @ translation(-about[0], -about[1])
-    if name in ("skewX", "skewY") and count == 1:
-        matrix = np.eye(3)
-        matrix[(0, 1) if name == "skewX" else (1, 0)] = math.tan(math.radians(values[0]))
-        return matrix
-    return None
+def _rotation(degrees: float, *about: float) -> FloatArray:
+    x, y = about or (0.0, 0.0)
+    return translation(x, y) @ turned(degrees) @ translation(-x, -y)
+
+
+def _skew(degrees: float, row: int) -> FloatArray:
+    matrix = np.eye(3)
+    matrix[row, 1 - row] = math.tan(math.radians(degrees))
+    return matrix
+
+
+MATRICES: dict[str, Callable[..., FloatArray]] = {
+    "matrix": lambda a, b, c, d, e, f: np.array([(a, c, e), (b, d, f), (0.0, 0.0, 1.0)]),
+    "translate": lambda x, y=0.0: translation(x, y),
+    "translateX": lambda x: translation(x, 0.0),
+    "translateY": lambda y: translation(0.0, y),
+    "scale": lambda x, y=None: scaling(x, x if y is None else y),
+    "scaleX": lambda x: scaling(x, 1.0),
+    "scaleY": lambda y: scaling(1.0, y),
+    "rotate": _rotation,
+    "skewX": lambda degrees: _skew(degrees, 0),
+    "skewY": lambda degrees: _skew(degrees, 1),
+}
+"""The matrix of each transform, from its numbers."""
