@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, MutableMapping
 from concurrent.futures import Executor
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
@@ -77,7 +77,7 @@ def nested_cages_many(
     open_ = [task for task in tasks if task.key not in outcomes]
 
     def work() -> Stage[BatchProgress, list[Outcome]]:
-        with closing(_run_here(open_) if executor is None else Crew(executor).run(open_)) as incoming:
+        with closing((task.run() for task in open_) if executor is None else Crew(executor).run(open_)) as incoming:
             for outcome in incoming:
                 outcomes[outcome.key] = outcome
                 if finished is not None:
@@ -117,24 +117,14 @@ def _keep(finished: MutableMapping[Any, Outcome], outcome: Outcome) -> None:
 
 
 def _tasks(shapes: Shapes, levels: Levels, settings: Settings, keep: Keep | None) -> Iterator[Task]:
-    shared = levels if callable(levels) or isinstance(levels, Mapping) else _reusable(levels)
+    shared = _reusable(levels)
     keyed: Iterable[tuple[Hashable, Any]] = shapes.items() if isinstance(shapes, Mapping) else enumerate(shapes)
     for key, shape in keyed:
-        if isinstance(levels, Mapping):
-            if key not in levels:
-                raise NestedCagesError(
-                    f"The levels name no entry for the shape {key!r}; add one.", code="batch.invalid"
-                )
-            yield Task(key, shape, _reusable(levels[key]), settings, keep)
-        else:
-            yield Task(key, shape, shared, settings, keep)
+        if isinstance(levels, Mapping) and key not in levels:
+            raise NestedCagesError(f"The levels name no entry for the shape {key!r}; add one.", code="batch.invalid")
+        yield Task(key, shape, _reusable(levels[key]) if isinstance(levels, Mapping) else shared, settings, keep)
 
 
 def _reusable(levels: Any) -> Any:
     """Levels that can be read more than once; invalid ones are left for `nested_cages` to reject."""
     return list(levels) if isinstance(levels, Iterator) else levels
-
-
-def _run_here(tasks: Iterable[Task]) -> Generator[Outcome, None, None]:
-    for task in tasks:
-        yield task.run()

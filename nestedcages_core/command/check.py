@@ -31,9 +31,6 @@ WRITTEN_PATH = re.compile(r'<path id="([^"]*)" class="(level|inner)-(\d+)"[^>]*?
 LAST_WORDS = re.compile(r"-?(drawing|shape|cage-\d+)$| (Inner )?(Fine|Cage \d+)(\.\d+)?$")
 """What the command and Blender add to the number or name of a shape in an id."""
 
-Shape = tuple[list[Any], list[Any]]
-"""The rings of each cage around a shape, and of each one inside, from the finest to the coarsest."""
-
 NUMBER = re.compile(r"[-+.\deE]+")
 
 DESCRIPTION = """\
@@ -64,7 +61,12 @@ def main(arguments: Sequence[str]) -> int:
 
 def _problems(given: argparse.Namespace) -> tuple[list[str], int | None]:
     """What is wrong, and the number of cages. Raises an error for what can't be read."""
-    (drawings, moves), (results, also_moves) = _drawings(given.drawing, given.tolerance), _cages(given.result)
+    drawings, moves = _drawings(given.drawing, given.tolerance)
+    read, also_moves = _read(given.result)
+    results = [
+        ([levels[k] for k in sorted(levels) if k > 0], [levels[k] for k in sorted(levels, reverse=True) if k < 0])
+        for levels in read
+    ]
     if len(drawings) != len(results) or not results:
         return [f"{given.drawing} has {len(drawings)} shapes, {given.result} cages of {len(results)}"], 0
     is_picture = Path(given.drawing).suffix.lower() == ".png"  # whose holes are closed and whose parts may be joined
@@ -105,23 +107,20 @@ def _drawings(path: str, tolerance: float | None) -> tuple[list[Any], bool]:
     if suffix == ".svg":
         known = [levels[0] for levels in _paths(path) if 0 in levels]
         return known or [read_svg(path, tolerance=tolerance).rings], False
-    document = json.loads(read_whole(path, Limits()))
-    return [rings for rings, _ in _shapes(document)], "frames" in document
+    read, moves = _read(path)
+    return [rings for levels in read for rings in levels.values()], moves
 
 
-def _cages(path: str) -> tuple[list[Shape], bool]:
-    """The cages of each shape of a file, and whether they are frames of a motion."""
+def _read(path: str) -> tuple[list[dict[int, Any]], bool]:
+    """The rings of each level of each shape of a file, and whether they are frames of a motion."""
     if Path(path).suffix.lower() == ".svg":
-        return [
-            ([levels[k] for k in sorted(levels) if k > 0], [levels[k] for k in sorted(levels, reverse=True) if k < 0])
-            for levels in _paths(path)
-        ], False
+        return _paths(path), False
     document = json.loads(read_whole(path, Limits()))
-    shapes: list[Shape] = []
+    shapes: list[dict[int, Any]] = []
     for rings, level in _shapes(document):
         if level == 1 or not shapes:
-            shapes.append(([], []))
-        shapes[-1][0].append(rings)
+            shapes.append({})
+        shapes[-1][level] = rings
     return shapes, "frames" in document
 
 

@@ -15,17 +15,7 @@ from ..errors import NestedCagesError
 from ..exchange import Limits, cut_at_borders
 from ..exchange.pictures import picture_cages
 from ..geometry.mesh import Mesh
-from ..hierarchy import (
-    LEAST,
-    Hierarchy,
-    NestingReport,
-    Rising,
-    Settings,
-    Within,
-    inner_cages,
-    nested_cages,
-    wanted_levels,
-)
+from ..hierarchy import LEAST, Hierarchy, Level, Rising, Settings, Within, inner_cages, nested_cages, wanted_levels
 from .progress import ProgressLine
 from .sources import Shape, Source
 
@@ -36,24 +26,17 @@ SETTINGS = ("clearance", "grid", "merge", "convex", "symmetry", "min_edge", "min
 """Options that are settings of the same name."""
 
 
-class Cage(NamedTuple):
-    """One cage of a shape, with its certificate."""
-
-    mesh: Mesh
-    report: NestingReport
-
-
 class Made(NamedTuple):
     """The cages of one shape, from the finest to the coarsest."""
 
     shape: Shape
     fine: Mesh
-    cages: Sequence[Cage]
+    levels: Sequence[Level]
 
     @property
     def notes(self) -> list[str]:
         """What became of counts that are too small."""
-        said = [(number, note) for number, cage in enumerate(self.cages, 1) for note in cage.report.notes]
+        said = [(number, note) for number, level in enumerate(self.levels, 1) for note in level.report.notes]
         return [f"Level {number}: {note}" for number, note in said if note.data.get("on") == LEAST]
 
 
@@ -84,8 +67,7 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
             failures.append(f"{shape.name}: {error}" if len(source.shapes) > 1 else str(error))
             hierarchy = error.partial
         if isinstance(hierarchy, Hierarchy) and hierarchy.levels:
-            cages = [Cage(level.cage, level.report) for level in hierarchy.levels]
-            made.append(Made(shape, hierarchy.fine, cages))
+            made.append(Made(shape, hierarchy.fine, hierarchy.levels))
     if given.borders is None:
         return Result(source, made, failures)
     return Result(source, *_at_borders(made, failures, given.clearance, given.borders or None))
@@ -93,9 +75,11 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
 
 def _wanted(mesh: Mesh, given: argparse.Namespace) -> list[int | Mesh | Within]:
     """The levels of a shape; counts rise to the least that the shape can have, unless `strict`."""
+    if given.strict:
+        levels = wanted_levels(given.levels, mesh, merges=True)  # without a least number for each loop
+        return [int(level) if isinstance(level, int) else level for level in levels]
     levels = wanted_levels(given.levels, mesh, merges=given.merge is not None)
-    kind = int if given.strict else Rising
-    return [kind(level) if isinstance(level, int) else level for level in levels]
+    return [Rising(level) if type(level) is int else level for level in levels]
 
 
 def _outcomes(source: Source, given: argparse.Namespace, line: ProgressLine) -> list[Outcome]:
@@ -138,16 +122,17 @@ def _at_borders(
     """The result with all cages cut at the borders between regions, level by level, and what that changed."""
     regions = inner = [each.fine for each in made]
     land = sum(region.area for region in regions)
-    cut_back: list[list[Cage]] = [[] for _ in made]
+    cut_back: list[list[Level]] = [[] for _ in made]
     borders = []
-    for number in range(max((len(each.cages) for each in made), default=0)):
-        given = [each.cages[number] if number < len(each.cages) else None for each in made]
-        meshes = [mesh if cage is None else cage.mesh for cage, mesh in zip(given, inner, strict=True)]
+    for number in range(max((len(each.levels) for each in made), default=0)):
+        given = [each.levels[number] if number < len(each.levels) else None for each in made]
+        meshes = [mesh if level is None else level.cage for level, mesh in zip(given, inner, strict=True)]
         cuts = cut_at_borders(meshes, regions, clearance=clearance, inner=inner, width=width)
-        for cages, mesh, cage, cut in zip(cut_back, inner, given, cuts, strict=True):
-            if cage is not None:
-                excess, notes = cut.cage.area / mesh.area - 1.0, (*cage.report.notes, cut.note)
-                cages.append(Cage(cut.cage, replace(cage.report, clearance=cut.clearance, excess=excess, notes=notes)))
+        for levels, mesh, level, cut in zip(cut_back, inner, given, cuts, strict=True):
+            if level is not None:
+                excess, notes = cut.cage.area / mesh.area - 1.0, (*level.report.notes, cut.note)
+                report = replace(level.report, clearance=cut.clearance, excess=excess, notes=notes)
+                levels.append(replace(level, cage=cut.cage, report=report))
         borders.append(
             {
                 "points_read": sum(len(region.vertices) for region in regions),
@@ -158,4 +143,4 @@ def _at_borders(
             }
         )
         inner = [cut.cage for cut in cuts]
-    return [each._replace(cages=cages) for each, cages in zip(made, cut_back, strict=True)], failures, borders
+    return [each._replace(levels=levels) for each, levels in zip(made, cut_back, strict=True)], failures, borders

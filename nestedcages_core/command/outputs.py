@@ -12,7 +12,8 @@ from ..exchange import Feature, frames_to_engine_json, to_engine_json, to_geojso
 from ..exchange.limits import invalid
 from ..exchange.pictures import corresponding
 from ..geometry.mesh import Mesh
-from .making import Cage, Made, Result
+from ..hierarchy import Level
+from .making import Made, Result
 from .sources import STREAM, Source
 
 WRITTEN = {".svg": "svg", ".geojson": "geojson", ".json": "json"}
@@ -47,10 +48,10 @@ def text_of(result: Result, kind: str, *, flip_y: bool, triangles: bool, pieces:
     if kind == "svg":
         return _svg(result)
     if kind == "geojson":
-        features = [_feature(each, k, cage) for each in result.made for k, cage in enumerate(each.cages, 1)]
+        features = [_feature(each, k, level) for each in result.made for k, level in enumerate(each.levels, 1)]
         return to_geojson(features, indent=1, crs=result.source.crs)
     flip = result.source.height if flip_y else None
-    return to_engine_json(result.made[0].cages[-1].mesh, flip_y=flip, triangles=triangles, pieces=pieces, indent=1)
+    return to_engine_json(result.made[0].levels[-1], flip_y=flip, triangles=triangles, pieces=pieces, indent=1)
 
 
 def frames_of(results: Sequence[Result], *, flip_y: bool) -> str:
@@ -64,7 +65,7 @@ def frames_of(results: Sequence[Result], *, flip_y: bool) -> str:
     heights = {result.source.height for result in results}
     if flip_y and len(heights) > 1:
         raise invalid("the pictures differ in height, so their frames cannot be flipped together.")
-    outlines = corresponding([result.made[0].cages[-1].mesh for result in results])
+    outlines = corresponding([result.made[0].levels[-1].cage for result in results])
     return frames_to_engine_json(outlines, flip_y=heights.pop() if flip_y else None, indent=1)
 
 
@@ -98,7 +99,7 @@ def entry(result: Result, written: Sequence[str], errors: Sequence[str]) -> dict
                 "id": each.shape.id,
                 "vertices": len(each.fine.vertices),
                 "loops": len(each.fine.loops),
-                "levels": [_measures(cage) for cage in each.cages],
+                "levels": [_measures(level) for level in each.levels],
             }
             for each in result.made
         ],
@@ -130,10 +131,10 @@ def table(entries: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(lines)
 
 
-def _measures(cage: Cage) -> dict[str, Any]:
-    said = cage.report
+def _measures(level: Level) -> dict[str, Any]:
+    said = level.report
     return {
-        "vertices": len(cage.mesh.vertices),
+        "vertices": len(level.cage.vertices),
         **{name: bool(getattr(said, name)) for name in ("strict", "simple")},
         **{name: float(getattr(said, name)) for name in ("clearance", "wanted_clearance", "excess")},
         "grid": said.grid,
@@ -151,12 +152,12 @@ def _svg(result: Result) -> str:
     for number, each in enumerate(result.made):
         prefix = f"{number}-" if len(result.made) > 1 else ""
         meshes[f"{prefix}drawing"] = each.fine
-        meshes.update({f"{prefix}cage-{k}": cage.mesh for k, cage in enumerate(each.cages, 1)})
-        levels += range(1 + len(each.cages))
+        meshes.update({f"{prefix}cage-{k}": level.cage for k, level in enumerate(each.levels, 1)})
+        levels += range(1 + len(each.levels))
     return to_svg(meshes, frame=result.source.frame, levels=levels, y_up=result.source.kind == "map")
 
 
-def _feature(made: Made, level: int, cage: Cage) -> Feature:
-    said = {"excess": cage.report.excess, "clearance": cage.report.clearance}
-    properties = {**made.shape.properties, "level": level, "vertices": len(cage.mesh.vertices), **said}
-    return Feature(cage.mesh, properties, made.shape.id if len(made.cages) == 1 else None)
+def _feature(made: Made, number: int, level: Level) -> Feature:
+    said = {"excess": level.report.excess, "clearance": level.report.clearance}
+    properties = {**made.shape.properties, "level": number, "vertices": len(level.cage.vertices), **said}
+    return Feature(level.cage, properties, made.shape.id if len(made.levels) == 1 else None)

@@ -130,12 +130,12 @@ def _say(result: Result, out: TextIO | None) -> None:
         count = len(each.fine.loops)
         name = each.shape.name if several else "Drawing"
         tell(f"{name}: {len(each.fine.vertices)} vertices, {count} loop{'s' * (count != 1)}", out)
-        for k, cage in enumerate(each.cages, 1):
-            tell(f"  Level {k}: {len(cage.mesh.vertices)} vertices, {cage.report}", out)
-    for k, level in enumerate(result.borders, 1):
+        for k, level in enumerate(each.levels, 1):
+            tell(f"  Level {k}: {len(level.cage.vertices)} vertices, {level.report}", out)
+    for k, border in enumerate(result.borders, 1):
         tell(
-            f"Level {k} at its borders: {level['points']} points that cover {100.0 * level['overlap']:.3g} % of "
-            f"the land, instead of {level['points_uncut']} that cover {100.0 * level['overlap_uncut']:.3g} %, of "
-            f"{level['points_read']} read",
+            f"Level {k} at its borders: {border['points']} points that cover {100.0 * border['overlap']:.3g} % of "
+            f"the land, instead of {border['points_uncut']} that cover {100.0 * border['overlap_uncut']:.3g} %, of "
+            f"{border['points_read']} read",
             out,
         )

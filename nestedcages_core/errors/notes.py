@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 NOTES: Mapping[str, str] = {
-    "count least": "{asked} vertices are too few for this shape; {given} is the least found.",
+    "count least": "{asked} vertices are too few for this shape; the cage has {given}.",
     "count mesh": "{asked} vertices were asked for, but the mesh inside has {given}, so the cage has {given}.",
     "count loops": "The vertices per loop of the coarse mesh do not fit the mesh inside: they are redistributed.",
     "count symmetry": "{asked} vertices were asked for; with {symmetry} the cage can have {given}.",

@@ -62,6 +62,7 @@ def wanted_levels(
     levels: Sequence[int | Share | Within], mesh: Mesh, *, merges: bool = False
 ) -> list[int | Mesh | Within]:
     """The levels around a mesh as arguments of `nested_cages`, which clamps counts that are too high and raises
-    percentages that are too low. merges: whether loops may share one."""
-    sizes = [len(mesh.vertices)] if merges else [len(loop) for loop in mesh.loops]
-    return [Rising(level.of(sizes)) if isinstance(level, Share) else level for level in levels]
+    percentages that are too low, with a note. merges: whether loops may share one."""
+    whole = [len(mesh.vertices)]
+    sizes = whole if merges else [len(loop) for loop in mesh.loops]
+    return [Rising(level.of(sizes), level.of(whole)) if isinstance(level, Share) else level for level in levels]

@@ -242,14 +242,14 @@ def test_counts_give_way_to_the_least_that_a_shape_allows(tmp_path: Path, capsys
         report = tmp_path / "report.json"
         command = [str(tmp_path / name), "--levels", "16" if least else "10", "5", "--quiet"]
         assert main([*command, "--report", str(report)]) == 0
-        said = r"Level (\d): \d+ vertices are too few for this shape; (\d+) is the least"
+        said = r"Level (\d): \d+ vertices are too few for this shape; the cage has (\d+)"
         found = {int(level): int(count) for level, count in re.findall(said, capsys.readouterr().err)}
         first, second = found[1], found[2]
         assert (first, second) == (least or first, least or second)
         assert first >= second > 9
         shape = json.loads(report.read_text())["inputs"][0]["shapes"][0]
         assert [level["vertices"] for level in shape["levels"]] == [first, second]
-        assert any("least found" in note for note in shape["levels"][0]["notes"])
+        assert any("too few for this shape" in note for note in shape["levels"][0]["notes"])
         assert main([*command, "--strict"]) == 1
         assert re.search(r"at least \d+", capsys.readouterr().err)
 

@@ -58,7 +58,7 @@ def test_all_parts_share_one_loop() -> None:
 
 def test_percentages_rise_where_merging_leaves_more_loops() -> None:
     level = nested_cages(islands(), Share(0.01), merge=1e-6).levels[0]
-    assert len(level.cage.loops) > 1 and any("is the least found" in note for note in level.report.notes)
+    assert len(level.cage.loops) > 1 and any("are too few for this shape" in note for note in level.report.notes)
 
 
 def test_what_does_not_go_together_is_told() -> None:

@@ -511,6 +511,7 @@ HOSTILE = {
     "large arc": svg('<path d="M0 0 A1e308 1e308 0 0 1 9 9 L0 9Z"/>'),
     "arc axis": svg('<path d="M0 0 A5 9 1e999 0 1 9 9 L0 9Z"/>'),
     "arc end": svg('<path d="M0 0 A5 9 0 0 1 1e308 9 L0 9Z"/>'),
+    "arcs": svg(f'<path d="M0 0A{"1 1 0 0 1 2 1 " * 80_000}"/>'),
     "encoding": b'<?xml version="1.0" encoding="nonsense"?><svg/>',
     "two bytes": b'<?xml version="1.0" encoding="gbk"?><svg/>',
     "codec": b'<?xml version="1.0" encoding="rot13"?><svg/>',

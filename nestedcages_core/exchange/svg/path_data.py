@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -78,12 +79,11 @@ class PathReader:
         self.place = 0
         self.fault = ""
         self.subpaths: list[Subpath] = []
-        self.x = self.y = 0.0
         self.points: list[float] = []
         """x and y of the current subpath's control points in turn; empty before the first one."""
         self.degrees: list[int] = []
-        self.handle: tuple[float, float] = (0.0, 0.0)
-        self.handle_of = ""
+        self.before = "M"
+        """The command before."""
 
     def read(self) -> list[Subpath]:
         """The subpaths with at least one curve, up to the place where the data go wrong, which `fault` then says.
@@ -113,7 +113,7 @@ class PathReader:
                 raise _WrongDataError("a path that begins with M")
             text = WHOLE[kind].match(self.data, self.place)[0]  # type: ignore[index]
             taken = ARC.findall(text) if kind == "A" else NUMBERS.findall(text)
-            values = [float(each) for each in (sum(taken, ()) if kind == "A" else taken)]
+            values = [float(each) for each in (chain.from_iterable(taken) if kind == "A" else taken)]
             if not values and kind != "Z":
                 self._find_missing(kind)
             self.budget.spend("points", len(values) // len(ARGUMENTS[kind]) if values else 1)
@@ -131,62 +131,39 @@ class PathReader:
     def _follow(self, kind: str, values: list[float], *, relative: bool) -> None:
         """Add what a command draws, as often as it has arguments."""
         if kind == "Z":
-            self._close()
-            return
+            begin = self.points[:2]
+            if self.points[-2:] != begin or not self.degrees:
+                self._add(kind, begin, LINE)
+            self._end_subpath(closed=True)
+            self.points, self.before = begin, kind
         size = len(ARGUMENTS[kind])
-        for place in range(0, len(values), size):
-            given = values[place : place + size]
-            x, y = self.x, self.y
+        for place in range(0, len(values), size or 1):
+            given, (x, y) = values[place : place + size], self.points[-2:] or (0.0, 0.0)
             if relative:
                 origin = {"V": (y,), "A": (0.0, 0.0, 0.0, 0.0, 0.0, x, y)}.get(kind, (x, y) * 3)
                 given = [value + shift for value, shift in zip(given, origin, strict=False)]
             if kind == "M":
                 self._end_subpath(closed=False)
-                self.points, kind = given, "L"  # further points of a moveto are lines
-                self.x, self.y = given
-                self.handle_of = ""
-                continue
-            if kind == "A":
-                self._add_arc(given)
-                continue
-            if kind in "HV":
-                given = [given[0], y] if kind == "H" else [x, given[0]]
-            elif kind in "ST":
-                mirrored = self.handle_of in MIRRORED[kind] and self.handle_of != ""
-                given = [
-                    2.0 * x - self.handle[0] if mirrored else x,
-                    2.0 * y - self.handle[1] if mirrored else y,
-                    *given,
-                ]
-            self._add(given, len(given) // 2)
-            self.handle_of = kind if kind in "CSQT" else ""
-            if self.handle_of:
-                self.handle = (given[-4], given[-3])
+                self.points, self.before, kind = given, kind, "L"  # further points of a moveto are lines
+            elif kind == "A":
+                rx, ry, degrees, large, sweep, *end = given
+                found = arc((x, y), (end[0], end[1]), (rx, ry), math.radians(degrees), bool(large), bool(sweep))
+                degree = LINE if len(found) == 1 else CUBIC
+                self.budget.spend("points", len(found) // degree)
+                self._add(kind, found.ravel().tolist(), degree)
+            else:
+                if kind in "HV":
+                    given = [given[0], y] if kind == "H" else [x, given[0]]
+                elif kind in "ST":
+                    handle = self.points[-4:-2] if self.before in MIRRORED[kind] else (x, y)
+                    given = [2.0 * x - handle[0], 2.0 * y - handle[1], *given]
+                self._add(kind, given, len(given) // 2)
 
-    def _add(self, given: list[float], degree: int, count: int = 1) -> None:
-        """Add curves through control points to the subpath."""
+    def _add(self, kind: str, given: list[float], degree: int) -> None:
+        """Add the curves of a command to the subpath, through control points in turn."""
         self.points += given
-        self.degrees += [degree] * count
-        self.x, self.y = given[-2:]
-
-    def _add_arc(self, given: list[float]) -> None:
-        start, end = (self.x, self.y), (given[5], given[6])
-        found = arc(start, end, (given[0], given[1]), math.radians(given[2]), bool(given[3]), bool(given[4]))
-        degree = LINE if len(found) == 1 else CUBIC
-        count = len(found) // degree
-        self.budget.spend("points", count)
-        if count:
-            self._add(np.ravel(found).tolist(), degree, count)
-        self.handle_of = ""
-
-    def _close(self) -> None:
-        begin = self.points[:2]
-        if [self.x, self.y] != begin or not self.degrees:
-            self._add(list(begin), LINE)
-        self._end_subpath(closed=True)
-        self.points = list(begin)
-        self.x, self.y = begin
-        self.handle_of = ""
+        self.degrees += [degree] * (len(given) // (2 * degree))
+        self.before = kind
 
     def _end_subpath(self, *, closed: bool) -> None:
         if self.degrees:
