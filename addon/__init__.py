@@ -5,11 +5,11 @@ from __future__ import annotations
 from . import operators
 from .binding import adoption
 from .following import claims
-from .properties import schema, settings
+from .properties import schema
 from .ui import manual, menus, overlay, panels, preferences
 
 # In the order of registration; each knows only those before it.
-_ROOMS = (settings, schema, operators, adoption, claims, panels, preferences, menus, overlay, manual)
+_ROOMS = (schema, operators, adoption, claims, panels, preferences, menus, overlay, manual)
 
 
 def register() -> None:

@@ -114,24 +114,15 @@ def _shown(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> I
 @contextmanager
 def _selected(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Iterator[None]:
     """Temporarily selects only these objects, in Object Mode, the first of them active."""
-    layer = context.view_layer
-    before, active = list(context.selected_objects), layer.objects.active
     if context.mode != "OBJECT":
         raise ValueError("Switch to Object Mode first")
-    scene = scene_of(context)
-    frame, subframe = scene.frame_current, scene.frame_subframe
-
-    def choose(chosen: Sequence[bpy.types.Object], first: bpy.types.Object | None) -> None:
-        for other in context.selected_objects:
-            other.select_set(False)
-        for obj in chosen:
-            obj.select_set(True)
-        layer.objects.active = first
-
-    choose(objects, objects[0])
+    scene, layer = scene_of(context), context.view_layer
+    moment, active = (scene.frame_current, scene.frame_subframe), layer.objects.active
+    layer.objects.active = objects[0]
     try:
-        yield
+        with context.temp_override(selected_objects=list(objects)):
+            yield
     finally:
-        choose([obj for obj in before if obj.name in layer.objects], active)
-        if (scene.frame_current, scene.frame_subframe) != (frame, subframe):
-            scene.frame_set(frame, subframe=subframe)
+        layer.objects.active = active
+        if (scene.frame_current, scene.frame_subframe) != moment:
+            scene.frame_set(moment[0], subframe=moment[1])

@@ -15,38 +15,30 @@ import bpy
 # All custom properties begin with this.
 PREFIX = "nested_cages_"
 
-# Of an output collection: its source object, other objects that share its cages, the name that the source had, the
-# number of levels, the markers (JSON: pairs of name and frame), the method that it is bound by, the number of its
-# colours, the frames of the start of its animation, of the result and of the end, and which originals it hides
-# meanwhile. In earlier versions: the scene's last frame before and after.
+# Of an output collection: its source object, others that share its cages (of a silhouette: what it shows), the name
+# that the source had, the number of colours, what its cages are in words, the method that it is bound by, whether its
+# cages follow the drawing's animation, the frames of the start, the result and the end of its own animation, which
+# originals that hides, and its markers (JSON: pairs of name and frame).
 SOURCE = "nested_cages_source"
 OTHERS = "nested_cages_others"
 NAME = "nested_cages_name"
-LEVELS = "nested_cages_levels"
-MARKERS = "nested_cages_markers"
-FRAME_END = "nested_cages_frame_end"
-BOUND = "nested_cages_bound"
 COLOURS = "nested_cages_colours"
+KINDS = "nested_cages_kinds"
+BOUND = "nested_cages_bound"
+MOVING = "nested_cages_moving"
 FRAMES = "nested_cages_frames"
 HIDES = "nested_cages_hides"
-# In earlier versions, of a silhouette too, `OTHERS`: what it shows.
-# Of an object: the fine mesh that it fills.
-FILLS = "nested_cages_fills"
-# Of an armature or empties: the cage whose corners they move.
-HANDLES_OF = "nested_cages_handles_of"
-# In earlier versions, of a scene: its first and last frame before the animation, and as the animation set them.
+MARKERS = "nested_cages_markers"
+# In earlier versions, of a collection: the scene's last frame before and after; of a scene: its first and last frame
+# before the animation, and as the animation set them.
+FRAME_END = "nested_cages_frame_end"
 RANGE = "nested_cages_range"
-# Whether the cages of a collection follow the drawing's own animation.
-MOVING = "nested_cages_moving"
 
-# Of an output collection and its cages: whether they lie inside the drawing.
-INSIDE = "nested_cages_inside"
-# Of an output collection: what its cages are by the rules for them, in words.
-KINDS = "nested_cages_kinds"
-
-# Of the objects of an output: the level, 0 for the fine mesh, and the number of vertices. Of cages: the report.
+# Of the objects of an output: the level, 0 for the fine mesh, and the number of vertices. Of cages: the report, and
+# whether they lie inside the drawing, which a collection has too.
 LEVEL = "nested_cages_level"
 VERTICES = "nested_cages_vertices"
+INSIDE = "nested_cages_inside"
 CLEARANCE = "nested_cages_clearance"
 EXCESS = "nested_cages_excess"
 BEGINS_FROM = "nested_cages_begins_from"
@@ -69,11 +61,13 @@ STORED_MESH = "nested_cages_mesh"
 STORED_ACTION = "nested_cages_action"
 STORED_STATE = "nested_cages_before"
 LINK = "nested_cages_link"
-# Of hidden helper objects: the cage whose motion they carry, or the object whose lines they show, and their thickness.
+# Of helper objects: that they are hidden, the cage whose motion they carry, the empty in whose place they follow, the
+# fine mesh that they fill, the cage whose corners they move, or the object whose lines they show, and the thickness.
 HELPER = "nested_cages_helper"
 FIELD_OF = "nested_cages_field"
-# Of an object that shows what an instancing empty shows, to follow in its place: that empty.
 PROXY_OF = "nested_cages_proxy"
+FILLS = "nested_cages_fills"
+HANDLES_OF = "nested_cages_handles_of"
 LINES_OF = "nested_cages_lines_of"
 LINE_THICKNESS = "nested_cages_thickness"
 

@@ -24,14 +24,11 @@ def json_of(context: bpy.types.Context, collection: bpy.types.Collection, *, fli
         raise UserError(f"'{cage.name}' follows no armature: press Rig with Armature first")
     height = float(filling.points_of(filling.mesh_of(cage))[0, 2])
     bones = bones_of(armature, Frame(world_matrix(cage), height, scale_of(cage), own=True))
+    painted = np.nan_to_num(filling.weights_of(filling.mesh_of(cage), len(cage.vertex_groups)))
     weights = np.zeros((len(cage.data.vertices), len(bones)))
-    numbers = {
-        group.index: k for k, bone in enumerate(bones) for group in cage.vertex_groups if group.name == bone.name
-    }
-    for vertex in cage.data.vertices:
-        for element in vertex.groups:
-            if element.group in numbers:
-                weights[vertex.index, numbers[element.group]] = element.weight
+    for column, bone in zip(weights.T, bones, strict=True):
+        if bone.name in cage.vertex_groups:
+            column[:] = painted[cage.vertex_groups[bone.name].index]
     lost = np.flatnonzero(weights.sum(axis=1) <= 0.0)
     if len(lost):
         raise UserError(f"Vertex {lost[0]} of '{cage.name}' follows no bone of '{armature.name}': paint weights there")

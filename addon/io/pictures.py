@@ -61,6 +61,14 @@ def load(path: Path) -> bpy.types.Image:
         raise UserError(f"'{path.name}' cannot be read as an image") from error
 
 
+def size_of(image: bpy.types.Image) -> tuple[int, int]:
+    """Width and height in pixels. Raises: UserError if there are none."""
+    width, height = image.size
+    if not width or not height:
+        raise UserError(f"The image '{image.name}' has no pixels: its file may be missing")
+    return width, height
+
+
 def image_on(obj: bpy.types.Object | None) -> bpy.types.Image | None:
     """The image of an image empty, or on the active material of a mesh."""
     if obj is None:
@@ -168,9 +176,7 @@ class Picture:
     @classmethod
     def of(cls, image: bpy.types.Image) -> Picture:
         """The opacity of a Blender image. Raises: UserError if it has none."""
-        width, height = image.size
-        if not width or not height:
-            raise UserError(f"The image '{image.name}' has no pixels: its file may be missing")
+        width, height = size_of(image)
         if image.channels not in (2, 4):
             raise UserError(f"The image '{image.name}' has no alpha channel: save it as RGBA, or choose another image")
         pixels = np.empty(width * height * image.channels, np.float32)

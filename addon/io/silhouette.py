@@ -42,13 +42,9 @@ def plane_of(context: bpy.types.Context, active: bpy.types.Object, plane: str) -
         view = getattr(context, "region_data", None)
         if view is None:
             raise UserError("There is no view to look from: call it in a 3D view, or choose another plane")
-        turn = np.array(view.view_matrix.to_3x3(), dtype=np.float64)
-        return _facing(active, turn[0], turn[1])
-    return _facing(active, *map(np.array, AXES[plane]))
-
-
-def _facing(active: bpy.types.Object, x: NDArray[np.float64], y: NDArray[np.float64]) -> Frame:
-    """A frame of unit scale through the origin of the active object."""
+        x, y, _ = np.array(view.view_matrix.to_3x3(), dtype=np.float64)
+    else:
+        x, y = map(np.array, AXES[plane])
     return Frame.through(np.array(active.matrix_world.translation), x, y)
 
 

@@ -6,6 +6,7 @@ import bpy
 
 from ..following import live as following_live
 from ..generation.job import running
+from ..properties.kinds import registration
 from . import animation, bind, exporters, generate, importers, levels, parts, pictures, verify
 
 _ROOMS = (generate, verify, bind, parts, animation, importers, exporters, pictures, levels)
@@ -18,9 +19,7 @@ CLASSES = [
 ]
 
 
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+register, _unregister = registration(CLASSES)
 
 
 def unregister() -> None:
@@ -28,5 +27,4 @@ def unregister() -> None:
     job = running()
     if job is not None:
         job.end(bpy.context)  # Blender drops a running operator whose class is unregistered, without calling cancel
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    _unregister()

@@ -175,13 +175,13 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         """The requested pictures. Raises: UserError."""
         if paths := paths_of(self):
             images = [pictures.load(path) for path in paths]
-            places = pictures.side_by_side([_size(image) for image in images])
+            places = pictures.side_by_side(list(map(pictures.size_of, images)))
             return [Part(image, place, None) for image, place in zip(images, places, strict=True)]
         shown = _shown(context)
         if not shown:
             raise UserError("Choose a picture file, or select image planes or image empties")
         return [
-            Part(image, pictures.canvas_of(obj, _size(image)), obj.session_uid)
+            Part(image, pictures.canvas_of(obj, pictures.size_of(image)), obj.session_uid)
             for obj in shown
             if (image := pictures.image_on(obj)) is not None
         ]
@@ -192,14 +192,6 @@ def _shown(context: bpy.types.Context) -> list[bpy.types.Object]:
     active = context.view_layer.objects.active
     found = [obj for obj in context.selected_objects if pictures.image_on(obj) is not None]
     return sorted(found, key=lambda obj: (obj is not active, obj.name))
-
-
-def _size(image: bpy.types.Image) -> tuple[int, int]:
-    """Width and height in pixels. Raises: UserError if there are none."""
-    width, height = image.size
-    if not width or not height:
-        raise UserError(f"The image '{image.name}' has no pixels: its file may be missing")
-    return width, height
 
 
 class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bpy.types.Operator):

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
+import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 
@@ -37,3 +38,10 @@ def text(name: str, description: str, **options: Any) -> Any:
 def choice(name: str, description: str, items: Sequence[tuple[str, str, str]], **options: Any) -> Any:
     """One of several, the first by default; or with the option ENUM_FLAG several of them."""
     return EnumProperty(name=name, description=description, items=items, **options)
+
+
+def registration(classes: Sequence[type]) -> tuple[Callable[[], None], Callable[[], None]]:
+    """Functions that register classes in order, and unregister them in reverse."""
+    made: Any = bpy.utils.register_classes_factory  # the stubs return nothing
+    register, unregister = made(classes)
+    return register, unregister

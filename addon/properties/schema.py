@@ -11,8 +11,9 @@ from typing import Any
 import bpy
 from bpy.props import BoolVectorProperty, CollectionProperty, FloatVectorProperty, IntVectorProperty, PointerProperty
 
-from .kinds import choice, flag, number, text, whole
-from .settings import GenerationProperties
+from .kinds import choice, flag, number, registration, text, whole
+from .level_list import NestedCagesLevel
+from .settings import GenerationProperties, NestedCagesSettings
 
 ROLES = [(name, name.title(), "") for name in ("NONE", "FINE", "CAGE", "FIELD", "LINES", "PROXY", "FILL", "HANDLES")]
 CHECKS = [(name, name.title(), "") for name in ("NONE", "HOLDS", "FAULT")]
@@ -114,6 +115,8 @@ class NestedCagesMember(bpy.types.PropertyGroup):
 
 
 CLASSES = (
+    NestedCagesLevel,
+    NestedCagesSettings,
     NestedCagesNote,
     NestedCagesMarker,
     NestedCagesPart,
@@ -129,13 +132,16 @@ CLASSES = (
 POINTERS = (
     (bpy.types.Collection, "nested_cages", NestedCagesRecord, "The record of these cages"),
     (bpy.types.Object, "nested_cages_member", NestedCagesMember, "Its part in a set of cages"),
+    (bpy.types.Scene, "nested_cages", NestedCagesSettings, "Settings of the next cages"),
     (bpy.types.Scene, "nested_cages_playing", NestedCagesRange, "Frames before and as the animation set them"),
 )
 
 
+_register, _unregister = registration(CLASSES)
+
+
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    _register()
     for owner, name, kind, says in POINTERS:
         pointer: Any = PointerProperty
         setattr(owner, name, pointer(type=kind, name=name.replace("_", " ").title(), description=says))
@@ -144,5 +150,4 @@ def register() -> None:
 def unregister() -> None:
     for owner, name, _, _ in POINTERS:
         delattr(owner, name)
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    _unregister()

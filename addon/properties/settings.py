@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 import bpy
-from bpy.props import CollectionProperty, PointerProperty
+from bpy.props import CollectionProperty
 
 from ..generation.choices import REPAIRS, SETTINGS
 from ..generation.methods import Methods
@@ -197,17 +197,3 @@ def copy_values(source: GenerationProperties, target: GenerationProperties | bpy
     if isinstance(source, NestedCagesSettings) and len(source.level_list):
         # The list refers to objects, which survive renaming.
         target.level_objects = level_list.own_objects(source)
-
-
-def register() -> None:
-    bpy.utils.register_class(level_list.NestedCagesLevel)
-    bpy.utils.register_class(NestedCagesSettings)
-    bpy.types.Scene.nested_cages = PointerProperty(  # type: ignore[attr-defined, func-returns-value]
-        type=NestedCagesSettings, name="Nested Cages", description="Settings of the next cages"
-    )
-
-
-def unregister() -> None:
-    del bpy.types.Scene.nested_cages  # type: ignore[attr-defined]
-    bpy.utils.unregister_class(NestedCagesSettings)
-    bpy.utils.unregister_class(level_list.NestedCagesLevel)

@@ -18,7 +18,7 @@ from .. import keys, record
 from ..animation import shape_keys
 from ..core import outlines
 from ..scene import display, placement
-from ..scene.filling import loop_edges, mesh_of, points_of, stored
+from ..scene.filling import loop_edges, mesh_of, points_of, stored, weights_of
 
 Points = NDArray[np.float64]
 
@@ -213,17 +213,10 @@ def artists_keys(block: bpy.types.Key | None) -> list[bpy.types.ShapeKey]:
 
 
 def _groups(obj: bpy.types.Object) -> tuple[Group, ...]:
-    mesh = mesh_of(obj)
-    count = len(mesh.vertices)
-    weights = np.zeros((len(obj.vertex_groups), count))
-    belongs = np.zeros(weights.shape, bool)
-    for index, vertex in enumerate(mesh.vertices if len(weights) else ()):
-        for element in vertex.groups:
-            if element.group < len(weights):
-                weights[element.group, index], belongs[element.group, index] = element.weight, True
+    weights = weights_of(mesh_of(obj), len(obj.vertex_groups))
     return tuple(
-        Group(group.name, group.lock_weight, *found)
-        for group, *found in zip(obj.vertex_groups, weights, belongs, strict=True)
+        Group(group.name, group.lock_weight, np.nan_to_num(own), ~np.isnan(own))
+        for group, own in zip(obj.vertex_groups, weights, strict=True)
     )
 
 

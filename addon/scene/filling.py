@@ -38,6 +38,16 @@ def points_of(owner: bpy.types.Mesh | bpy.types.ShapeKey) -> Points:
     return stored(items, "co", 3).astype(np.float64)
 
 
+def weights_of(mesh: bpy.types.Mesh, groups: int) -> NDArray[np.float64]:
+    """Weights (groups, n) of vertices in vertex groups, by their numbers; nan for vertices that are not in a group."""
+    found = np.full((groups, len(mesh.vertices)), np.nan)
+    for vertex in mesh.vertices if groups else ():
+        for element in vertex.groups:
+            if element.group < groups:
+                found[element.group, vertex.index] = element.weight
+    return found
+
+
 def loop_edges(mesh: bpy.types.Mesh, most: int = 1) -> NDArray[np.int64]:
     """Edges (m, 2) of a mesh that at most one face uses: its outline; most: another number of faces."""
     edges = stored(mesh.edges, "vertices", 2, np.int32)

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .filling import evaluated_mesh, points_of
+from .filling import evaluated_mesh, points_of, weights_of
 from .plane import Frame, nearest, transform
 
 
@@ -55,10 +55,5 @@ def _weights(
     named = obj.vertex_groups.get(group)
     with evaluated_mesh(obj.evaluated_get(context.evaluated_depsgraph_get())) as mesh:
         assert mesh is not None
-        points = points_of(mesh)
-        if named is None:
-            return points, None
-        weights = [
-            next((each.weight for each in vertex.groups if each.group == named.index), 0.0) for vertex in mesh.vertices
-        ]
-    return points, np.array(weights, dtype=np.float64)
+        weights = np.nan_to_num(weights_of(mesh, named.index + 1)[-1]) if named is not None else None
+        return points_of(mesh), weights

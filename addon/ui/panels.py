@@ -17,6 +17,7 @@ from ..generation.levels import meanings, parse_levels
 from ..operators.base import last_fault
 from ..operators.levels import NESTEDCAGES_PT_method_presets, NESTEDCAGES_PT_presets
 from ..properties import conversion, groups
+from ..properties.kinds import registration
 from ..properties.level_list import VALUES
 from ..properties.settings import NestedCagesSettings, copy_values, settings_of
 from ..scene import ownership, units
@@ -274,6 +275,9 @@ CLASSES = (
 )
 
 
+register, unregister = registration(CLASSES)
+
+
 def move_to(category: str) -> None:
     """Shows the panels in another tab of the sidebar; without a name, in their own."""
     category = category.strip() or CATEGORY
@@ -284,13 +288,3 @@ def move_to(category: str) -> None:
     for cls in panels:
         cls.bl_category = category
     register()
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)

@@ -8,7 +8,7 @@ from bpy.props import PointerProperty
 
 from ..operators.base import Operator, remember_fault
 from ..properties import groups
-from ..properties.kinds import flag, number, text
+from ..properties.kinds import flag, number, registration, text
 from ..properties.settings import GenerationProperties, copy_values, settings_of
 from . import panels
 
@@ -94,9 +94,11 @@ def _begin_file(filepath: str = "", _unused: object = None) -> None:
 CLASSES = (NestedCagesDefaults, NestedCagesPreferences, SCENE_OT_nested_cages_store_defaults)
 
 
+_register, _unregister = registration(CLASSES)
+
+
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    _register()
     bpy.app.handlers.load_post.append(_begin_file)
     found = groups.preferences()
     if found is not None:
@@ -105,5 +107,4 @@ def register() -> None:
 
 def unregister() -> None:
     bpy.app.handlers.load_post.remove(_begin_file)
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    _unregister()

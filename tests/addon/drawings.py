@@ -183,7 +183,7 @@ def of_before(addon: Any, collection: Any) -> None:
         if (frames := record.range_of(scene)) is not None:
             record.set_range(scene, None)
             scene[keys.RANGE] = list(map(float, frames))
-    collection[keys.LEVELS] = len(objects) - 1
+    collection["nested_cages_levels"] = len(objects) - 1
     collection[keys.MARKERS] = json.dumps([[marker.name, marker.frame] for marker in found.markers])
     if found.playing:
         collection[keys.HIDES] = [part.hidden for part in found.sources]
