@@ -148,6 +148,9 @@ def ours(owner: bpy.types.ID) -> list[str]:
     return [key for key in owner.keys() if key.startswith(PREFIX)]  # noqa: SIM118 - an ID is no mapping
 
 
-def found_object(identity: int | None) -> bpy.types.Object | None:
-    """The object with a session ID, even after renaming, undo and redo."""
+def found_object(identity: int | None, name: str = "") -> bpy.types.Object | None:
+    """The object with a session ID, even after renaming, undo and redo; with its former name it is found at once."""
+    likely = bpy.data.objects.get(name)
+    if likely is not None and likely.session_uid == identity:
+        return likely
     return next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)

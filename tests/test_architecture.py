@@ -85,6 +85,7 @@ BLENDER_PLACES = (
     "__init__.py",
     "benchmarks/binding.py",
     "benchmarks/blender_writing.py",
+    "benchmarks/many_drawings.py",
     "examples/",
     "packaging/",
     "tests/addon/",

@@ -37,6 +37,11 @@ KEYFRAME = (
 )
 
 
+def new_action(name: str) -> bpy.types.Action | None:
+    """An action for several data-blocks; None before Blender 4.4, where each needs its own."""
+    return bpy.data.actions.new(name) if "slots" in bpy.types.Action.bl_rna.properties else None
+
+
 def add_basis(obj: bpy.types.Object) -> None:
     """Makes the current mesh the Basis of the shape keys to be added."""
     if obj.data.shape_keys is None:
@@ -51,6 +56,7 @@ def add_steps(
     *,
     back: NDArray[np.float64] | None = None,
     from_rest: bool = False,
+    action: bpy.types.Action | None = None,
 ) -> None:
     """Adds and animates one shape key per step (S, n, 2) that differs from the object's mesh, at frames (S,).
 
@@ -77,7 +83,7 @@ def add_steps(
             back_again += [(back[0] + 1.0, 0.0)] if back is not None else []
         path = f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].value'
         fcurves.append((path, [number for point in (*there, *back_again) for number in point]))
-    animate(obj.data.shape_keys, fcurves, LINEAR, f"{obj.name} Steps")
+    animate(obj.data.shape_keys, fcurves, LINEAR, f"{obj.name} Steps", action)
 
 
 def is_step(path: str) -> bool:
@@ -126,13 +132,24 @@ def _rise_and_fall(frames: NDArray[np.float64], first: int, last: int, count: in
     return points
 
 
-def animate(owner: Any, fcurves: Sequence[tuple[str, Sequence[float]]], interpolation: int, name: str) -> None:
-    """Animates properties of a data-block: pairs of a data path and its keyframes as frame, value, frame, value …"""
+def animate(
+    owner: Any,
+    fcurves: Sequence[tuple[str, Sequence[float]]],
+    interpolation: int,
+    name: str,
+    action: bpy.types.Action | None = None,
+) -> None:
+    """Animates properties of a data-block: pairs of a data path and its keyframes as frame, value, frame, value …
+
+    In the action that it has, or else in a new slot of `action`, or else in one of its own.
+    """
     if not fcurves:
         return
     animation = owner.animation_data or owner.animation_data_create()
     if animation.action is None:
-        animation.action = bpy.data.actions.new(name)
+        animation.action = action or bpy.data.actions.new(name)
+        if action is not None:
+            animation.action_slot = action.slots.new(owner.id_type, name)
     action = animation.action
     for path, keyframes in fcurves:
         # Blender 4.4 introduced slots in actions, and 5.0 removed the older interface.
@@ -156,12 +173,21 @@ def curves_of(owner: Any) -> Any:
     return next((bag.fcurves for bag in bags if bag is not None), ())
 
 
-def own_action(owner: Any) -> None:
-    """Gives a data-block its own copy of its action, with the same slot."""
-    slot = getattr(owner.animation_data, "action_slot", None)
-    owner.animation_data.action = owner.animation_data.action.copy()
+def own_action(owner: Any, name: str) -> None:
+    """Gives a data-block its own copy of its action, without what is in other slots."""
+    animation = owner.animation_data
+    slot, action = getattr(animation, "action_slot", None), animation.action.copy()
+    animation.action, action.name = action, name
     if slot is not None:
-        owner.animation_data.action_slot = owner.animation_data.action.slots[slot.identifier]
+        animation.action_slot = action.slots[slot.identifier]
+        for other in [each for each in action.slots if each.identifier != slot.identifier]:
+            action.slots.remove(other)
+
+
+def is_shared(owner: Any) -> bool:
+    """Whether what animates a data-block animates another one too."""
+    slot = getattr(owner.animation_data, "action_slot", None)
+    return bool((owner.animation_data.action.users if slot is None else len(slot.users())) > 1)
 
 
 def remove_animation(owner: Any) -> None:
@@ -239,7 +265,14 @@ def give_animation(old: bpy.types.Key | None, new: bpy.types.Key, name: str) -> 
     if own and animation.action is not None:
         _merge(animation.action, new, own)
     elif own:
-        _take_action(old, new, "" if len(own) == len(curves) else name)
+        animation.action = action
+        if hasattr(animation, "action_slot"):
+            animation.action_slot = old.animation_data.action_slot
+        if len(own) < len(curves):
+            own_action(new, name)
+            curves = curves_of(new)
+            for curve in [curve for curve in curves if is_step(curve.data_path)]:
+                curves.remove(curve)
     for driver in [driver for driver in animation.drivers if not is_step(driver.data_path)]:
         animation.drivers.remove(driver)
     for driver in old.animation_data.drivers:
@@ -247,20 +280,6 @@ def give_animation(old: bpy.types.Key | None, new: bpy.types.Key, name: str) -> 
         for target in (target for variable in made.driver.variables for target in variable.targets):
             if target.id == old:
                 target.id = new
-
-
-def _take_action(old: bpy.types.Key, new: bpy.types.Key, copy: str) -> None:
-    """Gives new shape keys the action of the old ones, or a copy of it of the same name, without the steps in it."""
-    action, slot = old.animation_data.action, getattr(old.animation_data, "action_slot", None)
-    if copy:
-        action = action.copy()
-        action.name = copy
-    new.animation_data.action = action
-    if slot is not None:
-        new.animation_data.action_slot = next(found for found in action.slots if found.handle == slot.handle)
-    curves = curves_of(new)
-    for curve in [curve for curve in curves if is_step(curve.data_path)]:
-        curves.remove(curve)
 
 
 def _merge(action: Any, owner: bpy.types.Key, curves: Iterable[bpy.types.FCurve]) -> None:

@@ -19,7 +19,8 @@ def enter(collection: bpy.types.Collection) -> None:
 
     Around inner cages the drawing does not move; in another scene without the cages it stays as it is.
     """
-    leave(collection)
+    if record.of(collection).playing:
+        leave(collection)
     frames, fine = timeline.frames_of(collection), ownership.member(collection, 0)
     if frames is None or fine is None or ownership.is_bound(collection) or ownership.is_inside(collection):
         return
@@ -32,12 +33,13 @@ def enter(collection: bpy.types.Collection) -> None:
         return
     found = record.written(collection)
     found.playing = True
+    action = shape_keys.new_action(source.name if source is not None else fine.name)
     for part in found.sources:
         if ownership.exists(part.object) and visibility.is_free(part.object):
             part.hidden = True
-            visibility.switch(part.object, playing)
+            visibility.switch(part.object, playing, action)
     copy = make_copy(collection, fine, source)
-    visibility.switch(copy, [(frame, not hidden) for frame, hidden in playing])
+    visibility.switch(copy, [(frame, not hidden) for frame, hidden in playing], action)
 
 
 def _is_elsewhere(source: bpy.types.Object, fine: bpy.types.Object) -> bool:
@@ -48,7 +50,7 @@ def _is_elsewhere(source: bpy.types.Object, fine: bpy.types.Object) -> bool:
 def leave(*collections: bpy.types.Collection) -> None:
     """Shows the originals of outputs again and removes the moving copies."""
     actions: list[bpy.types.Action | None] = []
-    copies: list[bpy.types.Object] = []
+    shown = set()
     for collection in collections:
         found = record.written(collection)
         for part in found.sources:
@@ -56,8 +58,9 @@ def leave(*collections: bpy.types.Collection) -> None:
                 actions.append(visibility.detach(part.object).action)
             part.hidden = False
         found.playing = False
-        fine = ownership.member(collection, 0)
-        copies += copies_of(fine) if fine is not None else []
+        shown.add(ownership.member(collection, 0))
+    shown.discard(None)
+    copies = [obj for obj in bpy.data.objects if obj.parent in shown and record.shown(obj, record.FILL) == obj.parent]
     for copy in copies:
         for modifier in list(copy.modifiers):
             display.remove_modifier(copy, modifier)
@@ -82,11 +85,6 @@ def make_copy(
     material = main_material(source) if source is not None else None
     add_nodes_modifier(copy, nodes.FILL, nodes.group(nodes.FILL), {"Object": fine, "Material": material})
     return copy
-
-
-def copies_of(fine: bpy.types.Object) -> list[bpy.types.Object]:
-    """The objects that fill a fine mesh."""
-    return [child for child in fine.children if record.shown(child, record.FILL) == fine]
 
 
 def main_material(source: bpy.types.Object) -> bpy.types.Material | None:

@@ -15,18 +15,23 @@ from . import shape_keys
 VISIBILITY = ("hide_viewport", "hide_render")
 
 
-def hide_until(obj: bpy.types.Object, frame: int, last: int | None = None) -> None:
-    """Hides the object, in the viewport and in renders, on all frames before `frame`, and after `last` if given."""
+def hide_until(
+    obj: bpy.types.Object, frame: int, last: int | None = None, action: bpy.types.Action | None = None
+) -> None:
+    """Hides the object, in the viewport and in renders, on all frames before `frame`, and after `last` if given.
+
+    action: see `shape_keys.animate`.
+    """
     switches = [(frame - 1, True), (frame, False)]
     if last is not None:
         switches.append((last + 1, True))
-    switch(obj, switches)
+    switch(obj, switches, action)
 
 
-def switch(obj: bpy.types.Object, frames: Sequence[tuple[int, bool]]) -> None:
+def switch(obj: bpy.types.Object, frames: Sequence[tuple[int, bool]], action: bpy.types.Action | None = None) -> None:
     """Hides or shows the object, in the viewport and in renders, from each of some frames on."""
     keyframes = [float(number) for pair in frames for number in pair]
-    shape_keys.animate(obj, [(path, keyframes) for path in VISIBILITY], shape_keys.CONSTANT, obj.name)
+    shape_keys.animate(obj, [(path, keyframes) for path in VISIBILITY], shape_keys.CONSTANT, obj.name, action)
     obj.update_tag(refresh={"TIME"})  # takes effect now, not on the next frame change
 
 

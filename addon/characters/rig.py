@@ -13,7 +13,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from .. import record
-from ..animation import bake
+from ..animation import playing
 from ..animation.timeline import Timing
 from ..binding import binding, field
 from ..core import blamed, core
@@ -143,8 +143,8 @@ def make(
     scene, results = scene_of(context), [_jointed(result, bones) for result in generation.results]
     (collection,), _ = output.write(scene, results, Timing(show_flow=False))
     binding.forget(collection)
-    if bake.is_animated(collection):
-        bake.remove(scene, collection)
+    if playing.is_animated(collection):
+        playing.remove(scene, collection)
     context.view_layer.update()
     cage = ownership.members(collection)[-1]
     weigh(cage, armature, drawing.frame)

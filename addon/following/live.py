@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import record
-from ..animation import bake
+from ..animation import playing
 from ..core import core
 from ..errors import UserError
 from ..generation.generate import STORED, Generation, Options, Request, Result
@@ -75,7 +75,13 @@ class Live:
         """Does the pending work; returns False when following has ended."""
         scene, source = bpy.data.scenes.get(self.scene), found_object(self.identity)
         collection = ownership.collection_of(scene, source) if scene is not None and source is not None else None
-        if scene is None or source is None or collection is None or why_not(collection) or bake.is_animated(collection):
+        if (
+            scene is None
+            or source is None
+            or collection is None
+            or why_not(collection)
+            or playing.is_animated(collection)
+        ):
             return False
         if context.scene != scene:
             return True

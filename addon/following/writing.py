@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import record
-from ..animation import bake, shape_keys, stage, timeline, visibility
+from ..animation import playing, shape_keys, stage, timeline, visibility
 from ..animation.timeline import Timing
 from ..core import core
 from ..errors import UserError
@@ -85,9 +85,10 @@ def _play(scene: bpy.types.Scene, collection: bpy.types.Collection, result: Movi
     poses = result.poses
     _end_animation(scene, collection)
     fine, *cages = ownership.members(collection)
-    shape_keys.add_steps(fine, poses.points.astype(np.float32), poses.frames, "Level 1")
+    action = shape_keys.new_action(collection.name)
+    shape_keys.add_steps(fine, poses.points.astype(np.float32), poses.frames, "Level 1", action=action)
     for number, (obj, cage) in enumerate(zip(cages, result.cages, strict=True), 1):
-        shape_keys.add_steps(obj, cage.cage_steps.astype(np.float32), cage.times, f"Level {number}")
+        shape_keys.add_steps(obj, cage.cage_steps.astype(np.float32), cage.times, f"Level {number}", action=action)
         _describe(obj, poses.frames, cage, poses.scale)
     found = record.written(collection)
     first, last = round(float(poses.frames[0])), round(float(poses.frames[-1]))
@@ -101,7 +102,7 @@ def _end_animation(scene: bpy.types.Scene, collection: bpy.types.Collection) -> 
     timeline.restore_scene(scene, collection)
     for obj in ownership.members(collection):
         visibility.always_show(obj)
-        bake.forget_times(obj)
+        playing.forget_times(obj)
 
 
 def write_still(scene: bpy.types.Scene, result: Result, used: dict[str, Any]) -> None:

@@ -18,7 +18,7 @@ from ..core import core
 from ..errors import UserError
 from ..rigging.rig import Rig, is_rigged
 from ..scene import display, ownership, placement
-from ..scene.ownership import collection_of, colours_of, level_of, member, members
+from ..scene.ownership import colours_of, level_of, member, members
 from .generate import Result
 from .job import Progress, Work, completed
 from .rollback import Rollback
@@ -46,12 +46,18 @@ def writing(scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, t
     """Writes the output of each drawing, one by one; closing it restores the scene. Raises: UserError, before anything
     is changed, if earlier output cannot be replaced.
     """
-    earlier = [earlier_output(scene, result) for result in results]
-    for collection in earlier:
+    earlier = earlier_outputs(scene, results)
+    replaced = [found for found in earlier if found is not None]
+    for collection in replaced:
         _check_replaceable(collection)
-    rollback = Rollback(scene, (collection for collection in earlier if collection is not None))
+    rollback = Rollback(scene)
     staged: list[bpy.types.Collection] = []
     try:
+        for collection in replaced:
+            yield Progress(0.0, f"{collection.name}, reading")
+            rollback.include(collection)
+        staged = replaced
+        stage.leave(*staged)
         home = _home(scene, [result for result, before in zip(results, earlier, strict=True) if before is None])
         phases = [list(map(Phases.of, result.levels)) for result in results]
         timings = timing.of_each(phases)
@@ -74,17 +80,15 @@ def writing(scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, t
         timeline.settle(scene, dropped, added)
         for result, collection in zip(results, collections, strict=True):
             _set_thickness(collection, result, thickness)
-        staged += collections
-        stage.leave(*collections)
         for collection in collections:
+            yield Progress(1.0, f"{collection.name}, writing")
             if not any(scene.objects.get(obj.name) == obj for obj in members(collection)):  # made in another scene
                 ownership.home_of(scene, ownership.source_of(collection)).children.link(collection)
             stage.enter(collection)
     except BaseException:
         rollback.restore()
-        for before in earlier:
-            if before in staged:
-                stage.enter(before)
+        for collection in staged:
+            stage.enter(collection)
         raise
     return collections, rollback.finish()
 
@@ -120,14 +124,17 @@ def _set_thickness(collection: bpy.types.Collection, result: Result, thickness: 
             display.set_thickness(obj, wanted, display.AUTOMATIC_THICKNESS)
 
 
-def earlier_output(scene: bpy.types.Scene, result: Result) -> bpy.types.Collection | None:
-    """The output that the result will replace."""
-    source = result.drawing.source
-    return collection_of(scene, source, inside=result.inside) if source is not None else None
+def earlier_outputs(scene: bpy.types.Scene, results: Sequence[Result]) -> list[bpy.types.Collection | None]:
+    """The output that each result will replace, if there is one."""
+    drawings = [result.drawing.source for result in results]
+    found: dict[object, bpy.types.Collection] = {}
+    for output in ownership.outputs_of(scene, *filter(None, drawings)):
+        found.setdefault((record.of(output).sources[0].object, ownership.is_inside(output)), output)
+    return [found.get((drawing, result.inside)) for drawing, result in zip(drawings, results, strict=True)]
 
 
-def _check_replaceable(collection: bpy.types.Collection | None) -> None:
-    for obj in members(collection) if collection else ():
+def _check_replaceable(collection: bpy.types.Collection) -> None:
+    for obj in members(collection):
         if obj.mode != "OBJECT":
             raise UserError(f"'{obj.name}' is about to be replaced but is being edited: go back to Object Mode first")
         if problem := ownership.why_locked(obj):
@@ -147,20 +154,22 @@ def _write_one(
         rollback.set_aside(obj)
     _rename(collection, name)
 
-    inner = "Inner " if result.inside else ""
+    inner, action = "Inner " if result.inside else "", shape_keys.new_action(collection.name)
     fine = _member_with_mesh(collection, 0, f"{name} {inner}Fine", first.fine, result, rollback)
-    _play(fine, _fine_steps(first), first, played, timing, 1)
+    _play(fine, _fine_steps(first), first, played, timing, 1, action)
     made = [fine]
     for number, (level, span) in enumerate(zip(result.levels, played, strict=True), 1):
         cage = _member_with_mesh(collection, number, f"{name} {inner}Cage {number}", level.cage, result, rollback)
-        _play(cage, _cage_steps(level), level, played, timing, number)
+        _play(cage, _cage_steps(level), level, played, timing, number, action)
         if number < len(result.levels):
             following = result.levels[number]
-            _play(cage, _fine_steps(following), following, played, timing, number + 1, from_rest=True)
+            _play(cage, _fine_steps(following), following, played, timing, number + 1, action, from_rest=True)
         gone = timeline.mirrored(span.flow, played[-1].end, timing)
-        visibility.hide_until(cage, span.flow, round(gone) if timing.loop_back else None)
+        visibility.hide_until(cage, span.flow, round(gone) if timing.loop_back else None, action)
         _describe(cage, result, level, span)
         made.append(cage)
+    if action is not None and not action.users:  # all have actions of the artist's
+        bpy.data.actions.remove(action)
     for surplus in [obj for obj in before if obj not in made]:
         (rollback.keep if is_rigged(surplus) else rollback.drop)(surplus)
 
@@ -196,6 +205,7 @@ def _play(
     played: Sequence[Span],
     timing: Timing,
     number: int,
+    action: bpy.types.Action | None,
     *,
     from_rest: bool = False,
 ) -> None:
@@ -204,7 +214,7 @@ def _play(
     shown = steps if timing.show_flow else steps[phases.flow_end :]
     frames = timeline.step_frames(phases, played[number - 1], timing)
     back = timeline.mirrored(frames, played[-1].end, timing) if timing.loop_back else None
-    shape_keys.add_steps(obj, shown, frames, f"Level {number}", back=back, from_rest=from_rest)
+    shape_keys.add_steps(obj, shown, frames, f"Level {number}", back=back, from_rest=from_rest, action=action)
 
 
 def _member_with_mesh(

@@ -19,20 +19,27 @@ from ..scene.ownership import members
 
 
 class Rollback:
-    """The current state of the scene's range and the output collections, to be restored or discarded."""
+    """The state of the scene's range and of the outputs that are included, to be restored or discarded."""
 
-    def __init__(self, scene: bpy.types.Scene, collections: Iterable[bpy.types.Collection]) -> None:
-        found = list(collections)
+    def __init__(self, scene: bpy.types.Scene) -> None:
         self._scene = scene
         self._range = (scene.frame_start, scene.frame_end, _properties(scene), record.range_of(scene))
         self._markers = [(m.name, m.frame, m.select, m.camera) for m in scene.timeline_markers]
-        self._collections = [(c, c.name, _properties(c), record.values(record.written(c))) for c in found]
-        self._members = [_Member(obj) for c in found for obj in members(c)]
+        self._collections: list[tuple[bpy.types.Collection, str, dict[str, Any], dict[str, Any]]] = []
+        self._members: dict[bpy.types.Object, _Member] = {}
+        self._by_vertices = [obj for obj in bpy.data.objects if "VERTEX" in obj.parent_type]
         self._known = set(_everything())
         self._names: list[tuple[bpy.types.ID, str]] = []
         self._surplus: list[bpy.types.Object] = []
         self._kept: list[bpy.types.Object] = []
         self._lost: list[str] = []
+
+    def include(self, collection: bpy.types.Collection) -> None:
+        """Notes an output before it is changed."""
+        state = _properties(collection), record.values(record.written(collection))
+        self._collections.append((collection, collection.name, *state))
+        for obj in members(collection):
+            self._members[obj] = _Member(obj, [child for child in self._by_vertices if child.parent == obj])
 
     def set_aside(self, obj: bpy.types.Object) -> None:
         """Removes our animation from an object, and frees the names of its mesh, which is about to be replaced."""
@@ -41,9 +48,11 @@ class Rollback:
             for block in (mesh, shapes, _action(shapes) if shape_keys.has_steps(shapes) else None):
                 self._rename(block)
         visibility = detach(obj)
-        if visibility.action is not None and not visibility.kept:
+        if visibility.kept and visibility.slot is not None and visibility.action.users > 1:
+            shape_keys.own_action(obj, obj.name)
+        elif visibility.action is not None and not visibility.kept:
             self._rename(visibility.action)
-        next(member for member in self._members if member.obj == obj).visibility = visibility
+        self._members[obj].visibility = visibility
 
     def drop(self, obj: bpy.types.Object) -> None:
         """Marks an object to be removed at the end."""
@@ -66,8 +75,8 @@ class Rollback:
                 display.remove_modifier(obj, modifier)
             record.remove(obj)
             self._lost.append(f"'{obj.name}' is no longer a level; it was kept for your work on it")
-        actions = [member.visibility.action for member in self._members if member.visibility is not None]
-        meshes = [member.mesh for member in self._members]
+        actions = [member.visibility.action for member in self._members.values() if member.visibility is not None]
+        meshes = [member.mesh for member in self._members.values()]
         shape_keys.discard(
             self._surplus,
             [*meshes, *(value for value in kept if isinstance(value, bpy.types.Mesh))],
@@ -77,12 +86,12 @@ class Rollback:
 
     def restore(self) -> None:
         """The new output failed: restores everything."""
-        for member in self._members:
+        for member in self._members.values():
             member.restore()
         bpy.data.batch_remove([block for block in _everything() if block not in self._known])
         for block, name in reversed(self._names):
             block.name = name
-        for member in self._members:
+        for member in self._members.values():
             member.obj.name = member.name
         for collection, name, properties, values in self._collections:
             collection.name = name
@@ -110,15 +119,14 @@ class _Member:
     """An object of earlier output as it was."""
 
     obj: bpy.types.Object
+    by_vertices: Iterable[bpy.types.Object]
 
     def __post_init__(self) -> None:
         obj = self.obj
         self.name, self.mesh = obj.name, mesh_of(obj)
         self.placement, self.slots = Placement.of(obj), [(slot.link, slot.material) for slot in obj.material_slots]
         self.hooks = [(hook, tuple(hook.vertex_indices)) for hook in hooks_of(obj)]
-        self.children = [
-            (child, tuple(child.parent_vertices)) for child in obj.children if "VERTEX" in child.parent_type
-        ]
+        self.children = [(child, tuple(child.parent_vertices)) for child in self.by_vertices]
         self.visibility_values = {name: getattr(obj, name) for name in VISIBILITY}
         self.properties, self.values = _properties(obj), record.values(record.described(obj))
         self.thickness = {name: display.thickness_of(obj, name) for name in display.THICKNESSES}

@@ -92,7 +92,7 @@ def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]
         new.name = new.data.name = f"{obj.name} Animated"
         filling.add_faces(filling.mesh_of(new), triangulation.triangulate(outline).triangles)
         if new.animation_data is not None and new.animation_data.action is not None:
-            shape_keys.own_action(new)
+            shape_keys.own_action(new, new.name)
             visibility.always_show(new)
         display.set_thickness(new, 0.0)
         new.display_type, new.show_in_front = "TEXTURED", False

@@ -1,6 +1,4 @@
-"""Follow Animation: cages around a drawing that moves; Live: cages that follow its edits; and Bake to One Action
-or Remove Animation, for how cages form.
-"""
+"""Follow Animation: cages around a drawing that moves; Live: cages that follow its edits; Remove Animation."""
 
 from __future__ import annotations
 
@@ -9,7 +7,7 @@ from dataclasses import replace
 import bpy
 
 from .. import record
-from ..animation import bake
+from ..animation import playing
 from ..binding.adoption import adopt
 from ..errors import UserError, counted
 from ..following import live, moving, poses, writing
@@ -155,43 +153,24 @@ class OBJECT_OT_nested_cages_live(Operator, bpy.types.Operator):
         assert collection is not None and source is not None
         settings = record.written(collection).settings
         options = conversion.options(settings, scene)
-        if bake.is_animated(collection):
-            bake.remove(scene, collection)
+        if playing.is_animated(collection):
+            playing.remove(scene, collection)
             self.report({"INFO"}, "The animation was removed: Generate makes it again")
         reading, used = conversion.filled(ReadingOptions, settings), conversion.used(settings)
         live.start(live.Live(scene, source, options, reading, used, lambda: redraw(bpy.context)))
 
 
-class OnAnimation(OutputOperator):
-    """Base of both operators, which work on animated cages."""
+class OBJECT_OT_nested_cages_remove_animation(OutputOperator, bpy.types.Operator):
+    """Remove the steps, their keyframes and markers, and keep the finished cages"""
+
+    bl_label = "Remove Animation, Keep Cages"
 
     @classmethod
     def unsuitable(cls, collection: bpy.types.Collection) -> str:
         if ownership.is_bound(collection):
             return "Unbind the drawing from its cages first: its animation is turned off while bound"
-        return "" if bake.is_animated(collection) else "The cages have no animation"
-
-
-class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
-    """Put the animation of the drawing and all of its cages into one action with a slot for each"""
-
-    bl_label = "Bake to One Action"
-
-    @classmethod
-    def unavailable(cls, context: bpy.types.Context) -> str:
-        return super().unavailable(context) if bake.has_slots() else "One action for several objects needs Blender 4.4"
-
-    def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[None]:
-        action = bake.bake(collection)
-        self.report({"INFO"}, f"The animation is in the action '{action.name}'")
-        yield from ()
-
-
-class OBJECT_OT_nested_cages_remove_animation(OnAnimation, bpy.types.Operator):
-    """Remove the steps, their keyframes and markers, and keep the finished cages"""
-
-    bl_label = "Remove Animation, Keep Cages"
+        return "" if playing.is_animated(collection) else "The cages have no animation"
 
     def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[None]:
-        bake.remove(scene_of(context), collection)
+        playing.remove(scene_of(context), collection)
         yield from ()

@@ -17,7 +17,7 @@ from ..errors import UserError, counted
 from ..generation import output
 from ..generation.advice import part as percentage
 from ..generation.generate import Generation, Request, Result
-from ..generation.job import Work, completed, part, running
+from ..generation.job import Progress, Work, completed, part, running
 from ..generation.levels import OWN
 from ..generation.rules import Places
 from ..notes import in_scene, note
@@ -87,8 +87,10 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
             # Undo in Edit Mode only covers the edited mesh.
             bpy.ops.object.mode_set(mode="OBJECT")
         adopt(scene, [result.drawing.source for result in results if result.drawing.source is not None])
-        earlier = [found for result in results if (found := output.earlier_output(scene, result)) is not None]
-        poses = {found: _poses(found) for found in earlier}
+        poses = {}
+        for found in filter(None, output.earlier_outputs(scene, results)):
+            yield Progress(COMPUTED, f"{found.name}, reading")
+            poses[found] = _poses(found)
         writing = output.writing(scene, results, conversion.filled(Timing, self), self.thickness)
         collections, lost = yield from part(writing, 0, 1, begin=COMPUTED)
         bound = {collection: binding.forget(collection) for collection in collections}

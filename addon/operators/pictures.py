@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from bpy_extras.io_utils import ImportHelper
 
-from ..animation import bake
+from ..animation import playing
 from ..animation.timeline import Timing
 from ..binding import binding, handles
 from ..errors import UserError, counted
@@ -155,8 +155,8 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         scene = scene_of(context)
         collections, _ = output.write(scene, placed, conversion.filled(Timing, settings_of(context)))
         for collection in collections:
-            if bake.is_animated(collection):
-                bake.remove(scene, collection)
+            if playing.is_animated(collection):
+                playing.remove(scene, collection)
         context.view_layer.update()
         cages: list[bpy.types.Object] = []
         for collection in collections if self.bind else ():

@@ -9,7 +9,7 @@ import numpy as np
 from mathutils import Vector
 
 from .. import record
-from ..animation import bake
+from ..animation import playing
 from ..binding.adoption import adopt, waiting
 from ..errors import Fault, UserError
 from ..following import claims
@@ -71,7 +71,7 @@ def _check_not_stepping(scene: bpy.types.Scene, objects: Sequence[bpy.types.Obje
         collection = ownership.collection_about(scene, obj) if ownership.level_of(obj) is not None else None
         if collection is None or ownership.is_bound(collection) or record.of(collection).moving:
             continue
-        if bake.is_animated(collection):
+        if playing.is_animated(collection):
             raise UserError(
                 f"'{collection.name}' plays how its cages form, which the drawing crosses on purpose: "
                 "bind the drawing or remove the animation first, or check single frames"

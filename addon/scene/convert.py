@@ -73,7 +73,7 @@ class Drawing:
     @property
     def source(self) -> bpy.types.Object | None:
         """Its source object; None if that is gone."""
-        return keys.found_object(self.identity)
+        return keys.found_object(self.identity, self.name)
 
     def mesh(self) -> core.Mesh:
         """The core's ``Mesh`` of this drawing. Raises: UserError, with the drawing's name, if it is invalid."""

@@ -85,13 +85,13 @@ def exists(obj: bpy.types.Object | None) -> bool:
     return any(scene.objects.get(obj.name) == obj for scene in bpy.data.scenes) or bool(obj.users_scene)
 
 
-def outputs_of(scene: bpy.types.Scene, source: bpy.types.Object) -> list[bpy.types.Collection]:
-    """The collections that hold the output of an object: of the cages around it, and of those inside."""
-    found = []
+def outputs_of(scene: bpy.types.Scene, *drawings: bpy.types.Object) -> list[bpy.types.Collection]:
+    """The collections that hold the output of objects: of the cages around them, and then of those inside."""
+    found, wanted = [], set(drawings)
     for collection in bpy.data.collections:
         if is_output(collection):
             sources = record.of(collection).sources
-            if len(sources) and sources[0].object == source and members(collection):
+            if len(sources) and sources[0].object in wanted and members(collection):
                 found.append(collection)
     if len(found) > 1:
         here = set(scene.collection.children_recursive)

@@ -16,7 +16,7 @@ GUIDES = ((ROOT / "manual" / "docs" / "guide", ".html"), (ROOT / "docs" / "guide
 OPERATORS = {
     **dict.fromkeys(("verify", "report"), "verify"),
     **dict.fromkeys(("adopt", "bind", "rebind", "unbind", "add_handles"), "bind"),
-    **dict.fromkeys(("bake_action", "remove_animation"), "animation"),
+    "remove_animation": "animation",
     **dict.fromkeys(("follow", "live"), "motion"),
     **dict.fromkeys(("to_objects", "pieces", "export", "import"), "export"),
     **dict.fromkeys(("from_image", "cutout"), "pictures"),

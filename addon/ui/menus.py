@@ -32,7 +32,6 @@ class VIEW3D_MT_nested_cages(bpy.types.Menu):
         layout.operator("object.nested_cages_unbind", icon="UNLINKED")
         layout.operator("object.nested_cages_adopt", icon="COMMUNITY")
         layout.separator()
-        layout.operator("object.nested_cages_bake_action", icon="ACTION")
         layout.operator("object.nested_cages_remove_animation", icon="X")
         layout.separator()
         for shape, name, _ in SHAPE_ITEMS:

@@ -111,9 +111,7 @@ class VIEW3D_PT_nested_cages_animation(PartPanel, bpy.types.Panel):
             seconds = frames * scene.render.fps_base / scene.render.fps
             layout.label(text=f"Length as before: {frames} frames, {seconds:.1f} s")
         if collection is not None:
-            column = layout.column(align=True)
-            column.operator("object.nested_cages_bake_action", icon="ACTION")
-            column.operator("object.nested_cages_remove_animation", icon="X")
+            layout.operator("object.nested_cages_remove_animation", icon="X")
 
 
 class VIEW3D_PT_nested_cages_rules(PartPanel, bpy.types.Panel):

@@ -246,6 +246,7 @@ def test_cancelling_while_several_drawings_are_written_leaves_the_scene(addon, m
         outcome = operator.modal(context, TIMER)
     assert outcome == operator.modal(context, OTHER) == {"RUNNING_MODAL"}  # nothing else may change the scene
     assert operator.modal(context, ESCAPE) == {"CANCELLED"}
+    bpy.context.view_layer.update()
     assert snapshot() == before
 
 

@@ -329,7 +329,7 @@ def own_properties(owner):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("before", ["plain", "baked", "keyed", "thick"])
+@pytest.mark.parametrize("before", ["plain", "keyed", "thick"])
 @pytest.mark.parametrize(
     "place", ["first level", "second level", "second drawing", "markers", "thickness", "moving copy"]
 )
@@ -338,10 +338,6 @@ def test_a_fault_while_replacing_brings_all_back(addon, monkeypatch, before, pla
         poly_curve(name, [star()]).location.x = x
     bpy.data.objects["One"].select_set(True)
     generate(loop_back=True, thickness=0.02 * (before == "thick"))
-    if before == "baked":
-        if bpy.app.version < (4, 4, 0):
-            pytest.skip("actions have no slots")
-        bpy.ops.object.nested_cages_bake_action()
     if before == "keyed":
         bpy.data.objects["Two Cage 1"].keyframe_insert("location", frame=5)
         bpy.context.scene.timeline_markers.new("Mine", frame=3)

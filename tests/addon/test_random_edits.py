@@ -34,7 +34,7 @@ STRANGE = [None, 0, -1, 10**9, 1.5, float("nan"), float("inf"), "", "x", "\N{SNO
 
 OTHERS = (
     "generate", "verify", "bind", "rebind", "unbind", "cancel", "add_handles", "follow", "live", "silhouette",
-    "remove_animation", "to_objects", "bake_action", "pieces", "select_fault", "report",
+    "remove_animation", "to_objects", "pieces", "select_fault", "report",
 )  # fmt: skip
 """Operators that need no file."""
 

@@ -48,7 +48,6 @@ def test_everything_has_a_description(extension) -> None:
         bpy.ops.scene.nested_cages_level_add,
         bpy.ops.scene.nested_cages_level_remove,
         bpy.ops.scene.nested_cages_level_move,
-        bpy.ops.object.nested_cages_bake_action,
         bpy.ops.object.nested_cages_remove_animation,
         bpy.ops.object.nested_cages_bind,
         bpy.ops.object.nested_cages_rebind,

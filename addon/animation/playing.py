@@ -1,0 +1,54 @@
+"""Whether the animation of how cages form plays, and its removal."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import record
+from ..errors import UserError
+from ..scene import ownership
+from . import shape_keys, stage, timeline, visibility
+
+
+def is_animated(collection: bpy.types.Collection) -> bool:
+    """Whether the steps of an output collection play."""
+    shapes = [obj.data.shape_keys for obj in ownership.members(collection) if obj.type == "MESH"]
+    animations = [found.animation_data for found in shapes if found is not None]
+    return any(found is not None and found.action is not None for found in animations)
+
+
+def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
+    """Removes the steps, their keyframes and markers; the fine mesh, the cages, other keys and animation stay.
+
+    Raises: UserError.
+    """
+    _check(collection)
+    stage.leave(collection)
+    timeline.restore_scene(scene, collection)
+    for obj in ownership.members(collection):
+        shape_keys.remove_steps(obj)
+        if obj.animation_data is not None and obj.animation_data.action is not None:
+            visibility.always_show(obj)
+        obj.hide_viewport = obj.hide_render = False
+        forget_times(obj)
+    record.written(collection).moving = False
+    record.keep(collection)
+
+
+def forget_times(obj: bpy.types.Object) -> None:
+    """Removes what an object says about its animation."""
+    record.described(obj).property_unset("phases")
+    record.described(obj).property_unset("frames")
+
+
+def _check(collection: bpy.types.Collection) -> None:
+    """Raises: UserError."""
+    if ownership.is_bound(collection):
+        raise UserError(f"'{collection.name}' is bound to its cages, which turns off the animation: unbind it first")
+    for obj in ownership.members(collection):
+        if obj.mode != "OBJECT":
+            raise UserError(f"'{obj.name}' is being edited: go back to Object Mode first")
+        if not obj.is_editable or not obj.data.is_editable:
+            raise UserError(f"'{obj.name}' cannot be changed because it is linked from another file")
+    if not is_animated(collection):
+        raise UserError(f"'{collection.name}' has no animation")
