@@ -76,7 +76,7 @@ def _overlay(meshes: Sequence[Mesh], intersection: bool) -> Mesh:
     def back(at: FloatArray) -> FloatArray:
         """Places before they were moved to the grid: exactly those of vertices."""
         distance, nearest = tree.query(at + origin)
-        return np.where((distance <= tolerance)[:, None], points[nearest], at + origin)
+        return np.asarray(np.where((distance <= tolerance)[:, None], points[nearest], at + origin))
 
     rings = _rings(shapely.transform(together, back), tolerance)
     rings = [ring[(tree.query(ring)[0] == 0.0) | (_bends(ring) > tolerance)] for ring in rings if len(ring) > 2]

@@ -7,18 +7,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..geometry.arrays import FloatArray
+from ..geometry.precision import INPUT_ROUND_OFF
 
 if TYPE_CHECKING:
     from .base import NewtonModel, Objective
 
 SUFFICIENT_DECREASE = 1e-4
 """Armijo's constant: fraction of the predicted decrease that a step must reach (Nocedal & Wright 2006, section 3.1)."""
-
-CONTRACTION = 0.5
-"""Factor on a rejected step."""
-
-MAX_TRIALS = 40
-"""Cap on the trials: the last step is 1e-12 of the first, near rounding."""
 
 
 class Step(NamedTuple):
@@ -31,11 +26,11 @@ class Step(NamedTuple):
 def backtrack(objective: Objective, x: FloatArray, model: NewtonModel) -> Step:
     """First step with sufficient decrease among the longest safe one and its halvings."""
     slope = float((model.gradient * model.direction).sum())
-    fraction = objective.largest_step(x, model.direction)
-    for _ in range(MAX_TRIALS):
+    fraction = longest = objective.largest_step(x, model.direction)
+    while fraction > INPUT_ROUND_OFF * longest:
         candidate = x + fraction * model.direction
         value = objective.value(candidate)
         if np.isfinite(value) and value <= model.value + SUFFICIENT_DECREASE * fraction * slope:
             return Step(candidate, fraction)
-        fraction *= CONTRACTION
+        fraction *= 0.5
     return Step(x, 0.0)

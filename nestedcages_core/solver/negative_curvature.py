@@ -16,7 +16,7 @@ from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.precision import NEGLIGIBLE
 from ..geometry.vectors import inner
 from .banded import BandedSystem, BandOrder
-from .quadratic_program import MAX_DAMPINGS, NOT_FINITE, QuadraticProgram, block_scale
+from .quadratic_program import DAMPING_GROWTH, MAX_DAMPINGS, NOT_FINITE, QuadraticProgram, block_scale
 
 SPRING_STIFFNESS = 1e6
 """Stiffness of the springs, relative to the largest block of W: constraints hold to six digits."""
@@ -24,8 +24,8 @@ SPRING_STIFFNESS = 1e6
 INVERSE_ITERATIONS = 12
 """Inverse iterations: few, since any direction of negative curvature will do."""
 
-FIRST_SPECTRAL_SHIFT, SPECTRAL_SHIFT_GROWTH = 0.03, 3.0
-"""First shift that may make the matrix positive definite, relative to the largest block of W; factor to the next."""
+FIRST_SPECTRAL_SHIFT = 0.03
+"""First shift that may make the matrix positive definite, relative to the largest block of W."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ def negative_curvature(program: QuadraticProgram, order: BandOrder, active: Bool
     for _ in range(MAX_DAMPINGS):
         if system.factorise(shift):
             break
-        shift *= SPECTRAL_SHIFT_GROWTH
+        shift *= DAMPING_GROWTH
     else:
         raise NestedCagesError(NOT_FINITE, code="solver.not_finite")
     v = np.cos(np.arange(size) ** 2)  # generic: not orthogonal to the eigenvectors of symmetric shapes

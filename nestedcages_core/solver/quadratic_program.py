@@ -46,13 +46,11 @@ FIRST_DAMPING = 0.05
 """First damping of a Newton system that is not positive definite, relative to the largest block of W."""
 
 DAMPING_GROWTH = 3.0
-"""Factor to the next damping of a system; the next system begins with the one before."""
+"""Factor to the next damping of a system, and beyond the one that succeeds: with a barely definite matrix, rounding
+decides the direction. The next system begins with the one before."""
 
 MAX_DAMPINGS = 100
 """Cap on the dampings of one system: the last is 1e46 times the largest block of W."""
-
-DAMPING_MARGIN = 3.0
-"""Factor on the damping that succeeded: with a barely definite matrix, rounding decides the direction."""
 
 NOT_FINITE = (
     "The cage has derivatives that are not finite numbers; leave out details that are tiny relative to the drawing, or "
@@ -202,7 +200,7 @@ class _Iteration:
         else:
             raise NestedCagesError(NOT_FINITE, code="solver.not_finite")
         if damping > least:
-            damping *= DAMPING_MARGIN
+            damping *= DAMPING_GROWTH
             self.system.factorise(damping)
         self.damping = damping
 

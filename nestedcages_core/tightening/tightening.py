@@ -45,9 +45,6 @@ FAST_CONVERGENCE = 0.02
 THINNEST_SKIN = 0.75
 """Lower bound on the skin of the list of candidate pairs, in units of the mean coarse edge length."""
 
-COMPLEMENTARITY = 0.1
-"""Complementarity at which a quadratic program is solved, as a fraction of the smallest decrease that counts."""
-
 ACTIVE_MULTIPLIER = 1e-3
 """Multipliers above this fraction of the largest mark constraints that are active at a saddle."""
 
@@ -154,7 +151,8 @@ class _Run:
         for iteration in range(1, settings.iterations + 1):
             threshold = max(negligible, settings.share * (first_value - value))
             model = model_at(self.x, self.bodies, self.candidates, energy, self.wanted, region, loads)
-            solution = self.bodies.solved(settings.solver, model.program, COMPLEMENTARITY * negligible, self.order)
+            solved = settings.solver.complementarity * negligible
+            solution = self.bodies.solved(settings.solver, model.program, solved, self.order)
             self.order = solution.order
             self.systems += solution.iterations
             loads = model.loads(solution)

@@ -18,7 +18,7 @@ MAX_ATTEMPTS = 3
 shortened steps)."""
 
 STEP_REDUCTION = 0.4
-"""Factor on the steps of failing vertices."""
+"""Factor on the steps of failing vertices, and on the longest motion of a step that was too long for the model."""
 
 EXPECTED_MOTION = 2.0
 """Motion of a vertex, restoration included, up to which only nearby pairs are checked, relative to its own step or the

@@ -9,14 +9,14 @@ import numpy as np
 from ..geometry.arrays import TINY, FloatArray
 from ..geometry.precision import NEGLIGIBLE
 from ..solver.quadratic_program import QPSolution
-from .trial import Trial
+from .trial import STEP_REDUCTION, Trial
 
 FAIR_GAIN, POOR_GAIN = 0.5, 0.25
 """Gain, the actual decrease of the energy over the predicted one, above which the radius may grow and below which it
 shrinks."""
 
-GROWTH, SHRINKAGE = 2.5, 0.4
-"""Factors on the longest motion of a good step, for the radius after it, and of one that was too long."""
+GROWTH = 2.5
+"""Factor on the longest motion of a good step, for the radius after it."""
 
 
 @dataclass(eq=False)
@@ -53,6 +53,6 @@ class TrustRegion:
         longest = float(np.hypot(solution.step[:, 0], solution.step[:, 1]).max())
         gain = (value - trial.value) / max(solution.decrease, TINY)
         if not trial.accepted or gain < POOR_GAIN:
-            self.largest_step = min(self.largest_step, SHRINKAGE * longest)
+            self.largest_step = min(self.largest_step, STEP_REDUCTION * longest)
         elif gain > FAIR_GAIN:
             self.largest_step = max(self.largest_step, min(GROWTH * longest, self.largest))
