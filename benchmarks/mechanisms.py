@@ -47,6 +47,10 @@ def first(given: Any, *_: Any, **__: Any) -> Any:
     return given
 
 
+def nothing(*_: Any, **__: Any) -> None:
+    """No result."""
+
+
 def no_stage(*_: Any, **__: Any) -> Iterator[Any]:
     """A stage that finds nothing."""
     return
@@ -133,7 +137,7 @@ MECHANISMS: dict[str, Mechanism] = {
         patches={"contact.contact_response:not_implied": all_kept, "tightening.quadratic_model:not_implied": all_kept},
     ),
     # tightening
-    "escapes from saddles": Mechanism("tightening", patches={"tightening.tightening:MAX_ESCAPES": 0}),
+    "escapes from saddles": Mechanism("tightening", patches={"tightening.tightening:negative_curvature": nothing}),
     "widening in small steps": Mechanism(
         "tightening",
         patches={"tightening.reach_clearance:MAX_STEPS": 0},

@@ -16,16 +16,10 @@ from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.precision import NEGLIGIBLE
 from ..geometry.vectors import inner
 from .banded import BandedSystem, BandOrder
-from .quadratic_program import DAMPING_GROWTH, MAX_DAMPINGS, NOT_FINITE, QuadraticProgram, block_scale
-
-SPRING_STIFFNESS = 1e6
-"""Stiffness of the springs, relative to the largest block of W: constraints hold to six digits."""
+from .quadratic_program import DAMPING_GROWTH, FIRST_DAMPING, MAX_DAMPINGS, NOT_FINITE, QuadraticProgram, block_scale
 
 INVERSE_ITERATIONS = 12
 """Inverse iterations: few, since any direction of negative curvature will do."""
-
-FIRST_SPECTRAL_SHIFT = 0.03
-"""First shift that may make the matrix positive definite, relative to the largest block of W."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +40,11 @@ def negative_curvature(program: QuadraticProgram, order: BandOrder, active: Bool
     order = order.including(hessian, rows)
     system = BandedSystem(order, hessian, rows, program.axes)
     h = np.zeros(len(active) + 2 * size)
-    h[: len(active)] = np.where(active, SPRING_STIFFNESS * scale, 0.0)
+    h[: len(active)] = np.where(active, scale / NEGLIGIBLE, 0.0)  # stiff: constraints hold to six digits
     system.set_matrix(h)
     if scale == 0.0 or system.factorise(0.0):
         return None
-    shift = FIRST_SPECTRAL_SHIFT * scale
+    shift = FIRST_DAMPING * scale
     for _ in range(MAX_DAMPINGS):
         if system.factorise(shift):
             break

@@ -47,12 +47,8 @@ THINNEST_SKIN = 0.75
 
 ACTIVE_MULTIPLIER = 1e-3
 """Multipliers above this fraction of the largest mark constraints that are active at a saddle."""
-
 ESCAPE_LENGTH = 0.5
 """Length of the step off a saddle, in first radii."""
-
-MAX_ESCAPES = 8
-"""Maximum number of steps off saddles (docs/ablation.md: escapes from saddles)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,7 +142,7 @@ class _Run:
         if slope * region.largest <= negligible:
             return self._outcome(0, True, "The cage is at a minimum of its energy.")
         loads = EdgeLoads.none(self.m)
-        quiet = escapes = 0
+        quiet = 0
         previous = 0.0
         for iteration in range(1, settings.iterations + 1):
             threshold = max(negligible, settings.share * (first_value - value))
@@ -169,13 +165,13 @@ class _Run:
             region.update(solution, trial, value)
             value = yield from self._accept(trial)
             if still or quiet >= settings.patience:
-                escape = self._escape(model, solution, value) if escapes < MAX_ESCAPES else None
+                escape = self._escape(model, solution, value)
                 if escape is None or value - escape.value < negligible:
                     return self._outcome(iteration, True, "The model predicts no further decrease of the energy.")
                 logger.debug("tightening %d: off a saddle, actual %.2e", iteration, value - escape.value)
                 value = yield from self._accept(escape)
                 region.reset()
-                quiet, escapes = 0, escapes + 1
+                quiet = 0
             elif region.collapsed:
                 return self._outcome(iteration, False, "No step, however short, lowers the energy.")
         return self._outcome(settings.iterations, False, f"Stopped after {settings.iterations} iterations.")
@@ -193,7 +189,7 @@ class _Run:
         return trial.value
 
     def _escape(self, model: QuadraticModel, solution: QPSolution, value: float) -> Trial | None:
-        """A step off a saddle that lowers the energy; None at a local minimum.
+        """A step off a saddle that lowers the energy; None at a local minimum (docs/ablation.md: escapes from saddles).
 
         The model is that of the step before, which was short; its contacts are measured again.
         """

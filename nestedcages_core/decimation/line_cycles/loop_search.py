@@ -133,7 +133,8 @@ class LoopSearch:
         """Search cycles through some lines; whether one is better than before."""
         several = [Paths(self.turns, self.areas, self.first, start, self.sizes.stop - 1) for start in starts]
         yield several
-        return any([self._keep(paths) for paths in several])
+        kept = [self._keep(paths) for paths in several]
+        return any(kept)
 
     def _keep(self, paths: Paths) -> bool:
         totals = paths.totals

@@ -98,7 +98,9 @@ class Paths:
         source = np.concatenate([paths.source + offset for paths, offset in zip(several, offsets, strict=True)])
         areas = np.concatenate([paths.areas for paths in several])
         reached = np.concatenate([paths.reached + offset for paths, offset in zip(several, offsets, strict=True)])
-        begins = np.concatenate([paths.first[paths.reached] + turn for paths, turn in zip(several, turns, strict=False)])
+        begins = np.concatenate(
+            [paths.first[paths.reached] + turn for paths, turn in zip(several, turns, strict=False)]
+        )
         of_reached = np.repeat(np.arange(len(several)), [len(paths.reached) for paths in several])
         bounded = any(paths.corridor is not None for paths in several)
         least = np.full((max(paths.most for paths in several), ends[-1]), np.inf, np.float32)
