@@ -7,6 +7,7 @@ import bpy
 from .. import record
 from ..errors import UserError
 from ..scene import ownership
+from ..scene.selection import check_free
 from . import shape_keys, stage, timeline, visibility
 
 
@@ -22,7 +23,11 @@ def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
 
     Raises: UserError.
     """
-    _check(collection)
+    if ownership.is_bound(collection):
+        raise UserError(f"'{collection.name}' is bound to its cages, which turns off the animation: unbind it first")
+    check_free(ownership.members(collection))
+    if not is_animated(collection):
+        raise UserError(f"'{collection.name}' has no animation")
     stage.leave(collection)
     timeline.restore_scene(scene, collection)
     for obj in ownership.members(collection):
@@ -39,16 +44,3 @@ def forget_times(obj: bpy.types.Object) -> None:
     """Removes what an object says about its animation."""
     record.described(obj).property_unset("phases")
     record.described(obj).property_unset("frames")
-
-
-def _check(collection: bpy.types.Collection) -> None:
-    """Raises: UserError."""
-    if ownership.is_bound(collection):
-        raise UserError(f"'{collection.name}' is bound to its cages, which turns off the animation: unbind it first")
-    for obj in ownership.members(collection):
-        if obj.mode != "OBJECT":
-            raise UserError(f"'{obj.name}' is being edited: go back to Object Mode first")
-        if not obj.is_editable or not obj.data.is_editable:
-            raise UserError(f"'{obj.name}' cannot be changed because it is linked from another file")
-    if not is_animated(collection):
-        raise UserError(f"'{collection.name}' has no animation")

@@ -24,7 +24,7 @@ from ..rigging.pose import unshaped
 from ..scene import display, filling, nodes, ownership, placement
 from ..scene.areas import paints
 from ..scene.plane import PLANARITY, scale_of, size, space_to_space, transform
-from ..scene.selection import scene_of
+from ..scene.selection import check_free, scene_of
 from . import field, shown
 
 # Relative change of a clearance that is more than round-off.
@@ -140,11 +140,8 @@ def _levels(context: bpy.types.Context, collection: bpy.types.Collection) -> lis
     levels = ownership.members(collection)
     if len(levels) < 2:
         raise UserError(f"'{collection.name}' has no cages: generate some first")
+    check_free(levels)
     for obj in levels:
-        if obj.mode != "OBJECT":
-            raise UserError(f"'{obj.name}' is being edited: go back to Object Mode first")
-        if problem := ownership.why_locked(obj):
-            raise UserError(problem)
         if obj.name not in context.view_layer.objects:
             raise UserError(f"'{obj.name}' is not in this view layer: tick its collection in the Outliner")
     return levels

@@ -15,10 +15,10 @@ from .. import record
 from ..animation import shape_keys, stage, timeline, visibility
 from ..animation.timeline import Phases, Span, Timing
 from ..core import core
-from ..errors import UserError
 from ..rigging.rig import Rig, is_rigged
 from ..scene import display, ownership, placement
 from ..scene.ownership import colours_of, level_of, member, members
+from ..scene.selection import check_free
 from .generate import Result
 from .job import Progress, Work, completed
 from .rollback import Rollback
@@ -49,7 +49,7 @@ def writing(scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, t
     earlier = earlier_outputs(scene, results)
     replaced = [found for found in earlier if found is not None]
     for collection in replaced:
-        _check_replaceable(collection)
+        check_free(members(collection))
     rollback = Rollback(scene)
     staged: list[bpy.types.Collection] = []
     try:
@@ -131,14 +131,6 @@ def earlier_outputs(scene: bpy.types.Scene, results: Sequence[Result]) -> list[b
     for output in ownership.outputs_of(scene, *filter(None, drawings)):
         found.setdefault((record.of(output).sources[0].object, ownership.is_inside(output)), output)
     return [found.get((drawing, result.inside)) for drawing, result in zip(drawings, results, strict=True)]
-
-
-def _check_replaceable(collection: bpy.types.Collection) -> None:
-    for obj in members(collection):
-        if obj.mode != "OBJECT":
-            raise UserError(f"'{obj.name}' is about to be replaced but is being edited: go back to Object Mode first")
-        if problem := ownership.why_locked(obj):
-            raise UserError(problem)
 
 
 def _write_one(

@@ -9,11 +9,11 @@ import bpy
 from ..binding import binding, handles
 from ..binding.adoption import adopt, waiting
 from ..binding.field import HARMONIC, LINEAR, NAMES
-from ..errors import UserError, counted
+from ..errors import counted
 from ..generation.job import Work
 from ..properties.kinds import choice
 from ..scene import filling, ownership
-from ..scene.selection import chosen, scene_of, select
+from ..scene.selection import check_free, chosen, scene_of, select
 from .base import Operator, OutputOperator
 
 METHOD_ITEMS = (
@@ -86,9 +86,7 @@ class OBJECT_OT_nested_cages_unbind(BindingOperator, bpy.types.Operator):
     bl_label = "Unbind"
 
     def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[None]:
-        problem = next(filter(None, map(ownership.why_locked, ownership.members(collection))), "")
-        if problem:
-            raise UserError(problem)
+        check_free(ownership.members(collection))
         for sentence in binding.unbind(collection):
             self.report({"WARNING"}, sentence)
         yield from ()

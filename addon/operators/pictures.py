@@ -212,6 +212,7 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bp
             self.image = found.name
 
     def draw(self, _context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
         self.layout.prop_search(self, "image", bpy.data, "images")
         self.draw_options("vertices", *NAMES)
 

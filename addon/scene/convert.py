@@ -262,17 +262,11 @@ def _open_error(obj: bpy.types.Object, lines: Sequence[NDArray[np.float32]]) -> 
     """The error for an open line of the object, with the number of its spline if known."""
     splines = obj.data.splines if obj.type == "CURVE" else ()
     number = next((i for i, spline in enumerate(splines, 1) if not spline.use_cyclic_u), None)
-    ends = _fault(obj, lines[0][[0, -1]])
+    ends = lines[0][[0, -1]]
+    remedy = f"join the ends of its line at ({_place(ends[0])}) and ({_place(ends[1])})"
     if number is not None:
-        return UserError(
-            f"'{obj.name}' is open: make its spline {number} cyclic (Alt C in Edit Mode), or tick 'Close Open Lines'",
-            ends,
-        )
-    start, end = _place(lines[0][0]), _place(lines[0][-1])
-    return UserError(
-        f"'{obj.name}' is open: join the ends of its line at ({start}) and ({end}), or tick 'Close Open Lines'",
-        ends,
-    )
+        remedy = f"make its spline {number} cyclic (Alt C in Edit Mode)"
+    return UserError(f"'{obj.name}' is open: {remedy}, or tick 'Close Open Lines'", _fault(obj, ends))
 
 
 def _fault(obj: bpy.types.Object, points: NDArray[np.float32]) -> Fault:

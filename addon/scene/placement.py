@@ -7,19 +7,9 @@ from mathutils import Matrix
 
 from .plane import Frame
 
-# The properties of a transform; copying them is exact, while a matrix would round.
-TRANSFORM = (
-    "rotation_mode",
-    "location",
-    "rotation_euler",
-    "rotation_quaternion",
-    "rotation_axis_angle",
-    "scale",
-    "delta_location",
-    "delta_rotation_euler",
-    "delta_rotation_quaternion",
-    "delta_scale",
-)
+# Properties of a transform that have a delta too, and all of them; copying these is exact, while a matrix would round.
+WITH_DELTA = ("location", "rotation_euler", "rotation_quaternion", "scale")
+TRANSFORM = ("rotation_mode", "rotation_axis_angle", *WITH_DELTA, *(f"delta_{name}" for name in WITH_DELTA))
 # The properties of parenting, in the order in which they are set.
 PARENTING = ("parent", "parent_type", "parent_bone", "parent_vertices", "matrix_parent_inverse")
 # The constraint that takes the place of a parent.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import bpy
 
 from ..errors import UserError
@@ -22,10 +24,18 @@ def scene_again(name: str) -> bpy.types.Scene:
     return found
 
 
+def check_free(objects: Iterable[bpy.types.Object]) -> None:
+    """Raises: UserError if an output object is being edited, or cannot be changed."""
+    for obj in objects:
+        if obj.mode != "OBJECT":
+            raise UserError(f"'{obj.name}' is being edited: go back to Object Mode first")
+        if problem := ownership.why_locked(obj):
+            raise UserError(problem)
+
+
 def collection_of_active(context: bpy.types.Context) -> bpy.types.Collection | None:
     """The output that the active object belongs to or is the source of."""
-    active = context.view_layer.objects.active
-    return ownership.collection_about(scene_of(context), active) if active is not None else None
+    return next(iter(outputs_of_active(context)), None)
 
 
 def outputs_of_active(context: bpy.types.Context) -> list[bpy.types.Collection]:
