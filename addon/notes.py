@@ -49,10 +49,4 @@ def in_scene(given: core.Fault, scale: float) -> core.Fault:
 
 def sentence(code: str, data: Mapping[str, Any]) -> str:
     """What a note says; the plain text, if there is any, for what this version does not know."""
-    if code not in SENTENCES:
-        return str(errors.sentence(code, data))
-    percent = {f"{name}_percent": 100.0 * value for name, value in data.items() if isinstance(value, float)}
-    try:
-        return SENTENCES[code].format(**data, **percent)
-    except (KeyError, IndexError, ValueError, TypeError):
-        return str(data.get("text", ""))
+    return str(errors.sentence(code, data, SENTENCES))

@@ -168,10 +168,7 @@ def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object) -> core.Cer
 
 
 def _connect(
-    context: bpy.types.Context,
-    collection: bpy.types.Collection,
-    levels: list[bpy.types.Object],
-    method: str,
+    context: bpy.types.Context, collection: bpy.types.Collection, levels: list[bpy.types.Object], method: str
 ) -> Work[Binding]:
     """Makes a field for each cage, which what is inside follows."""
     before = record.of(collection).bound

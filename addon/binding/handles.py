@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 import bpy
 import numpy as np
@@ -82,8 +82,7 @@ def _bones(context: bpy.types.Context, cages: Sequence[bpy.types.Object]) -> lis
     for cage in cages:
         for index, name in enumerate(names(cage)):
             _weigh(cage, name, index)
-        modifier = cage.modifiers.new("Nested Cages Handles", "ARMATURE")
-        assert isinstance(modifier, bpy.types.ArmatureModifier)
+        modifier: Any = cage.modifiers.new("Nested Cages Handles", "ARMATURE")
         modifier.object = rig
     return [rig]
 
@@ -98,15 +97,13 @@ def _empties(cage: bpy.types.Object) -> list[bpy.types.Object]:
         empty.empty_display_type, empty.empty_display_size = "SPHERE", 0.5 * LENGTH * size(corners)
         placement.accompany(empty, cage, Matrix.Translation(corner))
         _weigh(cage, name, index)
-        hook = cage.modifiers.new(name, "HOOK")
-        assert isinstance(hook, bpy.types.HookModifier)
+        hook: Any = cage.modifiers.new(name, "HOOK")
         hook.object, hook.vertex_group = empty, name
         hook.center = Vector(corner)
         made.append(empty)
     bpy.context.view_layer.update()
     for empty in made:
         hook = cage.modifiers[empty.name]
-        assert isinstance(hook, bpy.types.HookModifier)
         hook.matrix_inverse = empty.matrix_world.inverted_safe() @ cage.matrix_world
     return made
 

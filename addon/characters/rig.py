@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import bpy
 import numpy as np
@@ -26,7 +27,7 @@ from ..scene import filling, ownership, placement
 from ..scene.convert import Drawing
 from ..scene.plane import Frame, size, transform, world_matrix
 from ..scene.selection import scene_of, select
-from ..scene.uniting import divided, stored
+from ..scene.uniting import divided, outline_of, stored
 
 # Longest edge of the outline as a fraction of its size: straight limbs bend, and few corners don't limit the cage.
 LONGEST_EDGE = 0.01
@@ -59,14 +60,10 @@ def united(
     frame = silhouette.plane_of(context, first, "ACTIVE")
     loops, problems = yield from silhouette.outline(context, ordered, frame, gap=gap, closed=True)
     longest = LONGEST_EDGE * size(np.concatenate(loops))
-    shorter = tuple(stored(divided(loop, longest)) for loop in loops)
+    # United again where rounding has closed a gap between new points.
+    shorter = outline_of(first.name, [stored(divided(loop, longest)) for loop in loops], evenodd=True)
     others = tuple(Drawing(obj.name, frame, (), obj.session_uid) for obj in ordered[1:])
-    drawing = Drawing(first.name, frame, shorter, first.session_uid, others, united=True)
-    try:
-        core.Mesh.from_loops(shorter)
-    except core.NestedCagesError:  # rounding closed a gap between new points
-        drawing = Drawing(first.name, frame, loops, first.session_uid, others, united=True)
-    return drawing, problems
+    return Drawing(first.name, frame, shorter, first.session_uid, others, united=True), problems
 
 
 def set_of(objects: Sequence[bpy.types.Object]) -> bpy.types.Collection | None:
@@ -147,7 +144,7 @@ def make(
         playing.remove(scene, collection)
     context.view_layer.update()
     cage = ownership.members(collection)[-1]
-    weigh(cage, armature, drawing.frame)
+    _weigh(cage, armature, bones)
     completed(binding.bind(context, collection))
     for part in ownership.originals(collection):
         placement.attach(part, armature)
@@ -163,12 +160,8 @@ def _jointed(result: Result, bones: Sequence[core.Bone]) -> Result:
     return replace(result, levels=(replace(level, coarse=cage, cage=cage, reinflation=still),))
 
 
-def weigh(cage: bpy.types.Object, armature: bpy.types.Object, frame: Frame) -> None:
-    """Gives a cage the weights of the bones of an armature, in place of earlier ones, and the modifier.
-
-    frame: the plane of the cage, in which its own points are. Raises: UserError.
-    """
-    bones = bones_of(armature, frame)
+def _weigh(cage: bpy.types.Object, armature: bpy.types.Object, bones: Sequence[core.Bone]) -> None:
+    """Gives a cage the weights of bones in its plane, in place of earlier ones, and the modifier. Raises: UserError."""
     with blamed(f"'{cage.name}'"):
         weights = core.bone_weights(filling.outline(cage), bones)
     for bone, column in zip(bones, weights.T, strict=True):
@@ -178,7 +171,6 @@ def weigh(cage: bpy.types.Object, armature: bpy.types.Object, frame: Frame) -> N
             group.add([vertex], float(column[vertex]), "REPLACE")
     known = [each for each in cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)]
     if all(each.object != armature for each in known):
-        modifier = cage.modifiers.new("Armature", "ARMATURE")
-        assert isinstance(modifier, bpy.types.ArmatureModifier)
+        modifier: Any = cage.modifiers.new("Armature", "ARMATURE")
         modifier.object, modifier.use_deform_preserve_volume = armature, True
         cage.modifiers.move(len(cage.modifiers) - 1, 0)

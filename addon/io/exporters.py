@@ -103,11 +103,7 @@ def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]
 
 
 def meshes(
-    context: bpy.types.Context,
-    objects: Sequence[bpy.types.Object],
-    *,
-    world: bool = False,
-    scale: float = 1.0,
+    context: bpy.types.Context, objects: Sequence[bpy.types.Object], *, world: bool = False, scale: float = 1.0
 ) -> dict[str, core.Mesh]:
     """The core's ``Mesh`` of each object by its name, times `scale`. Raises: UserError.
 

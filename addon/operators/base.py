@@ -311,7 +311,7 @@ class FilesOperator(DialogJobOperator):
 
 def paths_of(operator: Any) -> list[Path]:
     """The files that were chosen in an operator."""
-    names = [file.name for file in operator.files if file.name] if operator.directory else []
+    names = [file.name for file in operator.files if file.name]
     given = [os.path.join(operator.directory, name) for name in names] or [operator.filepath]
     return [Path(bpy.path.abspath(path)) for path in given if path]
 

@@ -59,10 +59,7 @@ class LinkOperator(BindingOperator):
         select(context, *cages)
         name = f"'{cages[0].name}'" if len(cages) == 1 else f"the {len(cages)} coarsest cages"
         said = done[0][1].original if len(done) == 1 else f"{len(done)} drawings follow."
-        self.report(
-            {"INFO"},
-            f"Move {name} and the drawing follows; error {error:.1e} at rest. {said}",
-        )
+        self.report({"INFO"}, f"Move {name} and the drawing follows; error {error:.1e} at rest. {said}")
 
 
 class OBJECT_OT_nested_cages_bind(LinkOperator, bpy.types.Operator):

@@ -21,11 +21,7 @@ SHAPE_ITEMS = (
     ("CURVE", "Curves", "Filled 2D curves"),
     ("FILLED", "Faces", "Meshes of triangles, with holes open"),
     ("PRISM", "Prisms", "Closed meshes of some height"),
-    (
-        "GREASE_PENCIL",
-        "Grease Pencil",
-        "Closed strokes in the colour of the cage (Blender 4.3 or later)",
-    ),
+    ("GREASE_PENCIL", "Grease Pencil", "Closed strokes in the colour of the cage (Blender 4.3 or later)"),
     ("ANIMATED", "Animated Faces", "Meshes of triangles that play the steps, for Alembic, which drops loose edges"),
 )
 FILE_ITEMS = (

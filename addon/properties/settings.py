@@ -55,8 +55,7 @@ class GenerationProperties:
     convex: flag("Convex", "Make the smallest convex polygon around each part, with as many vertices as the level says")
     grid: length("Grid", "Put all vertices of cages at multiples of this length from the object's origin; 0 for none")
     merge: length(
-        "Merge",
-        "Parts closer than this share a loop of the cage, and smaller holes are filled; 0 keeps all loops",
+        "Merge", "Parts closer than this share a loop of the cage, and smaller holes are filled; 0 keeps all loops"
     )
     symmetry: choice("Symmetry", "What makes both sides of a cage alike", SYMMETRIES, default=NO_SYMMETRY)
     symmetry_order: whole("Order", "Number of sectors that are alike", default=2, min=2, soft_max=12)

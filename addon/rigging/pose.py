@@ -16,9 +16,9 @@ from .. import record
 from ..animation import shape_keys
 from ..core import outlines
 from ..scene import display, placement
-from ..scene.filling import loop_edges, mesh_of, points_of, stored
+from ..scene.filling import mesh_of, points_of, stored
 from ..scene.plane import size
-from .rig import rest_points
+from .rig import outline_of, rest_points
 
 # All properties of a placement, in the order in which they are set.
 PLACEMENT = (*placement.PARENTING, *placement.TRANSFORM)
@@ -62,14 +62,13 @@ class Pose:
     def of(cls, obj: bpy.types.Object, source: bpy.types.Object | None) -> Pose:
         """The pose of an object of the output of `source`."""
         mesh = mesh_of(obj)
-        rest = rest_points(mesh)
         return cls(
             Placement.of(obj),
             obj.parent is not None and obj.parent != source,
             record.before(obj).matrix,
             obj.matrix_basis.copy(),
-            outlines.Outline.of(rest, loop_edges(mesh)),
-            points_of(mesh) - rest,
+            outline_of(mesh),
+            points_of(mesh) - rest_points(mesh),
         )
 
     @property
@@ -89,8 +88,7 @@ class Pose:
             obj.matrix_basis = self.rest.inverted_safe() @ self.basis
         if bound and self.bends:
             mesh = mesh_of(obj)
-            new = outlines.Outline.of(rest_points(mesh), loop_edges(mesh))
-            move(mesh, outlines.outline_map(self.outline, new).of(self.offsets))
+            move(mesh, outlines.outline_map(self.outline, outline_of(mesh)).of(self.offsets))
 
 
 def move(mesh: bpy.types.Mesh, offsets: NDArray[np.float64]) -> None:

@@ -76,7 +76,7 @@ class Rig:
             left_behind.append("NLA tracks of its shape keys")
         active, key = obj.vertex_groups.active, obj.active_shape_key
         return cls(
-            outlines.Outline.of(rest_points(mesh), loop_edges(mesh)),
+            outline_of(mesh),
             _groups(obj),
             active.name if active is not None else "",
             _shape_keys(block),
@@ -96,7 +96,7 @@ class Rig:
         same_vertices: vertices keep their numbers if there are as many as before, wherever they are.
         """
         mesh = mesh_of(obj)
-        new = outlines.Outline.of(rest_points(mesh), loop_edges(mesh))
+        new = outline_of(mesh)
         if (same_vertices and len(new.points) == len(self.outline.points)) or np.array_equal(
             new.points, self.outline.points
         ):
@@ -204,6 +204,11 @@ def rest_points(mesh: bpy.types.Mesh) -> Points:
     if attribute is not None and attribute.data_type == "FLOAT_VECTOR" and attribute.domain == "POINT":
         return stored(attribute.data, "vector", 3).astype(np.float64)
     return points_of(mesh if mesh.shape_keys is None else mesh.shape_keys.reference_key)
+
+
+def outline_of(mesh: bpy.types.Mesh) -> outlines.Outline:
+    """The outline of a mesh at rest."""
+    return outlines.Outline.of(rest_points(mesh), loop_edges(mesh))
 
 
 def artists_keys(block: bpy.types.Key | None) -> list[bpy.types.ShapeKey]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 from mathutils import Matrix
 
@@ -51,8 +53,7 @@ def carry(obj: bpy.types.Object, carrier: bpy.types.Object | None, inverse: Matr
     if carrier is None:
         return
     if elsewhere:
-        made = obj.constraints.new("CHILD_OF")
-        assert isinstance(made, bpy.types.ChildOfConstraint)
+        made: Any = obj.constraints.new("CHILD_OF")
         made.name, made.target = CARRIED, carrier
         made.inverse_matrix = inverse or Matrix()
         made.show_expanded = False

@@ -59,11 +59,12 @@ LENGTHS: Mapping[str, tuple[str, ...]] = {
 """Data that are lengths in the input's units; the limit of an excess is none."""
 
 
-def sentence(code: str, data: Mapping[str, Any]) -> str:
-    """What a note says; the plain text, if there is any, for codes and data that this version does not know."""
+def sentence(code: str, data: Mapping[str, Any], formats: Mapping[str, str] = NOTES) -> str:
+    """What a note says, by `formats` of other programs first; the plain text, if there is any, for unknown ones."""
     percent = {f"{name}_percent": 100.0 * value for name, value in data.items() if isinstance(value, float)}
     try:
-        return NOTES[f"{code.removeprefix('note.')} {data.get('on', '')}".strip()].format(**data, **percent)
+        known = formats.get(code) or NOTES[f"{code.removeprefix('note.')} {data.get('on', '')}".strip()]
+        return known.format(**data, **percent)
     except (KeyError, IndexError, ValueError, TypeError):
         return str(data.get("text", ""))
 
