@@ -13,7 +13,7 @@ from ..io import importers
 from ..properties.kinds import choice, number, text
 from ..scene.filling import mesh_of
 from ..scene.selection import select
-from .base import FilesOperator, paths_of
+from .dialogs import FilesOperator, paths_of
 
 Y_ITEMS = (
     ("AUTO", "Automatic", "Down in SVG and collision outlines, up in maps"),

@@ -30,7 +30,7 @@ from ..scene import ownership, units
 from ..scene.convert import Drawing
 from ..scene.filling import mesh_of
 from ..scene.selection import scene_of, select
-from .base import DialogJobOperator, FilesOperator, paths_of
+from .dialogs import DialogJobOperator, FilesOperator, paths_of
 
 
 class PictureProperties:

@@ -147,7 +147,8 @@ def modal(addon, monkeypatch):
         **{name: getattr(bpy.context, name) for name in names},
     )
     blender = SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types, ops=bpy.ops, path=bpy.path)
-    monkeypatch.setattr(addon.operators.base, "bpy", blender)
+    for room in (addon.operators.base, addon.operators.dialogs):
+        monkeypatch.setattr(room, "bpy", blender)
 
     def operator(name, **values):
         kind = next(cls for cls in addon.operators.CLASSES if cls.bl_idname == f"object.nested_cages_{name}")
