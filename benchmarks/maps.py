@@ -83,7 +83,8 @@ def fetched(package: str, version: str, folder: Path) -> Path:
     """The archive of a package, downloaded unless it is there."""
     archive = folder / f"{package.removeprefix('@').replace('/', '-')}-{version}.tgz"
     if not archive.is_file():
-        subprocess.run(["npm", "pack", "--silent", f"{package}@{version}"], cwd=folder, check=True, timeout=300)
+        fetch = ["npm", "pack", "--silent", f"{package}@{version}"]
+        subprocess.run(fetch, cwd=folder, check=True, timeout=300, stdout=subprocess.DEVNULL)
     return archive
 
 

@@ -27,6 +27,9 @@ STRIP = 1.0 + 1e-6
 STRIP_MITRE_LIMIT = 4.0
 """Mitre limit of the strips' corners, in their widths."""
 
+SHORE = 0.9
+"""Tolerance of the simplified outlines of neighbours over what is added to them before, so that they stay inside."""
+
 
 @dataclass(frozen=True, eq=False)
 class Cut:
@@ -67,7 +70,7 @@ def cut_at_borders(
     region, 1e-5 of its diagonal unless given, and at most what the cage keeps. inner: what each cage has to enclose,
     the regions unless given; for the levels of a hierarchy, the cages of the level before, cut as well.
 
-    width: distance within which cages simplify borders; default: not at all.
+    width: distance within which cages simplify borders and the coasts of neighbours; default: not at all.
 
     Along a border a cage runs parallel to it, with all its points, or the fewest found within the width. Elsewhere it
     is exactly unchanged, and parts behind a neighbour are removed. Every cut cage is certified; one that cannot be is
@@ -101,10 +104,12 @@ def _cut(cage: Mesh, inner: Mesh, others: Any, least: float, width: float | None
     if not measured > 0.0:  # not a cage
         return uncut
     least = min(least, measured)
-    strip = _simplified(inner, least, width) if width is not None and before > 0.0 else None
+    strip, taken = None, others
+    if width is not None and before > 0.0:
+        strip, taken = _simplified(inner, least, width), shapely.simplify(shapely.buffer(others, width), SHORE * width)
     if strip is None:
         strip = shapely.buffer(core, STRIP * least, join_style="mitre", mitre_limit=STRIP_MITRE_LIMIT)
-    rest = shapely.difference(whole, shapely.difference(others, strip))
+    rest = shapely.difference(whole, shapely.difference(taken, strip))
     parts = [part for part in shapely.get_parts(rest) if part.intersects(core)]
     try:
         found = united(shapely, parts)

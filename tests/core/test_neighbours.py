@@ -54,6 +54,16 @@ def test_a_coast_stays_to_the_last_bit() -> None:
         assert {tuple(point) for point in cut.cage.vertices[at_sea].tolist()} <= given
 
 
+def test_a_width_simplifies_the_coasts_of_neighbours() -> None:
+    angle = 2.0 * np.pi * np.arange(400) / 400
+    shore = (1.0 + 0.05 * np.cos(57.0 * angle))[:, None] * np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    regions = [Mesh.from_loops([[(2, -2), (6, -2), (6, 2), (2, 2)]]), Mesh.from_loops([shore])]
+    cages = [Mesh.from_loops([[(-2, -3), (7, -3), (7, 3), (-2, 3)]]), nested_cages(regions[1], [20]).cages[0]]
+    (exact, _), (simple, _) = (cut_at_borders(cages, regions, width=width) for width in (None, 0.1))
+    assert exact.certified and simple.certified and exact.overlap == simple.overlap == 0.0
+    assert len(simple.cage.vertices) < 40 < 400 < len(exact.cage.vertices)
+
+
 def test_regions_without_neighbours_stay_as_they_are() -> None:
     (cut,) = cut_at_borders(CAGES[:1], REGIONS[:1])
     assert cut.certified
