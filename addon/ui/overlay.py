@@ -58,19 +58,19 @@ def strokes(context: bpy.types.Context) -> Iterator[Strokes]:
                 yield Strokes(points[filling.loop_edges(mesh)].reshape(-1, 3), handles, (r, g, b, 1.0), width)
 
 
-def alike(found: Iterable[Strokes]) -> Iterator[Strokes]:
-    """Strokes of the same colour and width as one: a batch takes as long as many lines."""
-    together: dict[tuple[object, float], list[Strokes]] = {}
+def together(found: Iterable[Strokes]) -> Iterator[tuple[str, float, NDArray[np.float32], NDArray[np.float32]]]:
+    """What is drawn in one go, which takes as long as a single cage: its kind, width or size, points (n, 3) and their
+    colours (n, 4).
+    """
+    parts: dict[tuple[str, float], list[tuple[NDArray[np.float32], NDArray[np.float32]]]] = {}
     for each in found:
-        together.setdefault((each.colour, each.width), []).append(each)
-    for (_, width), same in together.items():
-        ends, handles = (np.concatenate(parts) for parts in zip(*((s.ends, s.handles) for s in same), strict=True))
-        yield Strokes(ends, handles, same[0].colour, width)
-
-
-def _buffer(points: NDArray[np.float32]) -> Any:
-    """Array as a buffer for a batch."""
-    return points
+        for kind, size, points in (("LINES", each.width, each.ends), ("POINTS", HANDLE, each.handles)):
+            colours = np.tile(np.array(each.colour, np.float32), (len(points), 1))
+            parts.setdefault((kind, size), []).append((points, colours))
+    for (kind, size), same in parts.items():
+        points, colours = map(np.concatenate, zip(*same, strict=True))
+        if len(points):
+            yield kind, size, points, colours
 
 
 def _draw() -> None:
@@ -82,26 +82,25 @@ def _draw() -> None:
     if not shown or (chosen is not None and not chosen.line_width):
         return
     scale = context.preferences.system.ui_scale
-    shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
     viewport: Any = gpu.state.viewport_get()  # type: ignore[func-returns-value]
     gpu.state.blend_set("ALPHA")
-    for found in alike(strokes(context)):
+    gpu.state.point_size_set(HANDLE * scale)
+    for kind, size, points, colours in together(strokes(context)):
+        shader = gpu.shader.from_builtin(SHADERS[kind])
         shader.bind()
-        shader.uniform_float("viewportSize", viewport[2:])
-        shader.uniform_float("lineWidth", found.width * scale)
-        shader.uniform_float("color", found.colour)
-        batch_for_shader(shader, "LINES", {"pos": _buffer(found.ends)}).draw(shader)
-        if len(found.handles):
-            dots = gpu.shader.from_builtin(POINTS)
-            gpu.state.point_size_set(HANDLE * scale)
-            dots.bind()
-            dots.uniform_float("color", found.colour)
-            batch_for_shader(dots, "POINTS", {"pos": _buffer(found.handles)}).draw(dots)
+        if kind == "LINES":
+            shader.uniform_float("viewportSize", viewport[2:])
+            shader.uniform_float("lineWidth", size * scale)
+        buffers: Any = {"pos": points, "color": colours}
+        batch_for_shader(shader, kind, buffers).draw(shader)
     gpu.state.blend_set("NONE")
 
 
 # Points have their own shader since Blender 4.5.
-POINTS = "POINT_UNIFORM_COLOR" if bpy.app.version >= (4, 5, 0) else "UNIFORM_COLOR"
+SHADERS = {
+    "LINES": "POLYLINE_FLAT_COLOR",
+    "POINTS": "POINT_FLAT_COLOR" if bpy.app.version >= (4, 5, 0) else "FLAT_COLOR",
+}
 
 _handlers: list[object] = []
 

@@ -32,9 +32,12 @@ def test_bound_cages_show_their_outline_alone(addon, cage) -> None:
     corners = np.array([cage.matrix_world @ vertex.co for vertex in cage.data.vertices])
     np.testing.assert_allclose(coarsest[0].handles, corners, atol=1e-5)
     assert coarsest[0].width > addon.ui.overlay.WIDTH  # it is selected
-    same = [stroke._replace(colour=coarsest[0].colour, width=2.0) for stroke in found.values()]
-    (together,) = addon.ui.overlay.alike(same)
-    assert len(together.ends) == sum(len(stroke.ends) for stroke in same) and len(together.handles) == len(corners)
+    drawn = list(addon.ui.overlay.together(stroke._replace(width=2.0) for stroke in found.values()))
+    assert [(kind, len(points)) for kind, _, points, _ in drawn] == [
+        ("LINES", sum(len(stroke.ends) for stroke in found.values())),
+        ("POINTS", len(corners)),
+    ]
+    assert {tuple(colour[:3]) for *_, colours in drawn for colour in colours} == {tuple(np.float32(c)) for c in found}
     cage.hide_set(True)
     assert len(list(addon.ui.overlay.strokes(bpy.context))) == 1
 
