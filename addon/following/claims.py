@@ -1,4 +1,4 @@
-"""What is claimed of cages is checked again as soon as their drawing changes: a handler notes that, a timer checks.
+"""What is claimed of cages is checked again, in the background, as soon as their drawing changes.
 
 What moves the cages too, as a pose does, is no change of the drawing, and is left to Verify Cages.
 """
@@ -21,7 +21,7 @@ from ..core import core
 from ..errors import UserError
 from ..generation.checking import Chain, Finding, check
 from ..generation.folding import Folding
-from ..generation.job import completed, running
+from ..generation.job import Progress, Work, completed, drive, in_window
 from ..io import silhouette
 from ..notes import note
 from ..scene import convert, ownership, placement
@@ -131,9 +131,9 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             for obj in _carried(collection):
                 for source in theirs:
                     placement.keep_carried(obj, source)
+            if not _changed:
+                drive(_checking())
             _changed[collection.name] = time.perf_counter()
-            if not bpy.app.timers.is_registered(_on_timer):
-                bpy.app.timers.register(_on_timer, first_interval=live.REST)
 
 
 def _carried(collection: bpy.types.Collection) -> list[bpy.types.Object]:
@@ -166,18 +166,20 @@ def _corners(obj: bpy.types.Object) -> list[Vector]:
     return [point.co.to_3d() for point in points]
 
 
-def _on_timer() -> float | None:
-    """Seconds until the next look; None when there is nothing left to check."""
-    if running() is not None:
-        return live.REST
-    found = bpy.context.window_manager.windows
-    for window in {each.scene: each for each in found}.values() if len(found) else (None,):
-        with live.in_window(window):
-            check_changed(bpy.context, rested=live.REST)
-    shown = {each.scene for each in found} or {bpy.context.scene}
-    for name in [name for name in _changed if not _is_shown(name, shown)]:
-        del _changed[name]
-    return live.REST if _changed else None
+def _checking() -> Work[None]:
+    """Checks what has changed, in a window that shows its scene, until nothing is left."""
+    try:
+        while _changed:
+            yield Progress(0.0, "", live.REST)
+            found = bpy.context.window_manager.windows
+            for window in {each.scene: each for each in found}.values() if len(found) else (None,):
+                with in_window(window):
+                    check_changed(bpy.context, rested=live.REST)
+            shown = {each.scene for each in found} or {bpy.context.scene}
+            for name in [name for name in _changed if not _is_shown(name, shown)]:
+                del _changed[name]
+    finally:
+        _changed.clear()
 
 
 def _is_shown(name: str, scenes: Iterable[bpy.types.Scene]) -> bool:
@@ -224,7 +226,5 @@ def register() -> None:
 
 def unregister() -> None:
     bpy.app.handlers.depsgraph_update_post.remove(_on_update)
-    if bpy.app.timers.is_registered(_on_timer):
-        bpy.app.timers.unregister(_on_timer)
     _changed.clear()
     _stood.clear()

@@ -1,15 +1,14 @@
 """Live: while it is on, the cages of a drawing follow its edits.
 
-A handler notes changes of the drawing; a timer does the work. If the topology is unchanged, one step moves the cages to
-the current drawing; otherwise they are made again in slices. The fine mesh is an object in the scene, so undo, which
-changes it together with the cages, needs no special handling.
+A handler notes changes of the drawing; a job in the background does the work. If the topology is unchanged, one step
+moves the cages to the current drawing; otherwise they are made again in slices. The fine mesh is an object in the
+scene, so undo, which changes it together with the cages, needs no special handling.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from typing import Any
 
@@ -21,18 +20,17 @@ from .. import record
 from ..animation import playing
 from ..core import core
 from ..errors import UserError
-from ..generation.generate import STORED, Generation, Options, Request, Result
-from ..generation.job import Job, Work, running
+from ..generation.generate import STORED, Generation, Options, Request
+from ..generation.job import LOOK_INTERVAL, Job, Progress, Work, drive
 from ..generation.levels import wanted_levels
 from ..keys import found_object
 from ..scene import filling, ownership
 from ..scene.convert import Drawing, ReadingOptions
 from ..scene.plane import scale_of
+from ..scene.selection import scene_again, scene_of
 from . import writing
 from .poses import drawing_now
 
-# Seconds between checks for something to do, and of work per check while cages are made again.
-LOOK_INTERVAL, REMAKE_SLICE = 0.02, 0.03
 # Seconds that a drawing must rest before its cages are checked, or made again. A step needs no rest: it only waits as
 # long as the last one took, which leaves at least half of the time to Blender.
 REST = 0.3
@@ -42,8 +40,10 @@ class Live:
     """Follows the edits of one drawing, with the settings that its cages were made with.
 
     ``behind``: whether the cages are out of date; ``problem``: why they cannot follow; ``seconds``: time of the last
-    step.
+    step; ``job``: what works on it.
     """
+
+    job: Job[None]
 
     def __init__(
         self,
@@ -59,7 +59,6 @@ class Live:
         self.behind, self.problem, self.seconds = True, "", 0.0
         self._marked = self._since = time.perf_counter()
         self._dirty = True
-        self._job: Job[list[Result]] | None = None
 
     def mark(self) -> None:
         """Note that the drawing may have changed, so its cages may be out of date."""
@@ -67,59 +66,50 @@ class Live:
         if not self.behind:
             self.behind = True
             self._changed()
-        if self._job is not None:
-            self._job.stop()
-            self._job = None
 
-    def tick(self, context: bpy.types.Context) -> bool:
-        """Does the pending work; returns False when following has ended."""
+    def work(self) -> Work[None]:
+        """Keeps the cages up to date, as long as they can follow."""
+        while (found := self._followed()) is not None:
+            before = (self.behind, self.problem)
+            shown = scene_of(bpy.context).name == self.scene
+            if self._dirty and shown and time.perf_counter() - self._since >= self.seconds:
+                try:
+                    yield from self._follow(*found)
+                except UserError as error:
+                    self._dirty, self.behind, self.problem = False, True, str(error)
+            if (self.behind, self.problem) != before:
+                self._changed()
+            yield Progress(0.0, "", LOOK_INTERVAL)
+
+    def _followed(self) -> tuple[bpy.types.Object, bpy.types.Collection] | None:
+        """The drawing and the output that follows it; None if that has ended."""
         scene, source = bpy.data.scenes.get(self.scene), found_object(self.identity)
         collection = ownership.collection_of(scene, source) if scene is not None and source is not None else None
-        if (
-            scene is None
-            or source is None
-            or collection is None
-            or why_not(collection)
-            or playing.is_animated(collection)
-        ):
-            return False
-        if context.scene != scene:
-            return True
-        before = (self.behind, self.problem)
+        if source is None or collection is None or why_not(collection) or playing.is_animated(collection):
+            return None
+        return source, collection
+
+    def _follow(self, source: bpy.types.Object, collection: bpy.types.Collection) -> Work[None]:
+        """Updates the cages, or makes them again. Raises: UserError."""
         now = time.perf_counter()
-        if self._job is not None:
-            self._go_on(scene)
-        elif self._dirty and now - self._since >= self.seconds:
-            self._follow(context, source, collection, now)
-        if (self.behind, self.problem) != before or self._job is not None:
-            self._changed()
-        return True
-
-    def stop(self) -> None:
-        """Cancels a running job."""
-        if self._job is not None:
-            self._job.stop()
-            self._job = None
-
-    def _follow(
-        self, context: bpy.types.Context, source: bpy.types.Object, collection: bpy.types.Collection, now: float
-    ) -> None:
-        """Updates the cages, or starts to make them again."""
-        try:
-            drawing = drawing_now(context, source, self.reading)
-            after = drawing.mesh()
-            done = self._step(collection, drawing, after)
-        except UserError as error:
-            self._dirty, self.behind, self.problem = False, True, str(error)
-            return
+        drawing = drawing_now(bpy.context, source, self.reading)
+        done = self._step(collection, drawing, drawing.mesh())
         self._since = time.perf_counter()
         self.seconds = self._since - now
         self.behind, self.problem = not done, ""
-        if done:
+        if done or now - self._marked >= REST:
             self._dirty = False
-        elif now - self._marked >= REST and running() is None:
-            self._dirty = False
-            self._begin(collection, drawing)
+        if done or self._dirty:
+            return
+        for progress in self._again(collection, drawing):
+            yield progress
+            self._changed()
+            if self._dirty:  # edited meanwhile
+                return
+            if self.job.cancelled:
+                self.job.cancelled = False
+                raise UserError("Cancelled: edit the drawing, and its cages follow again")
+        self.behind = False
 
     def _step(self, collection: bpy.types.Collection, drawing: Drawing, after: core.Mesh) -> bool:
         """Moves the cages by one step if necessary; returns whether they enclose the current drawing."""
@@ -170,8 +160,8 @@ class Live:
         """The scene's length of a unit of the drawing's own space."""
         return scale_of(drawing.source) if drawing.source is not None else 1.0
 
-    def _begin(self, collection: bpy.types.Collection, drawing: Drawing) -> None:
-        """Starts to make cages again, within the same tolerance or with the same vertex counts as far as possible."""
+    def _again(self, collection: bpy.types.Collection, drawing: Drawing) -> Work[None]:
+        """Makes cages again, within the same tolerance or with the same vertex counts as far as possible."""
         fine, cages = drawing.mesh(), ownership.members(collection)[1:]
         tolerances = self._tolerances(drawing, fine, len(cages))
         levels = tuple(
@@ -179,34 +169,10 @@ class Live:
             for tolerance, obj in zip(tolerances, cages, strict=True)
         )
         clearance = self._clearance(drawing, fine) if self.options.clearance > 0.0 else 0.0
-
-        def work() -> Work[list[Result]]:
-            generation = Generation(
-                [Request(drawing)], replace(self.options, levels=levels, clearance=clearance, shrink=False)
-            )
-            yield from generation
-            return generation.results
-
-        self._job = Job(work())
-        self._job.start()
-
-    def _go_on(self, scene: bpy.types.Scene) -> None:
-        """Continues work on new cages, and writes them when done."""
-        job = self._job
-        assert job is not None
-        if job.cancelled:
-            self.stop()
-            self.problem = "Cancelled: edit the drawing, and its cages follow again"
-            return
-        try:
-            if not job.advance(REMAKE_SLICE):
-                return
-            self.stop()
-            writing.write_still(scene, job.result[0], self._used)
-            self.behind = False
-        except UserError as error:
-            self.stop()
-            self.problem = str(error)
+        options = replace(self.options, levels=levels, clearance=clearance, shrink=False)
+        generation = Generation([Request(drawing)], options)
+        yield from generation
+        writing.write_still(scene_again(self.scene), generation.results[0], self._used)
 
 
 def why_not(collection: bpy.types.Collection) -> str:
@@ -248,19 +214,16 @@ def start(live: Live) -> None:
     _current.append(live)
     for handlers, function in _handlers():
         handlers.append(function)
-    bpy.app.timers.register(_on_timer, first_interval=LOOK_INTERVAL)
+    live.job = drive(live.work(), live.scene, lambda _context: stop())
 
 
 def stop() -> None:
-    """Switches Live off and removes its handlers and timer."""
-    for live in _current:
-        live.stop()
-    _current.clear()
+    """Switches Live off and removes its handlers and job."""
+    while _current:
+        _current.pop().job.stop()
     for handlers, function in _handlers():
         if function in handlers:
             handlers.remove(function)
-    if bpy.app.timers.is_registered(_on_timer):
-        bpy.app.timers.unregister(_on_timer)
 
 
 def _handlers() -> tuple[tuple[Any, Callable[..., None]], ...]:
@@ -294,25 +257,3 @@ def _on_undo(*_: object) -> None:
 
 def _on_load(*_: object) -> None:
     stop()
-
-
-def window_of(scene: str, windows: Any) -> Any:
-    """The window that shows a scene, or else the first one; None if there are no windows."""
-    return next((window for window in windows if window.scene.name == scene), windows[0] if len(windows) else None)
-
-
-def in_window(window: Any) -> AbstractContextManager[Any]:
-    """The context of a window, which shows its own scene; None: that of now, as in the background."""
-    return bpy.context.temp_override(window=window) if window is not None else nullcontext()
-
-
-def _on_timer() -> float | None:
-    """Seconds until the next check; None when Live is off."""
-    live = current()
-    if live is None:
-        return None
-    with in_window(window_of(live.scene, bpy.context.window_manager.windows)):
-        if live.tick(bpy.context):
-            return LOOK_INTERVAL
-    stop()
-    return None

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..following import live as following_live
-from ..generation.job import running
+from ..generation.job import end_all
 from ..properties.kinds import registration
 from . import animation, bind, exporters, generate, importers, levels, parts, pictures, verify
 
@@ -23,8 +22,5 @@ register, _unregister = registration(CLASSES)
 
 
 def unregister() -> None:
-    following_live.stop()
-    job = running()
-    if job is not None:
-        job.end(bpy.context)  # Blender drops a running operator whose class is unregistered, without calling cancel
+    end_all(bpy.context)  # Blender drops a running operator whose class is unregistered, without calling cancel
     _unregister()

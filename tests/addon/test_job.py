@@ -79,6 +79,29 @@ def test_disabling_the_add_on_ends_the_job(extension, addon) -> None:
     assert bpy.ops.object.nested_cages_generate.poll()
 
 
+def test_a_fault_in_the_background_ends_its_job_alone(addon, capsys) -> None:
+    driver, done = addon.generation.job, []
+
+    def works():
+        for number in range(3):
+            yield driver.Progress(0.0, "", 1e-9)
+            done.append(number)
+
+    def fails():
+        yield driver.Progress(0.0, "", 1e-9)
+        raise MemoryError("no room")
+
+    driver.drive(fails())
+    driver.drive(works())
+    work = job(addon)
+    work.start()
+    assert driver._on_timer() is not None and not done  # while another job is at work
+    work.stop()
+    while driver._on_timer() is not None:
+        assert driver.running() is None
+    assert done == [0, 1, 2] and "no room" in capsys.readouterr().err
+
+
 STAGES = ("decimation", "flow", "reinflation", "tightening", "verification")
 
 

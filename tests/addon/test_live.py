@@ -20,16 +20,21 @@ def live(addon):
 
 
 @pytest.fixture
-def tick(live):
+def job(addon):
+    return addon.generation.job
+
+
+@pytest.fixture
+def tick(live, job):
     """Ticks until the cages are up to date again, or cannot be."""
 
     def work(most: float = 20.0) -> None:
         bpy.context.view_layer.update()
         end = time.perf_counter() + most
         while live.current() is not None and time.perf_counter() < end:
-            live._on_timer()
+            job._on_timer()
             now = live.current()
-            if now is not None and not now._dirty and now._job is None:
+            if now is not None and not now._dirty and job.running() is None:
                 return
 
     return work
@@ -129,7 +134,7 @@ def test_edit_mode_is_followed(addon, core, live, tick, make) -> None:
     assert solid(collection.objects[1]).contains(solid(collection.objects[0]))
 
 
-def test_another_topology_is_made_anew_in_slices(addon, core, live, tick) -> None:
+def test_another_topology_is_made_anew_in_slices(addon, core, live, job, tick) -> None:
     obj, collection = switched_on(star_curve)
     tick()
     spline = obj.data.splines.new("POLY")
@@ -140,12 +145,12 @@ def test_another_topology_is_made_anew_in_slices(addon, core, live, tick) -> Non
     obj.data.update_tag()
     bpy.context.view_layer.update()
     time.sleep(live.current().seconds)
-    live._on_timer()
+    job._on_timer()
     assert live.current().behind
     tick()
     assert not live.current().behind and holds(core, addon, collection, obj)
     assert [len(o.data.vertices) for o in addon.scene.ownership.members(collection)] == [80, 24, 12]
-    assert addon.generation.job.running() is None
+    assert job.running() is None
     move_points(obj, 1.1)
     tick()
     assert not live.current().behind and holds(core, addon, collection, obj)
@@ -178,21 +183,21 @@ def test_other_objects_do_not_make_it_look(live, tick) -> None:
     assert not live.current()._dirty
 
 
-def test_nothing_is_left_behind_when_it_is_switched_off(live) -> None:
+def test_nothing_is_left_behind_when_it_is_switched_off(live, job) -> None:
     switched_on(star_curve)
-    assert handlers() and bpy.app.timers.is_registered(live._on_timer)
+    assert handlers() and bpy.app.timers.is_registered(job._on_timer)
     bpy.ops.object.nested_cages_live()
     assert live.current() is None and not handlers()
-    assert not bpy.app.timers.is_registered(live._on_timer)
+    assert job._on_timer() is None
 
 
-def test_nothing_is_left_behind_when_another_file_is_opened(live, tmp_path) -> None:
+def test_nothing_is_left_behind_when_another_file_is_opened(live, job, tmp_path) -> None:
     switched_on(star_curve)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "live.blend"))
     assert live.current() is not None  # saving goes on
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "live.blend"))
     assert live.current() is None and not handlers()
-    assert not bpy.app.timers.is_registered(live._on_timer)
+    assert job._on_timer() is None
 
 
 def test_nothing_is_left_behind_by_the_add_on(extension, live) -> None:
@@ -203,13 +208,34 @@ def test_nothing_is_left_behind_by_the_add_on(extension, live) -> None:
     assert found == (None, [])
 
 
-def test_it_ends_with_its_drawing_and_with_animation(addon, live) -> None:
+def test_it_ends_with_its_drawing_and_with_animation(live, job) -> None:
     obj, _ = switched_on(star_curve)
     bpy.data.objects.remove(obj)
-    assert live._on_timer() is None and live.current() is None
+    assert job._on_timer() is None and live.current() is None
     obj, _ = switched_on(star_mesh)
     bpy.ops.object.nested_cages_generate(levels="20")
-    assert live._on_timer() is None and live.current() is None
+    assert job._on_timer() is None and live.current() is None
+
+
+def test_making_cages_again_can_be_cancelled(addon, live, job, tick, monkeypatch) -> None:
+    obj, collection = switched_on(star_curve)
+    tick()
+    before = [evaluated(member) for member in collection.objects]
+    monkeypatch.setattr(job, "BACKGROUND_SLICE", 0.0)
+    obj.data.splines[0].points.add(1)
+    obj.data.splines[0].points[-1].co = (1.0, -0.2, 0.0, 1.0)
+    obj.data.update_tag()
+    bpy.context.view_layer.update()
+    while job.running() is None:
+        job._on_timer()
+    assert job.running() is live.current().job and bpy.ops.object.nested_cages_cancel.poll()
+    bpy.ops.object.nested_cages_cancel()
+    tick()
+    assert live.current().behind and live.current().problem.startswith("Cancelled")
+    assert all(np.array_equal(b, evaluated(o)) for b, o in zip(before, collection.objects, strict=True))
+    move_points(obj, 1.0)
+    tick()
+    assert not live.current().behind and not live.current().problem
 
 
 def test_undo_is_followed(addon, core, live, tick) -> None:
@@ -300,6 +326,6 @@ def test_a_cage_keeps_the_promises_that_it_was_made_with(addon, core, live, tick
 def test_the_window_of_the_drawing_s_scene_is_worked_in(addon) -> None:
     """With two windows on two scenes, whichever was opened first."""
     windows = [SimpleNamespace(scene=SimpleNamespace(name=name)) for name in ("Other", "Scene")]
-    window_of = addon.following.live.window_of
+    window_of = addon.generation.job.window_of
     assert window_of("Scene", windows) is windows[1] and window_of("Other", windows) is windows[0]
     assert window_of("Gone", windows) is windows[0] and window_of("Scene", []) is None
