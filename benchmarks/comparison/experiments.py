@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from comparison import methods
+from comparison.as_published import as_published
 from comparison.bench import Bench
 from comparison.conclusions import APART, spread
 from comparison.drawings import bean, letter_a, letter_a_coarse, star, star_coarse
@@ -17,7 +18,6 @@ from comparison.shapes import DISCS, FIGURES, HELD_OUT, RANDOM, Case, Sizes, cas
 from data import read_table1
 from nestedcages_core import ArcLength, Mesh, NestedCagesError
 from nestedcages_core.level.units import SolverUnits
-from nestedcages_core.published.gurditta_jacobson_2022 import as_published
 from nestedcages_core.tasks import drain
 from nestedcages_core.verification import verify
 

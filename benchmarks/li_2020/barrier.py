@@ -19,7 +19,15 @@ from nestedcages_core.contact.barrier import BarrierTerms, barrier
 from nestedcages_core.contact.pairs import Pairs
 from nestedcages_core.energies.blocks import assembled_gradient, positive_part
 from nestedcages_core.geometry.arrays import FloatArray
-from nestedcages_core.geometry.distance import PointEdge, distance_gradient, distance_hessian
+from nestedcages_core.geometry.distance import (
+    SMALLEST_LENGTH,
+    PointEdge,
+    bending,
+    coefficients,
+    distance_gradient,
+    interior,
+    tangents,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,3 +86,13 @@ class SquaredBarrier:
         columns = np.broadcast_to(dof[:, None, :], blocks.shape)
         size = 2 * len(self.x)
         return sp.csr_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))
+
+
+def distance_hessian(pairs: PointEdge, a: FloatArray, b: FloatArray) -> FloatArray:
+    """(K, 6, 6) Hessian of the distances with respect to (p, a, b); a and b are the (K, 2) ends of the edges."""
+    c_t = (coefficients(pairs)[:, :, None] * tangents(pairs, a, b)[:, None, :]).reshape(-1, 6)
+    q = bending(pairs)
+    mixed = c_t[:, :, None] * q[:, None, :]
+    inside = -(mixed + mixed.transpose(0, 2, 1)) - pairs.distance[:, None, None] * (q[:, :, None] * q[:, None, :])
+    at_end = c_t[:, :, None] * c_t[:, None, :] / np.maximum(pairs.distance, SMALLEST_LENGTH)[:, None, None]
+    return np.where(interior(pairs)[:, None, None], inside, at_end)

@@ -12,6 +12,7 @@ import numpy as np
 
 from .arrays import FloatArray, IntArray
 from .distance import SMALLEST_LENGTH, point_edge
+from .predicates.sweep import expanded
 from .vectors import bounds
 
 STRIPS_FROM, STRIPS_LIMIT = 4000, 2_000_000
@@ -74,12 +75,9 @@ def _in_strips(p: FloatArray, low: FloatArray, high: FloatArray) -> IntArray | N
     x, y = p.take(order, axis=1)
     first = x.searchsorted(low[0])
     count = x.searchsorted(high[0], "right") - first
-    last = count.cumsum()
-    if last[-1] * STRIP_COST > min(p.shape[1] * len(first), ALL_BOXES_LIMIT):
+    if count.sum() * STRIP_COST > min(p.shape[1] * len(first), ALL_BOXES_LIMIT):
         return None
-    j = np.arange(len(first)).repeat(count)
-    place = (first - last + count).take(j)
-    place += np.arange(len(j))
+    j, place = expanded(first, count)
     y = y.take(place)
     inside = y >= low[1].take(j)
     inside &= y <= high[1].take(j)

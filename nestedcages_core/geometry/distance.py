@@ -1,4 +1,4 @@
-"""Distance between points and edges, with closed-form gradient and Hessian.
+"""Distance between points and edges, with its gradient and what its Hessian is made of, in closed form.
 
 The six degrees of freedom of a point-edge pair are ordered (p, a, b): the point, the start and the end of the edge, x
 before y. With the unit normal n from the edge to the point, the unit tangent τ from a to b, the edge length L and the
@@ -85,16 +85,6 @@ def distance_gradient(pairs: PointEdge) -> FloatArray:
     """(K, 6) gradient ∂d = c ⊗ n of the distances with respect to (p, a, b)."""
     gradient: FloatArray = (coefficients(pairs)[:, :, None] * pairs.normal[:, None, :]).reshape(-1, 6)
     return gradient
-
-
-def distance_hessian(pairs: PointEdge, a: FloatArray, b: FloatArray) -> FloatArray:
-    """(K, 6, 6) Hessian of the distances with respect to (p, a, b); a and b are the (K, 2) ends of the edges."""
-    c_t = (coefficients(pairs)[:, :, None] * tangents(pairs, a, b)[:, None, :]).reshape(-1, 6)
-    q = bending(pairs)
-    mixed = c_t[:, :, None] * q[:, None, :]
-    inside = -(mixed + mixed.transpose(0, 2, 1)) - pairs.distance[:, None, None] * (q[:, :, None] * q[:, None, :])
-    at_end = c_t[:, :, None] * c_t[:, None, :] / np.maximum(pairs.distance, SMALLEST_LENGTH)[:, None, None]
-    return np.where(interior(pairs)[:, None, None], inside, at_end)
 
 
 def bending(pairs: PointEdge) -> FloatArray:

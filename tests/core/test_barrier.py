@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.li_2020.barrier import distance_hessian
 from nestedcages_core.contact.barrier import barrier, barrier_hessian_factors
-from nestedcages_core.geometry.distance import PointEdge, distance_gradient, distance_hessian, point_edge
+from nestedcages_core.geometry.distance import PointEdge, distance_gradient, point_edge
 
 D_HAT = 0.3
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core.geometry.distance import PointEdge, distance_gradient, distance_hessian, point_edge
+from benchmarks.li_2020.barrier import distance_hessian
+from nestedcages_core.geometry.distance import PointEdge, distance_gradient, point_edge
 
 STEP = 1e-6  # of central differences; coordinates are of order 1
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.li_2020.barrier import distance_hessian
 from nestedcages_core.contact.barrier import barrier
 from nestedcages_core.contact.ccd import SAFETY, impacts
-from nestedcages_core.geometry.distance import distance_gradient, distance_hessian, point_edge
+from nestedcages_core.geometry.distance import distance_gradient, point_edge
 from test_ccd import collinear_motions, pairs_of
 
 ipctk = pytest.importorskip("ipctk")

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.comparison.as_published import as_published
 from nestedcages_core import (
     IPC,
     Area,
@@ -30,7 +31,6 @@ from nestedcages_core.published.gurditta_jacobson_2022 import (
     PaperContact,
     PaperFlow,
     Repairs,
-    as_published,
 )
 from nestedcages_core.published.gurditta_jacobson_2022.potential import PaperPotential, PaperWeights
 from nestedcages_core.published.gurditta_jacobson_2022.ray_parity import edges_meet, inside_by_parity

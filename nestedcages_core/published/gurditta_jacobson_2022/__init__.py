@@ -9,7 +9,6 @@ from .contact import PROGRAM_RANGE, PaperContact, Repairs
 from .flow import PROGRAM_STEP, PaperFlow
 from .gradient_descent import GradientDescent
 from .potential import PaperWeights
-from .program import ProgramResult, as_published
 from .signed_distance_flow import SignedDistanceFlow
 
 __all__ = [  # noqa: RUF022 - in the order of the paper
@@ -21,6 +20,4 @@ __all__ = [  # noqa: RUF022 - in the order of the paper
     "Repairs",  # fixes of its program
     "PROGRAM_STEP",  # the absolute lengths of its program
     "PROGRAM_RANGE",
-    "as_published",  # its program from a fine and a coarse mesh to the last cage, uncertified
-    "ProgramResult",
 ]

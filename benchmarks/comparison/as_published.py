@@ -10,12 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...contact.pairs import Bodies
-from ...geometry.arrays import FloatArray
-from ...geometry.mesh import Mesh
-from ...tasks import drain
-from .contact import PROGRAM_RANGE, PaperContact
-from .flow import PROGRAM_STEP, PaperFlow
+from nestedcages_core import Mesh, PaperContact, PaperFlow
+from nestedcages_core.contact.pairs import Bodies
+from nestedcages_core.geometry.arrays import FloatArray
+from nestedcages_core.published.gurditta_jacobson_2022 import PROGRAM_RANGE, PROGRAM_STEP
+from nestedcages_core.tasks import drain
 
 
 @dataclass(frozen=True, eq=False)
