@@ -36,11 +36,8 @@ logger = logging.getLogger(__name__)
 CLEARANCE_MARGIN = 1e-7
 """Relative margin added to the clearance to absorb later rounding."""
 
-NEGLIGIBLE_DECREASE = 1e-2
-"""Fraction of the threshold below which a single predicted decrease ends the tightening."""
-
 FAST_CONVERGENCE = 0.02
-"""The same as a fraction of the decrease predicted one step before, where convergence is that fast."""
+"""Fraction of the decrease predicted one step before, below which another one that is small ends the tightening."""
 
 THINNEST_SKIN = 0.75
 """Lower bound on the skin of the list of candidate pairs, in units of the mean coarse edge length."""
@@ -160,7 +157,7 @@ class _Run:
             )  # fmt: skip
             gain = value - trial.value
             quiet = quiet + 1 if solution.converged and max(solution.decrease, gain) < threshold else 0
-            still = quiet > 0 and solution.decrease < max(NEGLIGIBLE_DECREASE * threshold, FAST_CONVERGENCE * previous)
+            still = quiet > 0 and solution.decrease < FAST_CONVERGENCE * previous
             previous = solution.decrease
             region.update(solution, trial, value)
             value = yield from self._accept(trial)

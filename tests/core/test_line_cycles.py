@@ -186,7 +186,7 @@ def test_both_ways_of_starting_lead_to_the_same_cage() -> None:
 
 
 def test_many_loops_start_from_the_hull() -> None:
-    for side, source in ((8, SOURCE), (9, HULL)):
+    for side, source in ((9, SOURCE), (10, HULL)):
         places = np.stack(np.mgrid[:side, :side], axis=-1).reshape(-1, 2)
         start = drain(LineCycles().starts(Mesh.from_loops([0.4 * ring(8) + place for place in places]), 5 * side**2))
         assert start[0].source == source

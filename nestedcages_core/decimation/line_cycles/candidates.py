@@ -13,9 +13,6 @@ from .places import DECIMALS
 STRETCHES = (1, 2, 3, 4, 6, 9, 13, 19, 28, 40, 60)
 """Lengths of stretches, in places: about a factor of √2 apart."""
 
-ALWAYS = 9
-"""Length of stretches, in places, up to which they are used however few vertices each edge of the cage replaces."""
-
 LONG_EDGE = 0.3
 """Length, in mean distances of places, from which an edge is a candidate itself."""
 
@@ -44,7 +41,7 @@ def candidates(chain: Chain, at: IntArray, longest: float, shift: float) -> Line
     if len(chain.pins):
         parts.append(_through_pins(chain, at))
     for stretch in STRETCHES:
-        if stretch < len(at) and stretch <= max(longest, ALWAYS):
+        if stretch < len(at) and stretch <= longest:
             last = np.roll(at, -stretch)
             parts.append(tangents(chain, at, np.where(last <= at, last + chain.size, last)))
     lines = Lines.joined(parts).ordered(chain)
