@@ -8,67 +8,27 @@ import importlib
 import pkgutil
 import runpy
 import sys
-from collections.abc import Iterator, Mapping
-from pathlib import Path
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[1]
+from sources import ROOT, nodes, sources
+
 CORE = "nestedcages_core"
 
 # The rooms of the core, files or packages, in the order of the data flow: each imports only from those before it.
-ROOMS = (
-    "checker_distance",
-    "checker",
-    "errors",
-    "tasks",
-    "cache",
-    "parameters",
-    "geometry",
-    "decimation",
-    "flow",
-    "energies",
-    "solver",
-    "contact",
-    "tightening",
-    "verification",
-    "level",
-    "needs",
-    "tolerance",
-    "hierarchy",
-    "motion",
-    "published",
-    "coordinates",
-    "character",
-    "exchange",
-    "batch",
-    "command",
-    "__main__",
-    "__init__",
-)
+ROOMS = """
+checker_distance checker errors tasks cache parameters geometry decimation flow energies solver contact tightening
+verification level needs tolerance hierarchy motion published coordinates character exchange batch command __main__
+__init__
+"""
 
 # The rooms of the add-on, in the same sense. `core` is its door to the core.
-ADDON_ROOMS = (
-    "errors",
-    "core",
-    "notes",
-    "keys",
-    "record",
-    "scene",
-    "animation",
-    "rigging",
-    "generation",
-    "binding",
-    "io",
-    "following",
-    "characters",
-    "properties",
-    "operators",
-    "ui",
-    "api",
-    "__init__",
-)
+ADDON_ROOMS = """
+errors core notes keys record scene animation rigging generation binding io following characters properties operators
+ui api __init__
+"""
 DOOR = "core.py"
 
 THIRD_PARTY = {"numpy", "scipy"}
@@ -92,103 +52,22 @@ BLENDER_PLACES = (
 )
 
 # The face of the core. Names are added with care and never taken away: other programs import them.
-PUBLIC = [
-    "Mesh",
-    "nested_cages",
-    "NestedCagesRun",
-    "inner_cages",
-    "nested_cages_many",
-    "Settings",
-    "Within",
-    "Progress",
-    "Hierarchy",
-    "Level",
-    "NestingReport",
-    "FlowResult",
-    "Reinflation",
-    "verify",
-    "verify_motion",
-    "Certificate",
-    "MotionCertificate",
-    "check",
-    "cage_coordinates",
-    "deform",
-    "read_svg",
-    "write_svg",
-    "from_svg",
-    "to_svg",
-    "read_geojson",
-    "write_geojson",
-    "from_geojson",
-    "features_from_geojson",
-    "to_geojson",
-    "write_engine_json",
-    "to_engine_json",
-    "read_png",
-    "collision_outline",
-    "NestedCagesError",
-    "InvalidMeshError",
-    "FlowError",
-    "ReinflationError",
-    "NestingError",
-]
+PUBLIC = """
+Mesh nested_cages NestedCagesRun inner_cages nested_cages_many Settings Within Progress Hierarchy Level NestingReport
+FlowResult Reinflation verify verify_motion Certificate MotionCertificate check cage_coordinates deform read_svg
+write_svg from_svg to_svg read_geojson write_geojson from_geojson features_from_geojson to_geojson write_engine_json
+to_engine_json read_png collision_outline NestedCagesError InvalidMeshError FlowError ReinflationError NestingError
+"""
 
 # Method objects and helpers, which can be imported from the top too.
-IMPORTABLE = [
-    "AllPairs",
-    "ArcLength",
-    "Area",
-    "BatchProgress",
-    "BoundaryARAP",
-    "UniformGrid",
-    "DouglasPeucker",
-    "EdgeCollapse",
-    "ElTopo",
-    "ElementEnergy",
-    "EvenSamples",
-    "Feature",
-    "GaussLegendre",
-    "GradientDescent",
-    "Grids",
-    "Harmonic",
-    "IPC",
-    "InitialDisplacement",
-    "InteriorARAP",
-    "Found",
-    "LevelSet",
-    "MeanValue",
-    "Mirror",
-    "Rotation",
-    "LineCycles",
-    "Midpoint",
-    "NoEnergy",
-    "NoFilter",
-    "OnCurve",
-    "Outcome",
-    "OuterHull",
-    "OwnDecimation",
-    "PaperContact",
-    "PaperFlow",
-    "PiecewiseLinear",
-    "ProjectedNewton",
-    "QuadraticFallOff",
-    "Repairs",
-    "SequentialQP",
-    "ShapeKeeping",
-    "SignedDistanceFlow",
-    "SmallestDistance",
-    "StepDisplacement",
-    "Tightening",
-    "TimeOfImpact",
-    "TwoSidedFlow",
-    "Visvalingam",
-    "WeightedSum",
-    "alpha_channel",
-    "boundary_of_pixels",
-    "from_engine_json",
-    "grids",
-    "is_engine_json",
-]
+IMPORTABLE = """
+AllPairs ArcLength Area BatchProgress BoundaryARAP UniformGrid DouglasPeucker EdgeCollapse ElTopo ElementEnergy
+EvenSamples Feature GaussLegendre GradientDescent Grids Harmonic IPC InitialDisplacement InteriorARAP Found LevelSet
+MeanValue Mirror Rotation LineCycles Midpoint NoEnergy NoFilter OnCurve Outcome OuterHull OwnDecimation PaperContact
+PaperFlow PiecewiseLinear ProjectedNewton QuadraticFallOff Repairs SequentialQP ShapeKeeping SignedDistanceFlow
+SmallestDistance StepDisplacement Tightening TimeOfImpact TwoSidedFlow Visvalingam WeightedSum alpha_channel
+boundary_of_pixels from_engine_json grids is_engine_json
+"""
 
 
 class Import(NamedTuple):
@@ -205,11 +84,11 @@ def module_of(path: str) -> tuple[str, ...]:
     return parts[:-1] if parts[-1] == "__init__" else parts
 
 
-def imports(path: str, tree: ast.AST) -> Iterator[Import | str]:
-    """All imports below `tree`, which is the core's file `path` or a part of it; a string says what is forbidden."""
+def imports(path: str, parts: Iterable[ast.AST]) -> Iterator[Import | str]:
+    """All imports among nodes of the core's file `path`; a string says what is forbidden."""
     module = module_of(path)
     package = module if path.endswith("__init__.py") else module[:-1]
-    for node in ast.walk(tree):
+    for node in parts:
         if isinstance(node, ast.Import):
             for alias in node.names:
                 yield Import(node.lineno, tuple(alias.name.split(".")), False)
@@ -232,14 +111,14 @@ def imports(path: str, tree: ast.AST) -> Iterator[Import | str]:
                 yield f"{path}:{node.lineno}: an import by string, which nobody can check"
 
 
-def arrow_violations(sources: Mapping[str, str], rooms: tuple[str, ...]) -> list[str]:
+def arrow_violations(sources: Mapping[str, str], rooms: str) -> list[str]:
     """What the files of a package (path below it -> source) import from a later room, one sentence each."""
-    rank = {room: place for place, room in enumerate(rooms)}
+    rank = {room: place for place, room in enumerate(rooms.split())}
     known = {module_of(path)[0] for path in sources if module_of(path)}
     found: list[str] = [f"{room}: this room has no place in the order" for room in sorted(known - rank.keys())]
     for path, source in sources.items():
         own = (module_of(path) or ("__init__",))[0]
-        for item in imports(path, ast.parse(source)):
+        for item in imports(path, nodes(source)):
             if isinstance(item, Import) and item.inside:
                 room = item.parts[0] if item.parts[0] in known else "__init__"  # a name that the package exports
                 if room != own and rank.get(room, -1) > rank.get(own, len(rooms)):
@@ -247,12 +126,12 @@ def arrow_violations(sources: Mapping[str, str], rooms: tuple[str, ...]) -> list
     return found
 
 
-def room_violations(sources: Mapping[str, str], rooms: tuple[str, ...] = ROOMS) -> list[str]:
+def room_violations(sources: Mapping[str, str], rooms: str = ROOMS) -> list[str]:
     """What the core's files (path below the core -> source) import against the rules, one sentence each."""
     found = arrow_violations(sources, rooms)
     for path, source in sources.items():
         own = (module_of(path) or ("__init__",))[0]
-        for item in imports(path, ast.parse(source)):
+        for item in imports(path, nodes(source)):
             if isinstance(item, str):
                 found.append(item)
             elif item.inside:
@@ -278,7 +157,7 @@ def circle(sources: Mapping[str, str]) -> list[str] | None:
     files = {module_of(path): path for path in sources}
     graph: dict[str, set[str]] = {path: set() for path in sources}
     for path, source in sources.items():
-        for item in imports(path, ast.parse(source)):
+        for item in imports(path, nodes(source)):
             if isinstance(item, Import) and item.inside:
                 target = item.parts if item.parts in files else item.parts[:-1]
                 if target in files and files[target] != path:
@@ -296,36 +175,29 @@ def blender_violations(sources: Mapping[str, str]) -> list[str]:
         f"{path}:{item.line}: imports {item.parts[0]}"
         for path, source in sources.items()
         if not path.startswith(BLENDER_PLACES)
-        for item in imports(path, ast.parse(source))
+        for item in imports(path, nodes(source))
         if isinstance(item, Import) and not item.inside and item.parts[0] in BLENDER
     ]
 
 
-def python_files(folder: Path) -> dict[str, str]:
-    """Path below `folder` -> source of each Python file that belongs to the project."""
-    return {
-        path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8")
-        for path in sorted(folder.rglob("*.py"))
-        if not any(part.startswith(".") or part in {"build", "dist"} for part in path.relative_to(folder).parts)
-    }
+def below(folder: str) -> dict[str, str]:
+    """Path below a folder of the project -> source of each Python file there."""
+    return {path.removeprefix(f"{folder}/"): source for path, source in sources(folder).items()}
 
 
 # The project
 
 
 def test_rooms_import_only_from_rooms_before_them() -> None:
-    sources = python_files(ROOT / CORE)
-    assert sources
-    assert room_violations(sources) == []
+    assert room_violations(below(CORE)) == []
 
 
 def test_kernel_and_needs_ask_for_no_class_of_a_method() -> None:
     methods = {"Area", "ArcLength", "IPC", "LineCycles", "OuterHull", "SequentialQP", "Tightening", "TwoSidedFlow"}
     asked = [
         (path, node.lineno)
-        for path, source in python_files(ROOT / CORE).items()
-        if path.split("/")[0] in {"level", "needs", "tolerance"}
-        for node in ast.walk(ast.parse(source))
+        for path, source in sources(*(f"{CORE}/{room}" for room in ("level", "needs", "tolerance"))).items()
+        for node in nodes(source)
         if isinstance(node, ast.Call) and ast.unparse(node.func) == "isinstance"
         if methods & {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}
     ]
@@ -333,27 +205,25 @@ def test_kernel_and_needs_ask_for_no_class_of_a_method() -> None:
 
 
 def test_no_circle_inside_the_core() -> None:
-    assert circle(python_files(ROOT / CORE)) is None
+    assert circle(below(CORE)) is None
 
 
 def test_blender_stays_in_the_addon() -> None:
-    assert blender_violations(python_files(ROOT)) == []
+    assert blender_violations(sources()) == []
 
 
 def test_rooms_of_the_addon_import_only_from_rooms_before_them() -> None:
-    sources = python_files(ROOT / "addon")
-    assert sources
-    assert arrow_violations(sources, ADDON_ROOMS) == []
+    assert arrow_violations(below("addon"), ADDON_ROOMS) == []
 
 
 def test_no_circle_inside_the_addon() -> None:
-    assert circle(python_files(ROOT / "addon")) is None
+    assert circle(below("addon")) is None
 
 
 def test_addon_imports_the_core_it_carries_through_one_door() -> None:
     # An installed extension finds the core below its own package, so an absolute import would miss it.
-    for path, source in python_files(ROOT / "addon").items():
-        found = list(imports(path, WithoutTypeChecking().visit(ast.parse(source))))
+    for path, source in below("addon").items():
+        found = list(imports(path, ast.walk(WithoutTypeChecking().visit(ast.parse(source)))))
         absolute = [item for item in found if isinstance(item, Import) and not item.inside and item.parts[0] == CORE]
         assert absolute == [], path
         assert [item for item in found if isinstance(item, str)] == [] or path == DOOR
@@ -361,10 +231,10 @@ def test_addon_imports_the_core_it_carries_through_one_door() -> None:
 
 def test_public_interface() -> None:
     core = importlib.import_module(CORE)
-    assert set(PUBLIC) <= set(core.__all__)
-    assert set(IMPORTABLE).isdisjoint(core.__all__)
+    assert set(PUBLIC.split()) <= set(core.__all__)
+    assert set(IMPORTABLE.split()).isdisjoint(core.__all__)
     assert len(core.__all__) == len(set(core.__all__)) < 50
-    assert [name for name in (*core.__all__, *IMPORTABLE) if not hasattr(core, name)] == []
+    assert [name for name in (*core.__all__, *IMPORTABLE.split()) if not hasattr(core, name)] == []
 
 
 def test_every_room_shows_what_the_top_passes_on() -> None:
@@ -375,12 +245,12 @@ def test_every_room_shows_what_the_top_passes_on() -> None:
         if not module.name.endswith("__main__")
         for name in getattr(importlib.import_module(module.name), "__all__", ())
     }
-    assert sorted(set(IMPORTABLE) - shown) == []
+    assert sorted(set(IMPORTABLE.split()) - shown) == []
 
 
 # The checkers themselves, on sources made for it
 
-ORDER = ("errors", "mesh", "solver", "flow", "__init__")
+ORDER = "errors mesh solver flow __init__"
 GOOD = {
     "__init__.py": "from .flow import run\nfrom .mesh import Mesh",
     "errors.py": "from __future__ import annotations\nimport math",
@@ -422,7 +292,7 @@ def test_bad_sources_are_found(path: str, source: str, complaint: str) -> None:
 
 
 def test_format_libraries_stay_in_their_room() -> None:
-    order = ("errors", "mesh", "solver", "flow", "exchange", "__init__")
+    order = "errors mesh solver flow exchange __init__"
     late = "def read():\n    import shapely\n    import tinycss2.color4"
     assert room_violations({**GOOD, "exchange/svg.py": late}, order) == []
     assert room_violations({**GOOD, "flow.py": late}, order) == [

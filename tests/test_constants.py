@@ -5,10 +5,11 @@ from __future__ import annotations
 import ast
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path(__file__).resolve().parents[1]
+from sources import nodes, sources
+
+PROJECT = ("nestedcages_core", "addon")
 
 
 class Constant(NamedTuple):
@@ -23,7 +24,7 @@ def constants(source: str, where: str) -> Iterator[Constant]:
 
     They are described by the string after them, by a comment on their line, or by one in the lines right above.
     """
-    lines, body = source.splitlines(), ast.parse(source).body
+    lines, body = source.splitlines(), nodes(source)[0].body  # type: ignore[attr-defined]
     for number, statement in enumerate(body):
         target = _target(statement)
         if target is None or not _has_number(statement.value):  # type: ignore[attr-defined]
@@ -74,36 +75,31 @@ def _has_comment(lines: list[str], statement: ast.stmt) -> bool:
     return False
 
 
-def undescribed(sources: Mapping[str, str]) -> list[str]:
-    found = [constant for where, source in sources.items() for constant in constants(source, where)]
+def undescribed(files: Mapping[str, str]) -> list[str]:
+    found = [constant for where, source in files.items() for constant in constants(source, where)]
     return [f"{constant.where}: {constant.name}" for constant in found if not constant.is_described]
 
 
-def ambiguous(sources: Mapping[str, str]) -> list[str]:
+def ambiguous(files: Mapping[str, str]) -> list[str]:
     """Names of constants with several values, or with one value that is written several times."""
     places: defaultdict[str, list[Constant]] = defaultdict(list)
-    for where, source in sources.items():
+    for where, source in files.items():
         for constant in constants(source, where):
             places[constant.name].append(constant)
     return [f"{name}: {', '.join(c.where for c in found)}" for name, found in places.items() if len(found) > 1]
 
 
-def sources(folder: str) -> dict[str, str]:
-    files = sorted((ROOT / folder).rglob("*.py"))
-    return {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in files}
-
-
 def rooms() -> Iterator[dict[str, str]]:
     """The files of each room. Each published method is a room, since it names its constants as its paper does."""
     found: defaultdict[str, dict[str, str]] = defaultdict(dict)
-    for where, source in (sources("nestedcages_core") | sources("addon")).items():
+    for where, source in sources(*PROJECT).items():
         folders = where.split("/")[:-1]
         found["/".join(folders[: 3 if "published" in folders else 2])][where] = source
     yield from found.values()
 
 
 def test_every_constant_says_what_it_is_for() -> None:
-    assert undescribed(sources("nestedcages_core") | sources("addon")) == []
+    assert undescribed(sources(*PROJECT)) == []
 
 
 def test_a_name_stands_for_one_constant() -> None:

@@ -20,8 +20,8 @@ import pytest
 
 import nestedcages_core
 from nestedcages_core.errors import CODES
+from sources import ROOT, nodes, sources
 
-ROOT = Path(__file__).resolve().parents[1]
 PAGES = [
     path
     for folder in (".", "docs", "docs/guide", "docs/comparison", "docs/needs", "benchmarks", "examples")
@@ -102,11 +102,11 @@ def words_are_plain(page: Path) -> None:
 
 def test_messages_tooltips_and_docstrings_use_plain_words() -> None:
     found = []
-    for path in sorted([*(ROOT / "nestedcages_core").rglob("*.py"), *(ROOT / "addon").rglob("*.py")]):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for path, source in sources("nestedcages_core", "addon").items():
+        for node in nodes(source):
             if isinstance(node, ast.Constant) and isinstance(node.value, str) and " " in node.value:
                 words = STRANGE.finditer(re.sub(r"`[^`]*`", "", node.value))
-                found += [f"{path.name}:{node.lineno}: {word[0]}" for word in words]
+                found += [f"{path}:{node.lineno}: {word[0]}" for word in words]
     assert found == []
 
 

@@ -15,11 +15,11 @@ import numpy as np
 import pytest
 
 from nestedcages_core import Mesh, to_engine_json, to_svg
-from nestedcages_core.command import main, outputs, sources
+from nestedcages_core.command import main, outputs
+from nestedcages_core.command import sources as inputs
+from sources import ROOT, nodes, sources
 
-ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("nestedcages_core", "addon", "packaging", "examples", "benchmarks")
-SOURCES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
 
 POSIX_MODULES = {"fcntl", "grp", "posix", "pty", "pwd", "resource", "termios", "tty"}
 POSIX_NAMES = {"fork", "forkpty", "geteuid", "getuid", "killpg", "mkfifo", "setsid", "sysconf", "SIGKILL", "SIGPROF"}
@@ -32,9 +32,9 @@ LONGEST_PATH = 120
 """Characters: Windows allows 260 with the folder of the clone."""
 
 
-def without_encoding(tree: ast.AST) -> Iterator[int]:
+def without_encoding(source: str) -> Iterator[int]:
     """Lines that open text files by the encoding of the system."""
-    for node in ast.walk(tree):
+    for node in nodes(source):
         if not isinstance(node, ast.Call):
             continue
         named = {keyword.arg for keyword in node.keywords}
@@ -47,33 +47,29 @@ def without_encoding(tree: ast.AST) -> Iterator[int]:
             yield node.lineno
 
 
-def posix_only(tree: ast.Module) -> Iterator[str]:
+def posix_only(source: str) -> Iterator[str]:
     """Modules imported at the top, and names, that only POSIX systems have."""
-    for node in tree.body:
+    for node in nodes(source)[0].body:  # type: ignore[attr-defined]
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
         yield from POSIX_MODULES & {name.partition(".")[0] for name in names}
-    for node in ast.walk(tree):
+    for node in nodes(source):
         if isinstance(node, ast.Attribute) and node.attr in POSIX_NAMES and ast.unparse(node.value) in ("os", "signal"):
             yield node.attr
 
 
-def label(path: Path) -> str:
-    return path.relative_to(ROOT).as_posix()
-
-
 def test_files_are_opened_with_an_encoding_and_nothing_needs_posix() -> None:
-    trees = {label(path): ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
-    assert [f"{name}:{line}" for name, tree in trees.items() for line in without_encoding(tree)] == []
-    assert [f"{name}: {it}" for name, tree in trees.items() if name not in GUARDED for it in posix_only(tree)] == []
+    files = sources(*FOLDERS).items()
+    assert [f"{name}:{line}" for name, source in files for line in without_encoding(source)] == []
+    assert [f"{name}: {it}" for name, source in files if name not in GUARDED for it in posix_only(source)] == []
 
 
 def test_a_missing_encoding_is_found() -> None:
     wrong = "Path('a').read_text()\nopen('a')\nPath('a').open('w')\nPath('a').write_text(text)"
-    assert list(without_encoding(ast.parse(wrong))) == [1, 2, 3, 4]
+    assert list(without_encoding(wrong)) == [1, 2, 3, 4]
     right = "Path('a').read_text(encoding='utf-8')\nopen('a', 'rb')\nImage.open('a')\nPath('a').open(mode='wb')"
-    assert list(without_encoding(ast.parse(right))) == []
-    assert set(posix_only(ast.parse("import resource\nos.fork()"))) == {"resource", "fork"}
+    assert list(without_encoding(right)) == []
+    assert set(posix_only("import resource\nos.fork()")) == {"resource", "fork"}
 
 
 def test_names_of_files_are_allowed_and_distinct_everywhere() -> None:
@@ -91,10 +87,10 @@ def test_names_of_files_are_allowed_and_distinct_everywhere() -> None:
 
 def test_names_with_backslashes_are_understood(monkeypatch: pytest.MonkeyPatch) -> None:
     """As Windows reads them: with its separators, drives and endings of any case."""
-    for module in (sources, outputs):
+    for module in (inputs, outputs):
         monkeypatch.setattr(module, "Path", PureWindowsPath)
-    source = sources.Source("C:\\icons.set\\a b.SVG", "drawing")
-    assert sources.kind_of(source.path) == "drawing"
+    source = inputs.Source("C:\\icons.set\\a b.SVG", "drawing")
+    assert inputs.kind_of(source.path) == "drawing"
     names = ["D:\\cages.d\\{stem}.JSON", "cages/{stem}.GeoJSON", "..\\out.svg"]
     written = [("D:\\cages.d\\a b.JSON", "json"), ("cages/a b.GeoJSON", "geojson"), ("..\\out.svg", "svg")]
     assert outputs.targets(names, source, None) == written

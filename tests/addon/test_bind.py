@@ -14,6 +14,7 @@ from mathutils import Matrix
 from drawings import (
     at_frame,
     bezier_circle,
+    choose,
     circle,
     evaluated,
     grease_pencil,
@@ -366,9 +367,7 @@ def test_a_cage_moved_out_of_the_plane_is_refused() -> None:
 def test_generating_again_binds_again(addon) -> None:
     source, collection, _, cages = bound(method="LINEAR")
     put(cages[-1], turned(base(cages[-1])))
-    for obj in bpy.data.objects:
-        obj.select_set(obj == source)
-    bpy.context.view_layer.objects.active = source
+    choose(source)
     assert bpy.ops.object.nested_cages_generate(levels="16") == {"FINISHED"}
     fine, cage = members(source)[2], members(source)[3][0]
     assert collection["nested_cages_bound"] == "LINEAR"
@@ -410,9 +409,7 @@ def test_unbinding_hides_what_was_hidden_before_and_nothing_else(addon) -> None:
 @pytest.mark.slow
 def test_what_cannot_be_bound_again_is_said(extension, addon, monkeypatch) -> None:
     source, collection, _, _ = bound(levels="12")
-    for obj in bpy.data.objects:
-        obj.select_set(obj == source)
-    bpy.context.view_layer.objects.active = source
+    choose(source)
     binding = sys.modules[f"{extension.__name__}.addon.binding.binding"]
 
     def refused(*_) -> None:

@@ -14,6 +14,7 @@ from drawings import (
     add,
     at_frame,
     bezier_circle,
+    choose,
     circle,
     edges_of,
     evaluated,
@@ -275,9 +276,7 @@ def test_output_that_is_selected_with_its_drawing_is_replaced_not_caged(addon) -
     generate()
     assert len(bpy.data.collections) == 1 and len(bpy.data.objects) == 5
     cage = output()[2][0]
-    for obj in bpy.data.objects:
-        obj.select_set(obj == cage)
-    bpy.context.view_layer.objects.active = cage
+    choose(cage)
     generate(levels="8")  # a cage that is selected on its own is a drawing like any other
     assert "Drawing Cage 1 Cages" in bpy.data.collections
 

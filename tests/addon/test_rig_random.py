@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
-from drawings import evaluated, in_world, star, wire
+from drawings import choose, evaluated, in_world, star, wire
 
 pytestmark = pytest.mark.slow
 
@@ -61,11 +61,6 @@ class Artist:
     def bound(self) -> bool:
         return "nested_cages_bound" in self.collection
 
-    def activate(self, obj) -> None:
-        for other in bpy.context.view_layer.objects:
-            other.select_set(other == obj)
-        bpy.context.view_layer.objects.active = obj
-
     def push(self) -> None:
         bpy.ops.ed.undo_push(message="edit")
 
@@ -76,19 +71,19 @@ class Artist:
         return points
 
     def regenerate(self) -> None:
-        self.activate(self.source)
+        choose(self.source)
         bpy.context.scene.frame_set(1)
         assert bpy.ops.object.nested_cages_generate(levels=self.random.choice(LEVELS)) == {"FINISHED"}
         self.resampled = {*self.groups, *self.keys}
 
     def bind(self) -> None:
-        self.activate(self.source)
+        choose(self.source)
         name = "unbind" if self.bound else "bind"
         assert getattr(bpy.ops.object, f"nested_cages_{name}")() == {"FINISHED"}
 
     def rebind(self) -> None:
         if self.bound:
-            self.activate(self.source)
+            choose(self.source)
             assert bpy.ops.object.nested_cages_rebind() == {"FINISHED"}
 
     def paint(self) -> None:

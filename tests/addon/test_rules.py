@@ -9,23 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import at_frame, choose, circle, poly_curve, solid, star
-
-
-def mesh_object(name, loops):
-    """A mesh of edge loops, selected and active."""
-    data = bpy.data.meshes.new(name)
-    points = np.concatenate(loops)
-    edges, first = [], 0
-    for loop in loops:
-        edges += [(first + k, first + (k + 1) % len(loop)) for k in range(len(loop))]
-        first += len(loop)
-    data.from_pydata(np.column_stack([points, np.zeros(len(points))]).tolist(), edges, [])
-    obj = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(obj)
-    choose(obj)
-    bpy.context.view_layer.update()
-    return obj
+from drawings import at_frame, circle, poly_curve, solid, star, wire
 
 
 def paint(obj, name, weights):
@@ -142,7 +126,7 @@ def test_a_symmetry_and_a_grid_go_together() -> None:
 
 
 def test_painted_weights_draw_vertices(runs) -> None:
-    obj = mesh_object("Drawing", [star(120, 0.2, 9)])
+    obj = wire("Drawing", [star(120, 0.2, 9)])
     bpy.ops.object.nested_cages_generate(levels="20, 14")
     right = [(points(cage)[:, 0] > 0.0).sum() for cage in cages()]
     paint(obj, "Matters", np.where(star(120, 0.2, 9)[:, 0] > 0.0, 1.0, 0.05))
@@ -155,7 +139,7 @@ def test_painted_weights_draw_vertices(runs) -> None:
 
 def test_pins_of_a_vertex_group_are_kept_on_every_level(addon) -> None:
     loop = star(120, 0.25, 5)
-    obj = mesh_object("Drawing", [loop])
+    obj = wire("Drawing", [loop])
     obj.location, obj.rotation_euler.z = (5.0, 1.0, 0.0), 1.0
     bpy.context.view_layer.update()
     tips = [24, 48]
@@ -170,7 +154,7 @@ def test_pins_of_a_vertex_group_are_kept_on_every_level(addon) -> None:
 
 def test_bones_are_joints() -> None:
     bar = np.array([(x, y) for x, y in shapely.box(-2.0, -0.3, 2.0, 0.3).segmentize(0.1).exterior.coords[:-1]])
-    mesh_object("Drawing", [bar])
+    wire("Drawing", [bar])
     armature = bpy.data.armatures.new("Rig")
     rig = bpy.data.objects.new("Rig", armature)
     bpy.context.scene.collection.objects.link(rig)
@@ -206,7 +190,7 @@ def test_close_parts_are_merged(addon) -> None:
 
 
 def test_a_group_that_is_not_there_is_named(addon) -> None:
-    mesh_object("Drawing", [star()])
+    wire("Drawing", [star()])
     bpy.ops.object.nested_cages_generate(levels="16", weight_group="Nothing")
     assert ("places.empty", "") in noted(addon)
 

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import circle, poly_curve, star, wire
+from drawings import choose, circle, poly_curve, star, wire
 
 
 @pytest.fixture
@@ -79,9 +79,7 @@ def test_a_copy_of_a_cage_is_none_of_the_levels(cages) -> None:
     """Blender copies our marks with the object."""
     _, inner, outer = cages
     drawing = bpy.data.objects["Drawing"]
-    for obj in bpy.data.objects:
-        obj.select_set(obj == inner)
-    bpy.context.view_layer.objects.active = inner
+    choose(inner)
     bpy.ops.object.duplicate()
     copy = bpy.context.view_layer.objects.active
     assert copy != inner and copy.users_collection == inner.users_collection

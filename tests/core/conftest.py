@@ -14,7 +14,7 @@ from nestedcages_core.cache import forget
 LARGEST_PAIRS = 100_000
 """Product of the vertex counts of cage and fine mesh up to which a level is judged."""
 
-STEPS_JUDGED = 4
+STEPS_JUDGED = 2
 """Motions between steps that are judged of each level, spread evenly; all of them in thorough tests."""
 
 

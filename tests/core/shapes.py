@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+from typing import Any
+
 import numpy as np
+import pytest
 import shapely
 
 from nestedcages_core import Mesh
+
+
+def slowly(*values: Any) -> list[Any]:
+    """Values, or tuples of values, that only slow tests try."""
+    return [
+        pytest.param(*(value if isinstance(value, tuple) else (value,)), marks=pytest.mark.slow) for value in values
+    ]
 
 
 def ring(count: int, radius: float = 1.0, angle: float = 0.0) -> np.ndarray:
@@ -54,6 +65,12 @@ def star(points: int = 9, count: int = 180) -> Mesh:
     turn = 2.0 * np.pi * np.arange(count) / count
     radius = 1.0 + 0.35 * np.cos(points * turn)
     return Mesh.from_loops([radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)])
+
+
+def jagged(random: np.random.Generator, count: int) -> np.ndarray:
+    """A simple loop with random radii up to 1, (count, 2)."""
+    angle = (np.arange(count) + random.uniform(0.0, 0.9, count)) / count * 2 * np.pi
+    return np.stack((np.cos(angle), np.sin(angle)), axis=1) * random.uniform(0.4, 1.0, (count, 1))
 
 
 def islands() -> Mesh:
@@ -113,11 +130,20 @@ def polygon(mesh: Mesh) -> shapely.MultiPolygon:
     return solid
 
 
+def assert_free_of_crossings(cage: Mesh, fine: Mesh, cage_steps: Any, fine_steps: Any) -> None:
+    """By shapely, at sampled instants of the linear motions between steps (K + 1, m, 2) and (K + 1, n, 2)."""
+    for (x, after), (y, then) in zip(pairwise(cage_steps), pairwise(fine_steps), strict=True):
+        for s in np.linspace(0.0, 1.0, 6):
+            outline = lines((1.0 - s) * x + s * after, cage)
+            assert outline.is_simple
+            assert not outline.intersects(lines((1.0 - s) * y + s * then, fine))
+
+
 def assert_nested(cage: Mesh, fine: Mesh) -> None:
     """By shapely: both are valid, the cage covers the fine mesh without touching it, and has its loops."""
     outside, inside = polygon(cage), polygon(fine)
     for mesh in (cage, fine):
-        assert shapely.MultiLineString([mesh.vertices[np.append(k, k[0])] for k in mesh.loops]).is_simple
+        assert lines(mesh.vertices, mesh).is_simple
     assert outside.is_valid
     assert inside.is_valid
     assert outside.covers(inside)

@@ -9,25 +9,16 @@ import numpy as np
 import pytest
 
 from nestedcages_core import (
-    Area,
-    BoundaryARAP,
     ElementEnergy,
-    InitialDisplacement,
-    InteriorARAP,
     Mesh,
     NestedCagesError,
     OuterHull,
     Settings,
-    ShapeKeeping,
-    StepDisplacement,
-    WeightedSum,
     nested_cages,
 )
-from nestedcages_core.energies import Blocks, Energy
 from nestedcages_core.energies.blocks import assembled_hessian, positive_part
 from nestedcages_core.energies.choices import autodiff, element_energy
 from nestedcages_core.energies.choices.autodiff import Jet, plain_points_of, points_of
-from nestedcages_core.geometry.triangulation import triangulate
 from shapes import ring
 
 STEP = 1e-5  # of central differences; coordinates are of order 1
@@ -119,103 +110,13 @@ def test_the_positive_part_has_no_negative_eigenvalues_and_keeps_the_others() ->
     assert part == pytest.approx(frame * [0.0, 0.0, 1.0, 3.0] @ frame.T, abs=1e-14)
 
 
-# The closed forms
+# Energies of one's own
 
 
 @pytest.fixture
 def plate() -> Mesh:
     wobble = np.random.default_rng(2).normal(scale=0.02, size=(19, 2))
     return Mesh.from_loops([ring(10, 1.0) + wobble[:10], ring(6, 0.5) + wobble[10:16], ring(3, 0.2) + wobble[16:]])
-
-
-def area(plate: Mesh) -> ElementEnergy:
-    return ElementEnergy.per_edge(lambda now, rest: 0.5 * now[0].cross(now[1]))
-
-
-def displacement(plate: Mesh) -> ElementEnergy:
-    share = 0.5 * (plate.edge_lengths + plate.edge_lengths[plate.predecessor]) / plate.edge_lengths.mean()
-
-    def squared(now: tuple, rest: tuple) -> Jet:
-        away = now[0] - rest[0]
-        return 0.5 * share * away.dot(away)
-
-    return ElementEnergy.per_vertex(squared)
-
-
-def boundary(plate: Mesh, *, growing: bool) -> ElementEnergy:
-    """½ Σ w |e'|² + ½ Σ w |e|² - |s|, or ½ Σ w |e'|² - ½ (Re s)² / Σ w |e|², with s = Σ w ē e'."""
-
-    def cells(mesh: Mesh) -> np.ndarray:
-        before, after = mesh.predecessor, mesh.successor
-        return np.stack([before[before], before, np.arange(len(after)), after, after[after]], axis=1)
-
-    def cell(now: tuple, rest: tuple) -> Jet:
-        strained, moment, real, imaginary = 0.0, 0.0, 0.0, 0.0
-        for k in range(4):
-            edge, before = now[k + 1] - now[k], rest[k + 1] - rest[k]
-            weight = 0.25 * plate.edge_lengths.mean() / before.length()
-            strained = strained + weight * edge.dot(edge)
-            moment = moment + weight * before.dot(before)
-            real = real + weight * before.dot(edge)
-            imaginary = imaginary + weight * before.cross(edge)
-        if growing:
-            return 0.5 * strained - 0.5 * real**2 / moment
-        return 0.5 * strained + 0.5 * moment - np.hypot(real, imaginary)
-
-    return ElementEnergy(cells, cell)
-
-
-def interior(plate: Mesh) -> ElementEnergy:
-    """½ A |J - R|² with J from two edges of a triangle; the nearest rotation has tr(Rᵀ J)² = (a + d)² + (b - c)²."""
-
-    def triangle(now: tuple, rest: tuple) -> Jet:
-        u, v = now[1] - now[0], now[2] - now[0]
-        p, q = rest[1] - rest[0], rest[2] - rest[0]
-        twice = p.cross(q)
-        a, b = (u.x * q.y - v.x * p.y) / twice, (v.x * p.x - u.x * q.x) / twice
-        c, d = (u.y * q.y - v.y * p.y) / twice, (v.y * p.x - u.y * q.x) / twice
-        return 0.25 * twice * (a * a + b * b + c * c + d * d + 2.0 - 2.0 * np.hypot(a + d, b - c))
-
-    return ElementEnergy(lambda mesh: triangulate(mesh).triangles, triangle)
-
-
-CLOSED_FORMS: list[tuple[Energy, Callable[[Mesh], Energy]]] = [
-    (Area(), area),
-    (InitialDisplacement(), displacement),
-    (StepDisplacement(), displacement),
-    (BoundaryARAP(), lambda plate: boundary(plate, growing=False)),
-    (InteriorARAP(), interior),
-    (ShapeKeeping(0.6), lambda plate: WeightedSum(((1.0, area(plate)), (0.6, boundary(plate, growing=True))))),
-]
-
-
-@pytest.mark.parametrize(("energy", "by_jets"), CLOSED_FORMS, ids=lambda one: type(one).__name__)
-@pytest.mark.parametrize("squeeze", [(0.8, 1.3), (0.6, 0.7), (1.2, 1.4)])
-def test_closed_forms_agree_with_automatic_differentiation(
-    energy: Energy, by_jets: Callable[[Mesh], Energy], squeeze: tuple[float, float], plate: Mesh
-) -> None:
-    x = plate.vertices * squeeze + np.random.default_rng(3).normal(scale=0.04, size=plate.vertices.shape)
-    closed, jets, successor = energy.at(plate), by_jets(plate).at(plate), plate.successor
-    assert closed.value(x, successor) == pytest.approx(jets.value(x, successor), rel=1e-12, abs=1e-12)
-    assert np.abs(closed.gradient(x, successor) - jets.gradient(x, successor)).max() < 1e-8
-    exact = closed.hessian(x, successor).dense(len(x)) - jets.hessian(x, successor).dense(len(x))
-    assert np.abs(exact).max() < 1e-8
-    for blocks in (closed.projected_hessian(x, successor), jets.projected_hessian(x, successor)):
-        assert isinstance(blocks, Blocks)
-        difference = blocks.dense(len(x)) - closed.hessian(x, successor).dense(len(x))
-        assert np.linalg.eigvalsh(difference)[0] > -1e-10
-
-
-@pytest.mark.parametrize("energy", [Area(), InitialDisplacement()], ids=lambda energy: type(energy).__name__)
-def test_projections_without_a_metric_of_their_own_are_the_same(energy: Energy, plate: Mesh) -> None:
-    """Area drops negative eigenvalues in closed form; automatic differentiation by an eigenvalue decomposition."""
-    by_jets = area(plate) if isinstance(energy, Area) else displacement(plate)
-    closed = energy.at(plate).projected_hessian(plate.vertices, plate.successor).dense(19)
-    jets = by_jets.at(plate).projected_hessian(plate.vertices, plate.successor).dense(19)
-    assert np.abs(closed - jets).max() < 1e-12
-
-
-# Energies of one's own
 
 
 @pytest.mark.parametrize("module", [autodiff, element_energy], ids=lambda module: module.__name__)

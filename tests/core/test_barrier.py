@@ -56,25 +56,6 @@ def projected_hessian(corners: np.ndarray, pair: PointEdge, weight: np.ndarray) 
     return factors.transpose(0, 2, 1) @ factors
 
 
-def test_exact_hessian_agrees_with_differences(close: tuple[np.ndarray, PointEdge, np.ndarray]) -> None:
-    """Of the sum w b(d), which also checks the product rule that the projection starts from."""
-    corners, pair, weight = close
-    smooth = np.abs(pair.parameter - 0.5) < 0.45
-    corners, weight = corners[smooth][:100], weight[smooth][:100]
-
-    def gradient(at: np.ndarray) -> np.ndarray:
-        p = point_edge(at[:, :2], at[:, 2:4], at[:, 4:])
-        return (weight * barrier(p.distance, np.full(len(at), D_HAT)).first)[:, None] * distance_gradient(p)
-
-    pair = point_edge(corners[:, :2], corners[:, 2:4], corners[:, 4:])
-    hessian = exact_hessian(corners, pair, weight)
-    scale = 1 + np.abs(hessian).max(axis=(1, 2))
-    for k in range(6):
-        step = np.eye(6)[k] * 1e-7
-        difference = (gradient(corners + step) - gradient(corners - step)) / 2e-7
-        assert (np.abs(hessian[:, k] - difference).max(axis=1) / scale).max() < 1e-5
-
-
 def test_projection_is_semi_definite_and_no_less_than_the_hessian(
     close: tuple[np.ndarray, PointEdge, np.ndarray],
 ) -> None:

@@ -44,7 +44,7 @@ ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}  # on Windows no program s
 @pytest.fixture
 def drawing(tmp_path: Path) -> Path:
     path = tmp_path / "letter.svg"
-    path.write_text(to_svg(letter_a(2)))
+    path.write_text(to_svg(letter_a(1)))
     return path
 
 
@@ -284,7 +284,7 @@ def test_borders_within_a_width_make_the_map_smaller(tmp_path: Path, capsys: pyt
 
 def test_a_closed_output_loses_no_work(drawing: Path, tmp_path: Path) -> None:
     command = f"{sys.executable} -m nestedcages_core letter.svg --levels 24 -o out.svg --report"
-    for closing in (" r.json >&-", " r.json >&- 2>&-", " - >&-"):
+    for closing in (" r.json >&- 2>&-", " - >&-"):
         done = subprocess.run(
             command + closing,
             shell=True,
@@ -338,16 +338,15 @@ def test_a_reader_that_goes_away_loses_no_file(drawing: Path, tmp_path: Path) ->
     assert json.loads((tmp_path / "report.json").read_text())["inputs"][0]["written"] == ["out.svg"]
 
 
-def test_names_that_the_console_cannot_write(tmp_path: Path) -> None:
+def test_names_that_the_console_cannot_write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     names = ["Łódź", "half \ud83d a character", "two\nlines", "East"]
     members = [region(3.0 * place, name) for place, name in enumerate(names)]
     (tmp_path / "map.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": members}))
-    command = [sys.executable, "-m", "nestedcages_core", "map.geojson", "--levels", "8", "-o", "out.geojson"]
-    command += ["-o", "out.svg", "--report", "report.json"]
-    environment = {**ENVIRONMENT, "PYTHONIOENCODING": "cp1252"}
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, timeout=120, check=False)
-    assert done.returncode == 0, done.stderr
-    assert b"Traceback" not in done.stderr
+    monkeypatch.chdir(tmp_path)
+    for stream in ("stdout", "stderr"):
+        monkeypatch.setattr(sys, stream, io.TextIOWrapper(io.BytesIO(), encoding="cp1252"))
+    command = "map.geojson --levels 8 -o out.geojson -o out.svg --report report.json"
+    assert main(command.split()) == 0
     features = features_from_geojson((tmp_path / "out.geojson").read_bytes())
     assert [feature.properties["name"] for feature in features] == names
     assert json.loads((tmp_path / "report.json").read_text())["inputs"][0]["shapes"][3]["name"] == "feature 3 (East)"

@@ -35,7 +35,7 @@ def test_contacts_are_those_that_shapely_sees(monkeypatch: pytest.MonkeyPatch, l
         inside = fine.vertices * np.where(np.arange(40) < 20, 0.9, 1.15)[:, None]
         cage = coarse.vertices + 0.06 * random.standard_normal((20, 2))
         expected = meets(cage, coarse.successor, inside, fine.successor)
-        contact = ContainmentEnergy(coarse.successor, fine.successor).first_contact(np.concatenate([cage, inside]))
-        assert (contact is not None) == expected
+        energy, x = ContainmentEnergy(coarse.successor, fine.successor), np.concatenate([cage, inside])
+        assert (energy.first_contact(x) is not None) == (energy.value(x) == np.inf) == expected
         found.append(expected)
     assert True in found and False in found

@@ -70,7 +70,7 @@ def test_known_optima() -> None:
     assert cage_of(annulus(48), 5).cage.area == pytest.approx(cage_of(Mesh.from_loops([ring(48)]), 5).cage.area)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_as_small_as_the_best_of_all_choices_of_edges(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     from needed.convex import least_by_trial

@@ -78,7 +78,7 @@ def test_discs_of_table_1_come_within_3_percent(per_ring: int) -> None:
 
 
 @pytest.mark.parametrize("corners", [8, 5, 3])
-@pytest.mark.parametrize("angle", [0.0, 0.3, 0.7])
+@pytest.mark.parametrize("angle", [0.0, 0.3])
 def test_a_disc_in_an_annulus_of_few_corners(corners: int, angle: float) -> None:
     """The coarse annulus cuts deep into the disc (Gurditta & Jacobson 2022, figure 5); a triangle's ring is thin."""
     hierarchy = nested_cages(annulus(64), [annulus(corners, 0.5 if corners > 3 else 0.4, angle)])

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import nestedcages_core
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -32,22 +34,28 @@ METHOD = (
 MAX_NAMED_NUMBERS = 304
 """Constants and default parameters of the method with numbers in them: lower it whenever one goes."""
 
-LOADED = "\nimport sys\nprint(*sorted(sys.modules))"
-FIRST_CAGE = """
+PROGRAM = """
+import sys
 import numpy as np
+import nestedcages_core
+print(*sorted(sys.modules))
 from nestedcages_core import Mesh, nested_cages
 angle = np.linspace(0.0, 2.0 * np.pi, 80, endpoint=False)
 radius = 1.0 + 0.3 * np.cos(5.0 * angle) + 0.1 * np.sin(angle + 1.0)
 nested_cages(Mesh.from_loops([np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)]), [12])
+print(*sorted(sys.modules))
+import nestedcages_core.exchange
+print(*sorted(sys.modules))
 """
+"""Tells what is imported by the core, by the first cage, and by the readers."""
 
 
-def modules_after(source: str) -> set[str]:
-    """Everything that a new interpreter has imported after running a source."""
+@pytest.fixture(scope="module")
+def imported() -> list[set[str]]:
     done = subprocess.run(
-        [sys.executable, "-c", source + LOADED], cwd=ROOT, capture_output=True, text=True, check=True, timeout=120
+        [sys.executable, "-c", PROGRAM], cwd=ROOT, capture_output=True, text=True, check=True, timeout=120
     )
-    return set(done.stdout.split())
+    return [set(line.split()) for line in done.stdout.splitlines()]
 
 
 def parts(modules: set[str], package: str) -> set[str]:
@@ -58,23 +66,24 @@ def parts(modules: set[str], package: str) -> set[str]:
     return {name for name in names if not name.startswith("_")}
 
 
-def test_the_core_starts_without_the_parts_of_scipy() -> None:
-    modules = modules_after("import nestedcages_core")
-    assert parts(modules, "scipy") == {"version"}
-    assert parts(modules, "nestedcages_core").isdisjoint(
-        {"batch", "command", "coordinates", "exchange", "motion", "published"}
-    )
-    assert "shapely" not in modules
+def test_the_core_starts_without_the_parts_of_scipy(imported: list[set[str]]) -> None:
+    rooms = {"batch", "command", "coordinates", "exchange", "motion", "published"}
+    assert parts(imported[0], "scipy") == {"version"}
+    assert parts(imported[0], "nestedcages_core").isdisjoint(rooms)
 
 
-def test_the_first_cage_needs_linear_algebra_only() -> None:
-    parts_of_scipy = parts(modules_after(FIRST_CAGE), "scipy")
+def test_the_first_cage_needs_linear_algebra_only(imported: list[set[str]]) -> None:
+    parts_of_scipy = parts(imported[1], "scipy")
     assert parts_of_scipy.isdisjoint({"spatial", "optimize", "ndimage", "interpolate", "stats", "integrate", "signal"})
     assert "linalg" in parts_of_scipy
 
 
-def test_a_default_cage_loads_a_part_of_the_core() -> None:
-    modules = {name for name in modules_after(FIRST_CAGE) if name.startswith("nestedcages_core")}
+def test_readers_import_their_libraries_when_needed(imported: list[set[str]]) -> None:
+    assert {"shapely", "tinycss2", "cssselect2"}.isdisjoint(imported[2])
+
+
+def test_a_default_cage_loads_a_part_of_the_core(imported: list[set[str]]) -> None:
+    modules = {name for name in imported[1] if name.startswith("nestedcages_core")}
     files = [ROOT / f"{name.replace('.', '/')}{end}" for name in modules for end in (".py", "/__init__.py")]
     lines = sum(len(file.read_text(encoding="utf-8").splitlines()) for file in files if file.is_file())
     assert lines <= MAX_LINES_LOADED

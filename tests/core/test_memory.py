@@ -31,7 +31,7 @@ from nestedcages_core.cache import LARGEST_SHARE, Memory, forget, key_of
 from nestedcages_core.decimation.hull.hull_moves import Weights
 from nestedcages_core.level.builder import LevelBuilder
 from nestedcages_core.tasks import drain
-from shapes import islands, star
+from shapes import islands, slowly, star
 
 
 class TestMemory:
@@ -187,7 +187,7 @@ def dragged(fine: Mesh) -> list[Settings]:
     return settings
 
 
-@pytest.mark.parametrize("shape", [lambda: star(5, 60), islands], ids=["star", "islands"])
+@pytest.mark.parametrize("shape", [lambda: star(5, 60), *slowly(islands)])
 def test_results_are_the_same_bits_whatever_was_asked_for_before(shape) -> None:
     fine = shape()
     count = 5 * len(fine.loops)

@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 
 from nestedcages_core.errors import InvalidMeshError
 from nestedcages_core.geometry.mesh import Mesh
+from shapes import jagged
 
 SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
 
@@ -42,12 +43,6 @@ def target() -> list[np.ndarray]:
 
 def polygon_of(mesh: Mesh) -> Any:
     return shapely.geometry.shape(mesh.__geo_interface__)
-
-
-def star(random: np.random.Generator, count: int) -> np.ndarray:
-    """A simple loop with random radii, (count, 2)."""
-    angle = (np.arange(count) + random.uniform(0.0, 0.9, count)) / count * 2 * np.pi
-    return np.stack((np.cos(angle), np.sin(angle)), axis=1) * random.uniform(0.4, 1.0, (count, 1))
 
 
 # What comes in
@@ -407,7 +402,7 @@ def test_two_loops_on_a_grid_are_accepted_if_and_only_if_they_stay_apart() -> No
 @given(st.integers(0, 2**32 - 1), st.sampled_from([3, 5, 30, 400]), st.integers(-130, 130), st.floats(0, 7))
 @settings(max_examples=60, deadline=None)
 def test_stars_are_accepted_at_every_scale(seed: int, count: int, exponent: int, turn: float) -> None:
-    points = star(np.random.default_rng(seed), count)
+    points = jagged(np.random.default_rng(seed), count)
     rotation = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
     points = points @ rotation * 10.0**exponent
     expected = shapely.Polygon(points / 10.0**exponent)
@@ -437,7 +432,7 @@ def test_crowded_shapes_are_no_trouble(shape: str) -> None:
     random = np.random.default_rng(4)
     count = 20_000
     if shape == "star":
-        loop = star(random, count)
+        loop = jagged(random, count)
     elif shape == "slanted comb":
         x = np.arange(count) / count
         comb = np.stack((x, np.where(np.arange(count) % 2, 1.0, 0.1)), axis=1)

@@ -37,7 +37,7 @@ from nestedcages_core.published.gurditta_jacobson_2022.ray_parity import edges_m
 from nestedcages_core.published.settings import AUGMENTED_2022
 from nestedcages_core.solver.base import Solver
 from nestedcages_core.tasks import drain
-from shapes import annulus, assert_nested, ring
+from shapes import annulus, assert_nested, ring, slowly
 
 STEP = 1e-7  # of central differences
 
@@ -57,9 +57,7 @@ def run(
     return drain(reinflate(fine, coarse, steps, contacts=[contact], clearance=1e-5))
 
 
-@pytest.mark.parametrize(
-    ("scale", "excess"), [(1.0, 19.379), (3.0, 3.771), pytest.param(0.5, 51.160, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("scale", "excess"), [(1.0, 19.379), *slowly((3.0, 3.771), (0.5, 51.160))])
 def test_absolute_lengths_give_the_excess_of_the_compiled_program(scale: float, excess: float) -> None:
     """A disc of Table 1 at three sizes; the excesses are those of the authors' C++ on the same meshes."""
     fine, coarse = (mesh.moved(scale * mesh.vertices) for mesh in (annulus(16), annulus(16)))

@@ -156,7 +156,7 @@ def test_bad_pngs_get_a_sentence(tmp_path: Path) -> None:
 
 def test_data_beyond_the_size_of_a_picture_are_never_unpacked() -> None:
     packer = zlib.compressobj()
-    data = b"".join(packer.compress(bytes(10**7)) for _ in range(30)) + packer.flush()
+    data = b"".join(packer.compress(bytes(10**7)) for _ in range(15)) + packer.flush()
     header = struct.pack(">IIBBBBB", 1, 1, 8, 6, 0, 0, 0)
     bomb = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
     tracemalloc.start()

@@ -28,12 +28,7 @@ from nestedcages_core.geometry.predicates import (
     winding_number,
 )
 from nestedcages_core.geometry.predicates.oriented_boxes import OrientedBoxes
-
-
-def slowly(*values: Any) -> list[Any]:
-    """Values that only slow tests try."""
-    return [pytest.param(value, marks=pytest.mark.slow) for value in values]
-
+from shapes import slowly
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 

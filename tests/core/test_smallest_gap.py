@@ -11,12 +11,7 @@ import shapely
 from nestedcages_core.geometry import smallest_gap as room
 from nestedcages_core.geometry.predicates import BoxTree
 from nestedcages_core.geometry.smallest_gap import smallest_gap
-
-
-def star(random: np.random.Generator, count: int) -> np.ndarray:
-    """A simple loop with random radii up to 1, (count, 2)."""
-    angle = (np.arange(count) + random.uniform(0.0, 0.9, count)) / count * 2 * np.pi
-    return np.stack((np.cos(angle), np.sin(angle)), axis=1) * random.uniform(0.4, 1.0, (count, 1))
+from shapes import jagged
 
 
 @pytest.mark.parametrize("crowded", [-1, room.CROWDED])
@@ -25,7 +20,7 @@ def test_it_is_that_of_all_pairs(first: int, second: int, crowded: int, monkeypa
     monkeypatch.setattr(room, "CROWDED", crowded)
     random = np.random.default_rng(first * second)
     for shift in (0.0, 0.5, 2.5):
-        inner, outer = star(random, first), 2.6 * star(random, second) + np.array([10.0 * shift, shift])
+        inner, outer = jagged(random, first), 2.6 * jagged(random, second) + np.array([10.0 * shift, shift])
         expected = shapely.LinearRing(inner).distance(shapely.LinearRing(outer))
         trees = [BoxTree(loop, np.roll(loop, -1, axis=0)) for loop in (inner, outer)]
         if expected > 0:
@@ -34,7 +29,7 @@ def test_it_is_that_of_all_pairs(first: int, second: int, crowded: int, monkeypa
 
 def test_edges_may_come_in_any_order() -> None:
     random = np.random.default_rng(5)
-    inner, outer = star(random, 60), 2.6 * star(random, 90)
+    inner, outer = jagged(random, 60), 2.6 * jagged(random, 90)
     expected = shapely.LinearRing(inner).distance(shapely.LinearRing(outer))
     mixed = [(loop, np.roll(loop, -1, axis=0), random.permutation(len(loop))) for loop in (inner, outer)]
     trees = [BoxTree(starts[order], ends[order]) for starts, ends, order in mixed]

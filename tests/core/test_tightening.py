@@ -6,7 +6,6 @@ import itertools
 
 import numpy as np
 import pytest
-import shapely
 
 from nestedcages_core import Mesh
 from nestedcages_core.contact.linearisation import measure
@@ -20,7 +19,7 @@ from nestedcages_core.tasks import drain, mapped
 from nestedcages_core.tightening import Tightening, TighteningOutcome
 from nestedcages_core.tightening.reach_clearance import widen
 from nestedcages_core.tightening.restore_feasibility import restore
-from shapes import annulus, assert_nested, letter_a, polygon, ring, star
+from shapes import annulus, assert_free_of_crossings, assert_nested, letter_a, lines, polygon, ring, star
 
 CLEARANCE = 1e-5
 """As a fraction of the diagonal."""
@@ -54,11 +53,7 @@ def wide_letter() -> Mesh:
 
 def distance_of(cage: Mesh, fine: Mesh) -> float:
     """By shapely: between the two boundaries."""
-    lines = [
-        shapely.MultiLineString([mesh.vertices[np.append(loop, loop[0])] for loop in mesh.loops])
-        for mesh in (cage, fine)
-    ]
-    return float(lines[0].distance(lines[1]))
+    return float(lines(cage.vertices, cage).distance(lines(fine.vertices, fine)))
 
 
 CASES = {
@@ -91,15 +86,7 @@ def test_every_instant_of_every_step_is_free_of_crossings(
 ) -> None:
     fine, coarse, outcome, steps = case
     np.testing.assert_array_equal(steps[-1], outcome.cage)
-    inside = shapely.MultiLineString([fine.vertices[np.append(loop, loop[0])] for loop in fine.loops])
-    shapely.prepare(inside)
-    for before, after in itertools.pairwise(steps):
-        for s in np.linspace(0.0, 1.0, 6):
-            at = (1.0 - s) * before + s * after
-            rings = [shapely.LinearRing(at[loop]) for loop in coarse.loops]
-            assert all(one.is_simple for one in rings)
-            assert not any(one.intersects(other) for one, other in itertools.combinations(rings, 2))
-            assert not any(one.intersects(inside) for one in rings)
+    assert_free_of_crossings(coarse, fine, steps, [fine.vertices] * len(steps))
 
 
 def test_energy_falls_with_every_step(case: tuple[Mesh, Mesh, TighteningOutcome, list[np.ndarray]]) -> None:

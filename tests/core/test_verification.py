@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from nestedcages_core.errors import InvalidMeshError
 from nestedcages_core.geometry.mesh import Mesh
 from nestedcages_core.verification import Certificate, verify
+from shapes import jagged
 
 Point = tuple[float, float]
 
@@ -29,12 +30,6 @@ def ring(count: int, radius: float = 1.0, centre: Point = (0.0, 0.0)) -> np.ndar
 def square(half: float, centre: Point = (0.0, 0.0)) -> np.ndarray:
     """An upright square, (4, 2)."""
     return np.array([[-half, -half], [half, -half], [half, half], [-half, half]]) + np.array(centre)
-
-
-def star(random: np.random.Generator, count: int) -> np.ndarray:
-    """A simple loop with random radii up to 1, (count, 2)."""
-    angle = (np.arange(count) + random.uniform(0.0, 0.9, count)) / count * 2 * np.pi
-    return np.stack((np.cos(angle), np.sin(angle)), axis=1) * random.uniform(0.4, 1.0, (count, 1))
 
 
 def mesh(*loops: np.ndarray) -> Mesh:
@@ -228,7 +223,7 @@ def test_clearance_is_asked_for_to_a_billionth() -> None:
 @pytest.mark.parametrize("seed", range(12))
 def test_clearance_against_shapely(seed: int) -> None:
     random = np.random.default_rng(seed)
-    fine = mesh(star(random, int(random.integers(5, 2000))))
+    fine = mesh(jagged(random, int(random.integers(5, 2000))))
     cage = mesh(ring(int(random.integers(5, 300)), random.uniform(1.3, 3.0)))
     expected = polygon_of(cage).boundary.distance(polygon_of(fine).boundary)
     for a, b in ((cage, fine), (fine, cage)):
@@ -267,11 +262,11 @@ def test_random_pairs_against_shapely(seed: int) -> None:
     random = np.random.default_rng(seed)
 
     def shape(size: float) -> Mesh:
-        loops = [star(random, int(random.integers(8, 40))) * size]
+        loops = [jagged(random, int(random.integers(8, 40))) * size]
         if random.random() < 0.6:
-            loops.append(star(random, int(random.integers(3, 20))) * size * random.uniform(0.1, 0.25))
+            loops.append(jagged(random, int(random.integers(3, 20))) * size * random.uniform(0.1, 0.25))
         if random.random() < 0.3:
-            loops.append(star(random, 5) * 0.3 + np.array([size * 1.4, 0.0]))
+            loops.append(jagged(random, 5) * 0.3 + np.array([size * 1.4, 0.0]))
         return mesh(*loops)
 
     fine, cage = shape(1.0), shape(random.uniform(0.5, 5.0))
@@ -293,7 +288,7 @@ def test_random_pairs_against_shapely(seed: int) -> None:
 def test_strict_pairs_occur(kind: str) -> None:
     random = np.random.default_rng(3)
     for _ in range(30):
-        fine_loop = star(random, 30)
+        fine_loop = jagged(random, 30)
         loops = [fine_loop] if kind == "outer" else [fine_loop, 0.3 * fine_loop]
         grown = shapely.geometry.mapping(polygon_of(mesh(*loops)).buffer(0.02, join_style="mitre"))
         cage = Mesh.from_geometry(grown)
@@ -304,7 +299,7 @@ def test_strict_pairs_occur(kind: str) -> None:
 @pytest.mark.parametrize("exponent", [-450, -60, -1, 1, 60, 450])
 def test_the_verdict_does_not_depend_on_the_unit(exponent: int) -> None:
     random = np.random.default_rng(abs(exponent))
-    inner, outer = [star(random, 50), 0.3 * star(random, 20)], [ring(7, 1.3), 0.05 * ring(5)]
+    inner, outer = [jagged(random, 50), 0.3 * jagged(random, 20)], [ring(7, 1.3), 0.05 * ring(5)]
     for cage in (outer, [ring(7, 0.9), 0.05 * ring(5)], outer[:1]):
         here = verify(mesh(*cage), mesh(*inner))
         there = verify(mesh(*(np.ldexp(p, exponent) for p in cage)), mesh(*(np.ldexp(p, exponent) for p in inner)))
@@ -316,7 +311,7 @@ def test_the_verdict_does_not_depend_on_the_unit(exponent: int) -> None:
 @pytest.mark.slow
 def test_crowded_pairs_are_no_trouble() -> None:
     random = np.random.default_rng(5)
-    spikes = star(random, 10_000)
+    spikes = jagged(random, 10_000)
     certificate = verify(mesh(1.001 * spikes), mesh(spikes))
     assert certificate.strict == polygon_of(mesh(1.001 * spikes)).contains_properly(polygon_of(mesh(spikes)))
     scribble = mesh(ring(10_000)).moved(random.uniform(-1, 1, size=(10_000, 2)))
