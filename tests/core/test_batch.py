@@ -18,7 +18,6 @@ import shapely
 
 from nestedcages_core import (
     BatchProgress,
-    FlowError,
     Hierarchy,
     InvalidMeshError,
     Mesh,
@@ -26,7 +25,6 @@ from nestedcages_core import (
     NestingError,
     Outcome,
     OutcomeFolder,
-    ReinflationError,
     Settings,
     nested_cages,
     nested_cages_many,
@@ -400,19 +398,3 @@ def test_meshes_settings_and_results_travel() -> None:
     assert (copy.levels[0].reinflation.cage_steps == hierarchy.levels[0].reinflation.cage_steps).all()
     assert copy.levels[0].report == hierarchy.levels[0].report
     assert pickle.loads(pickle.dumps(Settings(clearance=0.1))) == Settings(clearance=0.1)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", [NestedCagesError, InvalidMeshError, FlowError, ReinflationError, NestingError])
-def test_errors_travel_with_what_was_finished(kind: type[NestedCagesError]) -> None:
-    error = kind("Too small at (1, 2).", partial=np.arange(3))
-    copy = pickle.loads(pickle.dumps(error))
-    assert type(copy) is kind
-    assert str(copy) == "Too small at (1, 2)."
-    assert copy.partial.tolist() == [0, 1, 2]
-    try:
-        nested_cages(star(5, 50), [20, 10], Settings(clearance=10.0))
-    except NestedCagesError as raised:
-        again = pickle.loads(pickle.dumps(raised))
-        assert str(again) == str(raised)
-        assert isinstance(again.partial, Hierarchy)
