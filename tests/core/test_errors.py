@@ -22,6 +22,7 @@ from nestedcages_core.errors import (
     NestingError,
     ReinflationError,
 )
+from nestedcages_core.errors.notes import in_units, sentence
 from shapes import annulus, star
 
 CORE = Path(__file__).resolve().parents[2] / "nestedcages_core"
@@ -46,6 +47,13 @@ def test_a_fault_is_its_sentence() -> None:
     for other in (pickle.loads(pickle.dumps(fault)), copy.deepcopy(fault), fault.said("Loop 2 of 'Tree' is open.")):
         assert (other.code, other.data) == ("mesh.open", {"vertices": (1, 2)})
     assert NestingError(fault).fault is fault
+
+
+def test_notes_of_other_versions_are_their_text_and_lengths_have_units() -> None:
+    assert sentence("note.of_tomorrow", {"text": "It is so."}) == "It is so."
+    data = {"limit": 2.0, "taken": 1.0, "on": ""}
+    assert in_units(data, "note.tolerance", 10.0) == {"limit": 20.0, "taken": 10.0, "on": ""}
+    assert in_units({**data, "on": "excess"}, "note.tolerance", 10.0)["limit"] == 2.0
 
 
 def _is_sentence(node: ast.expr) -> bool:

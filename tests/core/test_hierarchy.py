@@ -269,9 +269,20 @@ def test_choices_that_are_no_objects_are_refused_with_an_example(choice: dict[st
         Settings(**choice)  # type: ignore[arg-type]
 
 
-def test_clearances_beyond_all_measure_are_refused() -> None:
-    with pytest.raises(NestedCagesError, match="times as long as the diagonal"):
-        nested_cages(star(), [12], Settings(clearance=1e200))
+@pytest.mark.parametrize(
+    ("choice", "sentence"),
+    [
+        ({"clearance": 1e200}, "times as long as the diagonal"),
+        ({"stored": "int8"}, "stored must be float64, .* not 'int8'"),
+        ({"about": 3}, "about must be a Mesh, not int"),
+        ({"about": letter_a()}, "does not lie in the fine one"),
+        ({"symmetry": 3}, "The symmetry must be an object such as Mirror"),
+        ({"convex": True, "pins": [0]}, "Convex cages have no pins"),
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(choice: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(NestedCagesError, match=sentence):
+        nested_cages(star(), [12], **choice)
 
 
 @pytest.mark.parametrize("clearance", [-1.0, float("nan"), float("inf"), "1 mm", [0.1]])

@@ -71,6 +71,7 @@ class TestMemory:
             yield 0.5
             return 7
 
+        assert [memory.value("value", lambda value=value: value, 8) for value in (1, 2)] == [1, 1]
         for key, total in (("a", 1), ("a", 1), (None, 2), (None, 3), ("b", 4)):
             assert drain(memory.stage(key, work(), lambda _: 8)) == 7
             assert len(runs) == total
