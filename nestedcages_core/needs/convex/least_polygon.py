@@ -26,6 +26,9 @@ from .hull import Hull, Tangents, corner
 STARTS = 6
 """Number of tangents that first polygons go through: where edges are not flush, several are nearly the best."""
 
+MAX_SWEEPS = 20
+"""Maximum number of sweeps over all edges: more take seconds, for gains of less than 1e-9 each."""
+
 GOLDEN_STEPS = 30
 """Steps of golden-section search: intervals are 1e-6 of the first one then, and areas exact to its square."""
 
@@ -87,14 +90,14 @@ def _turned(hull: Hull, tangents: Tangents) -> Tangents:
     """The polygon with edges turned one by one, as long as the area shrinks."""
     angles = tangents.angle.copy()
     breaks = np.unique(np.mod(hull.flush, 2.0 * np.pi))
-    while True:
+    for _ in range(MAX_SWEEPS):
         before = hull.area(hull.tangents(angles))
         for k in range(len(angles)):
             if not _rests(hull, hull.tangents(angles), k):
                 angles[k] = _best_turn(hull, angles, k, breaks)
-        after = hull.area(hull.tangents(angles))
-        if before - after <= INPUT_ROUND_OFF * before:
-            return hull.tangents(angles)
+        if before - hull.area(hull.tangents(angles)) <= INPUT_ROUND_OFF * before:
+            break
+    return hull.tangents(angles)
 
 
 def _rests(hull: Hull, tangents: Tangents, k: int) -> bool:

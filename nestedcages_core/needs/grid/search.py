@@ -38,6 +38,9 @@ MAX_PUSH = 6.0
 MAX_LAYER = 72
 """Maximum number of points of a layer; the closest ones are kept."""
 
+MAX_IMPROVEMENTS = 12
+"""Maximum number of improvements: on fine grids hundreds follow that gain a step of the grid each."""
+
 CHUNK = 384
 """Number of fine vertices or edges measured together, before failed edges are left out."""
 
@@ -59,15 +62,14 @@ def put_on_grid(
             break
     if found is None:
         return None
-    reaches, number = list(LATER_REACHES), 2.0
-    while reaches:
+    reaches = list(LATER_REACHES)
+    for number in range(MAX_IMPROVEMENTS):
         better = search.chosen(search.layers_around(found, reaches[0]))
-        yield 1.0 - 0.75 / number
-        number += 1.0
+        yield 1.0 - 0.75 / (2.0 + number)
         if better is not None and search.cost(better) < search.cost(found):
             found = better
-        else:
-            reaches = reaches[1:]
+        elif not (reaches := reaches[1:]):
+            break
     return grid.points(found)
 
 
