@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any, TypeVar
+from typing import Any
 
 import bpy
 
@@ -85,30 +85,13 @@ OFFSET = "nested_cages_offset"
 # Property of GeoJSON features with y pointing down.
 Y_DOWN = "nested_cages_y_down"
 
-Block = TypeVar("Block", bound=bpy.types.ID)
 
-
-def integer(owner: bpy.types.ID, key: str) -> int | None:
-    """A whole number."""
-    value = owner.get(key)
-    return value if isinstance(value, int) and not isinstance(value, bool) else None
-
-
-def flag(owner: bpy.types.ID, key: str) -> bool:
-    """Whether a flag is set."""
-    return owner.get(key) is True
-
-
-def number(owner: bpy.types.ID, key: str) -> float | None:
-    """A finite number."""
-    value = owner.get(key)
-    return float(value) if isinstance(value, int | float) and math.isfinite(value) else None
-
-
-def text(owner: bpy.types.ID, key: str) -> str:
-    """A string, empty if there is none."""
-    value = owner.get(key)
-    return value if isinstance(value, str) else ""
+def value(owner: bpy.types.ID, key: str, kind: type, missing: Any = None) -> Any:
+    """A value of a type, finite if it is a float; or what stands for it if there is none."""
+    found = owner.get(key)
+    if kind is float:
+        return float(found) if isinstance(found, int | float) and math.isfinite(found) else missing
+    return found if isinstance(found, kind) and (kind is bool or not isinstance(found, bool)) else missing
 
 
 def numbers(owner: bpy.types.ID, key: str, count: int) -> tuple[float, ...] | None:
@@ -117,12 +100,6 @@ def numbers(owner: bpy.types.ID, key: str, count: int) -> tuple[float, ...] | No
     found = list(value) if hasattr(value, "__len__") and not isinstance(value, str | bytes) else []
     good = len(found) == count and all(isinstance(x, int | float) and math.isfinite(x) for x in found)
     return tuple(float(x) for x in found) if good else None
-
-
-def block(owner: bpy.types.ID, key: str, kind: type[Block]) -> Block | None:
-    """A data-block of a kind."""
-    value = owner.get(key)
-    return value if isinstance(value, kind) else None
 
 
 def has(owner: bpy.types.ID, key: str) -> bool:

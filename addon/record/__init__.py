@@ -67,7 +67,7 @@ def written(collection: bpy.types.Collection) -> Any:
 def member(obj: bpy.types.Object) -> Any:
     """What an object is in its set, or what an earlier version stored of that, as a view."""
     found: Any = obj.nested_cages_member  # type: ignore[attr-defined]
-    return found if found.role != "NONE" or keys.integer(obj, keys.LEVEL) is None else earlier.member_view(obj)
+    return found if found.role != "NONE" or keys.value(obj, keys.LEVEL, int) is None else earlier.member_view(obj)
 
 
 def described(obj: bpy.types.Object) -> Any:

@@ -35,7 +35,7 @@ def shown(obj: bpy.types.Object, *roles: str) -> bpy.types.Object | None:
     if found.role in roles:
         shows: bpy.types.Object | None = found.shows
         return shows
-    stored = (keys.block(obj, HELPERS[role], bpy.types.Object) for role in roles)
+    stored = (keys.value(obj, HELPERS[role], bpy.types.Object) for role in roles)
     return next((each for each in stored if each is not None), None)
 
 
@@ -47,7 +47,7 @@ def is_helper(obj: bpy.types.Object, *roles: str) -> bool:
 def lines_of(helper: bpy.types.Object) -> tuple[bpy.types.Object | None, float]:
     """The object whose lines a helper shows, and their thickness."""
     found = _group(helper)
-    thickness = found.thickness if found.role == LINES else keys.number(helper, keys.LINE_THICKNESS) or 0.0
+    thickness = found.thickness if found.role == LINES else keys.value(helper, keys.LINE_THICKNESS, float, 0.0)
     return shown(helper, LINES), float(thickness)
 
 
@@ -94,10 +94,10 @@ def before(obj: bpy.types.Object) -> Before:
         return Before(found.mesh, Matrix(np.reshape(found.matrix[:], (4, 4)).tolist()), tuple(found.hidden))
     state = keys.numbers(obj, keys.STORED_STATE, 19) or keys.numbers(obj, keys.STORED_STATE, 17)
     return Before(
-        keys.block(obj, keys.STORED_MESH, bpy.types.Mesh),
+        keys.value(obj, keys.STORED_MESH, bpy.types.Mesh),
         Matrix(np.reshape(state[:16], (4, 4)).tolist()) if state is not None else None,
         tuple(map(bool, state[16:])) if state is not None else (),
-        keys.block(obj, keys.STORED_ACTION, bpy.types.Action),
+        keys.value(obj, keys.STORED_ACTION, bpy.types.Action),
     )
 
 
@@ -112,7 +112,7 @@ def set_before(obj: bpy.types.Object, given: Before) -> None:
 def link(obj: bpy.types.Object) -> tuple[str, float]:
     """The method that an object follows its cage by, empty if it does not, and its error at rest."""
     found = _group(obj)
-    method, _, error = keys.text(obj, keys.LINK).partition(", error ")
+    method, _, error = keys.value(obj, keys.LINK, str, "").partition(", error ")
     with suppress(ValueError):
         return (found.link, found.link_error) if found.link else (method, float(error.partition(" ")[0] or 0.0))
     return method, 0.0

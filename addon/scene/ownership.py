@@ -43,7 +43,7 @@ def helpers(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     return [
         obj
         for obj in bpy.data.objects
-        if (record.is_helper(obj, record.FIELD, record.LINES) or keys.flag(obj, keys.HELPER))
+        if (record.is_helper(obj, record.FIELD, record.LINES) or keys.value(obj, keys.HELPER, bool, False))
         and level_of(obj) is None
         and (_shown(obj) in own or (_shown(obj) is None and collection in obj.users_collection))
     ]

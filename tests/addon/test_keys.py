@@ -28,13 +28,13 @@ def test_typed_access_gives_the_type_or_nothing(addon, kind) -> None:
     keys, owner = addon.keys, bpy.data.objects.new("Owner", None)
     value = bpy.data.objects.new("Camera", None) if kind == "object" else VALUES[kind]
     owner["key"] = value
-    assert keys.integer(owner, "key") == (value if kind == "negative" else None)
-    assert keys.number(owner, "key") == (value if kind in {"negative", "number"} else None)
-    assert keys.text(owner, "key") == (value if kind == "text" else "")
+    assert keys.value(owner, "key", int) == (value if kind == "negative" else None)
+    assert keys.value(owner, "key", float) == (value if kind in {"negative", "number"} else None)
+    assert keys.value(owner, "key", str, "") == (value if kind == "text" else "")
     assert keys.numbers(owner, "key", 3) == ((1.5, 2.5, 3.5) if kind == "list" else None)
     assert keys.numbers(owner, "key", 2) is None
-    assert keys.block(owner, "key", bpy.types.Object) == (value if kind == "object" else None)
-    assert keys.block(owner, "key", bpy.types.Mesh) is None
+    assert keys.value(owner, "key", bpy.types.Object) == (value if kind == "object" else None)
+    assert keys.value(owner, "key", bpy.types.Mesh) is None
     assert keys.has(owner, "key") and not keys.has(owner, "other")
 
 
