@@ -132,7 +132,7 @@ def _on_faces(obj: bpy.types.Object, matrix: Points) -> Canvas:
 def filled(name: str, outline: core.Mesh, canvas: Canvas, image: bpy.types.Image) -> bpy.types.Mesh:
     """A new mesh in the outline, in the canvas's frame, that shows the picture."""
     spacing = float(np.ptp(outline.vertices, axis=0).max()) / CELLS
-    inside = triangulation.triangulate(outline, triangulation.Sampling(spacing, growth=0.0))
+    inside = triangulation.triangulate(outline, triangulation.Sampling(spacing))
     points = inside.vertices
     data = filling.new_mesh(name, points, faces=inside.triangles)
     sides = np.array([np.linalg.norm(canvas.width), np.linalg.norm(canvas.height)])

@@ -107,6 +107,8 @@ PRESETS: Mapping[str, Mapping[str, tuple[str, Mapping[str, Any]]]] = {
         ),
     },
 }
+# The presets of both kinds.
+KNOWN = {**PRESETS[TASKS], **PRESETS[METHODS]}
 # What a preset leaves alone: when the animation plays, how cages look, and how drawings are read.
 KEPT = {*groups.FRAMES, *groups.LOOKS, *groups.READING, "ease", "loop_back", "in_turn", "show_result"}
 
@@ -159,24 +161,17 @@ class SCENE_OT_nested_cages_use_preset(Operator, bpy.types.Operator):
 
     @classmethod
     def description(cls, _context: bpy.types.Context, properties: Any) -> str:
-        found = _preset(properties.name)
-        return found[0] if found is not None else cls.bl_description
+        return KNOWN[properties.name][0] if properties.name in KNOWN else cls.bl_description
 
     def run(self, context: bpy.types.Context) -> None:
-        settings, found = settings_of(context), _preset(self.name)
-        if found is None:
-            known = ", ".join(name for kind in PRESETS.values() for name in kind)
-            raise UserError(f"There is no preset '{self.name}': choose one of {known}")
+        settings = settings_of(context)
+        if self.name not in KNOWN:
+            raise UserError(f"There is no preset '{self.name}': choose one of {', '.join(KNOWN)}")
         for name in NAMES:
             if name not in KEPT:
                 settings.property_unset(name)
-        for name, value in found[1].items():
+        for name, value in KNOWN[self.name][1].items():
             setattr(settings, name, value)
-
-
-def _preset(name: str) -> tuple[str, Mapping[str, Any]] | None:
-    """Description and settings of a preset; None if there is none of that name."""
-    return next((kind[name] for kind in PRESETS.values() if name in kind), None)
 
 
 class SCENE_OT_nested_cages_preset_add(Named, AddPresetBase, bpy.types.Operator):  # type: ignore[misc]

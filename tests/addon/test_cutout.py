@@ -11,7 +11,7 @@ import pytest
 import shapely
 from mathutils import Matrix
 
-from drawings import evaluated, in_world, snapshot
+from drawings import circle, evaluated, in_world, snapshot
 
 pytestmark = pytest.mark.slow
 
@@ -214,3 +214,11 @@ def test_pictures_without_a_cage_are_skipped_and_opaque_ones_told(capfd) -> None
     assert "'part.png' has no" not in told
     assert {"part", "solid"} <= set(bpy.data.objects.keys()) and "large" not in bpy.data.objects
     assert not large.hide_get() and small.hide_get() and rectangle.hide_get()
+
+
+def test_a_short_edge_of_the_outline_makes_few_triangles(addon, core) -> None:
+    corners = circle(64)
+    outline = core.Mesh.from_loops([np.insert(corners, 1, 0.98 * corners[0] + 0.02 * corners[1], axis=0)])
+    image = bpy.data.images.new("Picture", 8, 8, alpha=True)
+    mesh = addon.io.pictures.filled("Picture", outline, addon.io.pictures.canvas_of(None, (8, 8)), image)
+    assert 200 < len(mesh.vertices) < 1000
