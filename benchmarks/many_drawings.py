@@ -75,7 +75,7 @@ def measure(base: Any, overlay: Any, count: int) -> str:
     scene = bpy.context.scene
     actions, markers = len(bpy.data.actions), len(scene.timeline_markers)
     change = np.median([seconds(lambda at=frame: scene.frame_set(at)) for frame in range(2, 2 + REDRAWS)])
-    redraw = np.median([seconds(lambda: list(overlay.strokes(bpy.context))) for _ in range(REDRAWS)])
+    redraw = np.median([seconds(lambda: list(overlay.looks(bpy.context))) for _ in range(REDRAWS)])
     return (
         f"{count:8d} {totals[0]:8.2f} {min(totals[1:]):8.2f} {max(steps):8.3f} {actions:8d} {markers:8d} "
         f"{1e3 * change:9.1f} {1e3 * redraw:9.1f}"

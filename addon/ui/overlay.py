@@ -34,28 +34,39 @@ class Strokes(NamedTuple):
     width: float
 
 
-def strokes(context: bpy.types.Context) -> Iterator[Strokes]:
-    """The cages that this view shows on this frame, without those being edited, which Blender shows."""
-    depsgraph, chosen = context.evaluated_depsgraph_get(), groups.preferences()
+class Look(NamedTuple):
+    """A cage as a view shows it now: object, colour and width of lines, and whether it has handles."""
+
+    name: str
+    colour: tuple[float, float, float, float]
+    width: float
+    handles: bool
+
+
+def looks(context: bpy.types.Context) -> Iterator[tuple[bpy.types.Object, Look]]:
+    """The cages that this view shows, without those being edited, which Blender shows."""
+    chosen = groups.preferences()
     wide = WIDTH if chosen is None else chosen.line_width
     view = {"viewport": context.space_data} if isinstance(context.space_data, bpy.types.SpaceView3D) else {}
-    there = set(context.view_layer.objects)
-    for collection in bpy.data.collections:
-        if not ownership.is_output(collection):
-            continue
+    for collection in filter(ownership.is_output, bpy.data.collections):
         found = record.of(collection)
-        cages = [part.object for part in found.levels if part.object in there][1:]
+        cages = [part.object for part in found.levels][1:]
         for obj in cages:
-            if obj.mode == "OBJECT" and obj.visible_get(**view):
-                mesh = filling.mesh_of(obj.evaluated_get(depsgraph))
-                points = transform(np.array(obj.matrix_world), filling.points_of(mesh)).astype(np.float32)
-                handles = points if obj == cages[-1] and found.bound else points[:0]
-                colour, width = np.array(obj.color), wide
-                if obj.select_get():
-                    colour[:3] += LIGHTER * (1.0 - colour[:3])
-                    width += MORE
-                r, g, b, _ = colour.tolist()
-                yield Strokes(points[filling.loop_edges(mesh)].reshape(-1, 3), handles, (r, g, b, 1.0), width)
+            if obj is not None and obj.mode == "OBJECT" and obj.visible_get(**view):
+                selected = obj.select_get()
+                r, g, b = (part + LIGHTER * (1.0 - part) if selected else part for part in obj.color[:3])
+                handles = bool(found.bound) and obj == cages[-1]
+                yield obj, Look(obj.name_full, (r, g, b, 1.0), wide + MORE * selected, handles)
+
+
+def strokes(context: bpy.types.Context) -> Iterator[Strokes]:
+    """What these cages look like on this frame."""
+    depsgraph = context.evaluated_depsgraph_get()
+    for obj, look in looks(context):
+        mesh = filling.mesh_of(obj.evaluated_get(depsgraph))
+        points = transform(np.array(obj.matrix_world), filling.points_of(mesh)).astype(np.float32)
+        ends = points[filling.loop_edges(mesh)].reshape(-1, 3)
+        yield Strokes(ends, points if look.handles else points[:0], look.colour, look.width)
 
 
 def together(found: Iterable[Strokes]) -> Iterator[tuple[str, float, NDArray[np.float32], NDArray[np.float32]]]:
@@ -85,15 +96,25 @@ def _draw() -> None:
     viewport: Any = gpu.state.viewport_get()  # type: ignore[func-returns-value]
     gpu.state.blend_set("ALPHA")
     gpu.state.point_size_set(HANDLE * scale)
-    for kind, size, points, colours in together(strokes(context)):
-        shader = gpu.shader.from_builtin(SHADERS[kind])
+    for kind, size, shader, batch in _batches(context):
         shader.bind()
         if kind == "LINES":
             shader.uniform_float("viewportSize", viewport[2:])
             shader.uniform_float("lineWidth", size * scale)
-        buffers: Any = {"pos": points, "color": colours}
-        batch_for_shader(shader, kind, buffers).draw(shader)
+        batch.draw(shader)
     gpu.state.blend_set("NONE")
+
+
+def _batches(context: bpy.types.Context) -> list[tuple[str, float, Any, Any]]:
+    """Kind, size, shader and batch of all that is drawn; the last ones, unless something has changed."""
+    now = tuple(look for _, look in looks(context))
+    if now not in _known:
+        _known.clear()
+        _known[now] = []
+        for kind, size, points, colours in together(strokes(context)):
+            shader, buffers = gpu.shader.from_builtin(SHADERS[kind]), {"pos": points, "color": colours}
+            _known[now].append((kind, size, shader, batch_for_shader(shader, kind, buffers)))  # type: ignore[arg-type]
+    return _known[now]
 
 
 # Points have their own shader since Blender 4.5.
@@ -103,12 +124,30 @@ SHADERS = {
 }
 
 _handlers: list[object] = []
+# What was drawn last, by the looks of the cages.
+_known: dict[tuple[Look, ...], list[tuple[str, float, Any, Any]]] = {}
+
+
+@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
+def _forget(*_: object) -> None:
+    """Something may have another shape or place."""
+    _known.clear()
+
+
+def _changes() -> tuple[list[Any], ...]:
+    app = bpy.app.handlers
+    return app.depsgraph_update_post, app.frame_change_post, app.undo_post, app.redo_post, app.load_post
 
 
 def register() -> None:
     _handlers.append(bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW"))
+    for handlers in _changes():
+        handlers.append(_forget)
 
 
 def unregister() -> None:
     while _handlers:
         bpy.types.SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")
+    for handlers in _changes():
+        handlers.remove(_forget)
+    _known.clear()

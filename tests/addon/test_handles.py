@@ -38,6 +38,12 @@ def test_bound_cages_show_their_outline_alone(addon, cage) -> None:
         ("POINTS", len(corners)),
     ]
     assert {tuple(colour[:3]) for *_, colours in drawn for colour in colours} == {tuple(np.float32(c)) for c in found}
+    before = tuple(look for _, look in addon.ui.overlay.looks(bpy.context))
+    assert [look.handles for look in before] == [False, True]
+    addon.ui.overlay._known[before] = []
+    cage.location.x += 1.0
+    bpy.context.view_layer.update()
+    assert not addon.ui.overlay._known  # drawn anew
     cage.hide_set(True)
     assert len(list(addon.ui.overlay.strokes(bpy.context))) == 1
 
