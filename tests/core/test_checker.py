@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -104,7 +105,8 @@ def test_shapes_of_all_kinds_are_read() -> None:
 def test_the_distance_is_exact() -> None:
     fine = mesh([(1, 1), (2, 1), (2, 2), (1, 2)])
     assert check(fine, SQUARE, 1.0)
-    assert "the distance is 1, not" in check(fine, SQUARE, 1.0 + 1e-8).problems[0]
+    assert check(fine, SQUARE, 1.0 + 5e-10)
+    assert "the distance is 1, not" in check(fine, SQUARE, 1.0 + 1.5e-9).problems[0]
     slanted = check(mesh([(1, 1), (2, 1), (1, 2)]), [(0, 0), (3.5, 0), (0, 3.5)], 0.5)
     assert slanted.problems == (f"the distance is {0.5 / np.sqrt(2.0):.9g}, not 0.5",)
     tiny = 1e-170 * SQUARE
@@ -128,9 +130,20 @@ def test_the_largest_distance_is_exact(place: float) -> None:
     """Of squares: the distance from corner to corner, and not the last digits of it that a coordinate can hold less."""
     rest, cage = 0.25 * SQUARE + 1.5 + place, SQUARE + place
     farthest, digits = 1.5 * np.sqrt(2.0), max(2e-9, 1e-12 * place)
-    assert check(rest, cage, distance=farthest)
-    assert check(rest, cage, distance=farthest * (1.0 - 0.1 * digits))
-    assert not check(rest, cage, distance=farthest * (1.0 - 2.0 * digits))
+    for around in ((rest, cage), (cage, rest)):  # an inner cage is as far from its drawing
+        judged = partial(check, *around, inside=around[0] is cage)
+        assert judged(distance=farthest)
+        assert judged(distance=farthest * (1.0 - 0.1 * digits))
+        assert not judged(distance=farthest * (1.0 - 2.0 * digits))
+
+
+def test_loops_may_differ_where_the_coarse_mesh_did_or_as_said() -> None:
+    fine, coarse = Mesh.from_loops([ring(24), 0.5 * ring(24)]), Mesh.from_loops([ring(9, 1.2)])
+    (level,) = nested_cages(fine, [coarse]).levels
+    assert check(fine, level)
+    assert not check(fine, level, same_loops=True)
+    assert check(fine, level.cage, same_loops=False)
+    assert not check(fine, level.cage)
 
 
 def test_images_are_exact_anywhere() -> None:
