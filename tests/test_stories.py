@@ -39,6 +39,13 @@ STORIES = (
     "walk",
     "waving",
 )
+NESTED = {
+    "logo": ("logo_cages.svg", "shape", "cage-1", "cage-2"),
+    "butterfly": ("butterfly.svg", "shape", "cage-1"),
+    "needs": ("needs.svg", "inner", "fine", "outer"),
+    "five_levels": ("five_levels.svg", "shape", "cage-1", "cage-2", "cage-3"),
+}
+"""The drawing that a story writes, and what lies in each other there."""
 NEED_BLENDER = ("character", "waving")
 
 
@@ -65,18 +72,9 @@ def _check_files(story: str, folder: Path) -> None:
         text = (folder / "fox_outline.json").read_text()
         assert len(from_engine_json(text).vertices) == 16
         assert json.loads(text)["triangles"]
-    elif story == "logo":
-        parts = [read_svg(folder / "logo_cages.svg", element=name) for name in ("shape", "cage-1", "cage-2")]
-        assert verify(parts[1], parts[0])
-        assert verify(parts[2], parts[1])
-    elif story == "butterfly":
-        parts = [read_svg(folder / "butterfly.svg", element=name) for name in ("shape", "cage-1")]
-        assert verify(parts[1], parts[0])
-    elif story == "needs":
-        parts = [read_svg(folder / "needs.svg", element=name) for name in ("inner", "fine", "outer")]
-        assert all(verify(outer, inner) for inner, outer in pairwise(parts))
-    elif story == "five_levels":
-        parts = [read_svg(folder / "five_levels.svg", element=name) for name in ("shape", "cage-1", "cage-2", "cage-3")]
+    elif story in NESTED:
+        name, *elements = NESTED[story]
+        parts = [read_svg(folder / name, element=element) for element in elements]
         assert all(verify(outer, inner) for inner, outer in pairwise(parts))
     elif story == "coast":
         features = json.loads((folder / "coast.geojson").read_text())["features"]

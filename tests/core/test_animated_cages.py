@@ -48,12 +48,12 @@ def check(level, fine: Mesh, poses: np.ndarray, clearance: float) -> None:
 
 
 def test_every_pose_and_every_instant_is_certified() -> None:
-    fine, poses = waving(5)
-    moving = animated_cages(fine, poses, [20, 10], Settings(clearance=1e-3))
+    fine, poses = waving(5, [star(7, 56).vertices])
+    moving = animated_cages(fine, poses, [16, 8], Settings(clearance=1e-3))
     inner, outer = moving.levels
     check(inner, fine, poses, 1e-3)
     check(outer, inner.cage, inner.cage_steps, 1e-3)
-    assert len(inner.cage.vertices) == 20 and len(outer.cage.vertices) == 10
+    assert len(inner.cage.vertices) == 16 and len(outer.cage.vertices) == 8
     assert np.array_equal(inner.report.excess, [inner.report.certificates[k].excess for k in inner.report.given])
 
 

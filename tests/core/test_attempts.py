@@ -175,33 +175,30 @@ def ran(starts: list[Start], fine: Mesh, ranks: list[float], **options: Any) -> 
             return names
 
 
+CURVE, HULLS = "on the curve None", ["outer hull 0", "outer hull 1", "outer hull 2"]
+
+
 class TestInTurn:
-    def test_hulls_are_tried_one_after_the_other(self) -> None:
-        starts, fine = starts_for(on_curve=False)
-        assert ran(starts, fine, [0.3, 0.2, 0.1]) == ["outer hull 0", "outer hull 1", "outer hull 2"]
-
-    def test_the_best_one_on_the_curve_stands_for_its_hull(self) -> None:
-        starts, fine = starts_for(on_curve=True)
-        assert ran(starts, fine, [0.1, 0.3, 0.2]) == ["on the curve None", "outer hull 1", "outer hull 2"]
-
-    def test_where_it_fails_its_hull_is_tried_too(self) -> None:
-        starts, fine = starts_for(on_curve=True)
-        names = ran(starts, fine, [inf, inf, inf, inf])
-        assert names == ["on the curve None", "outer hull 0", "outer hull 1", "outer hull 2"]
+    @pytest.mark.parametrize(
+        ("on_curve", "ranks", "options", "names"),
+        [
+            (False, [0.3, 0.2, 0.1], {}, HULLS),
+            (True, [0.1, 0.3, 0.2], {}, [CURVE, *HULLS[1:]]),  # the best one on the curve stands for its hull
+            (True, [inf, inf, inf, inf], {}, [CURVE, *HULLS]),  # where it fails, its hull is tried too
+            (True, [inf], {"may_fall_back": False}, [CURVE]),
+        ],
+    )
+    def test_starts_are_tried_one_after_the_other(
+        self, on_curve: bool, ranks: list[float], options: dict[str, bool], names: list[str]
+    ) -> None:
+        assert ran(*starts_for(on_curve=on_curve), ranks, **options) == names
 
     def test_a_single_start_is_tried_itself_where_its_mesh_is_tighter_than_the_cage_from_the_curve(self) -> None:
         starts, fine = starts_for(on_curve=True)
         bound = starts[0].coarse.area / fine.area - 1.0
-        for rank, names in (
-            (0.9 * bound, ["on the curve None"]),
-            (1.1 * bound, ["on the curve None", "outer hull 0"]),
-        ):
-            assert ran(starts[:1], fine, [rank, inf], seeks_area=True) == names
-            assert ran(starts[:1], fine, [rank, inf]) == names[:1]
-
-    def test_without_falling_back_a_failure_ends_it(self) -> None:
-        starts, fine = starts_for(on_curve=True)
-        assert ran(starts, fine, [inf], may_fall_back=False) == ["on the curve None"]
+        for share, names in ((0.9, [CURVE]), (1.1, [CURVE, HULLS[0]])):
+            assert ran(starts[:1], fine, [share * bound, inf], seeks_area=True) == names
+            assert ran(starts[:1], fine, [share * bound, inf]) == names[:1]
 
 
 @dataclass(frozen=True)

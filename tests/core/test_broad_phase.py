@@ -38,9 +38,9 @@ def test_cells_find_each_close_pair_once(radius: float, long_share: float, monke
 def test_crowds_of_points_get_cells_of_their_own_size(monkeypatch: pytest.MonkeyPatch) -> None:
     """As where long lines cross along a small circle: few pairs are close, and few are measured."""
     random = np.random.default_rng(3)
-    angle = np.sort(random.uniform(0.0, 2.0 * np.pi, 2000))
+    angle = np.sort(random.uniform(0.0, 2.0 * np.pi, 1000))
     points = np.stack((np.cos(angle), np.sin(angle)), axis=1)
-    long = random.normal(size=(2, 300, 2)) * 30.0
+    long = random.normal(size=(2, 150, 2)) * 30.0
     starts = np.concatenate((points, long[0]))
     ends = np.concatenate((np.roll(points, -1, axis=0), long[1]))
     measured = []

@@ -89,9 +89,9 @@ def test_pictures_and_motions(tmp_path: Path, capsys: pytest.CaptureFixture) -> 
     assert main([str(picture), "--levels", "10", "-o", str(result)]) == 0
     assert checked(capsys, picture, result)[0] == 0
 
-    fine, moves = star(), np.linspace(0.0, 0.4, 4)
+    fine, moves = star(5, 40), np.linspace(0.0, 0.4, 4)
     poses = [fine.vertices + np.array([x, 0.0]) for x in moves]
-    moving = animated_cages(fine, poses, [20], Settings(starts=1)).levels[0]
+    moving = animated_cages(fine, poses, [12], Settings(starts=1)).levels[0]
     frames.write_text(frames_to_engine_json([fine.moved(x) for x in moving.fine_steps]))
     result.write_text(frames_to_engine_json([moving.cage.moved(x) for x in moving.cage_steps]))
     assert checked(capsys, frames, result)[0] == 0

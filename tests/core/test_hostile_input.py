@@ -36,7 +36,7 @@ from nestedcages_core.published.gurditta_jacobson_2022 import PaperFlow, SignedD
 from nestedcages_core.published.sacht_2015 import ElTopo
 from shapes import letter_a, letter_a_coarse
 
-FEW, MANY = 24, 3000
+FEW, MANY = 16, 3000
 """Examples of each grammar in every run of the tests, and in the thorough ones."""
 
 SEED = 20_260_101

@@ -23,7 +23,6 @@ from nestedcages_core import (
     read_svg,
     to_svg,
     verify,
-    verify_motion,
 )
 from nestedcages_core.command import main
 from nestedcages_core.energies.lost_area import LostArea
@@ -32,17 +31,13 @@ from shapes import annulus, islands, letter_a, polygon, ring, square_with_hole, 
 
 
 def assert_inside(level) -> None:
-    """Certified and, by shapely, inside at the clearance; motion free of collisions; the fine mesh as it was."""
+    """Certified and, by shapely, inside at the clearance."""
     cage, fine, report = level.cage, level.fine, level.report
     assert verify(fine, cage, report.wanted_clearance)
     assert polygon(fine).contains(polygon(cage))
     assert polygon(fine).boundary.distance(polygon(cage).boundary) >= report.wanted_clearance * (1.0 - 1e-6)
     assert report.excess == pytest.approx(cage.area / fine.area - 1.0)
     assert report.excess < 0.0
-    motion = level.reinflation
-    assert verify_motion(cage, fine, motion.cage_steps, motion.fine_steps)
-    assert np.array_equal(motion.fine_steps[-1], fine.vertices)
-    assert np.array_equal(motion.cage_steps[-1], cage.vertices)
 
 
 @pytest.mark.parametrize("fine", [star(), letter_a(), annulus(40), islands(), square_with_hole()])
@@ -67,7 +62,7 @@ def test_the_largest_octagon_in_a_disc() -> None:
 
 
 def test_as_tight_as_a_cage_around_the_complement_in_a_box() -> None:
-    fine = letter_a()
+    fine = letter_a(1)
     box = np.array([[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]]) * fine.diagonal
     others = Mesh.from_loops([box, *(fine.vertices[loop] for loop in fine.loops)])
     cage = nested_cages(others, [20], Settings(clearance=1e-5 * fine.diagonal)).levels[0].cage

@@ -181,7 +181,7 @@ def bits(fine: Mesh, count: int, settings: Settings) -> bytes:
 
 def dragged(fine: Mesh) -> list[Settings]:
     """Settings as a hand on sliders gives them, in no order."""
-    strengths, clearances = (0.5, 4.0, 0.5, 2.0), (1e-5, 3e-4, 1e-2, 1.05e-2, 1.6e-5, 3e-4)
+    strengths, clearances = (0.5, 4.0, 0.5, 2.0), (1e-5, 3e-4, 1.05e-2, 3e-4)
     settings = [Settings(energy=ShapeKeeping(strength)) for strength in strengths]
     settings += [Settings(clearance=share * fine.diagonal) for share in clearances]
     settings += [Settings(energy=NoEnergy(), clearance=1e-2 * fine.diagonal), Settings(contact=IPC()), Settings()]

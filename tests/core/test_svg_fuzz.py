@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from nestedcages_core import NestedCagesError
 from nestedcages_core.exchange import Limits, svg_drawing
 
-EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "20"))
+EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "8"))
 """Documents that are tried; thousands with FUZZ_EXAMPLES=5000."""
 
 LIMITS = Limits(bytes=100_000, elements=2000, points=50_000)
