@@ -65,7 +65,7 @@ class Artist:
         for name, panel in vars(panels).items():
             drawn = name.startswith("VIEW3D_PT_nested_cages") and issubclass(panel, panels.SidebarPanel)
             if drawn and (not hasattr(panel, "poll") or panel.poll(bpy.context)):
-                layout = SimpleNamespace(layout=Layout([]), names=getattr(panel, "names", ()))
+                layout = SimpleNamespace(layout=Layout([]), bl_label=getattr(panel, "bl_label", ""))
                 panel.draw(layout, bpy.context)
 
     def tell(self, what: str) -> None:
