@@ -171,6 +171,7 @@ def _dashes(stroke: Stroke, period: float, length: float) -> Iterator[tuple[floa
 
 def _between(points: FloatArray, along: FloatArray, low: float, high: float) -> FloatArray:
     """The part of a line between two lengths."""
-    inner = points[(along > low) & (along < high)]
-    ends = [[np.interp(at, along, points[:, axis]) for axis in (0, 1)] for at in (low, high)]
-    return np.concatenate((ends[:1], inner, ends[1:]))
+    first, last = int(along.searchsorted(low, "right")), int(along.searchsorted(high))
+    around = slice(max(min(first - 1, last), 0), last + 1)
+    ends = [[np.interp(at, along[around], points[around, axis]) for axis in (0, 1)] for at in (low, high)]
+    return np.concatenate((ends[:1], points[first:last], ends[1:]))
