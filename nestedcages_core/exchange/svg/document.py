@@ -80,12 +80,8 @@ class Document:
                 item.tag = ""  # of another namespace: nobody draws it
             self.by_id.setdefault(item.get("id", ""), item)
         self._count(Budget(limits))
-        self.frame = Frame(
-            view_box_of(self.root),
-            self.root.get("width", ""),
-            self.root.get("height", ""),
-            self.root.get("preserveAspectRatio", ""),
-        )
+        size = (self.root.get(key, "") for key in ("width", "height", "preserveAspectRatio"))
+        self.frame = Frame(view_box_of(self.root), *size)
         units = self.frame.view_box or self.frame.page
         self.faults = Faults()
         self.viewport = Viewport(faults=self.faults).sized(*(units[2:] if units else (None, None)))

@@ -10,7 +10,6 @@ from xml.etree import ElementTree as ET
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...geometry.arrays import FloatArray
 from ..limits import Budget, Limits
 from .curves import CUBIC, LINE, ellipse
 from .lengths import Viewport, attribute, name_of, quoted, title_of
@@ -61,7 +60,8 @@ def outline(item: ET.Element, viewport: Viewport, budget: Budget | None = None) 
     if name in ("circle", "ellipse"):
         radii = [length("r")] * 2 if name == "circle" else _radii(item, viewport)
         centre = np.array([length("cx"), length("cy")])
-        return [_cubics(ellipse(centre, np.diag(radii)))] if min(radii) > 0.0 else []
+        points = ellipse(centre, np.diag(radii))
+        return [Subpath(points, np.full(len(points) // CUBIC, CUBIC), True)] if min(radii) > 0.0 else []
     return []
 
 
@@ -70,10 +70,6 @@ def through(points: ArrayLike, *, closed: bool) -> list[Subpath]:
     given = np.asarray(points, dtype=np.float64)
     around = np.concatenate((given, given[:1])) if closed else given
     return [Subpath(around, np.full(len(around) - 1, LINE), closed)] if len(given) > 1 else []
-
-
-def _cubics(points: FloatArray) -> Subpath:
-    return Subpath(points, np.full(len(points) // CUBIC, CUBIC), True)
 
 
 def _radii(item: ET.Element, viewport: Viewport) -> list[float]:

@@ -110,12 +110,10 @@ class Scene:
         elif name in OUTLINED:
             self._add_shape(item, context, group)
         elif name == "svg" and around.depth:
-            size = (item.get("width"), item.get("height"))
             x, y = (attribute(item, key, context.viewport) for key in ("x", "y"))
-            self._add_framed(item, context, group, x, y, size)
+            self._add_framed(item, context, group, x, y, (item.get("width"), item.get("height")))
         else:
-            children = list(item) if name != "switch" else chosen(item)
-            for child in children:
+            for child in chosen(item) if name == "switch" else item:
                 self._add(child, context, group)
         attach(group, to)
 
@@ -228,10 +226,8 @@ class Scene:
         matrix = context.matrix @ translation(*vertex.point) @ turned(angle) @ scaling(scale, scale)
         matrix = matrix @ translation(-reference[0], -reference[1])
         style = self.styles.computed(marker, {})
-        clips = []
-        if style.get("overflow", "hidden") in ("hidden", "scroll"):
-            clips.append(rectangular_clip(0.0, 0.0, across, down, matrix))
-        marked = Group(clips=clips)
+        hidden = style.get("overflow", "hidden") in ("hidden", "scroll")
+        marked = Group(clips=[rectangular_clip(0.0, 0.0, across, down, matrix)] if hidden else [])
         inner = replace(
             context,
             matrix=matrix @ inside,
@@ -255,6 +251,8 @@ class Scene:
                 continue
             of_box = item.get(f"{tag}Units" if purpose == CLIP else "maskContentUnits", "") == "objectBoundingBox"
             own = self.styles.computed(item, {})
+            if own.get("mask-type") == "alpha" and purpose == MASK:
+                purpose = PAINT
             inner = replace(
                 context,
                 matrix=self.document.transform(own.get("transform") or "", tag) if purpose == CLIP else np.eye(3),
@@ -266,13 +264,11 @@ class Scene:
                 users=(*context.users, item),
                 viewport=context.viewport.sized(1.0, 1.0) if of_box else context.viewport,
             )
-            if purpose == MASK and own.get("mask-type", "luminance") == "alpha":
-                inner = replace(inner, purpose=PAINT)
             content = Group(clips=self._clips(own, replace(inner, matrix=np.eye(3))))
             for child in item:
                 self._add(child, inner, content)
-            found.append(Clip(content, context.matrix, of_box, is_mask=inner.purpose == MASK))
-            if purpose == MASK:
+            found.append(Clip(content, context.matrix, of_box, is_mask=purpose == MASK))
+            if tag == "mask":
                 found.append(mask_region(item, context.viewport, context.matrix))
         return found
 

@@ -65,9 +65,8 @@ def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
     if text != "none":
         lengths = [viewport.length(part, "r") for part in text.replace(",", " ").split()]
         if None in lengths:
-            viewport.faults.add(
-                f"The stroke-dasharray is {quoted(text)}, which is not a list of lengths: it is left out"
-            )
+            what = f"The stroke-dasharray is {quoted(text)}, which is not a list of lengths: it is left out"
+            viewport.faults.add(what)
         elif min(filter(None, lengths), default=0.0) >= 0.0:
             dashes = tuple(length or 0.0 for length in lengths)
     limit = numbers(style.get("stroke-miterlimit", "4"))
@@ -112,10 +111,8 @@ def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: 
 
 def _different(line: Polyline) -> FloatArray:
     """Points without those that repeat the one before, at least one."""
-    points = line.points
-    kept = np.ones(len(points), dtype=bool)
-    kept[1:] = (np.diff(points, axis=0) != 0.0).any(axis=1)
-    points = points[kept]
+    repeated = (np.diff(line.points, axis=0) == 0.0).all(axis=1)
+    points = line.points[np.append(True, ~repeated)]
     repeats = line.closed and len(points) > 1 and bool((points[0] == points[-1]).all())
     return np.asarray(points[:-1] if repeats else points)
 
