@@ -114,9 +114,12 @@ def test_every_part_gets_its_own() -> None:
     assert hierarchy.levels[1].fine is hierarchy.levels[0].cage
 
 
-@pytest.mark.parametrize("count", [3, 4])
-def test_parts_close_to_each_other_keep_apart(count: int) -> None:
-    fine = Mesh.from_loops([ring(24), disc(24, 1.0, 2.05, 0.0), disc(20, 0.5, 1.025, 1.3)])
+@pytest.mark.parametrize(("count", "angle"), [(3, 0.0), (4, 0.0), (4, 0.5), (5, 1.0), (6, 0.8)])
+def test_parts_close_to_each_other_keep_apart(count: int, angle: float) -> None:
+    """Turned, some pairs overlap only once there are walls between others."""
+    c, s = np.cos(angle), np.sin(angle)
+    loops = ring(24), disc(24, 1.0, 2.05, 0.0), disc(20, 0.5, 1.025, 1.3)
+    fine = Mesh.from_loops([loop @ np.array([[c, s], [-s, c]]) for loop in loops])
     assert_convex_cage(cage_of(fine, count, 1e-3), count, parts=3)
 
 

@@ -145,7 +145,8 @@ class _Solver:
         """The polygon of each part; overlapping ones are made again with a wall between them. None if there are
         none."""
         found: list[Tangents | None] = [None] * len(hulls)
-        for walled in (False, True):
+        walled: set[tuple[int, int]] = set()
+        while True:
             for k in range(len(hulls)):
                 if found[k] is None:
                     found[k] = self._polygon(k, hulls, found, wanted)
@@ -156,16 +157,16 @@ class _Solver:
             overlapping = _overlapping([hull.polygon(each) for hull, each in zip(hulls, polygons, strict=True)])
             if not overlapping:
                 return polygons
-            if self.plan.group is not None:  # walls may have no symmetry
+            if self.plan.group is not None or not walled.isdisjoint(overlapping):  # walls may have no symmetry
                 return None
-            for k, other in overlapping if not walled else ():
+            walled.update(overlapping)
+            for k, other in overlapping:
                 walls = _between(hulls[k], hulls[other])
                 if walls is None:
                     return None
                 for part, wall in zip((k, other), walls, strict=True):
                     hulls[part] = hulls[part].behind(wall)
                     found[part] = None
-        return None
 
     def _in_each_others_way(self, hulls: list[Hull], wanted: int) -> str:
         """Why parts have no separate polygons."""

@@ -125,6 +125,6 @@ class _Search:
             middle = 0.5 * (self.few.mean(axis=0) + target.mean(axis=0))
             mirror = Mirror((float(middle[0]), float(middle[1])), (cos(turn), sin(turn)))
             mean = self._mean(mirror)
-            if mean >= least:
+            if not mean < least:
                 return best
             best, least = mirror, mean
