@@ -28,19 +28,17 @@ def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
     check_free(ownership.members(collection))
     if not is_animated(collection):
         raise UserError(f"'{collection.name}' has no animation")
-    stage.leave(collection)
-    timeline.restore_scene(scene, collection)
-    for obj in ownership.members(collection):
-        shape_keys.remove_steps(obj)
-        if obj.animation_data is not None and obj.animation_data.action is not None:
-            visibility.always_show(obj)
-        obj.hide_viewport = obj.hide_render = False
-        forget_times(obj)
+    end(scene, collection)
     record.written(collection).moving = False
     record.keep(collection)
 
 
-def forget_times(obj: bpy.types.Object) -> None:
-    """Removes what an object says about its animation."""
-    record.described(obj).property_unset("phases")
-    record.described(obj).property_unset("frames")
+def end(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
+    """Removes what plays of an output, and what its objects say about it."""
+    stage.leave(collection)
+    timeline.restore_scene(scene, collection)
+    for obj in ownership.members(collection):
+        shape_keys.remove_steps(obj)
+        visibility.always_show(obj)
+        for name in ("phases", "frames"):
+            record.described(obj).property_unset(name)

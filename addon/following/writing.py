@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import record
-from ..animation import playing, shape_keys, stage, timeline, visibility
+from ..animation import playing, shape_keys
 from ..animation.timeline import Timing
 from ..core import core
 from ..errors import UserError
@@ -83,7 +83,7 @@ def _in_world(drawing: Drawing, scale: float) -> Drawing:
 def _play(scene: bpy.types.Scene, collection: bpy.types.Collection, result: Moving) -> None:
     """Keys the shapes of the objects of an output, which are children of the drawing's object."""
     poses = result.poses
-    _end_animation(scene, collection)
+    playing.end(scene, collection)
     fine, *cages = ownership.members(collection)
     action = shape_keys.new_action(collection.name)
     shape_keys.add_steps(fine, poses.points.astype(np.float32), poses.frames, "Level 1", action=action)
@@ -94,15 +94,6 @@ def _play(scene: bpy.types.Scene, collection: bpy.types.Collection, result: Movi
     first, last = round(float(poses.frames[0])), round(float(poses.frames[-1]))
     found.moving, found.frames = True, (first, last, last)
     record.keep(collection)
-
-
-def _end_animation(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
-    """Removes the animation of how the cages form from output without steps."""
-    stage.leave(collection)
-    timeline.restore_scene(scene, collection)
-    for obj in ownership.members(collection):
-        visibility.always_show(obj)
-        playing.forget_times(obj)
 
 
 def write_still(scene: bpy.types.Scene, result: Result, used: dict[str, Any]) -> None:
@@ -117,9 +108,7 @@ def write_still(scene: bpy.types.Scene, result: Result, used: dict[str, Any]) ->
     timing = Timing(start_frame=scene.frame_current, frames_per_step=1, show_flow=False)
     drawing = _in_world(result.drawing, scale_of(source))
     (collection,), _ = output.write(scene, [Result(drawing, tuple(levels), result.kinds, used)], timing)
-    _end_animation(scene, collection)
-    for obj in ownership.members(collection):
-        shape_keys.remove_steps(obj)
+    playing.end(scene, collection)
     record.keep(collection)
 
 
