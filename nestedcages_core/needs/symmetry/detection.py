@@ -21,6 +21,9 @@ SAMPLES = 400
 ANGLES = 90
 """Number of directions of mirrors that are tried: 2° apart."""
 
+REFINEMENTS = 12
+"""Maximum number of fits of a mirror to the closest points of the images: some take hundreds, each gaining little."""
+
 MAX_FITTED = 6
 """Number of best directions that are fitted."""
 
@@ -115,7 +118,7 @@ class _Search:
     def _fitted(self, mirror: Mirror) -> Mirror:
         """The mirror that takes points closest to the points of the outline which are closest to their images."""
         best, least = mirror, self._mean(mirror)
-        while True:
+        for _ in range(REFINEMENTS):
             target = self.edges.nearest(mirror.image(self.few))
             a, b = self.few - self.few.mean(axis=0), target - target.mean(axis=0)
             # maximise Σ b · M a over mirrors M = (c s; s -c)
@@ -125,6 +128,7 @@ class _Search:
             middle = 0.5 * (self.few.mean(axis=0) + target.mean(axis=0))
             mirror = Mirror((float(middle[0]), float(middle[1])), (cos(turn), sin(turn)))
             mean = self._mean(mirror)
-            if not mean < least:
-                return best
+            if mean >= least:
+                break
             best, least = mirror, mean
+        return best
