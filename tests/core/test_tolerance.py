@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from nestedcages_core import Mesh, NestedCagesError, NestingError, Settings, Within, inner_cages, nested_cages, verify
 from nestedcages_core.hierarchy import Share, level_words, parse_level, wanted_levels
 from nestedcages_core.tolerance.minimal_nested import Band
-from nestedcages_core.tolerance.reach import REACH_PRECISION, reach, stays_within
+from nestedcages_core.tolerance.reach import REACH_PRECISION, beyond, reach, stays_within
 from shapes import annulus, letter_a, polygon, ring, star
 
 slow = pytest.mark.slow
@@ -145,6 +145,16 @@ def test_the_reach_of_random_cages(seed: int) -> None:
 
 SQUARE = Mesh.from_loops([[[0, 0], [4, 0], [4, 4], [0, 4]]])
 AROUND = Mesh.from_loops([[[-0.3, -0.3], [4.3, -0.3], [4.4, 4.4], [-0.3, 4.3]]])
+
+
+def test_the_inside_of_a_shape_is_at_no_distance() -> None:
+    """One side has many vertices, so the middle of the square is farther from its outline than a usual edge is long."""
+    side = np.linspace(0.0, 10.0, 100, endpoint=False)
+    fine = Mesh.from_loops([[*np.column_stack([side, 0.0 * side]), [10, 0], [10, 10], [0, 10]]])
+    cage = Mesh.from_loops([[[-1, -1], [11, -1], [11, 11], [-1, 11]]])
+    assert np.sqrt(2.0) <= reach(cage, fine) <= np.sqrt(2.0) * (1.0 + 1.01 * REACH_PRECISION)
+    assert sorted(beyond(cage, fine, 1.2).tolist()) == sorted(cage.vertices.tolist())
+    assert len(beyond(cage, fine, 1.42)) == 0
 
 
 def test_what_is_measured_is_compared_with_the_limit() -> None:
