@@ -64,7 +64,8 @@ def extension() -> Iterator[ModuleType]:
 
 @pytest.fixture(autouse=True)
 def empty_scene(extension: ModuleType) -> None:
-    """A scene without objects, on frame 1 of 1 to 250, and nothing remembered of earlier computations."""
+    """A scene without objects, on frame 1 of 1 to 250, no jobs, and nothing remembered of earlier computations."""
+    import_module(f"{PACKAGE}.addon.generation.job").end_all(bpy.context)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     import_module(f"{PACKAGE}.nestedcages_core.cache").forget()
 

@@ -155,6 +155,8 @@ def test_the_inside_of_a_shape_is_at_no_distance() -> None:
     assert np.sqrt(2.0) <= reach(cage, fine) <= np.sqrt(2.0) * (1.0 + 1.01 * REACH_PRECISION)
     assert sorted(beyond(cage, fine, 1.2).tolist()) == sorted(cage.vertices.tolist())
     assert len(beyond(cage, fine, 1.42)) == 0
+    lower = cage.moved(cage.vertices - [[0, 2], [0, 0], [0, 0], [0, 0]])
+    assert len(beyond(lower, fine, 1.5)) > 4  # places along two sides, not only the corner
 
 
 def test_what_is_measured_is_compared_with_the_limit() -> None:
