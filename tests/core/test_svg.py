@@ -490,6 +490,8 @@ def test_without_shapely_plain_drawings_are_read_and_others_get_a_sentence(monke
     for name in ("shapely", "tinycss2", "cssselect2"):
         monkeypatch.setitem(sys.modules, name, None)
     assert area(f'{SQUARE}<circle cx="30" cy="5" r="3" fill="#f00"/>') == pytest.approx(100.0 + 9.0 * math.pi, rel=1e-2)
+    whole = '<clipPath id="c"><path d="M-1 -1h20v20h-20z"/></clipPath>'
+    assert area(f'{whole}<g clip-path="url(#c)">{SQUARE}</g>') == 100.0  # as drawing programs write around everything
     for body in (line(""), SQUARE + '<rect x="5" width="10" height="9"/>', f"<style>rect{{fill:red}}</style>{SQUARE}"):
         with pytest.raises(NestedCagesError, match=r"needs .*pip install nested-cages\[formats\]"):
             from_svg(svg(body))

@@ -166,6 +166,8 @@ class Areas:
             matrix = matrix @ translation(*low) @ scaling(*(high - low))
         low, high = bounds_of(areas)
         inside = self._masked(clip.content, matrix) if clip.is_mask else self.of(clip.content, matrix)
+        if len(inside) == 1 and _is_box_around(inside[0], low, high):
+            return areas
         shapely = load_shapely("clip paths and masks")
         kept = union_of(shapely, inside, self.budget)
         if shapely.covers(kept, shapely.box(*low, *high)):
@@ -210,3 +212,13 @@ def _box(outlines: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Lower left and upper right corner."""
     points = np.concatenate(outlines)
     return points.min(axis=0), points.max(axis=0)
+
+
+def _is_box_around(area: Any, low: FloatArray, high: FloatArray) -> bool:
+    """Whether an area is a rectangle along the axes that covers another one."""
+    if not isinstance(area, Painted) or len(area.loops) != 1:
+        return False
+    (loop,) = area.loops
+    least, most = loop.min(axis=0), loop.max(axis=0)
+    is_rectangle = len(loop) in (4, 5) and all(len(np.unique(loop[:, axis])) == 2 for axis in (0, 1))
+    return is_rectangle and len(np.unique(loop, axis=0)) == 4 and bool((least <= low).all() and (most >= high).all())

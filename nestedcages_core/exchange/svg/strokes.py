@@ -94,9 +94,10 @@ def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: 
     for line in lines:
         points = _different(line)
         closed = line.closed and len(points) > 2
-        curve = (shapely.linearrings if closed else shapely.linestrings if len(points) > 1 else shapely.MultiPoint)(
-            points
-        )
+        if len(points) == 1:
+            curve = shapely.points(points[0])
+        else:
+            curve = shapely.linearrings(points) if closed else shapely.linestrings(points)
         if not shapely.is_simple(curve):
             spend_crossings(edges_in(shapely, [curve]), budget, own=True)
         mitred = stroke.join not in ("round", "bevel")
