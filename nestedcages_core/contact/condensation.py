@@ -104,9 +104,8 @@ def _cage_solver(m: int, entries: FloatArray, row: IntArray, column: IntArray) -
     scale = _equal_diagonals(band[:, 0])
     beyond = np.concatenate([scale, np.zeros(height)])  # the band has places below the last row
     band *= scale[:, None] * sliding_window_view(beyond, height)[:size]
-    solve = (
-        factorised(band) or np.copy
-    )  # where rounding made it indefinite, the unit diagonal gives a descent direction
+    # where rounding made it indefinite, the unit diagonal gives a descent direction
+    solve = factorised(band) or np.copy
 
     def solution(right: FloatArray) -> FloatArray:
         ordered = np.empty(size)

@@ -15,6 +15,10 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from .linearisation import Contacts
 from .pairs import Pairs
 
+MAX_PASSES = 20
+"""Cap on the passes; each removes the points above the chord of their neighbours, and half of those nearly above it.
+Around smooth outlines hundreds follow that remove few each."""
+
 NEGLIGIBLE_SAG = 0.05
 """How far below the chord of its neighbours a point may be to count as implied, as a fraction of its own room: near a
 contact all points stay, and a smooth outline of any number of vertices has a few for each edge."""
@@ -39,12 +43,9 @@ def not_implied(pairs: Pairs, contacts: Contacts, room: FloatArray) -> BoolArray
 
 
 def _lower_hull(edge: IntArray, t: FloatArray, height: FloatArray) -> IntArray:
-    """Indices of points (t, height), about those on the lower convex hulls of their edges.
-
-    Each pass removes the points above the chord of their neighbours, and half of those nearly above it.
-    """
+    """Indices of points (t, height), about those on the lower convex hulls of their edges."""
     kept = np.arange(len(edge))
-    while True:
+    for _ in range(MAX_PASSES):
         above, nearly = _above_neighbours(edge, t, height)
         rank = np.arange(len(edge)) - np.searchsorted(edge, edge)
         nearly &= rank[1:-1] % 2 == 1  # of two neighbours one stays, the same in any order of the edges
@@ -52,8 +53,9 @@ def _lower_hull(edge: IntArray, t: FloatArray, height: FloatArray) -> IntArray:
         np.logical_not(above | nearly, out=below[1:-1])
         left = np.flatnonzero(below)
         if len(left) == len(kept):
-            return kept
+            break
         kept, edge, t, height = kept.take(left), edge.take(left), t.take(left), height.take(left)
+    return kept
 
 
 def _above_neighbours(edge: IntArray, t: FloatArray, height: FloatArray) -> tuple[BoolArray, BoolArray]:

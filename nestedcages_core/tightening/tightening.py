@@ -44,6 +44,7 @@ THINNEST_SKIN = 0.75
 
 ACTIVE_MULTIPLIER = 1e-3
 """Multipliers above this fraction of the largest mark constraints that are active at a saddle."""
+
 ESCAPE_LENGTH = 0.5
 """Length of the step off a saddle, in first radii."""
 
