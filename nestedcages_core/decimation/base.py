@@ -18,6 +18,10 @@ from ..tasks import Stage
 Count: TypeAlias = int | Sequence[int]
 """Vertices of a level: a total, or one number per loop in the order of `fine.loops`."""
 
+REACH = 1.5
+"""How far new vertices may run away, in diameters: from the centre, or along an edge from its contact. Tightening needs
+no limit, since edges of least area touch what is inside at their middle or on either side of it."""
+
 LEAST_PER_LOOP = 3
 """Vertices of the smallest polygon."""
 

@@ -15,5 +15,8 @@ MOST_ROUNDS = 12
 MOST_STEPS = 100
 """Cap of loops of small steps that converge, unless something is wrong."""
 
+MOST_HALVINGS = 60
+"""Cap of loops that halve: what is left is then below the spacing of doubles."""
+
 SUFFICIENT_DECREASE = 1e-4
 """Armijo's constant: fraction of the predicted decrease that a step must reach (Nocedal & Wright 2006, section 3.1)."""

@@ -15,11 +15,8 @@ from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh
 from ..tasks import Result, Stage, Yielded, followed
 
-DECIMATION_SHARE = 0.2
-"""Approximate fraction of a level's time for decimation; only for the progress bar."""
-
-STAGES = {"decimation": 0.0, "flow": 0.0, "reinflation": 0.15, "tightening": 0.4, "verification": 0.95}
-"""Approximate fraction of a start at which each stage begins."""
+STAGES = {"decimation": 0.0, "flow": 0.2, "reinflation": 0.32, "tightening": 0.52, "verification": 0.96}
+"""Approximate fraction of a level with one start at which each stage begins."""
 
 
 @dataclass(frozen=True)
@@ -213,9 +210,10 @@ class LevelProgress:
 
     def _within_level(self, fraction: float) -> float:
         """From 0 to 1 within the level."""
-        if self._stage == "decimation":
-            return DECIMATION_SHARE * fraction
         begins = STAGES[self._stage]
         ends = min((other for other in STAGES.values() if other > begins), default=1.0)
-        within_start = begins + fraction * (ends - begins)
-        return DECIMATION_SHARE + (1.0 - DECIMATION_SHARE) * (self._start + within_start) / self._starts
+        place = begins + fraction * (ends - begins)
+        if self._stage == "decimation":
+            return place
+        first = STAGES["flow"]
+        return first + ((1.0 - first) * self._start + place - first) / self._starts

@@ -22,6 +22,7 @@ import numpy as np
 from ..contact.pairs import Bodies, CandidateList
 from ..energies import CageEnergy, signed_area
 from ..geometry.arrays import FloatArray
+from ..geometry.precision import MOST_STEPS, NEGLIGIBLE
 from ..parameters import check_count, check_not_negative, check_part, check_positive
 from ..solver.negative_curvature import negative_curvature
 from ..solver.quadratic_program import InteriorPoint, QPSolution
@@ -67,13 +68,13 @@ class TighteningOutcome(NamedTuple):
 class Tightening:
     """Brings a cage to a local optimum of its energy; lengths in units of the mean coarse edge length L."""
 
-    iterations: int = 100
+    iterations: int = MOST_STEPS
     """Cap on the steps."""
     first_radius: float = 0.05
     """First Δ of every vertex."""
     largest_radius: float = 0.1
     """Largest Δ: steps of a whole L converge in fewer iterations, but to worse optima."""
-    tolerance: float = 1e-6
+    tolerance: float = NEGLIGIBLE
     """Stop when the predicted decrease stays below this fraction of the cage's area ..."""
     share: float = 2e-4
     """... or below this fraction of all decrease so far."""

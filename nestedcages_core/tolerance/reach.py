@@ -12,6 +12,7 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
+from ..geometry.precision import MOST_HALVINGS
 from ..geometry.predicates import winding_number
 from ..geometry.signed_distance import EdgeSearch
 from ..geometry.triangulation import triangulate
@@ -20,9 +21,6 @@ from .strips import REACH_PRECISION, Strips, bounds
 
 FIRST_PIECE = 0.5
 """Length of the first pieces of a cage, in distances."""
-
-MAX_TRIANGLE_HALVINGS = 60
-"""Cap on the halvings of a triangle: its sides are then shorter by a factor of a billion."""
 
 
 def reach(cage: Mesh, fine: Mesh, slack: float = 0.0, limit: float = np.inf) -> float:
@@ -71,7 +69,7 @@ def _in_triangles(
 ) -> tuple[float, FloatArray]:
     """`_reach` for triangles (T, 3, 2) that cover the cage outside of the fine mesh; largest: a distance found."""
     near = search.closest(corners.reshape(-1, 2)).edge.reshape(-1, 3)
-    for _ in range(MAX_TRIANGLE_HALVINGS):
+    for _ in range(MOST_HALVINGS):
         corners, near = _longest_first(corners, near)
         middle = 0.5 * (corners[:, 0] + corners[:, 1])
         distance, nearest, _ = search.closest(middle)

@@ -19,6 +19,7 @@ from ..errors import NestedCagesError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh, MeshLike
+from ..geometry.precision import MOST_HALVINGS
 from ..tasks import Stage, drain
 
 Number = TypeVar("Number", float, FloatArray)
@@ -26,21 +27,20 @@ Number = TypeVar("Number", float, FloatArray)
 BLOCK_NUMBERS = 2**20
 """Positions of a block of several steps, and pairs of a step tested together; bounds the memory to about 100 MB."""
 
-MAX_HALVINGS = 40
-"""Maximum number of halvings: an interval is then about as short as a rounding of s."""
-
 MAX_PIECES = 32
 """Maximum number of undecided intervals of one pair: a passing contact leaves two or three, sliding leaves more."""
 
-COEFFICIENT_ROUNDING = 16.0 * float(np.finfo(float).eps)
-"""Bound on the relative rounding error of a coefficient: a product of two differences, summed twice, doubled for
-safety."""
+ROUNDINGS = 16.0
+"""Bound on the roundings in a coefficient: a product of two differences, summed twice, doubled for safety."""
+
+COEFFICIENT_ROUNDING = ROUNDINGS * float(np.finfo(float).eps)
+"""Bound on the relative rounding error of a coefficient."""
 
 HALVING_ROUNDING = float(np.finfo(float).eps)
 """Bound on the rounding error that a halving adds to a difference of positions, relative to the largest one:
 half of it for the sum; the other half, once, for the difference itself."""
 
-UNDERFLOW = 16.0 * np.finfo(float).smallest_subnormal
+UNDERFLOW = ROUNDINGS * np.finfo(float).smallest_subnormal
 """Bound on the error of a coefficient whose products leave the range of normal floats."""
 
 
@@ -224,7 +224,7 @@ def _by_halving(first: FloatArray, last: FloatArray) -> BoolArray:
     pair = np.arange(count)
     rounding = HALVING_ROUNDING * np.abs(np.concatenate([first, last])).reshape(-1, count).max(axis=0)
     certified = np.ones(count, bool)
-    for halvings in range(MAX_HALVINGS):
+    for halvings in range(MOST_HALVINGS):
         margin = halvings * rounding.take(pair)
         left = (~_never_aligned(first, last, margin)).nonzero()[0]
         pair, margin = pair.take(left), margin.take(left)

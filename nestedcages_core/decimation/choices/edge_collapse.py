@@ -13,8 +13,8 @@ from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
 from ...geometry.predicates import orientation_sign
 from ...geometry.vectors import norm
-from ..base import Count
-from .simplification import MAX_VERTEX_DISTANCE, Simplification, simplified
+from ..base import REACH, Count
+from .simplification import Simplification, simplified
 
 MIDPOINT_WEIGHT = 1e-3
 """Weight of the distance to the middle of the edge, relative to that of its lines: decides for parallel lines."""
@@ -66,7 +66,7 @@ class _Collapsing(Simplification):
             return  # edges too short to have a line
         x, y = (q * r - xy * s) / determinant, (p * s - xy * r) / determinant
         cost = xx * x * x + xy * x * y + yy * y * y + x1 * x + y1 * y + one
-        if max(abs(x), abs(y)) < MAX_VERTEX_DISTANCE * loops.diameter / self.unit:
+        if max(abs(x), abs(y)) < REACH * loops.diameter / self.unit:
             squared = max(cost, 0.0) / (loops.diameter / self.unit) * self.unit * self.unit
             self.queue.push([(squared, vertex, (self.unit * x + cx, self.unit * y + cy))])
 

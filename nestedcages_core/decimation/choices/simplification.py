@@ -13,13 +13,10 @@ from ...errors import InvalidMeshError, NestingError
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
 from ...geometry.predicates import orientation_sign
-from ..base import Count
+from ..base import REACH, Count
 from ..hull.hull_moves import NEGLIGIBLE_COST, MoveQueue
 from ..hull.linked_loops import LinkedLoops
 from ..request import Request
-
-MAX_VERTEX_DISTANCE = 1.5
-"""Maximum distance of new vertices from the centre, in diameters."""
 
 
 class Simplification(ABC):
@@ -28,7 +25,7 @@ class Simplification(ABC):
     def __init__(self, outline: Loops, minimum: Sequence[int]) -> None:
         """minimum: vertices that each loop keeps, at least 3."""
         self.minimum = list(minimum)
-        self.loops = LinkedLoops(outline, MAX_VERTEX_DISTANCE)
+        self.loops = LinkedLoops(outline, REACH)
         self.queue = MoveQueue(self.loops.total, NEGLIGIBLE_COST * self.loops.diameter**2)
 
     @abstractmethod

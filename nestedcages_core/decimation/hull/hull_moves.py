@@ -9,10 +9,9 @@ from math import inf
 from typing import TypeAlias
 
 from ...geometry.arrays import TINY
+from ...geometry.predicates.orientation import FLOAT_BOUND, SPLITTER
+from ..base import REACH
 from .linked_loops import LinkedLoops
-
-TURN_ROUNDING = 4e-16
-"""Relative error of a 2x2 determinant of differences of doubles, rounded up."""
 
 PIVOT_RATIOS = (1.0, 0.5, 2.0, 0.2, 5.0)
 """Ratios |b q| / |p b| that pivots try; the first, with b in the middle, adds the least area."""
@@ -25,9 +24,6 @@ Place: TypeAlias = tuple[float, ...]
 
 NEGLIGIBLE_COST = 1e-15
 """Cost in squared diameters at round-off level; moves that cost less are free."""
-
-COST_SPLITTER = 2.0**27 + 1.0
-"""Rounds costs to 26 bits (Dekker 1971), so that equal moves of a symmetric shape tie despite round-off."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +39,7 @@ class Weights:
     """None: only loops of a few vertices pivot, which may have no other move."""
     spike: float = 0.02
     """Cost of the squared height of a new corner over the edge it replaces: against spikes."""
-    reach: float = 1.5
+    reach: float = REACH
     """Largest distance of new vertices from the centre, in diameters."""
 
 
@@ -83,7 +79,7 @@ class HullMoves:
             slot = 2 * b
 
             # drop b, or pivot about it
-            if turn_b <= 0.0 or turn_b <= TURN_ROUNDING * (abs(ux * wy) + abs(uy * wx)):
+            if turn_b <= 0.0 or turn_b <= FLOAT_BOUND * (abs(ux * wy) + abs(uy * wx)):
                 if last < 0 or (b != first and b != last):
                     stamps[slot] += 1
                     found.append((drop_weight * 0.5 * abs(turn_b), slot, ()))
@@ -168,7 +164,8 @@ class MoveQueue:
         """Add moves: cost, slot and place each."""
         stamps, heap, negligible = self.stamps, self._heap, self._negligible
         for cost, slot, place in moves:
-            scaled = cost * COST_SPLITTER
+            scaled = cost * SPLITTER
+            # 26 bits, so that equal moves of a symmetric shape tie despite round-off
             cost = scaled - (scaled - cost) if cost > negligible else 0.0
             heappush(heap, (cost, slot, stamps[slot], place))
 

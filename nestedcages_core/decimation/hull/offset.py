@@ -9,7 +9,7 @@ from ...geometry.broad_phase import near_pairs
 from ...geometry.distance import point_edge
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
-from ...geometry.precision import MOST_ROUNDS, NEGLIGIBLE
+from ...geometry.precision import MOST_HALVINGS, MOST_ROUNDS, NEGLIGIBLE
 from ...geometry.predicates import BoxTree, orientation, segments_intersect
 from ...geometry.vectors import cross, dot, norm, rotated_right
 from ...tasks import Stage, drain
@@ -34,9 +34,6 @@ SCALE_STEP = 8.0
 ONE_SEARCH = 1000
 """Number of vertices up to which all steps share a search if its radius is less than the mean edge length: it finds few
 pairs then, and gaps wider than a step needs do not matter."""
-
-HALVINGS = 48
-"""Maximum number of halvings of steps that still touch something: a gap is then below the spacing of doubles."""
 
 STALLED_RATIO = 0.97
 """Ratio of the largest shortfalls after and before a step above which no further step is made."""
@@ -71,7 +68,7 @@ def offsetting(outline: Loops, distance: FloatArray | float, obstacle: BoxTree) 
     step = np.minimum(distance[source], longest[source] / norm(direction))
     changed = step > 0.0
     touching = np.zeros(0, dtype=np.int64)
-    for _ in range(HALVINGS):
+    for _ in range(MOST_HALVINGS):
         yield
         moved = outline.moved(outline.vertices + step[:, None] * direction)
         touching = _touching_edges(moved, np.flatnonzero(changed | changed[outline.successor]), obstacle)

@@ -16,7 +16,7 @@ from ...geometry.precision import MOST_ROUNDS
 from ...geometry.vectors import norm
 from ...tasks import Stage
 from ..alike import AsymmetricError, padded_alike
-from ..base import LEAST_PER_LOOP, Importance
+from ..base import LEAST_PER_LOOP, REACH, Importance
 from ..request import Request
 from .candidates import Obstacles, candidates
 from .chain import Chain, Lines, without_doubles
@@ -29,12 +29,9 @@ from .turns import SLACK
 if TYPE_CHECKING:
     from .images import Images
 
-REACH = 1.5
-"""Longest part of an edge on either side of its contact, in diameters: how far a vertex may run away. Tightening needs
-no limit, since edges of least area touch what is inside at their middle or on either side of it."""
-
 LOOP_REACH = 4.0
-"""The same in diameters of the loop that a line belongs to: a vertex farther away would be a needle."""
+"""Longest part of an edge on either side of its contact, in diameters of the loop that its line belongs to: a vertex
+farther away would be a needle."""
 
 PLACES_PER_VERTEX, LEAST_PLACES, LEAST_PLACES_OF_A_LOOP = 3.0, 96, 12
 """Places: per vertex of the cage; at least, in all; at least, for each loop (docs/ablation.md: line cycles: places)."""

@@ -28,9 +28,6 @@ WIDE_TILT = 0.1
 MANY_PLACES = 50
 """Number of places from which tangents of stretches replace wide tilts."""
 
-PIN_STRETCHES = (1, 2, 3, 4, 6, 9, 13)
-"""Lengths of stretches, in places, that have a tangent through a pin at one of their ends."""
-
 BLOCK_EDGES = 16
 """Consecutive edges that rays look at together."""
 
@@ -129,8 +126,8 @@ def _through_pins(chain: Chain, at: IntArray) -> Lines:
     for pin in chain.pins.tolist():
         for sign in (1, -1):
             number = np.mod(sign * (at - pin), chain.size)
-            steps = np.unique(number[number > 0])[: max(PIN_STRETCHES)]
-            ends = steps[[k - 1 for k in PIN_STRETCHES if k <= len(steps)]]
+            steps = np.unique(number[number > 0])[: max(STRETCHES)]
+            ends = steps[[k - 1 for k in STRETCHES if k <= len(steps)]]
             to = sign * (chain.vertices[(pin + sign * np.arange(1, ends.max() + 1)) % chain.size] - chain.vertices[pin])
             angle = np.unwrap(np.arctan2(to[:, 1], to[:, 0]))
             steepest = np.minimum.accumulate(angle) if sign > 0 else np.maximum.accumulate(angle)

@@ -7,6 +7,7 @@ from collections.abc import Generator, Iterator
 import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.broad_phase import CHUNK_PAIRS
 from ...geometry.precision import ROUND_OFF
 from .chain import Chain, Lines
 from .shortest_cycles import Paths
@@ -21,9 +22,6 @@ APART = 0.1
 SUPPORTING = 1e6
 """Preference of lines that have the whole loop on one side: a cage is likely to follow one of them."""
 
-
-HEIGHTS_AT_ONCE = 4_000_000
-"""Heights of vertices over lines that are computed at once."""
 
 CHEAP_WORK = 3e5
 """Turns times lines of the cage up to which there is time for one more search."""
@@ -117,7 +115,7 @@ class LoopSearch:
         off = np.bincount(self.turns.source[open_], minlength=count)
         above = np.concatenate([
             (right @ chain.vertices.T).max(axis=1)
-            for right in np.array_split(lines.right, -(-count * chain.size // HEIGHTS_AT_ONCE))
+            for right in np.array_split(lines.right, -(-count * chain.size // CHUNK_PAIRS))
         ]) - (lines.right * lines.point).sum(axis=1)  # fmt: skip
         supports = (above <= ROUND_OFF * chain.length) & (chain.swept[-1] > 0.0)
         score = off * onto * np.where(supports, SUPPORTING, 1.0)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.loops import Loops
+from ...geometry.precision import ROUND_OFF
 from ...geometry.vectors import cross, norm
 from .chain import Chain
 
@@ -21,7 +22,7 @@ ALL_VERTICES = 1.25
 SHARP = 0.4
 """Turn in radians times length of the longer edge in spacings of places from which each corner is a place."""
 
-DECIMALS = 9
+DECIMALS = round(-np.log10(ROUND_OFF))
 """Of angles, cells and sharpness when they are compared: ties must not be decided by round-off, which turns with the
 drawing."""
 
