@@ -7,7 +7,7 @@ interpolation, so the evaluated mesh is the step on its frame and the linear ble
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -105,12 +105,13 @@ def remove_steps(obj: Object) -> None:
     shapes = obj.data.shape_keys
     if shapes is None:
         return
-    if shapes.animation_data is not None and shapes.animation_data.action is not None:
+    action = action_of(shapes)
+    if action is not None:
         curves = curves_of(shapes)
         for curve in [curve for curve in curves if is_step(curve.data_path)]:
             curves.remove(curve)
         if not len(curves_of(shapes)):
-            action, shapes.animation_data.action = shapes.animation_data.action, None
+            shapes.animation_data.action = None
             if action.users == 0:
                 bpy.data.actions.remove(action)
     for key in [key for key in shapes.key_blocks if STEP.fullmatch(key.name)]:
@@ -166,12 +167,21 @@ def animate(
         fcurve.update()
 
 
+def action_of(owner: Any) -> bpy.types.Action | None:
+    """The action that animates a data-block; None if there is neither."""
+    animation = owner.animation_data if owner is not None else None
+    return animation.action if animation is not None else None
+
+
 def curves_of(owner: Any) -> Any:
-    """The F-curves of an animated data-block, as a collection that can remove one."""
-    animation = owner.animation_data
-    if not hasattr(animation, "action_slot"):
-        return animation.action.fcurves
-    bags = (strip.channelbag(animation.action_slot) for layer in animation.action.layers for strip in layer.strips)
+    """The F-curves of a data-block, as a collection that can remove one; empty if there is no action."""
+    action: Any = action_of(owner)
+    if action is None:
+        return ()
+    if not hasattr(action, "slots"):
+        return action.fcurves
+    slot = owner.animation_data.action_slot
+    bags = (strip.channelbag(slot) for layer in action.layers for strip in layer.strips)
     return next((bag.fcurves for bag in bags if bag is not None), ())
 
 
@@ -211,7 +221,7 @@ def remove_mesh(mesh: Mesh) -> None:
 
 def discarding(
     objects: Iterable[bpy.types.Object], meshes: Iterable[bpy.types.Mesh], actions: Iterable[bpy.types.Action | None]
-) -> Iterator[None]:
+) -> Generator[None]:
     """Removes objects, and then the meshes and actions that nothing uses any more, also those of their animation.
 
     Each in one pass over the file; removing blocks one by one takes as many.
@@ -232,14 +242,9 @@ def _unused(blocks: Iterable[Any]) -> list[Any]:
     found = []
     for block in set(blocks) - {None}:
         with suppress(ReferenceError):
-            found += [block] if block.users == 0 else []
+            if block.users == 0:
+                found.append(block)
     return found
-
-
-def action_of(owner: Any) -> bpy.types.Action | None:
-    """The action that animates a data-block; None if there is neither."""
-    animation = owner.animation_data if owner is not None else None
-    return animation.action if animation is not None else None
 
 
 def _runs_of_equal(steps: NDArray[np.float32]) -> list[tuple[int, int]]:
@@ -251,22 +256,20 @@ def _runs_of_equal(steps: NDArray[np.float32]) -> list[tuple[int, int]]:
 
 def has_steps(owner: bpy.types.Key | None) -> bool:
     """Whether the action of shape keys plays steps of our animation."""
-    animated = owner is not None and owner.animation_data is not None and owner.animation_data.action is not None
-    return animated and any(is_step(curve.data_path) for curve in curves_of(owner))
+    return any(is_step(curve.data_path) for curve in curves_of(owner))
 
 
 def give_animation(old: bpy.types.Key | None, new: bpy.types.Key, name: str) -> None:
     """Transfers the animation of the artist's old shape keys to the new ones, whose own steps stay."""
     if old is None or old.animation_data is None:
         return
-    action = old.animation_data.action
-    curves = list(curves_of(old)) if action is not None else []
+    curves = curves_of(old)
     own = [curve for curve in curves if not is_step(curve.data_path)]
     animation = new.animation_data or new.animation_data_create()
     if own and animation.action is not None:
         _merge(animation.action, new, own)
     elif own:
-        animation.action = action
+        animation.action = old.animation_data.action
         if hasattr(animation, "action_slot"):
             animation.action_slot = old.animation_data.action_slot
         if len(own) < len(curves):

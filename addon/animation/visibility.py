@@ -6,7 +6,6 @@ the drawing's own materials. Whether the animation of how cages form plays, and 
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,12 +14,13 @@ import bpy
 from bpy.types import Collection, Mesh, Object, Scene
 
 from .. import record
+from ..core import tasks
 from ..errors import UserError
 from ..scene import display, ownership
 from ..scene.display import add_nodes_modifier
 from ..scene.filling import stored
 from ..scene.ownership import check_free
-from . import shape_keys, timeline, visibility
+from . import shape_keys, timeline
 
 # The properties that hide an object.
 VISIBILITY = ("hide_viewport", "hide_render")
@@ -49,18 +49,16 @@ def is_free(obj: Object) -> bool:
     if not obj.is_editable or obj.hide_viewport or obj.hide_render:
         return False
     data = obj.animation_data
-    if data is None:
-        return True
-    curves = shape_keys.curves_of(obj) if data.action is not None else ()
-    return not any(curve.data_path in VISIBILITY for curve in (*curves, *data.drivers))
+    return data is None or all(
+        curve.data_path not in VISIBILITY for curve in (*shape_keys.curves_of(obj), *data.drivers)
+    )
 
 
 def mute(obj: Object, muted: bool) -> None:
     """Mutes or unmutes the keyframes that hide the object."""
-    if obj.animation_data is not None and obj.animation_data.action is not None:
-        for curve in shape_keys.curves_of(obj):
-            if curve.data_path in VISIBILITY:
-                curve.mute = muted
+    for curve in shape_keys.curves_of(obj):
+        if curve.data_path in VISIBILITY:
+            curve.mute = muted
 
 
 @dataclass(frozen=True)
@@ -93,17 +91,17 @@ class VisibilityAnimation:
 
 def detach(obj: Object) -> VisibilityAnimation:
     """Undoes `hide_until`. An action with nothing else in it is kept for `restore`; other animation stays."""
-    data = obj.animation_data
+    data, action = obj.animation_data, shape_keys.action_of(obj)
     for name in VISIBILITY:
         if getattr(obj, name):  # setting it makes Blender go through all objects
             setattr(obj, name, False)
-    if data is None or data.action is None:
+    if action is None:
         return VisibilityAnimation(None, None, (), False)
     curves = shape_keys.curves_of(obj)
     ours = [curve for curve in curves if curve.data_path in VISIBILITY]
     keyframes = tuple((each.data_path, tuple(stored(each.keyframe_points, "co", 2).ravel().tolist())) for each in ours)
     slot, muted = getattr(data, "action_slot", None), any(curve.mute for curve in ours)
-    found = VisibilityAnimation(data.action, slot, keyframes, len(ours) < len(curves), muted)
+    found = VisibilityAnimation(action, slot, keyframes, len(ours) < len(curves), muted)
     if found.kept:
         for curve in ours:
             curves.remove(curve)
@@ -142,11 +140,11 @@ def enter(collection: Collection) -> None:
     found.playing = True
     action = shape_keys.new_action(source.name if source is not None else fine.name)
     for part in found.sources:
-        if ownership.exists(part.object) and visibility.is_free(part.object):
+        if ownership.exists(part.object) and is_free(part.object):
             part.hidden = True
-            visibility.switch(part.object, playing, action)
+            switch(part.object, playing, action)
     copy = make_copy(collection, fine, source)
-    visibility.switch(copy, [(frame, not hidden) for frame, hidden in playing], action)
+    switch(copy, [(frame, not hidden) for frame, hidden in playing], action)
 
 
 def _is_elsewhere(source: Object, fine: Object) -> bool:
@@ -162,7 +160,7 @@ def leave(*collections: Collection) -> None:
         found = record.written(collection)
         for part in found.sources:
             if part.hidden and ownership.exists(part.object):
-                actions.append(visibility.detach(part.object).action)
+                actions.append(detach(part.object).action)
             part.hidden = False
         found.playing = False
         shown.add(ownership.member(collection, 0))
@@ -172,7 +170,7 @@ def leave(*collections: Collection) -> None:
         for modifier in list(copy.modifiers):
             display.remove_modifier(copy, modifier)
     meshes = [copy.data for copy in copies if isinstance(copy.data, Mesh)]
-    deque(shape_keys.discarding(copies, meshes, actions), maxlen=0)
+    tasks.drain(shape_keys.discarding(copies, meshes, actions))
 
 
 def make_copy(collection: Collection, fine: Object, source: Object | None) -> Object:
@@ -223,9 +221,8 @@ def _of_strokes(material: bpy.types.Material) -> bpy.types.Material:
 
 def is_animated(collection: Collection) -> bool:
     """Whether the steps of an output collection play."""
-    shapes = [obj.data.shape_keys for obj in ownership.members(collection) if obj.type == "MESH"]
-    animations = [found.animation_data for found in shapes if found is not None]
-    return any(found is not None and found.action is not None for found in animations)
+    meshes = [obj.data for obj in ownership.members(collection) if obj.type == "MESH"]
+    return any(shape_keys.action_of(mesh.shape_keys) is not None for mesh in meshes)
 
 
 def remove(scene: Scene, collection: Collection) -> None:
@@ -249,6 +246,6 @@ def end(scene: Scene, collection: Collection) -> None:
     timeline.settle(scene, timeline.stop(scene, collection))
     for obj in ownership.members(collection):
         shape_keys.remove_steps(obj)
-        visibility.always_show(obj)
+        always_show(obj)
         for name in ("phases", "frames"):
             record.described(obj).property_unset(name)

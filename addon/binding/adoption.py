@@ -103,9 +103,9 @@ def _own_data(obj: Object) -> None:
         mesh = mesh.copy()
         record.set_before(obj, before._replace(mesh=mesh))
     for owner in (obj, *(each.shape_keys for each in (obj.data, mesh) if each is not None)):
-        animation = owner.animation_data if owner is not None else None
-        if animation is not None and animation.action is not None and shape_keys.is_shared(owner):
-            shape_keys.own_action(owner, animation.action.name)
+        action = shape_keys.action_of(owner)
+        if action is not None and shape_keys.is_shared(owner):
+            shape_keys.own_action(owner, action.name)
 
 
 def _own_fields(

@@ -167,16 +167,11 @@ def _corners(obj: Object) -> list[Vector]:
 
 
 def _checking() -> Work[None]:
-    """Checks what has changed, in a window that shows its scene, until nothing is left."""
+    """Checks what has changed until nothing is left."""
     try:
         while _changed:
             yield Progress(0.0, "", live.REST)
-            for name in _rested(live.REST):
-                found = bpy.context.window_manager.windows
-                for window in {each.scene: each for each in found}.values() if len(found) else (None,):
-                    with in_window(window):
-                        _check_changed(bpy.context, name)
-                yield Progress(0.0, "", LOOK_INTERVAL)
+            yield from check_changed(live.REST)
             found = bpy.context.window_manager.windows
             shown = {each.scene for each in found} or {bpy.context.scene}
             for name in list(_changed):
@@ -188,25 +183,30 @@ def _checking() -> Work[None]:
         _changed.clear()
 
 
-def check_changed(context: Context) -> None:
-    """Checks the cages of drawings that have changed, and stores what is wrong."""
-    for name in _rested(0.0):
-        _check_changed(context, name)
-
-
-def _rested(seconds: float) -> list[str]:
-    """Outputs whose drawing has not changed again for some time."""
+def check_changed(rested: float = 0.0) -> Work[None]:
+    """Checks the cages of drawings whose last change is some seconds ago, in a window that shows their scene, and
+    stores what is wrong.
+    """
     now = time.perf_counter()
-    return [name for name, when in _changed.items() if now - when >= seconds]
+    for name in [name for name, when in _changed.items() if now - when >= rested]:
+        found = bpy.context.window_manager.windows
+        for window in {each.scene: each for each in found}.values() if len(found) else (None,):
+            with in_window(window):
+                _check_changed(bpy.context, name)
+        yield Progress(0.0, "", LOOK_INTERVAL)
 
 
 def _check_changed(context: Context, name: str) -> None:
     following, collection = live.current(), bpy.data.collections.get(name)
     source = ownership.source_of(collection) if collection is not None else None
-    if collection is not None and source is not None and source.mode == "EDIT":
-        return  # checked when it is left
-    if name not in _changed or collection is None or source is None or context.scene.objects.get(source.name) != source:
-        return  # maybe in another window
+    if (
+        name not in _changed
+        or collection is None
+        or source is None
+        or source.mode == "EDIT"  # checked when it is left
+        or context.scene.objects.get(source.name) != source  # maybe in another window
+    ):
+        return
     del _changed[name]
     if following is None or following.identity != source.session_uid:
         _check(context, collection)

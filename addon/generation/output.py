@@ -4,7 +4,7 @@ output.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import astuple
 
 import bpy
@@ -101,11 +101,12 @@ def writing(
         for collection in staged:
             visibility.enter(collection)
         raise
-    return collections, rollback.finish(), _removing(rollback)
+    lost, unused = rollback.finish()
+    return collections, lost, _removing(unused)
 
 
-def _removing(rollback: Rollback) -> Rest:
-    for _ in rollback.unused:
+def _removing(unused: Iterator[None]) -> Rest:
+    for _ in unused:
         yield Progress(1.0, "removing what was replaced")
 
 

@@ -62,9 +62,9 @@ class Rollback:
         """Notes what could not be transferred to the new mesh of an object."""
         self._lost += [f"'{obj.name}': {part} could not be kept" for part in what]
 
-    def finish(self) -> list[str]:
-        """The new output is complete: removes objects that left it; `unused` is to remove what else was replaced.
-        Returns sentences about what was lost.
+    def finish(self) -> tuple[list[str], Iterator[None]]:
+        """The new output is complete: removes objects that left it. Returns sentences about what was lost, and the
+        removal of what else was replaced.
         """
         kept = [value for obj in (*self.surplus, *self.kept) for value in record.before(obj)]
         for obj in self.kept:
@@ -75,13 +75,13 @@ class Rollback:
             self._lost.append(f"'{obj.name}' is no longer a level; it was kept for your work on it")
         actions = [member.visibility.action for member in self._members.values() if member.visibility is not None]
         meshes = [member.mesh for member in self._members.values()]
-        self.unused = shape_keys.discarding(
+        rest = shape_keys.discarding(
             self.surplus,
             [*meshes, *(value for value in kept if isinstance(value, Mesh))],
             [*actions, *(value for value in kept if isinstance(value, bpy.types.Action))],
         )
-        next(self.unused)
-        return self._lost
+        next(rest)
+        return self._lost, rest
 
     def restore(self) -> None:
         """The new output failed: restores everything."""

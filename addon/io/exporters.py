@@ -90,7 +90,7 @@ def make_animated(objects: Sequence[Object]) -> list[Object]:
         new.data = obj.data.copy()
         new.name = new.data.name = f"{obj.name} Animated"
         filling.add_faces(filling.mesh_of(new), triangulation.triangulate(outline).triangles)
-        if new.animation_data is not None and new.animation_data.action is not None:
+        if shape_keys.action_of(new) is not None:
             shape_keys.own_action(new, new.name)
             visibility.always_show(new)
         display.set_thickness(new, 0.0)

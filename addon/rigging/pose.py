@@ -124,8 +124,8 @@ def unmoved(objects: Iterable[Object]) -> Iterator[None]:
             if animation is None:
                 continue
             _set(stack, animation, "use_nla", False)
-            curves = shape_keys.curves_of(obj) if animation.action is not None else ()
-            moving = [each for each in (*curves, *animation.drivers) if each.data_path in placement.TRANSFORM]
+            curves = (*shape_keys.curves_of(obj), *animation.drivers)
+            moving = [each for each in curves if each.data_path in placement.TRANSFORM]
             for curve in moving:
                 _set(stack, curve, "mute", True)
             if moving:

@@ -190,7 +190,7 @@ def is_rigged(obj: Object) -> bool:
     """Whether an output object carries work of an artist that would be lost with it."""
     modifiers = [modifier for modifier in obj.modifiers if not display.is_ours(modifier)]
     children = [child for child in obj.children if not record.is_helper(child, record.FIELD, record.LINES)]
-    animated = obj.animation_data is not None and obj.animation_data.action is not None
+    animated = shape_keys.action_of(obj) is not None
     constrained = len(obj.constraints) > (placement.constraint_of(obj) is not None)
     return bool(not Rig.of(obj).blank or constrained or modifiers or children or animated)
 

@@ -206,7 +206,13 @@ def test_what_cannot_be_carried_over_is_named(addon, monkeypatch) -> None:
     said = []
     rollback = addon.generation.rollback.Rollback
     finish = rollback.finish
-    monkeypatch.setattr(rollback, "finish", lambda self: said.extend(lost := finish(self)) or lost)
+
+    def noting(self):
+        lost, rest = finish(self)
+        said.extend(lost)
+        return lost, rest
+
+    monkeypatch.setattr(rollback, "finish", noting)
     generate(source, "14")
     assert said == [f"'{cage.name}': the attribute 'crease' could not be kept"]
 
