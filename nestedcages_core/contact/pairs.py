@@ -75,7 +75,7 @@ class Bodies:
     @cached_property
     def order(self) -> BandOrder:
         """An order of the cage vertices, or of their orbits, that keeps neighbours close together."""
-        return BandOrder.of_loops(self.cage) if self.tie is None else self.tie.order
+        return BandOrder.of(self.m, np.arange(self.m), self.cage.successor) if self.tie is None else self.tie.order
 
     @cached_property
     def successor(self) -> IntArray:

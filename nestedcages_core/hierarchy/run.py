@@ -33,12 +33,6 @@ logger = logging.getLogger(__name__)
 ROOM_OF_A_LEVEL = 2.5
 """Distance between loops, in clearances, that leaves room for those of a further level: 2 fit exactly."""
 
-KEPT_MEMORY = 16_000_000
-"""Bytes that the allocator of Linux keeps for further arrays, after an array of this size was freed. Otherwise it asks
-the system for every array of a few pages, which takes one to five per cent of the time (measured)."""
-
-np.empty(KEPT_MEMORY, np.uint8)
-
 Wanted: TypeAlias = int | Share | MeshLike | Within
 """A level as asked for."""
 

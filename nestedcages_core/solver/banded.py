@@ -18,7 +18,6 @@ import numpy as np
 
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray, IntArray
-from ..geometry.loops import Loops
 from ..lapack import dpbtrf, dpbtrs
 
 WIDEST_BAND = 64
@@ -72,18 +71,6 @@ class BandOrder(NamedTuple):
         position[_cuthill_mckee(count, row, column)] = np.arange(count)[::-1]
         order = cls(position, 0)
         return cls(order.position, order.distance(row, column))
-
-    @classmethod
-    def of_loops(cls, loops: Loops) -> BandOrder:
-        """The same for the edges of loops that are numbered along: from the first vertex of each both ways at once."""
-        begin, size = loops.begins[loops.loop], loops.sizes[loops.loop]
-        along = loops.numbers - begin
-        steps = np.abs(along - along[loops.ahead])
-        if not ((steps == 1) | (steps == size - 1)).all():
-            return cls.of(len(along), loops.numbers, loops.numbers[loops.ahead])
-        position = np.empty_like(along)
-        position[loops.numbers] = len(along) - 1 - begin - np.maximum(np.minimum(2 * along - 1, 2 * (size - along)), 0)
-        return cls(position, 2)
 
     def distance(self, row: IntArray, column: IntArray) -> int:
         """Largest distance in this order between row[k] and column[k]."""
