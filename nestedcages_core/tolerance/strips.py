@@ -133,7 +133,7 @@ class Strips:
 
         half: steps from the first edge to that where the fans from a and b meet; None: half of them.
         """
-        half = np.fix(0.5 * steps).astype(np.int64) if half is None else half
+        half = np.trunc(0.5 * steps).astype(np.int64) if half is None else half
         number = np.abs(steps) + 2  # triangles of both fans: the edge where they meet has two
         strip, k = np.repeat(np.arange(len(a)), number), position_in_group(number)
         of_b = k > np.abs(half)[strip]
@@ -147,7 +147,7 @@ class Strips:
         self, a: FloatArray, b: FloatArray, first: IntArray, last: IntArray, steps: IntArray
     ) -> FloatArray:
         """The same by a fan from halfway between each piece and the middle of its path."""
-        half = np.fix(0.5 * steps).astype(np.int64)
+        half = np.trunc(0.5 * steps).astype(np.int64)
         middle = self._along(first, half)
         centre = 0.25 * (a + b) + 0.5 * self.starts[middle]
         parts = (
