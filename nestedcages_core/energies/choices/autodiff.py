@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -134,27 +135,14 @@ def _multiply(u: Any, v: Any) -> Jet:
     )
 
 
-def _negative(u: Jet) -> Jet:
-    return Jet(-u.value, -u.gradient, -u.hessian)
-
-
-def _subtract(u: Any, v: Any) -> Jet:
-    return _add(u, -v)
-
-
-def _reciprocal(u: Jet) -> Jet:
-    inverse = 1.0 / u.value
-    return u.through(inverse, -(inverse**2), 2.0 * inverse**3)
-
-
 def _divide(u: Any, v: Any) -> Jet:
-    return _multiply(u, _reciprocal(v) if isinstance(v, Jet) else 1.0 / np.asarray(v, np.float64))
+    return _multiply(u, np.reciprocal(v if isinstance(v, Jet) else np.asarray(v, np.float64)))
 
 
 def _power(u: Any, exponent: Any) -> Jet:
     """u^p for a number p, or e^(p log u) where p is a jet."""
     if isinstance(exponent, Jet):
-        return _exp(_multiply(exponent, np.log(u)))
+        return np.exp(_multiply(exponent, np.log(u)))  # type: ignore[no-any-return]
     base: Jet = u
     p, x = np.broadcast_to(np.asarray(exponent, np.float64), base.value.shape), base.value
     # the factors p and p (p - 1) vanish where x^(p - 1) and x^(p - 2) need not exist
@@ -164,63 +152,12 @@ def _power(u: Any, exponent: Any) -> Jet:
     return base.through(x**p, first, second)
 
 
-def _square(u: Jet) -> Jet:
-    return _multiply(u, u)
-
-
-def _sqrt(u: Jet) -> Jet:
-    root = np.sqrt(u.value)
-    return u.through(root, 0.5 / root, -0.25 / (root * u.value))
-
-
-def _exp(u: Jet) -> Jet:
-    value = np.exp(u.value)
-    return u.through(value, value, value)
-
-
-def _log(u: Jet) -> Jet:
-    inverse = 1.0 / u.value
-    return u.through(np.log(u.value), inverse, -(inverse**2))
-
-
-def _sin(u: Jet) -> Jet:
-    sine, cosine = np.sin(u.value), np.cos(u.value)
-    return u.through(sine, cosine, -sine)
-
-
-def _cos(u: Jet) -> Jet:
-    sine, cosine = np.sin(u.value), np.cos(u.value)
-    return u.through(cosine, -sine, -cosine)
-
-
-def _arctan(u: Jet) -> Jet:
-    inverse = 1.0 / (1.0 + u.value**2)
-    return u.through(np.arctan(u.value), inverse, -2.0 * u.value * inverse**2)
-
-
 def _arctan2(y: Any, x: Any) -> Jet:
     """The angle of (x, y), with the derivatives of arctan(y / x) or arctan(-x / y), by the larger divisor."""
     y, x = _lifted(y, x), _lifted(x, y)
     flat = np.abs(x.value) >= np.abs(y.value)
-    part = _arctan(_divide(_choose(flat, y, _negative(x)), _choose(flat, x, y)))
+    part: Any = np.arctan(_divide(_choose(flat, y, -x), _choose(flat, x, y)))
     return Jet(np.arctan2(y.value, x.value), part.gradient, part.hessian)
-
-
-def _hypot(u: Any, v: Any) -> Jet:
-    u, v = _lifted(u, v), _lifted(v, u)
-    return _sqrt(_add(_square(u), _square(v)))
-
-
-def _absolute(u: Jet) -> Jet:
-    return _multiply(u, np.where(u.value < 0.0, -1.0, 1.0))
-
-
-def _maximum(u: Any, v: Any) -> Jet:
-    return _choose(_plain(u) >= _plain(v), u, v)
-
-
-def _minimum(u: Any, v: Any) -> Jet:
-    return _choose(_plain(u) <= _plain(v), u, v)
 
 
 def _choose(first: Any, u: Any, v: Any) -> Jet:
@@ -245,28 +182,38 @@ def _plain(u: Any) -> Any:
     return u.value if isinstance(u, Jet) else u
 
 
+def _through(ufunc: np.ufunc, u: Jet) -> Jet:
+    value = ufunc(u.value)
+    return u.through(value, *DERIVATIVES[ufunc](u.value, value))
+
+
+DERIVATIVES: dict[np.ufunc, Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]] = {
+    np.reciprocal: lambda _, y: (-(y**2), 2.0 * y**3),
+    np.sqrt: lambda x, y: (0.5 / y, -0.25 / (y * x)),
+    np.exp: lambda _, y: (y, y),
+    np.log: lambda x, _: (1.0 / x, -((1.0 / x) ** 2)),
+    np.sin: lambda x, y: (np.cos(x), -y),
+    np.cos: lambda x, y: (-np.sin(x), -y),
+    np.arctan: lambda x, _: (1.0 / (1.0 + x**2), -2.0 * x * (1.0 / (1.0 + x**2)) ** 2),
+}
+"""The first two derivatives of y(x)."""
+
 RULES: dict[np.ufunc, Callable[..., Jet]] = {
     np.add: _add,
-    np.subtract: _subtract,
+    np.subtract: lambda u, v: _add(u, -v),
     np.multiply: _multiply,
     np.divide: _divide,
-    np.negative: _negative,
+    np.negative: lambda u: _multiply(u, -1.0),
     np.positive: lambda u: u,
     np.power: _power,
     np.float_power: _power,
-    np.square: _square,
-    np.reciprocal: _reciprocal,
-    np.sqrt: _sqrt,
-    np.exp: _exp,
-    np.log: _log,
-    np.sin: _sin,
-    np.cos: _cos,
-    np.arctan: _arctan,
+    np.square: lambda u: _multiply(u, u),
     np.arctan2: _arctan2,
-    np.hypot: _hypot,
-    np.absolute: _absolute,
-    np.maximum: _maximum,
-    np.minimum: _minimum,
+    np.hypot: lambda u, v: np.sqrt(_add(np.square(u), np.square(v))),
+    np.absolute: lambda u: _multiply(u, np.where(u.value < 0.0, -1.0, 1.0)),
+    np.maximum: lambda u, v: _choose(_plain(u) >= _plain(v), u, v),
+    np.minimum: lambda u, v: _choose(_plain(u) <= _plain(v), u, v),
+    **{ufunc: partial(_through, ufunc) for ufunc in DERIVATIVES},
 }
 """Derivative rules by numpy function."""
 
