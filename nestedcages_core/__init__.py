@@ -77,7 +77,6 @@ if TYPE_CHECKING:
     from .energies.weighted_sum import WeightedSum as WeightedSum
     from .exchange import Cut as Cut
     from .exchange import Feature as Feature
-    from .exchange import character_from_engine_json as character_from_engine_json
     from .exchange import character_to_engine_json as character_to_engine_json
     from .exchange import cut_at_borders as cut_at_borders
     from .exchange import (
@@ -186,77 +185,37 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
 ]
 
 _LATER = {
-    "geometry.quadrature": ("EvenSamples", "GaussLegendre", "Midpoint", "QuadraticFallOff", "RandomSamples"),
-    "energies.weighted_sum": ("WeightedSum",),
-    "energies.no_energy": ("NoEnergy",),
-    "contact.pair_search": ("AllPairs", "UniformGrid"),
-    "contact.ipc": ("IPC",),
-    "contact.step_filter": ("NoFilter", "SmallestDistance", "TimeOfImpact"),
-    "decimation.choices": ("OnCurve", "ArcLength", "DouglasPeucker", "EdgeCollapse", "OwnDecimation", "Visvalingam"),
-    "energies.choices": (
-        "BoundaryARAP",
-        "ElementEnergy",
-        "InitialDisplacement",
-        "InteriorARAP",
-        "ShapeKeeping",
-        "StepDisplacement",
-    ),
-    "geometry.triangulation": ("convex_pieces",),
-    "needs.symmetry": ("Found", "Mirror", "Rotation"),
-    "solver.newton": ("ProjectedNewton",),
-    "batch": ("BatchProgress", "Outcome", "OutcomeFolder", "nested_cages_many"),
-    "character": ("Bone", "Character", "Skeleton", "bone_weights", "suggest_bones", "with_joints"),
-    "checker": ("Verdict", "check"),
-    "coordinates": ("Grids", "Harmonic", "MeanValue", "PiecewiseLinear", "cage_coordinates", "deform", "grids"),
+    "geometry.quadrature": "EvenSamples GaussLegendre Midpoint QuadraticFallOff RandomSamples",
+    "energies.weighted_sum": "WeightedSum",
+    "energies.no_energy": "NoEnergy",
+    "contact.pair_search": "AllPairs UniformGrid",
+    "contact.ipc": "IPC",
+    "contact.step_filter": "NoFilter SmallestDistance TimeOfImpact",
+    "decimation.choices": "OnCurve ArcLength DouglasPeucker EdgeCollapse OwnDecimation Visvalingam",
+    "energies.choices": "BoundaryARAP ElementEnergy InitialDisplacement InteriorARAP ShapeKeeping StepDisplacement",
+    "geometry.triangulation": "convex_pieces",
+    "needs.symmetry": "Found Mirror Rotation",
+    "solver.newton": "ProjectedNewton",
+    "batch": "BatchProgress Outcome OutcomeFolder nested_cages_many",
+    "character": "Bone Character Skeleton bone_weights suggest_bones with_joints",
+    "checker": "Verdict check",
+    "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
-        "Cut",
-        "Feature",
-        "cut_at_borders",
-        "character_from_engine_json",
-        "character_to_engine_json",
-        "features_from_geojson",
-        "frames_from_engine_json",
-        "frames_to_engine_json",
-        "from_engine_json",
-        "from_geojson",
-        "from_svg",
-        "is_engine_json",
-        "pieces_from_engine_json",
-        "read_geojson",
-        "read_svg",
-        "swept",
-        "to_engine_json",
-        "to_geojson",
-        "to_svg",
-        "write_engine_json",
-        "write_geojson",
-        "write_svg",
+        "Cut Feature cut_at_borders character_to_engine_json features_from_geojson frames_from_engine_json "
+        "frames_to_engine_json from_engine_json from_geojson from_svg is_engine_json pieces_from_engine_json "
+        "read_geojson read_svg swept to_engine_json to_geojson to_svg write_engine_json write_geojson "
+        "write_svg"
     ),
-    "exchange.pictures": ("alpha_channel", "boundary_of_pixels", "collision_outline", "read_png"),
-    "motion": (
-        "AnimatedCagesRun",
-        "Key",
-        "MotionReport",
-        "MovingCages",
-        "MovingLevel",
-        "animated_cages",
-        "followed",
-        "stream_cages",
-    ),
-    "published.gurditta_jacobson_2022": (
-        "GradientDescent",
-        "PaperContact",
-        "PaperFlow",
-        "Repairs",
-        "SignedDistanceFlow",
-    ),
-    "published.sacht_2015": ("ElTopo",),
-    "published.sellan_2022": ("LevelSet",),
-    "published.settings": ("AUGMENTED_2022", "AUGMENTED_2022_REPAIRED", "NESTED_CAGES_2015", "SIMPLE_2022"),
+    "exchange.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
+    "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",
+    "published.gurditta_jacobson_2022": "GradientDescent PaperContact PaperFlow Repairs SignedDistanceFlow",
+    "published.sacht_2015": "ElTopo",
+    "published.sellan_2022": "LevelSet",
+    "published.settings": "AUGMENTED_2022 AUGMENTED_2022_REPAIRED NESTED_CAGES_2015 SIMPLE_2022",
 }
-"""Rooms that making a cage does not need, and what the face passes on from them: imported when asked for."""
+"""Rooms that making a cage does not need, and the names that the face passes on from them: imported when asked for."""
 
-_ROOM_OF = {name: room for room, names in _LATER.items() for name in (*names, room.partition(".")[0])}
+_ROOM_OF = {name: room for room, names in _LATER.items() for name in (*names.split(), room.partition(".")[0])}
 
 if not TYPE_CHECKING:  # a type checker would then take any name for one of the face
 

@@ -69,8 +69,7 @@ def _scaled(sampling: Sampling, extent: float) -> Sampling:
 
 def _values(grid: Triangulation, corners: int) -> FloatArray:
     """(N, corners) values of the harmonic coordinates at all vertices of a triangulation."""
-    (values,) = from_values(grid, [scipy.sparse.eye_array(len(grid.vertices)).tocsr()], corners)
-    return values
+    return from_values(grid, scipy.sparse.eye_array(len(grid.vertices)).tocsr(), corners)
 
 
 def _affine(points: FloatArray, corners: FloatArray) -> FloatArray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,24 +39,14 @@ class Harmonic:
         """W (P, m), never negative. Raises NestedCagesError for a point outside the cage."""
         require_inside(points, cage)
         cage, points = _centred(cage, points)
-        grid = self._grid(cage)
-        (weights,) = from_values(grid, [grid.interpolation(points)], len(cage.vertices))
+        grid = triangulate(cage, Sampling(self.spacing * cage.diagonal, self.at_corners))
+        weights = from_values(grid, grid.interpolation(points), len(cage.vertices))
         np.maximum(weights, 0.0, out=weights)
         chunk = max(CHUNK_ENTRIES // weights.shape[1], 1)
         for first in range(0, len(points), chunk):
             rows = slice(first, first + chunk)
             weights[rows] = corrected(weights[rows], points[rows], cage.vertices)
         return weights
-
-    def gradients(self, points: FloatArray, cage: Mesh) -> FloatArray:
-        """(P, m, 2) slopes of the coordinates, constant on each element. Raises NestedCagesError as `weights`."""
-        require_inside(points, cage)
-        cage, points = _centred(cage, points)
-        grid = self._grid(cage)
-        return np.stack(from_values(grid, grid.differentiation(points), len(cage.vertices)), axis=2)
-
-    def _grid(self, cage: Mesh) -> Triangulation:
-        return triangulate(cage, Sampling(self.spacing * cage.diagonal, self.at_corners))
 
 
 def _centred(cage: Mesh, points: FloatArray) -> tuple[Mesh, FloatArray]:
@@ -66,8 +55,8 @@ def _centred(cage: Mesh, points: FloatArray) -> tuple[Mesh, FloatArray]:
     return cage.moved(cage.vertices - centre).validated(), points - centre
 
 
-def from_values(grid: Triangulation, operators: Sequence[scipy.sparse.csr_array], corners: int) -> list[FloatArray]:
-    """(P, m) each: operators (P, N) on what the m coordinates are at the N vertices of the grid."""
+def from_values(grid: Triangulation, operator: scipy.sparse.csr_array, corners: int) -> FloatArray:
+    """(P, m) an operator (P, N) on what the m coordinates are at the N vertices of the grid."""
     boundary = grid.boundary_values(corners).tocsc()
     rim, inner = grid.on_boundary, len(grid.inside)
     stiffness = grid.stiffness().tocsc()
@@ -75,8 +64,8 @@ def from_values(grid: Triangulation, operators: Sequence[scipy.sparse.csr_array]
     factors = (
         scipy.sparse.linalg.splu(stiff, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}) if inner else None
     )
-    parts = [(operator.tocsc()[:, :rim], operator.tocsc()[:, rim:]) for operator in operators]
-    found = [np.empty((operator.shape[0], corners)) for operator in operators]
+    on_rim, in_inner = operator.tocsc()[:, :rim], operator.tocsc()[:, rim:]
+    values = np.empty((operator.shape[0], corners))
     for first in range(0, corners, CHUNK_COLUMNS):
         some = slice(first, first + CHUNK_COLUMNS)
         hats = boundary[:, some].toarray()
@@ -85,9 +74,8 @@ def from_values(grid: Triangulation, operators: Sequence[scipy.sparse.csr_array]
             load = -(coupling @ hats)
             inside = factors.solve(load)
             inside += factors.solve(load - stiff @ inside)
-        for values, (on_rim, in_inner) in zip(found, parts, strict=True):
-            values[:, some] = on_rim @ hats + in_inner @ inside
-    return found
+        values[:, some] = on_rim @ hats + in_inner @ inside
+    return values
 
 
 @dataclass(frozen=True)
@@ -98,12 +86,6 @@ class PiecewiseLinear:
         """W (P, m), sparse. Raises NestedCagesError for a point outside the cage."""
         require_inside(points, cage)
         return triangulate(cage).interpolation(points)
-
-    def gradients(self, points: FloatArray, cage: Mesh) -> FloatArray:
-        """(P, m, 2) slopes of the coordinates, constant on each triangle. Raises NestedCagesError as `weights`."""
-        require_inside(points, cage)
-        slopes = triangulate(cage).differentiation(points)
-        return np.stack([slope.toarray() for slope in slopes], axis=2)
 
 
 def require_inside(points: FloatArray, cage: Mesh) -> None:

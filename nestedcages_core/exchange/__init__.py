@@ -1,6 +1,6 @@
 """Shapes in and out: SVG, GeoJSON and collision outlines for game engines."""
 
-from .character_json import character_from_engine_json, character_to_engine_json
+from .character_json import character_to_engine_json
 from .engine_json import (
     frames_from_engine_json,
     frames_to_engine_json,
@@ -43,7 +43,6 @@ __all__ = [
     "SvgOptions",
     "SvgPart",
     "SvgShapes",
-    "character_from_engine_json",
     "character_to_engine_json",
     "cut_at_borders",
     "features_from_geojson",

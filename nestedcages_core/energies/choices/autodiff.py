@@ -184,36 +184,49 @@ def _plain(u: Any) -> Any:
 
 def _through(ufunc: np.ufunc, u: Jet) -> Jet:
     value = ufunc(u.value)
-    return u.through(value, *DERIVATIVES[ufunc](u.value, value))
+    return u.through(value, *_derivatives(ufunc, u.value, value))
 
 
-DERIVATIVES: dict[np.ufunc, Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]] = {
-    np.reciprocal: lambda _, y: (-(y**2), 2.0 * y**3),
-    np.sqrt: lambda x, y: (0.5 / y, -0.25 / (y * x)),
-    np.exp: lambda _, y: (y, y),
-    np.log: lambda x, _: (1.0 / x, -((1.0 / x) ** 2)),
-    np.sin: lambda x, y: (np.cos(x), -y),
-    np.cos: lambda x, y: (-np.sin(x), -y),
-    np.arctan: lambda x, _: (1.0 / (1.0 + x**2), -2.0 * x * (1.0 / (1.0 + x**2)) ** 2),
-}
-"""The first two derivatives of y(x)."""
+def _derivatives(ufunc: np.ufunc, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The first two derivatives of y(x)."""
+    if ufunc is np.reciprocal:
+        return -(y**2), 2.0 * y**3
+    if ufunc is np.sqrt:
+        return 0.5 / y, -0.25 / (y * x)
+    if ufunc is np.exp:
+        return y, y
+    if ufunc is np.log:
+        return 1.0 / x, -((1.0 / x) ** 2)
+    if ufunc is np.sin:
+        return np.cos(x), -y
+    if ufunc is np.cos:
+        return -np.sin(x), -y
+    inverse = 1.0 / (1.0 + x**2)  # of the arctangent
+    return inverse, -2.0 * x * inverse**2
+
+
+def _sign(u: Jet) -> FloatArray:
+    return np.where(u.value < 0.0, -1.0, 1.0)
+
 
 RULES: dict[np.ufunc, Callable[..., Jet]] = {
     np.add: _add,
     np.subtract: lambda u, v: _add(u, -v),
     np.multiply: _multiply,
     np.divide: _divide,
-    np.negative: lambda u: _multiply(u, -1.0),
+    np.negative: lambda u: Jet(-u.value, -u.gradient, -u.hessian),
     np.positive: lambda u: u,
     np.power: _power,
     np.float_power: _power,
     np.square: lambda u: _multiply(u, u),
     np.arctan2: _arctan2,
     np.hypot: lambda u, v: np.sqrt(_add(np.square(u), np.square(v))),
-    np.absolute: lambda u: _multiply(u, np.where(u.value < 0.0, -1.0, 1.0)),
+    np.absolute: lambda u: _multiply(u, _sign(u)),
     np.maximum: lambda u, v: _choose(_plain(u) >= _plain(v), u, v),
     np.minimum: lambda u, v: _choose(_plain(u) <= _plain(v), u, v),
-    **{ufunc: partial(_through, ufunc) for ufunc in DERIVATIVES},
+    **{
+        ufunc: partial(_through, ufunc) for ufunc in (np.reciprocal, np.sqrt, np.exp, np.log, np.sin, np.cos, np.arctan)
+    },
 }
 """Derivative rules by numpy function."""
 

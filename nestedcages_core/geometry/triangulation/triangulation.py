@@ -1,4 +1,4 @@
-"""Triangles that tile a solid: areas, gradients, where points are, and functions that are linear on each triangle."""
+"""Triangles that tile a solid: areas, where points are, and functions that are linear on each triangle."""
 
 from __future__ import annotations
 
@@ -86,19 +86,6 @@ class Triangulation:
         used = weights.ravel() != 0.0
         shape = (len(points), len(self.vertices))
         return scipy.sparse.csr_array((weights.ravel()[used], (row[used], column[used])), shape=shape)
-
-    def differentiation(self, points: FloatArray) -> tuple[scipy.sparse.csr_array, scipy.sparse.csr_array]:
-        """Maps values at the vertices to slopes along x and y, (P, N) each, in the triangles around points."""
-        triangle, _ = self.locate(points)
-        corners = self.triangles[triangle]
-        a, b, c = (self.vertices[corners[:, k]] for k in range(3))
-        opposite = np.stack((c - b, a - c, b - a), axis=1) / (2.0 * self.areas[triangle])[:, None, None]
-        row, shape = np.repeat(np.arange(len(points)), 3), (len(points), len(self.vertices))
-        along_x, along_y = -opposite[:, :, 1], opposite[:, :, 0]  # across the opposite edge
-        return (
-            scipy.sparse.csr_array((along_x.ravel(), (row, corners.ravel())), shape=shape),
-            scipy.sparse.csr_array((along_y.ravel(), (row, corners.ravel())), shape=shape),
-        )
 
     def locate(self, points: FloatArray) -> tuple[IntArray, FloatArray]:
         """The triangle around each of (P, 2) points, (P,), and its barycentric coordinates, (P, 3)."""
