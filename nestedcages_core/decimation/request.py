@@ -60,6 +60,13 @@ class Request:
         """Number of vertices to decimate to. Loops that want more than their own get them by divided edges."""
         return self.total if self.per_loop is None else sum(self.minimum)
 
+    @property
+    def regions(self) -> IntArray:
+        """(L,) the region outside the solid, or inside it, that each loop of the outline bounds."""
+        fine = self.fine
+        outside = np.where(fine.loop_signs > 0, fine.parent_of_loop, np.arange(len(fine.loops)))
+        return np.asarray((outside if self.side > 0 else fine.component_of_loop)[self.loop_order])
+
     def coarse(self, outline: Loops) -> Mesh:
         """The coarse mesh of an outline with at most `target` vertices: edges are divided until there are enough.
 

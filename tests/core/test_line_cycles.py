@@ -96,14 +96,18 @@ def test_lines_are_shared_between_loops_as_if_all_ways_were_tried() -> None:
             assert sum(t[k] for t, k in zip(totals, numbers, strict=True)) == pytest.approx(best)
 
 
-def test_rays_end_where_they_meet_the_solid() -> None:
+def test_rays_end_where_they_meet_the_solid_next_to_their_region() -> None:
     fine = annulus(40, 0.4)
     solid, reach = polygon(fine), 3.0
     angle, radius = RANDOM.uniform(0.0, 2.0 * np.pi, 60), RANDOM.uniform(0.0, 1.6, 60)
     point = radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     turn = RANDOM.uniform(0.0, 2.0 * np.pi, 60)
     lines = Lines.of(point, np.zeros(60), np.stack([np.cos(turn), np.sin(turn)], axis=1))
-    free = Obstacles([fine.vertices[loop] for loop in fine.loops]).free(lines, reach)
+    request = Request.of(fine, 6)
+    obstacles = Obstacles(request.outline.split(), request.regions)
+    outside, inside = (obstacles.free(lines, reach, region) for region in request.regions.tolist())
+    assert (outside[:, radius < 0.3] < 0.0).all()
+    free = np.maximum(outside, inside)
     for k in range(60):
         here = shapely.Point(point[k])
         if solid.contains(here):

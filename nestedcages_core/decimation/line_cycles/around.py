@@ -185,7 +185,8 @@ class Around:
             lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, self.shift)
             yield
             found.append((lines.shifted(self.shift), at, expected, deserved_lines))
-        obstacles = Obstacles(self.outline.split())
+        regions = self.request.regions
+        obstacles = Obstacles(self.outline.split(), regions)
         for k, (chain, (lines, at, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
             if images is not None and images.loops[k][0] != k:
                 continue
@@ -197,7 +198,7 @@ class Around:
                 lines = images.turned(k, chain, lines)
             size = 2.0 * float(norm(chain.vertices - chain.vertices.mean(axis=0)).max())
             reach = min(REACH, LOOP_REACH * size)
-            free = obstacles.free(lines, reach)
+            free = obstacles.free(lines, reach, regions[k])
             yield
             usable = np.asarray((free > 0.0).all(axis=0))
             if chain.swept[-1] < 0.0:  # every ray in a hole ends at it; in the solid around it some end nowhere

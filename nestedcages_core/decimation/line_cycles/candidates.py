@@ -141,9 +141,11 @@ def _through_pins(chain: Chain, at: IntArray) -> Lines:
 class Obstacles:
     """All loops of an outline, in blocks of edges with circles around them. Unit: the outline's diameter."""
 
-    def __init__(self, loops: list[FloatArray]) -> None:
+    def __init__(self, loops: list[FloatArray], regions: IntArray) -> None:
+        """regions: (L,) the empty region that each loop bounds."""
         # the last edge of each loop is repeated, so that no block has edges of two loops
         padded = [np.minimum(np.arange(-(-len(loop) // BLOCK_EDGES) * BLOCK_EDGES), len(loop) - 1) for loop in loops]
+        self.region = np.repeat(regions, [len(order) for order in padded])
         self.starts = np.concatenate([loop[order] for loop, order in zip(loops, padded, strict=True)])
         self.ends = np.concatenate([loop[(order + 1) % len(loop)] for loop, order in zip(loops, padded, strict=True)])
         blocks = np.stack((self.starts.reshape(-1, BLOCK_EDGES, 2), self.ends.reshape(-1, BLOCK_EDGES, 2)), axis=1)
@@ -151,10 +153,10 @@ class Obstacles:
         self.centres: FloatArray = self.blocks.mean(axis=1)
         self.radii: FloatArray = norm(self.blocks - self.centres[:, None]).max(axis=1) + ROUND_OFF
 
-    def free(self, lines: Lines, reach: float) -> FloatArray:
+    def free(self, lines: Lines, reach: float, region: int) -> FloatArray:
         """(2, K) how far each line runs from its point forwards and backwards, at most the reach.
 
-        Negative where the point lies in the solid.
+        Negative where the point lies in the solid, or in another empty region.
         """
         right, origin = lines.right, lines.point
         level = (right * origin).sum(axis=1)
@@ -176,7 +178,7 @@ class Obstacles:
         way, length = (along < 0.0).astype(np.int64), np.abs(along)
         free, leaving = np.full((2, 2, len(lines)), reach)
         np.minimum.at(free, (way, k), length)
-        out = left == (along < 0.0)
+        out = (left == (along < 0.0)) | (self.region[edge] != region)
         np.minimum.at(leaving, (way[out], k[out]), length[out])
         inside = ((leaving <= free) & (leaving < reach)).any(axis=0)
         return np.where(inside, -1.0, free)
