@@ -8,9 +8,8 @@ El Topo's rigid impact zones are left out, since they also move the fine mesh, w
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
@@ -74,45 +73,83 @@ class ElTopo:
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float
     ) -> Stage[FloatArray, ContactOutcome]:
         """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`. It has no clearance."""
-        descent = Descent(self.first_step, self.smallest_step, self.still, self.iterations)
-        expansion = Expansion(descent, bodies, x)
+        expansion = _Expansion(self, bodies, x)
         energy, final_energy = self.energy.at(bodies.coarse), self.final_energy.at(bodies.coarse)
         idle = not energy.gradient(x[: bodies.m], bodies.cage.successor).any()
-        surface = _Surface(bodies, self.room if idle else self.proximity)
+        expansion.proximity = self.room if idle else self.proximity
         for target in path:
-            reached = yield from expansion.step_to(target, energy, surface.integrated)
+            reached = yield from expansion.step_to(target, energy)
             if not reached:
-                return ContactOutcome(expansion.x, False, surface.systems, expansion.blocking_vertex(target))
+                worst = int(np.hypot(*(target - expansion.x[bodies.m :]).T).argmax())
+                reason = f"the filter finds no velocity that lets fine vertex {worst} pass"
+                return ContactOutcome(expansion.x, False, expansion.systems, reason)
         if final_energy.gradient(x[: bodies.m], bodies.cage.successor).any():
-            surface.proximity = self.final_proximity
-            yield from expansion.step_to(path[-1], final_energy, surface.integrated)
-        return ContactOutcome(expansion.x, True, surface.systems)
+            expansion.proximity = self.final_proximity
+            yield from expansion.step_to(path[-1], final_energy)
+        return ContactOutcome(expansion.x, True, expansion.systems)
 
 
-class _Surface:
-    """Moves cage and fine mesh without a collision."""
+class _Expansion:
+    """State of one reinflation.
 
-    def __init__(self, bodies: Bodies, proximity: float) -> None:
-        self.bodies, self.proximity = bodies, proximity
+    The fine mesh has infinite mass and goes back by one step of the flow with a prescribed velocity; the desired
+    velocity of the cage descends the gradient of its energy. A filter replaces the velocity of the cage by one without
+    penetration. Then the fine mesh rests while the cage lowers its energy further by filtered steps: one that raises
+    the energy is undone and halved, one that lowers it makes the next longer by a tenth (Sacht et al. 2015, section 5).
+    """
+
+    def __init__(self, method: ElTopo, bodies: Bodies, x: FloatArray) -> None:
+        self.method, self.bodies, self.x = method, bodies, x
+        self.proximity = method.proximity
         self.candidates = CandidateList(bodies)
         self.systems = 0
 
-    def integrated(self, x: FloatArray, wish: FloatArray, target: FloatArray) -> Filtered:
-        """All parts of a step; ends if one of them is too short."""
+    def step_to(self, target: FloatArray, energy: CageEnergy) -> Stage[FloatArray, bool]:
+        """Go back one step of the flow, to ``target`` (n, 2), and let the cage descend; False if that is blocked."""
+        method, m, successor = self.method, self.bodies.m, self.bodies.cage.successor
+        energy = energy.after(self.x[:m])
+        step = method.first_step
+        lowest = np.inf
+        for iteration in range(method.iterations):
+            gradient = energy.gradient(self.x[:m], successor)
+            states, arrived = self._filtered(self.x, -step * gradient, target)
+            after = energy.value(states[-1][:m], successor) if states else lowest
+            if iteration == 0 or after <= lowest:
+                motion = float(np.abs(states[-1][:m] - self.x[:m]).max()) if states else 0.0
+                for state in states:
+                    yield state
+                    self.x = state
+                if not arrived:
+                    return False
+                lowest = after
+                step *= DESCENT_GROWTH
+                if not gradient.any() or (iteration > 0 and motion < method.still):
+                    break
+            else:
+                step *= DESCENT_REDUCTION
+                if step < method.smallest_step:
+                    break
+        return True
+
+    def _filtered(self, x: FloatArray, wish: FloatArray, target: FloatArray) -> tuple[list[FloatArray], bool]:
+        """Positions (m + n, 2) free of collisions between each other, and whether the fine mesh reached its target.
+
+        x: positions; wish: motion of the cage (m, 2). Ends if a part of the step is too short.
+        """
         m = self.bodies.m
         goal = np.concatenate([x[:m] + wish, target])
         states: list[FloatArray] = []
         for _ in range(MAX_SUBSTEPS):
             moved, time = self._part(x, goal - x)
             if time < SMALLEST_TIME:
-                return Filtered(states, not (target - x[m:]).any())
+                return states, not (target - x[m:]).any()
             x = moved
             if time == 1.0:
                 x[m:] = target
             states.append(x)
             if time == 1.0:
-                return Filtered(states, True)
-        return Filtered(states, False)
+                return states, True
+        return states, False
 
     def _part(self, x: FloatArray, wished: FloatArray) -> tuple[FloatArray, float]:
         """Positions after the largest possible fraction of the time, and that fraction; 0 if it is too short."""
@@ -144,75 +181,3 @@ class _Surface:
         """Whether any pair meets."""
         hits, _ = impacts(pairs, x, motion, distance, COLLISION_DISTANCE / HIT_DISTANCE)
         return len(hits) > 0
-
-
-class Filtered(NamedTuple):
-    """Result of filtering a desired motion."""
-
-    states: list[FloatArray]
-    """Positions (m + n, 2) during the motion, free of collisions between each other."""
-    arrived: bool
-    """Whether the fine mesh reached its target."""
-
-
-Filter = Callable[[FloatArray, FloatArray, FloatArray], Filtered]
-"""Positions x (m + n, 2), wished motion of the cage (m, 2) and target of the fine mesh (n, 2) -> what is possible."""
-
-
-@dataclass(frozen=True)
-class Descent:
-    """Descent of the cage's energy; lengths in bounding-box diagonals of the fine mesh."""
-
-    first_step: float
-    """First step, relative to the gradient of the energy."""
-    smallest_step: float
-    """Step at which the descent ends."""
-    still: float
-    """Motion of the cage at which the descent ends."""
-    iterations: int
-    """Maximum number of steps per step of the flow."""
-
-
-class Expansion:
-    """State of one reinflation.
-
-    The fine mesh has infinite mass and goes back by one step of the flow with a prescribed velocity; the desired
-    velocity of the cage descends the gradient of its energy. A filter replaces the velocity of the cage by one without
-    penetration. Then the fine mesh rests while the cage lowers its energy further by filtered steps: one that raises
-    the energy is undone and halved, one that lowers it makes the next longer by a tenth (Sacht et al. 2015, section 5).
-    """
-
-    def __init__(self, descent: Descent, bodies: Bodies, x: FloatArray) -> None:
-        self.descent, self.bodies, self.x = descent, bodies, x
-
-    def step_to(self, target: FloatArray, energy: CageEnergy, allowed: Filter) -> Stage[FloatArray, bool]:
-        """Go back one step of the flow, to ``target`` (n, 2), and let the cage descend; False if that is blocked."""
-        descent, m, successor = self.descent, self.bodies.m, self.bodies.cage.successor
-        energy = energy.after(self.x[:m])
-        step = descent.first_step
-        lowest = np.inf
-        for iteration in range(descent.iterations):
-            gradient = energy.gradient(self.x[:m], successor)
-            states, arrived = allowed(self.x, -step * gradient, target)
-            after = energy.value(states[-1][:m], successor) if states else lowest
-            if iteration == 0 or after <= lowest:
-                motion = float(np.abs(states[-1][:m] - self.x[:m]).max()) if states else 0.0
-                for state in states:
-                    yield state
-                    self.x = state
-                if not arrived:
-                    return False
-                lowest = after
-                step *= DESCENT_GROWTH
-                if not gradient.any() or (iteration > 0 and motion < descent.still):
-                    break
-            else:
-                step *= DESCENT_REDUCTION
-                if step < descent.smallest_step:
-                    break
-        return True
-
-    def blocking_vertex(self, target: FloatArray) -> str:
-        """Which fine vertex is farthest from its target, in words."""
-        worst = int(np.hypot(*(target - self.x[self.bodies.m :]).T).argmax())
-        return f"the filter finds no velocity that lets fine vertex {worst} pass"
