@@ -115,7 +115,7 @@ def test_gaps_of_rounding_size_are_triangulated(gap: float) -> None:
     assert len(grid.triangles) == 48
 
 
-def test_points_are_inserted_one_by_one_where_qhull_gives_up(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sweep_replaces_qhull_where_that_gives_up(monkeypatch: pytest.MonkeyPatch) -> None:
     inside = np.random.default_rng(0).uniform(-0.6, 0.6, (120, 2))
     grid = np.stack(np.meshgrid(np.linspace(-0.5, 0.5, 9), np.linspace(-0.5, 0.5, 9)), axis=-1).reshape(-1, 2)
     segments = np.stack((np.arange(32), (np.arange(32) + 1) % 32), axis=1)

@@ -64,7 +64,7 @@ def _check_different(points: FloatArray) -> None:
 def _delaunay(framed: FloatArray, exact: FloatArray) -> IntArray:
     """A Delaunay triangulation of the points, up to rounding, that is valid by exact predicates.
 
-    Qhull's where it is valid, which is nearly always; else points are inserted one by one.
+    Qhull's where it is valid, which is nearly always; else that of a sweep, flipped.
     """
     try:
         triangles: IntArray = scipy.spatial.Delaunay(framed).simplices.astype(np.int64)
@@ -74,9 +74,8 @@ def _delaunay(framed: FloatArray, exact: FloatArray) -> IntArray:
     triangles[turn < 0, :2] = triangles[turn < 0, 1::-1]
     if _is_valid(triangles, len(exact), turn):
         return triangles
-    first = len(exact) - len(FRAME_CORNERS)
-    flips = Flips(exact, first + np.array([[0, 1, 2], [0, 2, 3]]))
-    flips.insert(_along_a_curve(framed[:first]))
+    flips = Flips(exact, _swept(exact))
+    flips.legalise(list(flips.apex))
     return flips.triangles()
 
 
@@ -92,13 +91,26 @@ def _is_valid(triangles: IntArray, count: int, turn: Signs) -> bool:
     return len(np.unique(keys)) == len(keys) and int((~np.isin(keys, back)).sum()) == len(FRAME_CORNERS)
 
 
-def _along_a_curve(points: FloatArray) -> list[int]:
-    """The points row by row, there and back, so that consecutive ones are close."""
-    rows = max(int(np.sqrt(len(points) / 2.0)), 1)
-    row = np.minimum((points[:, 1] * rows).astype(np.int64), rows - 1)
-    x = np.where(row % 2 == 0, points[:, 0], -points[:, 0])
-    order: list[int] = np.lexsort((x, row)).tolist()
-    return order
+def _swept(points: FloatArray) -> IntArray:
+    """Any triangulation (T, 3) of the convex hull of points (N, 2): each sees the hull of those to its left.
+
+    The first two of them, from left to right, are not on a line with the third.
+    """
+    order = np.lexsort((points[:, 1], points[:, 0])).tolist()
+    places = points.tolist()
+    a, b, last = order[:3]
+    triangles = [(a, last, b)]
+    ahead, back = {a: last, last: b, b: a}, {last: a, b: last, a: b}
+    for p in order[3:]:
+        above, below = last, last
+        while orientation_sign(*places[above], *places[ahead[above]], *places[p]) < 0:
+            triangles.append((above, p, ahead[above]))
+            above = ahead[above]
+        while orientation_sign(*places[back[below]], *places[below], *places[p]) < 0:
+            triangles.append((back[below], p, below))
+            below = back[below]
+        ahead[below], back[p], ahead[p], back[above], last = p, below, above, p, p
+    return np.array(triangles, dtype=np.int64)
 
 
 def _directed_edges(triangles: IntArray) -> tuple[IntArray, IntArray]:
@@ -195,12 +207,6 @@ class Flips:
         own = [(u, v, w) for (u, v), w in self.apex.items() if u < v and u < w]
         return np.array(own, dtype=np.int64).reshape(-1, 3)
 
-    def insert(self, vertices: Iterable[int]) -> None:
-        """Add points to the triangulation, one by one, keeping it Delaunay."""
-        hint = next(iter(self.apex))
-        for p in vertices:
-            hint = self._insert(p, hint)
-
     def constrain(self, segments: IntArray) -> None:
         """Make segments (S, 2) edges that no later flip removes. Raises InvalidMeshError where that is impossible."""
         for a, b in segments.tolist():
@@ -289,32 +295,3 @@ class Flips:
             f"at or near {place(self.points[on])}; move them apart.",
             code="mesh.crossing",
         )
-
-    def _insert(self, p: int, start: Edge) -> Edge:
-        """Add one point; an edge near it, where the search for the next may start."""
-        u, v = self._triangle_around(p, start)
-        w = self.apex[u, v]
-        for s, t, r in ((u, v, w), (v, w, u), (w, u, v)):
-            if self._side(s, t, p) == 0:  # on the edge s-t: split both triangles next to it
-                beyond = self.apex[t, s]
-                del self.apex[s, t], self.apex[t, s]
-                for x, y in ((t, r), (r, s), (s, beyond), (beyond, t)):
-                    self._add(x, y, p)
-                self.legalise([(t, r), (r, s), (s, beyond), (beyond, t)])
-                return p, self._a_neighbour[p]
-        for x, y in ((u, v), (v, w), (w, u)):
-            self._add(x, y, p)
-        self.legalise([(u, v), (v, w), (w, u)])
-        return p, self._a_neighbour[p]
-
-    def _triangle_around(self, p: int, start: Edge) -> Edge:
-        """An edge of the triangle that contains p, by walking there."""
-        u, v = start if self._side(*start, p) >= 0 else start[::-1]
-        while True:
-            w = self.apex[u, v]
-            if self._side(v, w, p) < 0:
-                u, v = w, v
-            elif self._side(w, u, p) < 0:
-                u, v = u, w
-            else:
-                return u, v
