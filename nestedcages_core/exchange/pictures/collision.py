@@ -11,6 +11,7 @@ import scipy
 
 from ...errors import NestedCagesError
 from ...geometry.arrays import AnyArray, BoolArray, FloatArray
+from ...geometry.loops import trace_loops
 from ...geometry.mesh import Mesh
 from ...hierarchy import Hierarchy, NestedCagesRun, Progress, Settings, Within
 from ...tasks import drain
@@ -168,31 +169,20 @@ def _walked(leaves: BoolArray) -> list[FloatArray]:
         onward[possible] = candidate[possible]
     crowded = flat.sum(axis=0, dtype=np.int8) == 2
     following = np.searchsorted(direction * corners + corner, onward * corners + target)  # edges are in this order
-    turning = (onward != direction).tolist()
     points = np.stack((target % columns, target // columns), axis=1).astype(np.float64)
     # the corner at the end of each edge: one point, or two where it is cut off
     cut = crowded[target]
     before = points - CUT * STEPS[direction]
     after = points + CUT * STEPS[onward]
     before[~cut] = points[~cut]
-    followers, cuts = following.tolist(), cut.tolist()
-    seen = bytearray(len(followers))
-    loops = []
-    for start in range(len(followers)):
-        if seen[start]:
-            continue
-        chain: list[int] = []
-        edge = start
-        while not seen[edge]:
-            seen[edge] = 1
-            if turning[edge]:
-                chain.append(edge)
-            edge = followers[edge]
-        twice = np.repeat(chain, [1 + cuts[k] for k in chain])
-        second = np.zeros(len(twice), dtype=bool)
-        second[1:] = twice[1:] == twice[:-1]
-        loops.append(np.where(second[:, None], after[twice], before[twice]))
-    return loops
+    order = trace_loops(np.stack((np.arange(len(following)), following), axis=1), points)
+    turning = (onward != direction)[order.numbers]
+    edges, loop = order.numbers[turning], order.loop[turning]
+    repeats = 1 + cut[edges]
+    twice = np.repeat(edges, repeats)
+    second = np.append(False, twice[1:] == twice[:-1])
+    ends = np.cumsum(np.bincount(loop, repeats).astype(np.int64))
+    return np.split(np.where(second[:, None], after[twice], before[twice]), ends[:-1])
 
 
 def corresponding(outlines: Sequence[Mesh]) -> list[Mesh]:
