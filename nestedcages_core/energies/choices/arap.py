@@ -13,7 +13,7 @@ from ...geometry.vectors import cross
 from ...parameters import check_not_negative
 from ..area import Area
 from ..weighted_sum import BoundSum
-from .shape_matching import LocalFit, RotationFit, ScaleFit, ShapeMatching, edge_stiffness
+from .shape_matching import LocalFit, ShapeMatching, edge_stiffness, rotation_fit, scale_fit
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class BoundaryARAP:
 
     def at(self, coarse: Mesh) -> ShapeMatching:
         """The energy of a cage whose rest shape is the coarse mesh."""
-        return boundary_cells(coarse, RotationFit())
+        return boundary_cells(coarse, rotation_fit)
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class InteriorARAP:
         corner = np.arange(3)
         opposite = np.roll(corner, -1), np.roll(corner, 1)
         stiffness = edge_stiffness(3, *opposite, _half_cotangents(coarse, corners))
-        return ShapeMatching.of(corners, coarse.vertices, stiffness, RotationFit())
+        return ShapeMatching.of(corners, coarse.vertices, stiffness, rotation_fit)
 
 
 def boundary_cells(coarse: Mesh, local_fit: LocalFit) -> ShapeMatching:
@@ -82,4 +82,4 @@ class ShapeKeeping:
 
     def at(self, coarse: Mesh) -> BoundSum:
         """The energy of a cage whose rest shape is the coarse mesh."""
-        return BoundSum(((1.0, Area()), (self.strength, boundary_cells(coarse, ScaleFit()))))
+        return BoundSum(((1.0, Area()), (self.strength, boundary_cells(coarse, scale_fit))))

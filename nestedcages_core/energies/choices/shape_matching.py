@@ -18,8 +18,9 @@ indefinite where a rotating element is compressed. Replacing a by max(a, M) make
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -42,31 +43,20 @@ class Fit(NamedTuple):
     """(E,) a."""
 
 
-class LocalFit(Protocol):
-    """The motions of an element that cost nothing."""
-
-    def fit(self, s: ComplexArray, moment: FloatArray) -> Fit:
-        """The best r for s and M (E,)."""
+LocalFit: TypeAlias = Callable[[ComplexArray, FloatArray], Fit]
+"""The motions of an element that cost nothing: the best r for s and M (E,)."""
 
 
-@dataclass(frozen=True)
-class RotationFit:
-    """Rotations."""
-
-    def fit(self, s: ComplexArray, moment: FloatArray) -> Fit:
-        """r = s / |s|."""
-        size = np.maximum(np.abs(s), INPUT_ROUND_OFF * moment)
-        r: ComplexArray = s / size
-        return Fit(r, 1j * r, size)
+def rotation_fit(s: ComplexArray, moment: FloatArray) -> Fit:
+    """Rotations: r = s / |s|."""
+    size = np.maximum(np.abs(s), INPUT_ROUND_OFF * moment)
+    r: ComplexArray = s / size
+    return Fit(r, 1j * r, size)
 
 
-@dataclass(frozen=True)
-class ScaleFit:
-    """Uniform scalings."""
-
-    def fit(self, s: ComplexArray, moment: FloatArray) -> Fit:
-        """r = Re s / M."""
-        return Fit((s.real / moment).astype(np.complex128), np.ones_like(s), moment)
+def scale_fit(s: ComplexArray, moment: FloatArray) -> Fit:
+    """Uniform scalings: r = Re s / M."""
+    return Fit((s.real / moment).astype(np.complex128), np.ones_like(s), moment)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +98,7 @@ class ShapeMatching(CageEnergy):
         """The fit to the positions z (E, k), q and M."""
         q = _times(self.stiffness, self.rest)
         moment = (self.rest.conj() * q).real.sum(axis=1)
-        return self.local_fit.fit((q.conj() * z).sum(axis=1), moment), q, moment
+        return self.local_fit((q.conj() * z).sum(axis=1), moment), q, moment
 
     def _strain(self, vertices: FloatArray) -> ComplexArray:
         """(E, k) z - r p."""
