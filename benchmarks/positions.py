@@ -1,10 +1,10 @@
 """Whether a cage depends on position, size and numbering, and whether more vertices are ever worse.
 
     python benchmarks/positions.py
-    python benchmarks/positions.py --cases 60 --seed 7000
+    python benchmarks/positions.py --cases 60 --seed 7000 --clearance 0.01
 
 Each random shape gets cages in several positions: turned, moved, scaled, with other first vertices. *spread* is the
-largest excess over the smallest, less 1. Then counts grow from a first one in steps of an eighth: *worse* is the
+largest excess over the smallest, less 1. Then counts grow from a first one by 1, 1, 2, 4 and 8: *worse* is the
 largest increase of the excess from one count to the next. Needles are told apart: the clearance decides their excess.
 Exit status 1 if a cage is lost, or a spread or an increase of any other shape exceeds 1 %.
 """
@@ -27,8 +27,8 @@ POSES = ((0.0, 1.0, 0.0), (0.1, 1.0, 0.0), (1.0, 1e3, 5.0), (2.0, 1e-3, 0.0), (n
 ALLOWED = 0.01
 """Relative difference of excess."""
 
-GROWTH, COUNTS = 1.125, 6
-"""Factor from one vertex count to the next, and number of counts."""
+MORE = (0, 1, 2, 4, 8, 16)
+"""Vertices beyond those of the first cage."""
 
 
 def posed(loops: list[np.ndarray], number: int) -> Mesh:
@@ -39,11 +39,11 @@ def posed(loops: list[np.ndarray], number: int) -> Mesh:
     return Mesh.from_loops([np.roll(scale * (loop @ turn + shift * size), 7 * number, axis=0) for loop in loops])
 
 
-def excess(fine: Mesh, count: int) -> float:
-    """The excess of a cage; infinite where there is none."""
+def excess(fine: Mesh, count: int, clearance: float) -> float:
+    """The excess of a cage at a clearance, 0: the default one; infinite where there is none."""
     forget()
     try:
-        return nested_cages(fine, [count]).levels[0].report.excess + FLOOR
+        return nested_cages(fine, count, clearance=clearance or None)[0].report.excess + FLOOR
     except NestedCagesError:
         return np.inf
 
@@ -52,16 +52,19 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", type=int, default=30, help="random shapes (%(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="the first seed (%(default)s)")
+    parser.add_argument("--clearance", type=float, default=0.0, help="in diagonals of each shape (the default one)")
     options = parser.parse_args()
     print(f"{'case':22}{'count':>6}{'excess %':>11}{'spread %':>10}{'worse %':>9}")
     found: list[tuple[bool, float, float]] = []
     for case in random_cases(options.cases, options.seed):
-        placed = np.array([excess(posed(case.loops, number), case.count) for number in range(len(POSES))])
+        first = posed(case.loops, 0)
+        room = options.clearance * first.diagonal
+        placed = np.array([excess(posed(case.loops, k), case.count, POSES[k][1] * room) for k in range(len(POSES))])
         if not np.isfinite(placed).any():
             continue  # impossible
         size = sum(map(len, case.loops))
-        counts = sorted({min(size, round(case.count * GROWTH**k)) for k in range(COUNTS)})
-        grown = np.array([placed[0], *(excess(posed(case.loops, 0), count) for count in counts[1:])])
+        counts = sorted({min(size, case.count + more) for more in MORE})
+        grown = np.array([placed[0], *(excess(first, count, room) for count in counts[1:])])
         spread, worse = placed.max() / placed.min() - 1.0, max(0.0, (grown[1:] / grown[:-1] - 1.0).max(initial=0.0))
         found.append((case.name.startswith("needles"), spread, worse))
         print(

@@ -96,15 +96,16 @@ def test_lines_are_shared_between_loops_as_if_all_ways_were_tried() -> None:
             assert sum(t[k] for t, k in zip(totals, numbers, strict=True)) == pytest.approx(best)
 
 
-def test_rays_end_where_they_meet_the_solid_next_to_their_region() -> None:
+@pytest.mark.parametrize("distance", [0.0, 0.02, 0.3])
+def test_rays_end_where_they_come_too_close_to_the_solid_next_to_their_region(distance: float) -> None:
     fine = annulus(40, 0.4)
-    solid, reach = polygon(fine), 3.0
+    solid, reach = polygon(fine).buffer(distance, quad_segs=500), 3.0
     angle, radius = RANDOM.uniform(0.0, 2.0 * np.pi, 60), RANDOM.uniform(0.0, 1.6, 60)
     point = radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     turn = RANDOM.uniform(0.0, 2.0 * np.pi, 60)
     lines = Lines.of(point, np.zeros(60), np.stack([np.cos(turn), np.sin(turn)], axis=1))
     request = Request.of(fine, 6)
-    obstacles = Obstacles(request.outline.split(), request.regions)
+    obstacles = Obstacles(request.outline.split(), request.regions, distance)
     outside, inside = (obstacles.free(lines, reach, region) for region in request.regions.tolist())
     assert (outside[:, radius < 0.3] < 0.0).all()
     free = np.maximum(outside, inside)
@@ -116,7 +117,9 @@ def test_rays_end_where_they_meet_the_solid_next_to_their_region() -> None:
         for way, sign in enumerate((1.0, -1.0)):
             ray = shapely.LineString([point[k], point[k] + sign * reach * lines.direction[k]])
             met = ray.intersection(solid)
-            assert free[way, k] == pytest.approx(reach if met.is_empty else here.distance(met))
+            assert free[way, k] == pytest.approx(
+                reach if met.is_empty else here.distance(met), abs=1e-4 * distance + 1e-9
+            )
 
 
 def test_areas_of_cycles_are_those_between_cage_and_outline(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -259,6 +262,14 @@ def test_more_vertices_around_a_spiral_are_never_worse(turns: float) -> None:
     band = shapely.LineString(turn[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)).buffer(1.2, quad_segs=3)
     areas = [nested_cages(band, count)[0].cage.area for count in (9, 10, 11, 12, 14, 16)]
     assert all(after <= (1.0 + 1e-3) * before for before, after in pairwise(areas))
+
+
+@pytest.mark.parametrize("gap", [0.1, 0.5, 1.5])
+def test_more_vertices_around_a_comb_with_a_clearance_are_never_worse(gap: float) -> None:
+    teeth = [shapely.affinity.rotate(box(k, -0.1, k + 1.0 / (1.0 + gap), 3.0 - 0.2 * k), 0.3, (0, 0)) for k in range(6)]
+    fine = shapely.union_all([shapely.affinity.rotate(box(0.0, -1.0, 6.0, 0.0), 0.3, (0, 0)), *teeth])
+    areas = [nested_cages(fine, count, clearance=0.1)[0].cage.area for count in range(8, 24)]
+    assert all(after <= (1.0 + 1e-6) * before for before, after in pairwise(areas))
 
 
 @pytest.mark.parametrize("sides", [5, 7, 12])

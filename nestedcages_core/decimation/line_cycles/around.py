@@ -12,11 +12,12 @@ from ...geometry.arrays import IntArray
 from ...geometry.group import Symmetry
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
-from ...geometry.precision import MOST_ROUNDS
+from ...geometry.precision import MOST_ROUNDS, NEGLIGIBLE
 from ...geometry.vectors import norm
 from ...tasks import Stage
 from ..alike import AsymmetricError, padded_alike
 from ..base import LEAST_PER_LOOP, REACH, Importance
+from ..hull.narrow_gaps import HULL_OFFSET
 from ..request import Request
 from .candidates import Obstacles, candidates
 from .chain import Chain, Lines, without_doubles
@@ -76,6 +77,8 @@ class Around:
         self, request: Request, outline: Loops, shift: float, symmetry: Symmetry | None, importance: Importance | None
     ) -> None:
         self.symmetry, self.importance, self.request, self.shift = symmetry, importance, request, shift
+        # with a clearance; a little less than that from what lines touch
+        self.distance = (1.0 - NEGLIGIBLE) * shift if shift > HULL_OFFSET else 0.0
         self.frame = Frame.of(outline)
         self.images: Images | None = None
         if symmetry is not None:
@@ -186,7 +189,7 @@ class Around:
             yield
             found.append((lines.shifted(self.shift), at, expected, deserved_lines))
         regions = self.request.regions
-        obstacles = Obstacles(self.outline.split(), regions)
+        obstacles = Obstacles(self.outline.split(), regions, self.distance)
         for k, (chain, (lines, at, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
             if images is not None and images.loops[k][0] != k:
                 continue

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.precision import INPUT_ROUND_OFF, ROUND_OFF
-from ...geometry.vectors import cross, norm
+from ...geometry.vectors import cross, dot, norm
 from .chain import Chain, Lines
 from .places import DECIMALS
 
@@ -141,8 +141,9 @@ def _through_pins(chain: Chain, at: IntArray) -> Lines:
 class Obstacles:
     """All loops of an outline, in blocks of edges with circles around them. Unit: the outline's diameter."""
 
-    def __init__(self, loops: list[FloatArray], regions: IntArray) -> None:
-        """regions: (L,) the empty region that each loop bounds."""
+    def __init__(self, loops: list[FloatArray], regions: IntArray, distance: float) -> None:
+        """regions: (L,) the empty region that each loop bounds. distance: that lines keep from all edges, or 0."""
+        self.distance = distance
         # the last edge of each loop is repeated, so that no block has edges of two loops
         padded = [np.minimum(np.arange(-(-len(loop) // BLOCK_EDGES) * BLOCK_EDGES), len(loop) - 1) for loop in loops]
         self.region = np.repeat(regions, [len(order) for order in padded])
@@ -151,12 +152,12 @@ class Obstacles:
         blocks = np.stack((self.starts.reshape(-1, BLOCK_EDGES, 2), self.ends.reshape(-1, BLOCK_EDGES, 2)), axis=1)
         self.blocks: FloatArray = blocks.reshape(-1, 2 * BLOCK_EDGES, 2)
         self.centres: FloatArray = self.blocks.mean(axis=1)
-        self.radii: FloatArray = norm(self.blocks - self.centres[:, None]).max(axis=1) + ROUND_OFF
+        self.radii: FloatArray = norm(self.blocks - self.centres[:, None]).max(axis=1) + ROUND_OFF + distance
 
     def free(self, lines: Lines, reach: float, region: int) -> FloatArray:
         """(2, K) how far each line runs from its point forwards and backwards, at most the reach.
 
-        Negative where the point lies in the solid, or in another empty region.
+        Negative where the point lies in the solid, too close to it, or in another empty region.
         """
         right, origin = lines.right, lines.point
         level = (right * origin).sum(axis=1)
@@ -171,14 +172,43 @@ class Obstacles:
         left = heights > 0.0
         hit, edge = np.nonzero(left[:, :BLOCK_EDGES] != left[:, BLOCK_EDGES:])
         here, there, left = heights[hit, edge], heights[hit, BLOCK_EDGES + edge], left[hit, edge]
-        k, edge = k[hit], block[hit] * BLOCK_EDGES + edge
+        ray, edge = k[hit], block[hit] * BLOCK_EDGES + edge
         start = self.starts[edge]
         crossing = start + (self.ends[edge] - start) * (here / (here - there))[:, None]
-        along = ((crossing - origin[k]) * lines.direction[k]).sum(axis=1)
+        along = ((crossing - origin[ray]) * lines.direction[ray]).sum(axis=1)
         way, length = (along < 0.0).astype(np.int64), np.abs(along)
         free, leaving = np.full((2, 2, len(lines)), reach)
-        np.minimum.at(free, (way, k), length)
+        np.minimum.at(free, (way, ray), length)
         out = (left == (along < 0.0)) | (self.region[edge] != region)
-        np.minimum.at(leaving, (way[out], k[out]), length[out])
+        np.minimum.at(leaving, (way[out], ray[out]), length[out])
         inside = ((leaving <= free) & (leaving < reach)).any(axis=0)
+        if self.distance > 0.0:
+            free = np.minimum(free, self._to_distance(lines, k, block, heights))
         return np.where(inside, -1.0, free)
+
+    def _to_distance(self, lines: Lines, k: IntArray, block: IntArray, heights: FloatArray) -> FloatArray:
+        """(2, K) how far each line keeps the distance forwards and backwards; -1 where its point does not.
+
+        k, block: (P,) lines and blocks that can meet; heights: (P, 2 * BLOCK_EDGES) of the starts and ends of the edges
+        of these over the lines. Those points of a line that are closer than d to an edge end at a + (d² - h²)½, for the
+        point of the edge, at the place a along the line and the height h, where this is largest: at an end of the edge,
+        or where h = d cos α, with its angle α to the line. They begin likewise.
+        """
+        d, here, there = self.distance, heights[:, :BLOCK_EDGES], heights[:, BLOCK_EDGES:]
+        row, edge = np.nonzero((np.minimum(here, there) < d) & (np.maximum(here, there) > -d))
+        here, there, k, edge = here[row, edge], there[row, edge], k[row], block[row] * BLOCK_EDGES + edge
+        start = dot(self.starts[edge] - lines.point[k], lines.direction[k])
+        run, rise = dot(self.ends[edge] - self.starts[edge], lines.direction[k]), there - here
+        low, high = np.minimum(here, there), np.maximum(here, there)
+        steepest, level = d * np.copysign(run, run * rise) / np.hypot(run, rise), rise == 0.0
+        bounds = []
+        for sign in (-1.0, 1.0):
+            height = np.clip(sign * steepest, low, high)
+            part = np.where(level, sign * run > 0.0, (height - here) / np.where(level, 1.0, rise))
+            bounds.append(start + part * run + sign * np.sqrt(np.maximum(d**2 - height**2, 0.0)))
+        begin, end = bounds
+        kept = np.full((2, len(lines)), np.inf)
+        for way, first, last in ((0, begin, end), (1, -end, -begin)):
+            ahead = last > 0.0
+            np.minimum.at(kept[way], k[ahead], np.where(first > 0.0, first, -1.0)[ahead])
+        return kept

@@ -23,7 +23,7 @@ from ...parameters import check_flag, check_side
 from ...tasks import Stage, drain, mapped
 from ..alike import AsymmetricError, symmetrised
 from ..base import Count, Importance, Start
-from ..hull.narrow_gaps import CLEARANCE_RESERVE, HULL_OFFSET, without_gaps
+from ..hull.narrow_gaps import HULL_OFFSET, without_gaps
 from ..hull.outer_hull import SOURCE as HULL
 from ..hull.outer_hull import OuterHull
 from ..on_curve import closest_on_curve
@@ -166,23 +166,23 @@ def cycles_around(method: LineCycles, request: Request, clearance: float) -> Sta
     if method.importance is not None:
         with suppress(AsymmetricError):  # pins next to an axis hold the closest vertices that are there
             outline = symmetrised(method.importance.with_vertices(outline), method.symmetry)
-    usual, wanted = HULL_OFFSET * outline.diameter, CLEARANCE_RESERVE * clearance
-    if wanted > usual:
+    shift = clearance / outline.diameter
+    if shift > HULL_OFFSET:
         with suppress(NoCyclesError):
-            mesh, rounds = yield from _next_to_offset(method, request, outline, wanted, clearance)
-            return mesh if method.symmetry else request.with_room(mesh, clearance), rounds
-        clearance = 0.0  # the tightening may find the room
+            return (yield from _best(method, request, outline, shift))
     try:  # lines next to the outline itself, all moved away by the same distance
-        return (yield from _best(method, request, outline, HULL_OFFSET))
+        mesh, rounds = yield from _best(method, request, outline, HULL_OFFSET)
     except NoCyclesError as error:
         if "least" in error.data:
             raise
         # gaps may be too narrow for that
-        return (yield from _next_to_offset(method, request, outline, usual, clearance))
+        mesh, rounds = yield from _next_to_offset(method, request, outline, clearance)
+    # the tightening finds other room for a clearance
+    return request.with_room(mesh, clearance) if shift > HULL_OFFSET and not method.symmetry else mesh, rounds
 
 
 def _next_to_offset(
-    method: LineCycles, request: Request, outline: Loops, distance: float, clearance: float
+    method: LineCycles, request: Request, outline: Loops, clearance: float
 ) -> Stage[float, tuple[Mesh, int]]:
     """`cycles_around` with lines next to the strict offset, in which gaps are narrow or filled."""
     from ..hull.offset import (
@@ -190,7 +190,8 @@ def _next_to_offset(
         offsetting,
     )
 
-    offset, stuck = yield from mapped(offsetting(outline, distance, request.fine.edge_tree), lambda _: 0.0)
+    distance, tree = HULL_OFFSET * outline.diameter, request.fine.edge_tree
+    offset, stuck = yield from mapped(offsetting(outline, distance, tree), lambda _: 0.0)
     if len(stuck):
         raise NoCyclesError("Gaps are too narrow for an offset.", code="count.too_small")
     outline = symmetrised(cleared(symmetrised(offset, method.symmetry), request.fine, clearance), method.symmetry)
