@@ -112,7 +112,8 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
             raise NestingError("Inner cages keep all loops; leave out merge.", code="setting.conflict")
         from ..needs.merging import Merging
 
-        settings = replace(settings, decimation=Merging(settings.merge))
+        fallback = settings.fallback and Merging(settings.merge, settings.fallback)
+        settings = replace(settings, decimation=Merging(settings.merge), fallback=fallback)
 
     def made(index: int, level: int | Mesh | Within, inner: Mesh, chosen: Settings) -> Stage[Progress, Level]:
         clearances = clearances_for(chosen, fine)

@@ -124,7 +124,7 @@ class LevelBuilder:
             raise (started or failures)[-1]
         from .counts import with_least  # for the message
 
-        search = with_least(failures, self.settings.decimation, self.outline, clearances)
+        search = with_least(failures, self.settings, self.outline, clearances)
         raise (yield from self.progress.follow(search, lambda done: (done, "decimation")))
 
     def _tighter(self, level: Level, again: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:

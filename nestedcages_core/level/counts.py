@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..decimation import CurveStarts, Decimation, OuterHull
+from ..decimation import Decimation
 from ..decimation.base import blocked
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
 from ..verification import verify
+from .settings import LevelSettings
 from .tightest_place import too_narrow
 
 MAX_SEARCHED = 400
@@ -17,7 +18,7 @@ MAX_SEARCHED = 400
 
 
 def with_least(
-    failures: Sequence[NestedCagesError], decimation: Decimation, outline: Mesh, clearances: Sequence[float]
+    failures: Sequence[NestedCagesError], settings: LevelSettings, outline: Mesh, clearances: Sequence[float]
 ) -> Stage[float, NestedCagesError]:
     """The last of the failures of all attempts; for a count that is too small, with the least one that has a start.
 
@@ -32,14 +33,15 @@ def with_least(
         return NestingError(no_room)
     total, least = int(error.data["total"]), int(error.data["least"])
     searched = 0
-    methods: list[Decimation] = [decimation.outside] if isinstance(decimation, CurveStarts) else []
-    for method in (*methods, OuterHull()):
+    for method in (settings.decimation, settings.fallback):
+        if method is None:
+            continue
         low, step = total, 1
         while least - low > 1 and searched < MAX_SEARCHED:
             number = max(least - step, (low + least) // 2)
             searched += number
             yield 0.0
-            if _leads(method, outline, number, clearance, wanted):
+            if _leads(getattr(method, "outside", method), outline, number, clearance, wanted):
                 least, step = number, 2 * step
             else:
                 low = number
@@ -51,6 +53,7 @@ def with_least(
 def _leads(method: Decimation, outline: Mesh, count: int, clearance: float, kept: float) -> bool:
     """Whether a method finds a start for a count and a clearance that keeps the latter, or one of this length."""
     try:
-        return bool(verify(method.decimate(outline, count, clearance=clearance), outline, kept))
+        coarse = method.decimate(outline, count, clearance=clearance)
+        return bool(verify(coarse, outline, kept, same_loops=False))
     except NestingError:
         return False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import isfinite
+from typing import Any
 
 import numpy as np
 
@@ -11,13 +12,13 @@ from ..decimation import Count, Decimation, LineCycles, Start
 from ..decimation.base import LEAST_PER_LOOP
 from ..errors import Fault, InvalidMeshError, NestedCagesError, NestingError, note
 from ..geometry.mesh import Mesh
-from ..geometry.precision import MOST_ROUNDS
+from ..geometry.precision import NEGLIGIBLE
 from ..parameters import check_limit, check_part
 from ..tasks import Stage, drain
-from .solids import load_shapely, mesh_of, solid_of
+from .solids import load_shapely, mesh_of
 
 PARTS = (0.0, 0.5, 1.0)
-"""Parts of the distance that are tried: none is best for all shapes."""
+"""Parts of the distance that gaps are closed over, where bridges alone do not suffice: none is best for all shapes."""
 
 WORTHWHILE = 0.5
 """Part of the excess below which merging is named in a note."""
@@ -25,8 +26,8 @@ WORTHWHILE = 0.5
 NOTED_DISTANCE = 0.06
 """Distance that a note names, in diagonals: of the tried 0.01 to 0.06 the one that merges most."""
 
-BEYOND = (1.0, 1.5, 2.0)
-"""Multiples of the least distance that joins all parts that are tried: at that distance, necks have no width."""
+BRIDGE = 0.01
+"""Half the width of a bridge between two parts, in its lengths."""
 
 ARC = 4
 """Vertices of a quarter of the circles that close gaps."""
@@ -55,19 +56,13 @@ class Merging:
         total = int(np.sum(count))
         best: Mesh | None = None
         failure: NestedCagesError | None = None
-        tried: set[int] = set()
         needed: list[int] = []
-        whole = not isfinite(self.distance)
-        least = least_joining(fine) if whole else self.distance
-        for number, part in enumerate(BEYOND if whole else PARTS):
-            yield number / len(PARTS)
+        for number, part in enumerate((None, *PARTS) if isfinite(self.distance) else PARTS):
+            yield number / (1 + len(PARTS))
             try:
-                shape = merged(fine, part * least, all_holes=whole)
-                if len(shape.loops) in tried and not whole:
-                    continue
-                tried.add(len(shape.loops))
+                shape = fine if part is None else merged(fine, self.distance, part)
                 needed.append(LEAST_PER_LOOP * len(shape.loops))
-                wanted = max(min(total, len(shape.vertices)), LEAST_PER_LOOP * len(shape.loops))
+                wanted = max(min(total, len(shape.vertices)), needed[-1])
                 mesh = self.decimation.decimate(shape, wanted, clearance=clearance) if wanted <= total else None
             except (NestingError, InvalidMeshError) as error:
                 failure = error
@@ -104,32 +99,43 @@ def advice(fine: Mesh, cage: Mesh) -> tuple[Fault, ...]:
     return (note("note.loops", on="merge", excess=excess, better=fewer, distance=distance, **loops),)
 
 
-def least_joining(fine: Mesh) -> float:
-    """The least distance over which all parts are joined, from above; 0 for a single part."""
-    if len(merged(fine, 0.0, all_holes=True).loops) == 1:
-        return 0.0
-    low, high = 1e-4 * fine.diagonal, fine.diagonal
-    for _ in range(MOST_ROUNDS):
-        middle = float(np.sqrt(low * high))
-        low, high = (low, middle) if len(merged(fine, middle, all_holes=True).loops) == 1 else (middle, high)
-    return high
+def merged(fine: Mesh, distance: float, part: float = 1.0) -> Mesh:
+    """The shape with bridges between parts closer than a distance, and its holes of less than the square filled.
 
-
-def merged(fine: Mesh, distance: float, *, all_holes: bool = False) -> Mesh:
-    """The shape with gaps narrower than a distance closed and holes of less than its square filled; contains the shape.
-
-    Raises NestedCagesError where shapely is missing.
+    Gaps narrower than a part of the distance are closed. An infinite distance joins all parts, fills all holes, and
+    counts as the length of the longest bridge for gaps. Raises NestedCagesError where shapely is missing.
     """
-    if distance == 0.0 and not all_holes:
-        return fine
-    shapely, solid = load_shapely("Merging parts"), solid_of(fine)
-    closed = solid.buffer(0.5 * distance, quad_segs=ARC).buffer(-0.5 * distance, quad_segs=ARC).union(solid)
+    shapely = load_shapely("Merging parts")
+    solid = shapely.geometry.shape(fine.__geo_interface__)
+    together, longest = _bridged(solid, distance)
+    reach = 0.5 * part * (distance if isfinite(distance) else longest)
+    if reach > 0.0:
+        closed = solid.buffer(reach, quad_segs=ARC).buffer(-reach, quad_segs=ARC)
+        together = shapely.union(together, closed)
     filled = [
-        shapely.Polygon(
-            part.exterior,
-            [hole for hole in part.interiors if not all_holes and shapely.Polygon(hole).area >= distance**2],
-        )
-        for part in getattr(closed, "geoms", [closed])
-        if part.geom_type == "Polygon"  # unions of nearly touching outlines may leave lines
+        shapely.Polygon(each.exterior, [hole for hole in each.interiors if shapely.Polygon(hole).area >= distance**2])
+        for each in getattr(together, "geoms", [together])
+        if each.geom_type == "Polygon"  # unions of nearly touching outlines may leave lines
     ]
-    return mesh_of(shapely.union_all([*filled, solid]))
+    whole = shapely.union_all([*filled, solid])
+    # grown, so that outlines that only touch overlap
+    return mesh_of(whole.buffer(NEGLIGIBLE * fine.diagonal, join_style="mitre").union(solid))
+
+
+def _bridged(solid: Any, distance: float) -> tuple[Any, float]:
+    """A solid with thin bridges from each part to the nearest one within a distance, and the length of the longest."""
+    import shapely
+
+    longest = 0.0
+    while len(parts := np.array(getattr(solid, "geoms", [solid]))) > 1:
+        within = distance if isfinite(distance) else None
+        tree = shapely.STRtree(parts)
+        own, other = tree.query_nearest(parts, max_distance=within, exclusive=True, all_matches=False)
+        lines = shapely.shortest_line(parts[own], parts[other])
+        lengths = shapely.length(lines)
+        bridges = shapely.buffer(lines, BRIDGE * lengths, quad_segs=1)
+        bridged = shapely.union_all([solid, *bridges])
+        if len(getattr(bridged, "geoms", [bridged])) == len(parts):  # none is close, or they touch
+            break
+        solid, longest = bridged, max(longest, float(lengths.max()))
+    return solid, longest

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import reduce
 from types import ModuleType
 from typing import Any, cast
 
@@ -32,13 +31,6 @@ def load_shapely(purpose: str) -> ModuleType:
             f"{purpose} needs shapely; install it with 'pip install shapely'.", code="dependency.missing"
         ) from error
     return cast(ModuleType, shapely)
-
-
-def solid_of(mesh: Mesh) -> Any:
-    """The solid of a mesh."""
-    import shapely
-
-    return reduce(shapely.symmetric_difference, [shapely.Polygon(ring) for ring in mesh.rings])
 
 
 def mesh_of(solid: Any) -> Mesh:

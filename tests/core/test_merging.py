@@ -33,7 +33,6 @@ def test_merged_shapes_contain_the_shape_and_have_no_more_loops(distance: float)
     for fine in (sprite(), islands()):
         whole = merged(fine, distance)
         assert polygon(whole).buffer(1e-9).contains(polygon(fine)) and len(whole.loops) <= len(fine.loops)
-    assert merged(fine, 0.0) is fine
 
 
 def test_the_distance_of_least_area_is_used() -> None:
@@ -69,3 +68,15 @@ def test_what_does_not_go_together_is_told() -> None:
             Settings(**options)  # type: ignore[arg-type]
     with pytest.raises(NestedCagesError, match="Inner cages keep all loops"):
         inner_cages(sprite(), 30, merge=1.0)
+
+
+@pytest.mark.parametrize(("distance", "loops"), [(0.3, 5), (0.7, 1)])
+def test_parts_that_are_smaller_than_the_gaps_around_them_share_a_loop(distance: float, loops: int) -> None:
+    angle = np.linspace(0.0, 2.0 * np.pi, 80, endpoint=False)
+    blob = (1.0 + 0.2 * np.cos(5.0 * angle))[:, None] * ring(80)
+    at = 0.1 + np.arange(8) * np.pi / 4.0
+    specks = [ring(8, 0.02) + 1.4 * np.array([np.cos(each), np.sin(each)]) for each in at]
+    fine = Mesh.from_loops([blob, *specks])
+    level = nested_cages(fine, 32, merge=distance).levels[0]
+    assert len(merged(fine, distance).loops) == loops
+    assert verify(level.cage, fine, level.report.clearance, same_loops=False) and level.report.excess < 0.08
