@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import NestedCagesError
+from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.signed_distance import SignedDistance
@@ -47,19 +47,14 @@ class Bone:
 def ends_of(bones: Sequence[Bone]) -> FloatArray:
     """(B, 2, 2) heads and tails. Raises NestedCagesError if there are none, or one is not finite or has no length."""
     if not bones:
-        raise NestedCagesError("There are no bones; give at least one.", code="setting.invalid")
+        raise invalid_setting("There are no bones; give at least one.")
     ends = np.array([(bone.head, bone.tail) for bone in bones], dtype=np.float64)
     for number, bone in enumerate(bones):
         name = bone.name or number
         if not np.isfinite(ends[number]).all() or not bone.length > 0.0:
-            raise NestedCagesError(
-                f"Bone {name} has no length: its head and its tail are {bone.head} and {bone.tail}.",
-                code="setting.invalid",
-            )
+            raise invalid_setting(f"Bone {name} has no length: its head and its tail are {bone.head} and {bone.tail}.")
         if bone.parent is not None and not 0 <= bone.parent < number:
-            raise NestedCagesError(
-                f"Bone {name} must come after its parent, which has the number {bone.parent}.", code="setting.invalid"
-            )
+            raise invalid_setting(f"Bone {name} must come after its parent, which has the number {bone.parent}.")
     return ends
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..coordinates import CageCoordinates, cage_coordinates
-from ..errors import NestedCagesError
+from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.triangulation import triangulate
@@ -62,9 +62,7 @@ class Character:
         number = {bone.name: k for k, bone in enumerate(self.bones)}
         unknown = [name for name in turned if name not in number]
         if unknown:
-            raise NestedCagesError(
-                f"There is no bone {unknown[0]!r}; there are {', '.join(number)}.", code="setting.invalid"
-            )
+            raise invalid_setting(f"There is no bone {unknown[0]!r}; there are {', '.join(number)}.")
         degrees = {number[name]: angle for name, angle in turned.items()}
         cage = skinned(self.cage.vertices, self.bone_weights, self.bones, degrees)
         return self.cage_weights @ cage, cage

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import scipy
 
-from ..errors import NestedCagesError
+from ..errors import invalid_setting
 from ..geometry.mesh import Mesh
 from ..geometry.triangulation import Sampling, Triangulation, triangulate
 from ..hierarchy import Hierarchy
@@ -31,10 +31,9 @@ class Grids:
         Rows sum to 1, no entry is negative, and linear functions are reproduced.
         """
         if not 0 <= finer <= coarser < len(self.grids):
-            raise NestedCagesError(
+            raise invalid_setting(
                 f"There is no prolongation from grid {coarser} to grid {finer}: the {len(self.grids)} grids are "
-                "numbered from 0, the finest, and values go from a coarser to a finer one.",
-                code="setting.invalid",
+                "numbered from 0, the finest, and values go from a coarser to a finer one."
             )
         operator = scipy.sparse.csr_array(scipy.sparse.eye_array(len(self.grids[finer].vertices), format="csr"))
         for step in self.steps[finer:coarser]:
@@ -53,10 +52,9 @@ def grids(hierarchy: Hierarchy, spacing: float | Sequence[float] | None = None) 
         samplings: list[Sampling | None] = [None] * len(solids)
     elif isinstance(spacing, Sequence):
         if len(spacing) != len(solids):
-            raise NestedCagesError(
+            raise invalid_setting(
                 f"{len(spacing)} spacings were given for {len(solids)} grids; give one for the fine mesh and one for "
-                "each cage.",
-                code="setting.invalid",
+                "each cage."
             )
         samplings = [Sampling(each) for each in spacing]
     else:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import NestedCagesError
+from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from .base import Blocks, CageEnergy, Energy
@@ -24,13 +24,9 @@ class WeightedSum:
     def __post_init__(self) -> None:
         for weight, energy in self.terms:
             if not 0.0 <= weight < np.inf:
-                raise NestedCagesError(
-                    f"WeightedSum: weights must be finite and at least 0, not {weight!r}.", code="setting.invalid"
-                )
+                raise invalid_setting(f"WeightedSum: weights must be finite and at least 0, not {weight!r}.")
             if isinstance(energy, type) or not callable(getattr(energy, "at", None)):
-                raise NestedCagesError(
-                    f"WeightedSum: a term must be an energy such as Area(), not {energy!r}.", code="setting.invalid"
-                )
+                raise invalid_setting(f"WeightedSum: a term must be an energy such as Area(), not {energy!r}.")
 
     def at(self, coarse: Mesh) -> BoundSum:
         """The sum for a cage whose rest shape is the coarse mesh."""

@@ -168,3 +168,8 @@ class NestingError(NestedCagesError):
 
 class NestedCagesWarning(UserWarning):
     """Something was repaired or left out; the message says what and where."""
+
+
+invalid_setting = functools.partial(NestedCagesError, code="setting.invalid")
+unreadable = functools.partial(InvalidMeshError, code="mesh.unreadable")
+"""The errors, with a sentence, for a parameter that no method has, and for what is no shape."""

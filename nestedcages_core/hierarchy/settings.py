@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from ..errors import NestedCagesError, NestingError
+from ..errors import NestedCagesError, NestingError, invalid_setting
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
@@ -98,23 +98,19 @@ class Settings(LevelSettings):
         for name, (wanted, otherwise) in POSITIVE.items():
             value = getattr(self, name)
             if value is not None and not (is_length(value) and value > 0.0):
-                raise NestedCagesError(f"{wanted} above 0, not {value!r}; {otherwise}.", code="setting.invalid")
+                raise invalid_setting(f"{wanted} above 0, not {value!r}; {otherwise}.")
         if self.stored is not None and type_name(self.stored) not in (*STORED_TYPES, None):
-            raise NestedCagesError(
-                f"stored must be float64, {' or '.join(STORED_TYPES)}, not {self.stored!r}.",
-                code="setting.invalid",
-            )
+            raise invalid_setting(f"stored must be float64, {' or '.join(STORED_TYPES)}, not {self.stored!r}.")
         object.__setattr__(self, "stored", type_name(self.stored))  # a name, so that levels are remembered
         check_flag(self, "convex")
         if not isinstance(self.about, Mesh | None):
-            raise NestedCagesError(f"about must be a Mesh, not {type(self.about).__name__}.", code="setting.invalid")
+            raise invalid_setting(f"about must be a Mesh, not {type(self.about).__name__}.")
         _check_priorities(self)
         symmetry: object = self.symmetry
         if not (symmetry is None or has_method(symmetry, "of") or has_method(symmetry, "image")):
-            raise NestedCagesError(
+            raise invalid_setting(
                 f"The symmetry must be an object such as Mirror(point, direction), Rotation(centre, order) or Found(), "
-                f"not {symmetry!r}.",
-                code="setting.invalid",
+                f"not {symmetry!r}."
             )
         if self.convex and (self.pins or self.joints or self.min_edge is not None or self.min_angle is not None):
             raise NestedCagesError(
@@ -142,9 +138,7 @@ def _check_priorities(settings: Settings) -> None:
     if settings.weights is not None:
         weights = _numbers(settings.weights, 1, "The weights must be a list of finite numbers, one per fine vertex")
         if (weights < 0.0).any() or not (weights > 0.0).any():
-            raise NestedCagesError(
-                "The weights must be numbers of at least 0, and some of them above 0.", code="setting.invalid"
-            )
+            raise invalid_setting("The weights must be numbers of at least 0, and some of them above 0.")
         object.__setattr__(settings, "weights", tuple(weights.tolist()))
     pins: list[int | tuple[float, ...]] = []
     for pin in _listed(settings.pins, "pins"):
@@ -157,16 +151,14 @@ def _check_priorities(settings: Settings) -> None:
               for place in _listed(settings.joints, "joints")]  # fmt: skip
     object.__setattr__(settings, "joints", tuple(joints))
     if settings.min_angle is not None and not (is_length(settings.min_angle) and 0.0 < settings.min_angle < 60.0):
-        raise NestedCagesError(
-            f"min_angle must be above 0 and below 60 degrees, not {settings.min_angle!r}.", code="setting.invalid"
-        )
+        raise invalid_setting(f"min_angle must be above 0 and below 60 degrees, not {settings.min_angle!r}.")
 
 
 def _listed(values: object, name: str) -> list[object]:
     try:
         return list(values)  # type: ignore[call-overload, no-any-return]
     except TypeError:
-        raise NestedCagesError(f"The {name} must be a list, not {values!r}.", code="setting.invalid") from None
+        raise invalid_setting(f"The {name} must be a list, not {values!r}.") from None
 
 
 def _numbers(values: object, dimensions: int, rule: str, size: int | None = None) -> FloatArray:
@@ -176,5 +168,5 @@ def _numbers(values: object, dimensions: int, rule: str, size: int | None = None
     except (TypeError, ValueError):
         numbers = np.array(np.nan)
     if numbers.ndim != dimensions or (size is not None and len(numbers) != size) or not np.isfinite(numbers).all():
-        raise NestedCagesError(f"{rule}, not {values!r}.", code="setting.invalid")
+        raise invalid_setting(f"{rule}, not {values!r}.")
     return numbers

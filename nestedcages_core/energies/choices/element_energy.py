@@ -22,7 +22,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ...errors import NestedCagesError
+from ...errors import invalid_setting
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.mesh import Mesh
 from ..base import Blocks, CageEnergy, assembled_gradient, assembled_hessian, positive_part
@@ -48,9 +48,7 @@ class ElementEnergy:
     def __post_init__(self) -> None:
         for name in ("elements", "formula"):
             if not callable(getattr(self, name)):
-                raise NestedCagesError(
-                    f"ElementEnergy: {name} must be a function, not {getattr(self, name)!r}.", code="setting.invalid"
-                )
+                raise invalid_setting(f"ElementEnergy: {name} must be a function, not {getattr(self, name)!r}.")
 
     @classmethod
     def per_vertex(cls, formula: Formula) -> ElementEnergy:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ...errors import InvalidMeshError
+from ...errors import InvalidMeshError, unreadable
 from ..arrays import IntArray
 from ..vectors import place
 
@@ -29,10 +29,9 @@ def rings_of(geometry: Any) -> list[list[Any]]:
 def _collect(geometry: Any, polygons: list[list[Any]], depth: int) -> None:
     mapping = getattr(geometry, "__geo_interface__", geometry)
     if not isinstance(mapping, Mapping) or depth > MAX_NESTING_DEPTH:
-        raise InvalidMeshError(
+        raise unreadable(
             f"A {type(geometry).__name__} does not describe a geometry; give an object with __geo_interface__, "
-            "such as a shapely Polygon.",
-            code="mesh.unreadable",
+            "such as a shapely Polygon."
         )
     kind = mapping.get("type")
     if kind == "Polygon":
@@ -50,18 +49,14 @@ def _collect(geometry: Any, polygons: list[list[Any]], depth: int) -> None:
         for member in _items(mapping, "geometries"):
             _collect(member, polygons, depth + 1)
     else:
-        raise InvalidMeshError(
-            f"A geometry of type {kind} has no inside; give Polygon or MultiPolygon geometries.", code="mesh.unreadable"
-        )
+        raise unreadable(f"A geometry of type {kind} has no inside; give Polygon or MultiPolygon geometries.")
 
 
 def _items(mapping: Mapping[str, Any], key: str) -> list[Any]:
     try:
         return list(mapping[key])
     except Exception as error:
-        raise InvalidMeshError(
-            f"The {mapping['type']} has no list of {key}; give one.", code="mesh.unreadable"
-        ) from error
+        raise unreadable(f"The {mapping['type']} has no list of {key}; give one.") from error
 
 
 def _add(rings: Any, polygons: list[list[Any]]) -> None:
@@ -69,9 +64,8 @@ def _add(rings: Any, polygons: list[list[Any]]) -> None:
     try:
         polygon = [[tuple(point)[:2] for point in ring] for ring in rings]
     except TypeError as error:
-        raise InvalidMeshError(
-            "The coordinates of a Polygon are a list of rings of points; these are something else.",
-            code="mesh.unreadable",
+        raise unreadable(
+            "The coordinates of a Polygon are a list of rings of points; these are something else."
         ) from error
     if any(polygon):
         polygons.append(polygon)

@@ -10,7 +10,7 @@ from typing import Any, Protocol, TypeAlias, TypeGuard, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...errors import InvalidMeshError
+from ...errors import InvalidMeshError, unreadable
 from ..arrays import FloatArray, IntArray
 from ..drawable import Drawable
 from ..loops import Loops, enclosing_pairs, extreme_places, parents, trace_loops, turning_senses
@@ -131,7 +131,7 @@ class Mesh(Drawable):
         if isinstance(shape, cls):
             return shape
         if not is_mesh_like(shape):
-            raise InvalidMeshError(f"A shape must be {MESH_LIKE}, not {type(shape).__name__}.", code="mesh.unreadable")
+            raise unreadable(f"A shape must be {MESH_LIKE}, not {type(shape).__name__}.")
         if not isinstance(shape, list | tuple | np.ndarray):
             return cls.from_geometry(shape)
         return cls.from_loops([shape] if _is_loop(shape) else shape)
@@ -177,9 +177,8 @@ class Mesh(Drawable):
         """The same edges and roles with other vertices (n, 2); not validated and not re-oriented."""
         moved = np.array(vertices, dtype=np.float64)
         if moved.shape != self.vertices.shape:
-            raise InvalidMeshError(
-                f"The moved vertices have shape {moved.shape}, but the mesh has {self.vertices.shape}; give as many.",
-                code="mesh.unreadable",
+            raise unreadable(
+                f"The moved vertices have shape {moved.shape}, but the mesh has {self.vertices.shape}; give as many."
             )
         mesh = object.__new__(Mesh)
         kept = {name: value for name, value in vars(self).items() if name in TOPOLOGY}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...errors import InvalidMeshError
+from ...errors import InvalidMeshError, unreadable
 from ..arrays import AnyArray, FloatArray, IntArray
 from ..loops import Loops
 from ..predicates import orientation, segments_intersect
@@ -26,9 +26,8 @@ def as_vertices(data: Any) -> FloatArray:
             "The mesh is empty: it has no vertices; give at least one loop of three vertices.", code="mesh.empty"
         )
     if given.ndim != 2 or given.shape[1] != 2:
-        raise InvalidMeshError(
-            f"The vertices have shape {given.shape}, but (n, 2) is needed; give two coordinates per vertex.",
-            code="mesh.unreadable",
+        raise unreadable(
+            f"The vertices have shape {given.shape}, but (n, 2) is needed; give two coordinates per vertex."
         )
     vertices = converted(given, np.float64, "vertices")
     if not np.isfinite(vertices).all():
@@ -65,9 +64,8 @@ def as_array(data: Any, what: str) -> AnyArray:
     try:
         return np.asarray(data)
     except Exception as error:
-        raise InvalidMeshError(
-            f"The {what} cannot be read as an array ({error}); give one row of two numbers each.",
-            code="mesh.unreadable",
+        raise unreadable(
+            f"The {what} cannot be read as an array ({error}); give one row of two numbers each."
         ) from error
 
 
@@ -79,9 +77,7 @@ def converted(given: AnyArray, dtype: type[np.float64], what: str) -> FloatArray
         with np.errstate(all="ignore"):
             return np.array(given, dtype=dtype, order="C", subok=False)
     except Exception as error:
-        raise InvalidMeshError(
-            f"The {what} are not all real numbers ({error}); give numbers only.", code="mesh.unreadable"
-        ) from error
+        raise unreadable(f"The {what} are not all real numbers ({error}); give numbers only.") from error
 
 
 def as_rings(loops: Iterable[ArrayLike]) -> tuple[FloatArray, list[int]]:
@@ -92,9 +88,8 @@ def as_rings(loops: Iterable[ArrayLike]) -> tuple[FloatArray, list[int]]:
     try:
         given = [np.asarray(loop) for loop in loops]
     except Exception as error:
-        raise InvalidMeshError(
-            f"The loops cannot be read as arrays ({error}); give a list of loops, each with rows (x, y).",
-            code="mesh.unreadable",
+        raise unreadable(
+            f"The loops cannot be read as arrays ({error}); give a list of loops, each with rows (x, y)."
         ) from error
     if not given:
         raise InvalidMeshError(
@@ -103,10 +98,8 @@ def as_rings(loops: Iterable[ArrayLike]) -> tuple[FloatArray, list[int]]:
     rings = []
     for k, points in enumerate(given):
         if points.ndim != 2 or points.shape[1] != 2:
-            raise InvalidMeshError(
-                f"Loop {k} has shape {points.shape}, but (k, 2) is needed; give a list of loops, each with rows "
-                "(x, y).",
-                code="mesh.unreadable",
+            raise unreadable(
+                f"Loop {k} has shape {points.shape}, but (k, 2) is needed; give a list of loops, each with rows (x, y)."
             )
         ring = points[:-1] if len(points) > 1 and bool(np.all(points[0] == points[-1])) else points
         if len(ring) < 3:
@@ -120,9 +113,7 @@ def as_rings(loops: Iterable[ArrayLike]) -> tuple[FloatArray, list[int]]:
         together = np.concatenate(rings)
     except TypeError as error:
         kinds = ", ".join(dict.fromkeys(str(ring.dtype) for ring in rings))
-        raise InvalidMeshError(
-            f"The loops hold different kinds of values ({kinds}); give numbers.", code="mesh.unreadable"
-        ) from error
+        raise unreadable(f"The loops hold different kinds of values ({kinds}); give numbers.") from error
     return as_vertices(together), [len(ring) for ring in rings]
 
 
@@ -178,10 +169,7 @@ def as_edges(data: Any, count: int) -> IntArray:
     if given.size == 0:
         raise InvalidMeshError("The mesh has no edges; join the vertices into closed loops.", code="mesh.empty")
     if given.ndim != 2 or given.shape[1] != 2:
-        raise InvalidMeshError(
-            f"The edges have shape {given.shape}, but (m, 2) is needed; give two vertex indices per edge.",
-            code="mesh.unreadable",
-        )
+        raise unreadable(f"The edges have shape {given.shape}, but (m, 2) is needed; give two vertex indices per edge.")
     if given.dtype.kind not in "iu":
         numbers = converted(given, np.float64, "edges")
         bad = np.flatnonzero(~(np.floor(numbers) == numbers).all(axis=1))

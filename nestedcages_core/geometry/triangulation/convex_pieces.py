@@ -6,7 +6,7 @@ import random
 
 import numpy as np
 
-from ...errors import NestedCagesError
+from ...errors import invalid_setting
 from ..arrays import FloatArray
 from ..mesh import Mesh
 from ..predicates.orientation import orientation_sign
@@ -36,9 +36,7 @@ def convex_pieces(mesh: Mesh, most: int = 8) -> list[FloatArray]:
 def piece_vertices(mesh: Mesh, most: int = 8, *, orders: int = ORDERS) -> list[Piece]:
     """The same as numbers of vertices of the mesh; orders: how many orders of the diagonals are tried."""
     if isinstance(most, bool) or not isinstance(most, int | np.integer) or most < 3:
-        raise NestedCagesError(
-            f"Convex pieces have at least 3 vertices, so most must be at least 3, not {most!r}.", code="setting.invalid"
-        )
+        raise invalid_setting(f"Convex pieces have at least 3 vertices, so most must be at least 3, not {most!r}.")
     tiles = triangulate(mesh)
     triangles: list[Piece] = tiles.triangles.tolist()
     owner = {(a, b): k for k, t in enumerate(triangles) for a, b in zip(t, [*t[1:], t[0]], strict=True)}

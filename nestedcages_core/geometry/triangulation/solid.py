@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from ...errors import NestedCagesError
+from ...errors import invalid_setting
 from ...parameters import check_fraction, check_not_negative
 from ..arrays import FloatArray, IntArray
 from ..mesh import Mesh
@@ -53,10 +53,7 @@ class Sampling:
 
     def __post_init__(self) -> None:
         if not 0.0 < self.spacing < np.inf:
-            raise NestedCagesError(
-                f"The spacing of a triangulation must be a positive length, not {self.spacing!r}.",
-                code="setting.invalid",
-            )
+            raise invalid_setting(f"The spacing of a triangulation must be a positive length, not {self.spacing!r}.")
         check_fraction(self, "at_corners")
         check_not_negative(self, "growth")
 

@@ -8,7 +8,7 @@ from math import cos, hypot, isfinite, pi, sin
 
 import numpy as np
 
-from ...errors import NestedCagesError
+from ...errors import invalid_setting
 from ...geometry.arrays import FloatArray
 from ...geometry.group import Symmetry, rounded
 from ...geometry.mesh import Mesh
@@ -37,9 +37,7 @@ class Mirror:
             object.__setattr__(self, "point", _pair(self, "point", self.point))
         object.__setattr__(self, "direction", _pair(self, "direction", self.direction))
         if not any(self.direction):
-            raise NestedCagesError(
-                "Mirror: direction must not be (0, 0); (0, 1) is a vertical line.", code="setting.invalid"
-            )
+            raise invalid_setting("Mirror: direction must not be (0, 0); (0, 1) is a vertical line.")
 
     @property
     def order(self) -> int:
@@ -96,9 +94,7 @@ class Mirror:
     @property
     def _point(self) -> Sequence[float]:
         if self.point is None:
-            raise NestedCagesError(
-                "Mirror: without a point it has a place only as a setting, for a drawing.", code="setting.invalid"
-            )
+            raise invalid_setting("Mirror: without a point it has a place only as a setting, for a drawing.")
         return self.point
 
     def _across(self) -> int | None:
@@ -179,9 +175,7 @@ class Rotation:
     @property
     def _centre(self) -> Sequence[float]:
         if self.centre is None:
-            raise NestedCagesError(
-                "Rotation: without a centre it has a place only as a setting, for a drawing.", code="setting.invalid"
-            )
+            raise invalid_setting("Rotation: without a centre it has a place only as a setting, for a drawing.")
         return self.centre
 
     def __str__(self) -> str:
@@ -206,7 +200,5 @@ def _pair(owner: object, name: str, value: object) -> tuple[float, float]:
     except (TypeError, ValueError):
         x = y = float("nan")
     if not (isfinite(x) and isfinite(y)):
-        raise NestedCagesError(
-            f"{type(owner).__name__}: {name} must be two finite numbers (x, y), not {value!r}.", code="setting.invalid"
-        )
+        raise invalid_setting(f"{type(owner).__name__}: {name} must be two finite numbers (x, y), not {value!r}.")
     return x, y
