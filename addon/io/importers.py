@@ -64,7 +64,7 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], tuple[st
     content = _content(path)
     with blamed(f"'{path.name}' cannot be read"):
         if ending in SVG:
-            found = exchange.svg_shapes(content, each=EACH[outlines])
+            found = exchange.svg_drawing(content, each=EACH[outlines])
             scale = EXPORTED if found.written else PIXEL
             return [Shape(name or path.stem, mesh, True, scale) for name, mesh in found.shapes], found.notes
         if exchange.is_engine_json(content):

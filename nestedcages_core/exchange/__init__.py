@@ -27,7 +27,7 @@ from .neighbours import Cut, cut_at_borders
 from .svg.document import Frame
 from .svg.options import DRAWING_LIMITS, SvgOptions
 from .svg.parts import SvgPart, svg_parts
-from .svg.reading import SvgDrawing, SvgShapes, from_svg, read_svg, read_svg_drawing, svg_drawing, svg_shapes
+from .svg.reading import SvgDrawing, from_svg, read_svg, read_svg_drawing, svg_drawing
 from .svg.writing import to_svg, write_svg
 from .swept import swept
 
@@ -42,7 +42,6 @@ __all__ = [
     "SvgDrawing",
     "SvgOptions",
     "SvgPart",
-    "SvgShapes",
     "character_to_engine_json",
     "cut_at_borders",
     "features_from_geojson",
@@ -62,7 +61,6 @@ __all__ = [
     "solid",
     "svg_drawing",
     "svg_parts",
-    "svg_shapes",
     "swept",
     "to_engine_json",
     "to_geojson",

@@ -23,7 +23,6 @@ from nestedcages_core.exchange import (
     solid,
     svg_drawing,
     svg_parts,
-    svg_shapes,
     to_svg,
     write_svg,
 )
@@ -352,14 +351,14 @@ def test_shapes_one_by_one_keep_their_clips_and_copies() -> None:
         <g clip-path="url(#left)"><rect id="a" width="4" height="2"/><rect x="6" width="4" height="2"/></g>
         <use href="#a" y="5"/><path id="a" d="M0 9h3v1H0z" fill="none" stroke="red" stroke-width="2"/>
         <rect id="hidden" width="1" height="1" fill="none"/>"""
-    found = svg_shapes(svg(body), each=True)
+    found = svg_drawing(svg(body), each=True)
     assert [name for name, _ in found.shapes] == ["a", "a", "a"]
     assert [mesh.area for _, mesh in found.shapes] == pytest.approx([8.0, 8.0, 15.0])
     assert not found.written
-    whole = svg_shapes(svg(body))
+    whole = svg_drawing(svg(body), each=None)
     assert len(whole.shapes) == 1
-    assert whole.shapes[0][1] == from_svg(svg(body))
-    again = svg_shapes(to_svg({"one": whole.shapes[0][1], "two": letter_a()}))
+    assert whole.mesh == from_svg(svg(body))
+    again = svg_drawing(to_svg({"one": whole.mesh, "two": letter_a()}), each=None)
     assert again.written
     assert [name for name, _ in again.shapes] == ["two", "one"]
 
@@ -378,14 +377,14 @@ def test_parts_have_names_groups_and_paints_from_the_style_sheet() -> None:
         ("eye", ()),
     ]
     rect, opened, eye = parts
-    assert (rect.fill_colour, rect.stroke_colour, rect.stroke_width) == ((0, 128 / 255, 128 / 255, 1), (1, 0, 0, 1), 2)
+    assert (rect.fill_colour, rect.stroke_colour) == ((0, 128 / 255, 128 / 255, 1), (1, 0, 0, 1))
     assert rect.fill is not None and rect.stroke is not None and opened.fill is not None and opened.stroke is not None
     assert (rect.fill.area, rect.stroke.area) == pytest.approx((18 * 28, 22 * 32 - 18 * 28))
     assert opened.fill_colour == (0, 0, 1, 136 / 255)
     # The fill under an open line is cut by it, and both have the same points along the cut.
     assert (opened.fill.area, opened.stroke.area) == pytest.approx((4 * 144.5, 4 * 120))
     assert set(map(tuple, opened.fill.vertices)) <= set(map(tuple, opened.stroke.vertices))
-    assert eye.fill_colour == (0.5, 0.5, 0.5, 0.5) and eye.stroke is None and eye.stroke_width == 0
+    assert eye.fill_colour == (0.5, 0.5, 0.5, 0.5) and eye.stroke is None
     with pytest.raises(InvalidMeshError):
         svg_parts(svg('<path d="M0 0h1z"/>'))
 

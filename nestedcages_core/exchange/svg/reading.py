@@ -33,26 +33,21 @@ PAGE_COVERED = 0.95
 
 @dataclass(frozen=True)
 class SvgDrawing:
-    """A document that was read, with notes on omissions."""
-
-    mesh: Mesh
-    """In user units, y pointing down."""
-    frame: Frame
-    """Frame for `to_svg`, to write output that coincides with this drawing."""
-    notes: tuple[str, ...]
-    """Sentences about omissions, and about what may be unintended."""
-
-
-@dataclass(frozen=True)
-class SvgShapes:
-    """The shapes of a document that was read."""
+    """A document that was read."""
 
     shapes: tuple[tuple[str, Mesh], ...]
     """Names and meshes, in user units, y pointing down; names are ids, which may repeat, and empty for all as one."""
+    frame: Frame
+    """Frame for `to_svg`, to write output that coincides with this drawing."""
     written: bool
     """Whether this package has written the document."""
     notes: tuple[str, ...]
-    """Sentences about omissions."""
+    """Sentences about omissions, and about what may be unintended."""
+
+    @property
+    def mesh(self) -> Mesh:
+        """The first shape, which is everything unless each was asked for."""
+        return self.shapes[0][1]
 
 
 def read_svg(path: str | os.PathLike[str], **options: Any) -> Mesh:
@@ -76,23 +71,16 @@ def read_svg_drawing(path: str | os.PathLike[str], **options: Any) -> SvgDrawing
     return svg_drawing(read_whole(path, SvgOptions(**options).limits), **options)
 
 
-def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
-    """`from_svg`, with the document's frame and notes on omissions."""
-    reading = Reading(text, options)
-    mesh = reading.made(reading.whole)
-    return SvgDrawing(mesh, reading.document.frame, reading.said())
+def svg_drawing(text: str | bytes, *, each: bool | None = False, **options: Any) -> SvgDrawing:
+    """`from_svg`, with the document's frame and notes on omissions.
 
-
-def svg_shapes(text: str | bytes, *, each: bool | None = None, **options: Any) -> SvgShapes:
-    """The shapes of a document by name, each painted area by itself, in the order in which they are drawn.
-
-    each: False for all shapes as one; None for all as one, except in documents that this package has written.
-    options: fields of `SvgOptions`. Raises NestedCagesError as `from_svg`.
+    each: True for each painted area by itself, in the order in which they are drawn; None for these in documents that
+    this package has written, else for all as one.
     """
     reading = Reading(text, options)
     written = not reading.document.strokes_count
     named = reading.made(reading.each) if each or (each is None and written) else [("", reading.made(reading.whole))]
-    return SvgShapes(tuple(named), written, reading.said())
+    return SvgDrawing(tuple(named), reading.document.frame, written, reading.said())
 
 
 class Reading:
