@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
 
 import numpy as np
 import scipy
@@ -50,9 +49,8 @@ class Field:
         inside = self.values < level
         if not inside.any():
             return None
-        starts, ends = _segments(inside, self._middles < level)
-        used, joined = np.unique(np.concatenate((starts, ends)), return_inverse=True)
-        return Mesh(self._points(used, level), joined.reshape(2, -1).T)
+        used, joined = np.unique(_segments(inside, self._middles < level), return_inverse=True)
+        return Mesh(self._points(used, level), joined.reshape(-1, 2))
 
     @cached_property
     def _middles(self) -> FloatArray:
@@ -82,45 +80,12 @@ def _edges(shape: tuple[int, ...]) -> IntArray:
     return np.stack((2 * point[:-1, :-1], 2 * point[1:, :-1] + 1, 2 * point[:-1, 1:], 2 * point[:-1, :-1] + 1))
 
 
-LOWER, RIGHT, UPPER, LEFT = range(4)
-
-Turns: TypeAlias = tuple[tuple[int, int], ...]
-
-TURNS: dict[int, Turns] = {
-    1: ((LOWER, LEFT),),
-    2: ((RIGHT, LOWER),),
-    3: ((RIGHT, LEFT),),
-    4: ((UPPER, RIGHT),),
-    6: ((UPPER, LOWER),),
-    7: ((UPPER, LEFT),),
-    8: ((LEFT, UPPER),),
-    9: ((LOWER, UPPER),),
-    11: ((RIGHT, UPPER),),
-    12: ((LEFT, RIGHT),),
-    13: ((LOWER, RIGHT),),
-    14: ((LEFT, LOWER),),
-}
-"""For each case (corners inside: 1 lower left, 2 lower right, 4 upper right, 8 upper left) the edges where the contour
-enters and leaves, with the inside on its left."""
-
-SADDLES: dict[tuple[int, bool], Turns] = {
-    (5, True): ((LOWER, RIGHT), (UPPER, LEFT)),
-    (5, False): ((LOWER, LEFT), (UPPER, RIGHT)),
-    (10, True): ((LEFT, LOWER), (RIGHT, UPPER)),
-    (10, False): ((RIGHT, LOWER), (LEFT, UPPER)),
-}
-"""The same for opposite corners inside, with the centre inside or not."""
-
-
-def _segments(inside: BoolArray, middle: BoolArray) -> tuple[IntArray, IntArray]:
-    """(S,) numbers of the grid edges at the start and the end of the segments of the contour."""
-    case = inside[:-1, :-1] + 2 * inside[1:, :-1] + 4 * inside[1:, 1:] + 8 * inside[:-1, 1:]
-    edges = _edges(inside.shape)
-    starts, ends = [], []
-    chosen = [(case == number, turns) for number, turns in TURNS.items()]
-    chosen += [((case == number) & (middle == joined), turns) for (number, joined), turns in SADDLES.items()]
-    for where, turns in chosen:
-        for start, end in turns:
-            starts.append(edges[start][where])
-            ends.append(edges[end][where])
-    return np.concatenate(starts), np.concatenate(ends)
+def _segments(inside: BoolArray, middle: BoolArray) -> IntArray:
+    """(S, 2) numbers of the grid edges at the ends of the segments of the contour."""
+    corners = np.stack((inside[:-1, :-1], inside[1:, :-1], inside[1:, 1:], inside[:-1, 1:]))
+    crossed = corners != np.roll(corners, -1, axis=0)
+    edges, twice = _edges(inside.shape), crossed.sum(axis=0) == 2
+    pairs: list[IntArray] = [edges[:, twice].T[crossed[:, twice].T]]
+    for shift, joined in enumerate((middle == corners[0], middle != corners[0])):  # opposite corners inside
+        pairs.append(np.roll(edges[:, crossed.all(axis=0) & joined], shift, axis=0).T.ravel())
+    return np.concatenate(pairs).reshape(-1, 2)
