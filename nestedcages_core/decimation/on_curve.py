@@ -13,8 +13,8 @@ from ..geometry.signed_distance import EdgeSearch
 def closest_on_curve(cage: Mesh, fine: Mesh, symmetry: Symmetry | None = None) -> Mesh | None:
     """The cage with its vertices moved to the closest points of the fine mesh, loop k to loop k.
 
-    symmetry: of both meshes. None where the result crosses itself. Flow and reinflation lead from it to nearly the same
-    cage.
+    symmetry: of the fine mesh, kept where the cage has it. None where the result crosses itself. Flow and reinflation
+    lead from it to nearly the same cage.
     """
     places = np.empty_like(cage.vertices)
     for own, other in zip(cage.loops, fine.loops, strict=True):
@@ -25,9 +25,8 @@ def closest_on_curve(cage: Mesh, fine: Mesh, symmetry: Symmetry | None = None) -
         from .alike import SYMMETRY_TOLERANCE
 
         orbits = Orbits.of(cage.vertices, cage.successor, symmetry, SYMMETRY_TOLERANCE * cage.diagonal)
-        if orbits is None:
-            return None
-        places = orbits.symmetrised(places)
+        if orbits is not None:
+            places = orbits.symmetrised(places)
     try:
         coarse = Mesh.from_loops([places[own] for own in cage.loops])
     except InvalidMeshError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +16,7 @@ from ...geometry.mesh import Mesh
 from ...geometry.precision import MOST_ROUNDS, NEGLIGIBLE
 from ...geometry.vectors import norm
 from ...tasks import Stage
-from ..alike import AsymmetricError, padded_alike
+from ..alike import AsymmetricError, padded_alike, symmetrised
 from ..base import LEAST_PER_LOOP, REACH, Importance
 from ..hull.narrow_gaps import HULL_OFFSET
 from ..request import Request
@@ -57,6 +58,10 @@ FEW_LINES = 12
 """Number of lines of each of several loops that is sought in any case, to know the least."""
 
 
+MAX_AREA_OF_SYMMETRY, MAX_EXCESS_OF_SYMMETRY = 0.005, 0.008
+"""Fractions of the area of the fine mesh, and of the area beyond it, that a preferred symmetry may cost."""
+
+
 class NoCyclesError(NestingError):
     """No cycles of lines were found."""
 
@@ -74,9 +79,17 @@ class Around:
     """A search for cycles around all loops of an outline."""
 
     def __init__(
-        self, request: Request, outline: Loops, shift: float, symmetry: Symmetry | None, importance: Importance | None
+        self,
+        request: Request,
+        outline: Loops,
+        shift: float,
+        symmetry: Symmetry | None = None,
+        importance: Importance | None = None,
+        *,
+        must: bool = True,
     ) -> None:
-        self.symmetry, self.importance, self.request, self.shift = symmetry, importance, request, shift
+        """must: whether the cycles have the symmetry in any case, or only where that costs little."""
+        self.importance, self.request, self.shift, self.must = importance, request, shift, must
         # with a clearance; a little less than that from what lines touch
         self.distance = (1.0 - NEGLIGIBLE) * shift if shift > HULL_OFFSET else 0.0
         self.frame = Frame.of(outline)
@@ -84,10 +97,19 @@ class Around:
         if symmetry is not None:
             from .images import Images
 
-            self.images = Images.of(outline, symmetry, self.frame)
+            try:
+                alike = symmetrised(outline, symmetry)
+                if must or norm(alike.vertices - outline.vertices).max() <= NEGLIGIBLE * outline.diameter:
+                    outline, self.images = alike, Images.of(alike, symmetry, self.frame)
+            except AsymmetricError:
+                if must:
+                    raise
         self.chains = self._chains(outline)
         self.outline = outline.moved(self.frame.into(outline.vertices))
         self.searches: dict[int, Search] = {}
+        """Of each loop, or where the symmetry must be kept, of each that stands for its images."""
+        self.alike: dict[int, Search] = {}
+        """Of each loop that stands for its images, among the same turns."""
         self.rounds = 0
 
     def run(self, bias: float) -> Stage[float, tuple[float, Mesh]]:
@@ -96,14 +118,18 @@ class Around:
         if not self.searches:
             for _ in self._search():
                 yield len(self.searches) / loops
+        images = self.images if self.must else None
         searches = {loop: again(search) for loop, search in self.searches.items()}
         self.rounds = 0
-        numbers = self._shares(searches)
+        numbers = self._shares(searches, images)
         for _ in range(MOST_ROUNDS):
             for _ in together([searches[loop].refine(number) for loop, number in numbers.items()]):
                 yield len(searches) / loops
-            numbers = self._shares(searches)
-            choice = Choice.of(searches, numbers, self.images)
+            numbers = self._shares(searches, images)
+            if self.alike and self.rounds == 0:
+                with suppress(NoCyclesError):
+                    return self._mesh(self._alike(sum(float(searches[k].totals[n]) for k, n in numbers.items())))
+            choice = Choice.of(searches, numbers, images)
             i, j = choice.crossings()
             if len(i) == 0:
                 break
@@ -111,8 +137,18 @@ class Around:
             changed = give_way(searches, choice, i, j, bias)
             for _ in together([searches[k].solve(int(searches[k].cycle(numbers[k])[0])) for k in changed]):
                 yield len(searches) / loops
-            numbers = self._shares(searches)
+            numbers = self._shares(searches, images)
         return self._mesh(choice)
+
+    def _alike(self, area: float) -> Choice:
+        """The best symmetric cycles. Raises NoCyclesError where they cross, or cost more than others of an area."""
+        numbers = self._shares(self.alike, self.images)
+        most = area + min(MAX_AREA_OF_SYMMETRY * self.outline.area, MAX_EXCESS_OF_SYMMETRY * area)
+        if sum(self._copies(k, self.images) * float(self.alike[k].totals[n]) for k, n in numbers.items()) <= most:
+            choice = Choice.of(self.alike, numbers, self.images)
+            if len(choice.crossings()[0]) == 0:
+                return choice
+        raise NoCyclesError("A symmetry costs too much.", code="symmetry.not_found")
 
     def fewest(self, area: float) -> Stage[float, int | None]:
         """The fewest lines that enclose at most an area, in the input's units, crossings aside; None if not enough.
@@ -146,18 +182,16 @@ class Around:
             limits = (importance.min_edge or 0.0) / self.frame.scale, importance.min_angle or 0.0
         return [Chain(loop, some if weighted else None, pins, limits) for loop, some, pins in zip(*parts, strict=True)]
 
-    def _copies(self, loop: int) -> int:
+    def _copies(self, loop: int, images: Images | None) -> int:
         """Lines of the cage for each one that is counted around a loop."""
-        if self.images is None:
-            return 1
-        return 1 if self._is_halved(loop) else self.images.symmetry.order
+        return 1 if images is None or self._is_halved(loop) else images.symmetry.order
 
     def _is_halved(self, loop: int) -> bool:
         """Whether a loop lies across the axis of a mirror."""
         return self.images is not None and self.images.symmetry.reverses and len(self.images.own[loop]) > 1
 
-    def _shares(self, searches: dict[int, Search]) -> dict[int, int]:
-        copies = [self._copies(loop) for loop in searches]
+    def _shares(self, searches: dict[int, Search], images: Images | None) -> dict[int, int]:
+        copies = [self._copies(loop, images) for loop in searches]
         totals = [number * search.totals for number, search in zip(copies, searches.values(), strict=True)]
         numbers = shares(totals, self.request.target, copies)
         if numbers is None:
@@ -188,50 +222,69 @@ class Around:
             lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, self.shift)
             yield
             found.append((lines.shifted(self.shift), at, expected, deserved_lines))
-        regions = self.request.regions
-        obstacles = Obstacles(self.outline.split(), regions, self.distance)
-        for k, (chain, (lines, at, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
-            if images is not None and images.loops[k][0] != k:
-                continue
-            halves, parts = None, 1
-            if images is not None and self._is_halved(k):
-                lines, halves = images.mirrored(k, chain, lines, at, self.shift)
-            elif images is not None and len(images.own[k]) > 1:
-                parts = len(images.own[k])
-                lines = images.turned(k, chain, lines)
-            size = 2.0 * float(norm(chain.vertices - chain.vertices.mean(axis=0)).max())
-            reach = min(REACH, LOOP_REACH * size)
-            free = obstacles.free(lines, reach, regions[k])
-            yield
-            usable = np.asarray((free > 0.0).all(axis=0))
-            if chain.swept[-1] < 0.0:  # every ray in a hole ends at it; in the solid around it some end nowhere
-                usable &= (free < reach).all(axis=0)
-            free += SLACK
-            if images is not None and halves is not None:
-                free = np.minimum(free, images.to_axis(lines, halves) + SLACK)
-                usable &= usable[halves.image]
-                halves = halves.take(usable)
-            elif parts > 1:
-                usable = np.tile(usable.reshape(parts, -1).all(axis=0), parts)
-            lines, own_free = lines.take(usable), free[:, usable]
-            count = len(lines)
-            if count < 3:
-                raise NoCyclesError("No lines are free.", code="count.too_small")
-            width = count - 1
-            if count * expected**2 > FULL_SEARCH:
-                width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
-            sizes = self._sizes(k, deserved_lines, count, self._copies(k), parts)
-            if halves is not None:
-                from .images import MirrorSearch
+        obstacles = Obstacles(self.outline.split(), self.request.regions, self.distance)
+        for k in range(len(chains)):
+            if images is None or not self.must:
+                self.searches[k] = self._around(k, *found[k], obstacles, None)
+                yield
+            if images is not None and images.loops[k][0] == k:
+                unlike = self.must or len(images.own[k]) > 1
+                try:
+                    self.alike[k] = self._around(k, *found[k], obstacles, images) if unlike else self.searches[k]
+                except NoCyclesError:
+                    if self.must:
+                        raise
+                    images, self.alike = None, {}
+                yield
+        if self.must and images is not None:
+            self.searches, self.alike = self.alike, {}
+        several = {id(search): search for search in (*self.searches.values(), *self.alike.values())}
+        yield from together([search.solve() for search in several.values()])
 
-                self.searches[k] = MirrorSearch(chain, lines, own_free, width=width, sizes=sizes, halves=halves)
-            else:
-                likely = (target if len(chains) == 1 else expected) / parts
-                self.searches[k] = LoopSearch(
-                    chain, lines, own_free, width=width, sizes=sizes, expected=likely, parts=parts
-                )
-            yield
-        yield from together([search.solve() for search in self.searches.values()])
+    def _around(
+        self,
+        k: int,
+        lines: Lines,
+        at: IntArray,
+        expected: float,
+        deserved: float,
+        obstacles: Obstacles,
+        images: Images | None,
+    ) -> Search:
+        """A search around a loop, for symmetric cycles if there are images. Raises NoCyclesError."""
+        chain, halves, parts = self.chains[k], None, 1
+        if images is not None and self._is_halved(k):
+            lines, halves = images.mirrored(k, chain, lines, at, self.shift)
+        elif images is not None and len(images.own[k]) > 1:
+            parts = len(images.own[k])
+            lines = images.turned(k, chain, lines)
+        size = 2.0 * float(norm(chain.vertices - chain.vertices.mean(axis=0)).max())
+        reach = min(REACH, LOOP_REACH * size)
+        free = obstacles.free(lines, reach, self.request.regions[k])
+        usable = np.asarray((free > 0.0).all(axis=0))
+        if chain.swept[-1] < 0.0:  # every ray in a hole ends at it; in the solid around it some end nowhere
+            usable &= (free < reach).all(axis=0)
+        free += SLACK
+        if images is not None and halves is not None:
+            free = np.minimum(free, images.to_axis(lines, halves) + SLACK)
+            usable &= usable[halves.image]
+            halves = halves.take(usable)
+        elif parts > 1:
+            usable = np.tile(usable.reshape(parts, -1).all(axis=0), parts)
+        lines, free = lines.take(usable), free[:, usable]
+        count = len(lines)
+        if count < 3:
+            raise NoCyclesError("No lines are free.", code="count.too_small")
+        width = count - 1
+        if count * expected**2 > FULL_SEARCH:
+            width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
+        sizes = self._sizes(k, deserved, count, self._copies(k, images), parts)
+        if halves is not None:
+            from .images import MirrorSearch
+
+            return MirrorSearch(chain, lines, free, width=width, sizes=sizes, halves=halves)
+        likely = (self.request.target if len(self.chains) == 1 else expected) / parts
+        return LoopSearch(chain, lines, free, width=width, sizes=sizes, expected=likely, parts=parts)
 
     def _sizes(self, loop: int, deserved: float, lines: int, copies: int, parts: int) -> range:
         """The possible numbers of lines of a part of a loop, and of as many others like it."""
@@ -250,12 +303,12 @@ class Around:
             raise NoCyclesError("A cycle is flat.", code="count.too_small")
         outline = Loops.of(np.concatenate(rings), [len(ring) for ring in rings])
         try:
-            if self.symmetry is None:
+            if choice.images is None:
                 if self.importance is not None and self.request.per_loop is None:  # straight sides have pins too
                     outline = self.importance.with_vertices(outline, self.request.total)
                 mesh = self.request.coarse(outline)
             else:
-                mesh = self.request.mesh(padded_alike(outline, self.request.total, self.symmetry))
+                mesh = self.request.mesh(padded_alike(outline, self.request.total, choice.images.symmetry))
         except (InvalidMeshError, AsymmetricError) as error:
             raise NoCyclesError(error.fault) from error
         if not self.request.nests(mesh):

@@ -51,9 +51,6 @@ clear crossings)."""
 MAX_EXCESS_ON_CURVE = 1.0
 """Excess above which a mesh on the curve would cut most of the shape off, so that no flow gets it inside."""
 
-MAX_AREA_OF_SYMMETRY, MAX_EXCESS_OF_SYMMETRY = 0.005, 0.008
-"""Fractions of the area of the fine mesh, and of the area beyond it, that a preferred symmetry may cost."""
-
 
 @dataclass(frozen=True)
 class LineCycles:
@@ -82,7 +79,7 @@ class LineCycles:
     @property
     def inside(self) -> LineCycles:
         """The same for meshes inside the fine one."""
-        return replace(self, on_curve=False, side=-1)
+        return replace(self, on_curve=False, side=-1, preferred=None)
 
     def keeping(self, symmetry: Symmetry) -> LineCycles:
         """The same with a symmetry."""
@@ -95,7 +92,7 @@ class LineCycles:
 
     def respecting(self, importance: Importance) -> LineCycles:
         """The same with more lines where vertices matter."""
-        return replace(self, importance=importance)
+        return replace(self, importance=importance, preferred=None)
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A mesh that strictly encloses the fine one, by exact predicates; see `starts`."""
@@ -112,16 +109,9 @@ class LineCycles:
         """
         if self.side < 0:
             return (yield from self._inside(fine, count, clearance, most))
-        request, symmetry = Request.of(fine, count), self.symmetry
-        mesh, source = yield from self.found(request, clearance)
-        if self.preferred is not None and request.per_loop is None:
-            with suppress(NestingError):
-                alike, _ = yield from cycles_around(replace(self, symmetry=self.preferred), request, clearance)
-                room = MAX_AREA_OF_SYMMETRY * fine.area, MAX_EXCESS_OF_SYMMETRY * (mesh.area - fine.area)
-                if alike.area <= mesh.area + min(room):
-                    mesh, source, symmetry = alike, SOURCE, self.preferred
+        mesh, source = yield from self.found(Request.of(fine, count), clearance)
         near = self.on_curve and mesh.area <= (1.0 + MAX_EXCESS_ON_CURVE) * fine.area
-        return [Start(mesh, source, closest_on_curve(mesh, fine, symmetry) if near else None)]
+        return [Start(mesh, source, closest_on_curve(mesh, fine, self.symmetry or self.preferred) if near else None)]
 
     def _inside(self, fine: Mesh, count: Count, clearance: float, most: int) -> Stage[float, list[Start]]:
         """Up to `most` meshes strictly inside the fine one: of cycles in what surrounds them, and a hull."""
@@ -141,7 +131,7 @@ class LineCycles:
         request = Request.of(fine, most)
         outline = without_gaps(request.outline, ROUND_OFF * request.outline.diameter)
         try:
-            return (yield from Around(request, outline, HULL_OFFSET, None, None).fewest(area))
+            return (yield from Around(request, outline, HULL_OFFSET).fewest(area))
         except NoCyclesError:
             return None
 
@@ -202,7 +192,9 @@ def _best(method: LineCycles, request: Request, outline: Loops, shift: float) ->
     """The mesh of least area of several ways to clear crossings, and how often. Raises NoCyclesError."""
     best: tuple[float, Mesh] | None = None
     error: NoCyclesError | None = None
-    around = Around(request, outline, shift, method.symmetry, method.importance)
+    preferred = method.preferred if request.per_loop is None else None
+    kept = method.symmetry
+    around = Around(request, outline, shift, kept or preferred, method.importance, must=kept is not None)
     for bias in BIASES:
         try:
             area, mesh = yield from around.run(bias)
