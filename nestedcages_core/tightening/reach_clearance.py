@@ -171,7 +171,7 @@ def outward_correction(
     A small rotation of an edge changes all its distances by about the same second-order amount. So each cage edge that
     is too close to a fine vertex is shifted outwards, parallel to itself, by its worst violation, and each vertex makes
     the smallest motion that shifts both its edges. Cage vertices too close to a fine edge, or to another cage edge,
-    move along the normal of the contact.
+    move along the normal of the contact. So does that cage edge, just as far: a fine vertex may hold either.
     """
     first, second = short.searchsorted((pairs.fine_cage.stop, pairs.cage_fine.stop))
     shift = np.zeros(bodies.m)
@@ -179,15 +179,11 @@ def outward_correction(
     if bodies.tie is not None:
         shift = bodies.tie.largest_of_edges(shift)
     correction = shift_edges(bodies, x[: bodies.m], shift)
-    for family, share in ((slice(first, second), 1.0), (slice(second, None), 0.5)):
-        near = short[family]
-        if len(near) == 0:
-            continue
-        push = contacts.normal[near] * (share * missing[family])[:, None]
-        np.add.at(correction, pairs.point[near], push)
-        if share < 1.0:
-            np.subtract.at(correction, pairs.start[near], push)
-            np.subtract.at(correction, pairs.end[near], push)
+    push = contacts.normal.T.take(short[first:], axis=1).T * missing[first:, None]
+    np.add.at(correction, pairs.point.take(short[first:]), push)
+    own = short[second:]
+    np.subtract.at(correction, pairs.start.take(own), push[second - first :])
+    np.subtract.at(correction, pairs.end.take(own), push[second - first :])
     return correction if bodies.tie is None else bodies.tie.longest(correction)
 
 

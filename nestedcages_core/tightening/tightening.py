@@ -21,7 +21,7 @@ import numpy as np
 
 from ..contact.pairs import Bodies, CandidateList
 from ..energies import CageEnergy, signed_area
-from ..geometry.arrays import FloatArray
+from ..geometry.arrays import TINY, FloatArray
 from ..geometry.precision import MOST_STEPS, NEGLIGIBLE
 from ..parameters import check_count, check_not_negative, check_part, check_positive
 from ..solver.negative_curvature import negative_curvature
@@ -35,9 +35,6 @@ logger = logging.getLogger(__name__)
 
 CLEARANCE_MARGIN = 1e-7
 """Relative margin added to the clearance to absorb later rounding."""
-
-FAST_CONVERGENCE = 0.02
-"""Fraction of the decrease predicted one step before, below which another one that is small ends the tightening."""
 
 THINNEST_SKIN = 0.75
 """Lower bound on the skin of the list of candidate pairs, in units of the mean coarse edge length."""
@@ -157,7 +154,8 @@ class _Run:
             )  # fmt: skip
             gain = value - trial.value
             quiet = quiet + 1 if solution.converged and max(solution.decrease, gain) < threshold else 0
-            still = quiet > 0 and solution.decrease < FAST_CONVERGENCE * previous
+            further = solution.decrease**2 / max(previous - solution.decrease, TINY)  # if all steps gain less alike
+            still = quiet > 0 and trial.accepted and further < settings.solver.complementarity * threshold
             previous = solution.decrease
             region.update(solution, trial, value)
             value = yield from self._accept(trial)
@@ -174,9 +172,7 @@ class _Run:
         return self._outcome(settings.iterations, False, f"Stopped after {settings.iterations} iterations.")
 
     def _try(self, model: QuadraticModel, step: FloatArray, value: float, decrease: float) -> Trial:
-        return find_trial(
-            self.bodies, model.around, self.x, step, value=value, decrease=decrease, energy=self.energy
-        )  # fmt: skip
+        return find_trial(self.bodies, model.around, self.x, step, value=value, decrease=decrease, energy=self.energy)
 
     def _accept(self, trial: Trial) -> Stage[FloatArray, float]:
         """Move to the result of the trial, if it was accepted; returns the energy there."""

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from nestedcages_core import Mesh
+from nestedcages_core import Mesh, nested_cages
 from nestedcages_core.contact.linearisation import measure
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
 from nestedcages_core.energies import Area
@@ -195,6 +195,16 @@ def test_restoration_brings_back_what_a_turn_took() -> None:
     assert contacts.distance.min() >= 1e-2
     assert np.abs(restored - turned).max() < 0.05
     np.testing.assert_array_equal(restored[8:], x[8:])
+
+
+@pytest.mark.parametrize(("count", "gap"), [(31, 1e-4), (31, 2e-4), (40, 1e-4)])
+def test_parts_of_the_cage_slide_along_each_other(count: int, gap: float) -> None:
+    """Between two discs fine vertices hold both parts, which took nearly all steps that are allowed."""
+    centre = 1.7 * np.cos(0.3) + gap, 1.7 * np.sin(0.3) + gap
+    fine = Mesh.from_loops([ring(count, angle=0.1), ring(count, 0.7, 0.2, centre)])
+    report = nested_cages(fine, [8]).levels[0].report
+    assert report.excess < 0.28
+    assert report.iterations["tightening"] <= 40
 
 
 def test_widening_shares_what_room_there_is() -> None:
