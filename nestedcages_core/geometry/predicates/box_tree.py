@@ -93,20 +93,15 @@ class BoxTree:
         return np.minimum(starts, ends), np.maximum(starts, ends)
 
     @cached_property
-    def _pyramid(self) -> tuple[list[FloatArray], list[int]]:
-        """`levels` and `counts`."""
+    def levels(self) -> list[FloatArray]:
+        """The boxes of each level."""
         low, high = self._boxes
         return _pyramid(low[:, self.order], high[:, self.order])
 
-    @property
-    def levels(self) -> list[FloatArray]:
-        """The boxes of each level."""
-        return self._pyramid[0]
-
-    @property
+    @cached_property
     def counts(self) -> list[int]:
         """How many boxes of each level are not padding."""
-        return self._pyramid[1]
+        return [-(-len(self) // FANOUT**level) for level in range(len(self.levels))]
 
     def __len__(self) -> int:
         return len(self.starts)
@@ -234,10 +229,10 @@ def _along_curve(points: FloatArray) -> IntArray:
     return np.argsort(code, kind="stable")
 
 
-def _pyramid(lower: FloatArray, upper: FloatArray) -> tuple[list[FloatArray], list[int]]:
-    """Boxes per level, each (4, N): least x, least y, greatest x, greatest y; and how many of them are not padding."""
+def _pyramid(lower: FloatArray, upper: FloatArray) -> list[FloatArray]:
+    """Boxes per level, each (4, N): least x, least y, greatest x, greatest y."""
     boxes = np.concatenate((lower, upper))
-    levels, counts = [boxes], [boxes.shape[1]]
+    levels = [boxes]
     while boxes.shape[1] > FANOUT:
         missing = -boxes.shape[1] % FANOUT
         empty = np.repeat([[np.inf], [np.inf], [-np.inf], [-np.inf]], missing, axis=1)
@@ -246,8 +241,7 @@ def _pyramid(lower: FloatArray, upper: FloatArray) -> tuple[list[FloatArray], li
         groups = boxes.reshape(4, -1, FANOUT)
         boxes = np.concatenate((groups[:2].min(axis=2), groups[2:].max(axis=2)))
         levels.append(boxes)
-        counts.append(boxes.shape[1])
-    return levels, counts
+    return levels
 
 
 def _overlapping(boxes: FloatArray, i: IntArray, others: FloatArray, j: IntArray) -> tuple[IntArray, IntArray]:
