@@ -93,7 +93,6 @@ if TYPE_CHECKING:
         write_geojson,
         write_svg,
     )
-    from .exchange import frames_from_engine_json as frames_from_engine_json
     from .exchange import frames_to_engine_json as frames_to_engine_json
     from .exchange import from_engine_json as from_engine_json
     from .exchange import is_engine_json as is_engine_json
@@ -201,7 +200,7 @@ _LATER = {
     "checker": "Verdict check",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
-        "Cut Feature cut_at_borders character_to_engine_json features_from_geojson frames_from_engine_json "
+        "Cut Feature cut_at_borders character_to_engine_json features_from_geojson "
         "frames_to_engine_json from_engine_json from_geojson from_svg is_engine_json pieces_from_engine_json "
         "read_geojson read_svg swept to_engine_json to_geojson to_svg write_engine_json write_geojson "
         "write_svg"

@@ -2,7 +2,6 @@
 
 from .character_json import character_to_engine_json
 from .engine_json import (
-    frames_from_engine_json,
     frames_to_engine_json,
     from_engine_json,
     is_engine_json,
@@ -45,7 +44,6 @@ __all__ = [
     "character_to_engine_json",
     "cut_at_borders",
     "features_from_geojson",
-    "frames_from_engine_json",
     "frames_to_engine_json",
     "from_engine_json",
     "from_geojson",
