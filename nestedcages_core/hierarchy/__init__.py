@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from ..geometry.group import Symmetry
@@ -43,12 +42,14 @@ __all__ = [
 ]
 
 
-_LATER = {"tightest_place": "level.tightest_place"}
-_LATER |= dict.fromkeys(("level_words", "order_of", "parse_level"), "hierarchy.level_text")
-"""What few runs need, which is imported when it is asked for, and where it is."""
-
-
 def __getattr__(name: str) -> Any:
-    if name not in _LATER:
+    """What few runs need is imported when it is asked for."""
+    if name == "tightest_place":
+        from ..level.tightest_place import tightest_place
+
+        return tightest_place
+    if name not in {"level_words", "order_of", "parse_level"}:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"..{_LATER[name]}", __name__), name)
+    from . import level_text
+
+    return getattr(level_text, name)
