@@ -14,7 +14,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.precision import INPUT_ROUND_OFF, NEGLIGIBLE
-from ..solver.banded import BandOrder, Solve, factorised
+from ..solver.banded import BandOrder, factorised
+from ..solver.cholesky import Solve
 
 
 def newton_direction(

@@ -87,7 +87,8 @@ if not {found}:
 from nestedcages_core import lapack
 importlib.util.find_spec = find_spec
 import scipy.linalg.lapack as whole
-assert lapack.dpbtrf is whole.dpbtrf and lapack.dpbtrs is whole.dpbtrs and lapack.dpbsv is whole.dpbsv
+for name in ("dpbsv", "dpbtrf", "dpbtrs", "dtbtrs"):
+    assert getattr(lapack, name) is getattr(whole, name)
 """
     subprocess.run([sys.executable, "-c", program], cwd=ROOT, check=True, timeout=120)
 
