@@ -20,7 +20,7 @@ import numpy as np
 
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray
-from ..geometry.precision import NEGLIGIBLE
+from ..geometry.precision import BACKTRACKING, MOST_ROUNDS, NEGLIGIBLE
 from ..solver.banded import Rows
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram
 from .ccd import impacts, largest_safe_step
@@ -43,18 +43,11 @@ SKIN = 0.3
 SMALLEST_SCALE = 0.1
 """Lower bound of the expected multipliers, as a fraction of the working gap."""
 
-MOTION_REDUCTION = 0.6
-"""Factor on a motion while distances at its end are too small."""
-
 KEPT_DISTANCE = 0.5
 """Fraction of a distance below the clearance that a motion must leave."""
 
 KEPT_GAP = 0.05
 """Distance that a motion must leave on top, as a fraction of the distance or of the working gap."""
-
-
-MAX_SLOWDOWNS = 14
-"""Cap on the rounds in which failing vertices are slowed down by half."""
 
 
 @dataclass(frozen=True)
@@ -208,14 +201,14 @@ class FeasibilityRule(NamedTuple):
         while fraction > shortest:
             if bool((measure(pairs, x + fraction * motion).distance > least).all()):
                 break
-            fraction *= MOTION_REDUCTION
+            fraction *= BACKTRACKING
         return fraction
 
     def fractions(self, pairs: Pairs, contacts: Contacts, x: FloatArray, motion: FloatArray) -> FloatArray:
         """(m + n,) a feasible fraction per vertex; used where a common one would be too short."""
         least = self._least(contacts)
         kept = np.ones(len(x))
-        for _ in range(MAX_SLOWDOWNS):
+        for _ in range(MOST_ROUNDS):
             moved = kept[:, None] * motion
             hit, _ = impacts(pairs, x, moved, contacts.distance, self.clearance)
             close = np.flatnonzero(measure(pairs, x + moved).distance < least)
@@ -223,7 +216,7 @@ class FeasibilityRule(NamedTuple):
             if len(failing) == 0:
                 return kept
             vertex = np.unique(np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing]]))
-            kept[vertex] *= 0.5
+            kept[vertex] *= BACKTRACKING
             if self.bodies.tie is not None:
                 kept[: self.bodies.m] = self.bodies.tie.least(kept[: self.bodies.m])
         return np.zeros(len(x))

@@ -11,7 +11,7 @@ import numpy as np
 from ..energies import Area, Energy
 from ..energies.restoring import Restoring
 from ..geometry.arrays import FloatArray
-from ..geometry.precision import MOST_ROUNDS
+from ..geometry.precision import MOST_ROUNDS, PATIENCE, PROGRESS_RATIO
 from ..parameters import check_not_negative, check_part, check_positive
 from ..solver.newton import ProjectedNewton, Solver
 from ..tasks import Stage
@@ -29,10 +29,6 @@ logger = logging.getLogger(__name__)
 STIFFENING = 4.0
 """Factor on λ_R when the minimum of the energy leaves the fine mesh short of its target (docs/ablation.md: IPC:
 stiffening)."""
-
-PROGRESS_RATIO, MAX_IDLE_SOLVES = 0.98, 3
-"""The path is blocked after this many solves in a row (second) none of which leaves less than this fraction (first) of
-the distance to the target, in total or at the farthest vertex."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +106,7 @@ class IPC:
                 left = _distances(x[m:], target)
                 idle = 0 if (left < PROGRESS_RATIO * least).any() else idle + 1
                 least = np.minimum(least, left)
-                if idle >= MAX_IDLE_SOLVES or not solution.converged:
+                if idle >= PATIENCE or not solution.converged:
                     return ContactOutcome(x, False, iterations, blocked(x[m:], target))
                 stiffness *= STIFFENING
             else:

@@ -16,6 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..geometry.arrays import FloatArray
+from ..geometry.precision import BACKTRACKING
 from ..geometry.vectors import inner
 from ..parameters import check_count, check_part, check_positive
 from ..solver.quadratic_program import InteriorPoint
@@ -29,11 +30,8 @@ logger = logging.getLogger(__name__)
 SHORT_FRACTION = 0.08
 """Steps that collision detection cuts below this fraction are taken vertex by vertex."""
 
-LONG_FRACTION, STRIDE_GROWTH = 0.6, 1.7
-"""After more than this fraction of a step (first) the stride grows by this factor (second)."""
-
-SLOW_FRACTION = 0.25
-"""After less than this fraction of a step the stride is halved."""
+LONG_FRACTION, SLOW_FRACTION = 0.6, 0.25
+"""After more than this fraction of a step (first) the stride grows, after less than this one (second) it shrinks."""
 
 REACH = 1.5
 """Bound on the motion of a cage vertex, in longest fine motions."""
@@ -136,8 +134,10 @@ class _Motion:
                 covered = inner(single[self.m :], part * length) / float((part * length).sum())
                 if covered > fraction or fraction <= SHORT_FRACTION:  # a fraction as short as this may be infeasible
                     kept, fraction = single, covered
-            stride *= STRIDE_GROWTH if fraction > LONG_FRACTION else 0.5 if fraction <= SLOW_FRACTION else 1.0
-            stride = min(stride, self.settings.stride * self.unit)
+            if fraction > LONG_FRACTION:
+                stride = min(stride / BACKTRACKING, self.settings.stride * self.unit)
+            elif fraction <= SLOW_FRACTION:
+                stride *= BACKTRACKING
             if kept.any():
                 arrived = (kept[self.m :] >= 1.0) & (part >= 1.0)
                 x = self.x + kept[:, None] * response.motion
@@ -145,5 +145,5 @@ class _Motion:
                 self.x = x
                 yield x
             else:  # a shorter motion seldom helps where a small part of this one is blocked
-                stride, stalled = min(stride, 0.5 * longest), max(stalled, self.settings.patience - 1)
+                stride, stalled = min(stride, BACKTRACKING * longest), max(stalled, self.settings.patience - 1)
         return not bool((target - self.x[self.m :]).any())

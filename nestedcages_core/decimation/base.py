@@ -22,6 +22,9 @@ REACH = 1.5
 """How far new vertices may run away, in diameters: from the centre, or along an edge from its contact. Tightening needs
 no limit, since edges of least area touch what is inside at their middle or on either side of it."""
 
+PIN_REACH = 1e-3
+"""Distance from a pin, in diameters of the shape, up to which a vertex counts as pinned."""
+
 LEAST_PER_LOOP = 3
 """Vertices of the smallest polygon."""
 

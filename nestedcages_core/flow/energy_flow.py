@@ -8,6 +8,7 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
+from ..geometry.precision import PATIENCE
 from ..lapack import dpbsv
 from ..tasks import Stage
 from .base import Obstacle
@@ -17,11 +18,8 @@ from .penetration import Penetration, PenetrationEnergy
 SLOW_DECREASE = 0.75
 """Relative decrease of the energy below which the next step is smoothed over half the length."""
 
-MAX_SLOW_STEPS, SLOW_STEPS_LEAVE = 4, 0.5
-"""The descent fails if this many steps leave more than this fraction of the energy."""
-
-LEAST_SMOOTHING = 0.01
-"""Smallest smoothing length, as a fraction of the first."""
+SLOW_STEPS_LEAVE = 0.5
+"""The descent fails if `PATIENCE` steps leave more than this fraction of the energy."""
 
 SHORTEST_EDGE = 0.02
 """Lower bound on edge lengths in L, as a fraction of the sample spacing."""
@@ -66,9 +64,7 @@ class EnergyFlow(NamedTuple):
         while True:
             if penetration.overlap < 0.0 and self.containment.obstacle(vertices) is None:
                 return Descent(start, steps, None, len(energies) - 1)
-            hopeless = (
-                len(energies) > MAX_SLOW_STEPS and energies[-1] > SLOW_STEPS_LEAVE * energies[-1 - MAX_SLOW_STEPS]
-            )
+            hopeless = len(energies) > PATIENCE and energies[-1] > SLOW_STEPS_LEAVE * energies[-1 - PATIENCE]
             if len(energies) > limit or hopeless or penetration.energy == 0.0:
                 break
             yield (len(energies) - 1) / limit
@@ -78,7 +74,7 @@ class EnergyFlow(NamedTuple):
                 steps.append(vertices)
             energies.append(penetration.energy)
             if energies[-1] > (1.0 - SLOW_DECREASE) * energies[-2]:
-                smoothing = max(0.5 * smoothing, LEAST_SMOOTHING * self.smoothing)
+                smoothing *= 0.5
         return Descent(start, steps, self.containment.obstacle(vertices), len(energies) - 1)
 
     def _step(

@@ -19,13 +19,10 @@ from ..geometry.arrays import TINY, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs, position_in_group, split_by
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
-from ..geometry.precision import INPUT_ROUND_OFF
+from ..geometry.precision import INPUT_ROUND_OFF, PART_OF_GAP
 from ..geometry.signed_distance import SignedDistance
 from ..geometry.vectors import inner, norm
 from .loop_matching import Matching, outer_loops
-
-MARGIN_PER_GAP = 0.25
-"""Largest margin, as a fraction of the distance to coarse edges other than neighbours: half of a slit stays free."""
 
 MARGIN_PER_INRADIUS = 0.1
 """Largest margin, as a fraction of 2 · area / perimeter of the coarse loop, the inradius of a regular polygon."""
@@ -249,12 +246,12 @@ def local_margins(coarse: Mesh, margin: float) -> FloatArray:
     sizes = 2.0 * np.abs(coarse.loop_areas) / np.maximum(perimeters, TINY)  # far smaller loops than others underflow
     result = np.minimum(margin, MARGIN_PER_INRADIUS * sizes)[coarse.loop_of_vertex]
 
-    point, edge = near_pairs(starts, starts, ends, margin / MARGIN_PER_GAP)
+    point, edge = near_pairs(starts, starts, ends, margin / PART_OF_GAP)
     successor, predecessor = coarse.successor, coarse.predecessor
     neighbours = (edge, successor[edge], predecessor[edge], successor[successor[edge]])
     apart = np.logical_and.reduce([point != neighbour for neighbour in neighbours])
     point, edge = point[apart], edge[apart]
-    share = MARGIN_PER_GAP * point_edge(starts[point], starts[edge], ends[edge]).distance
+    share = PART_OF_GAP * point_edge(starts[point], starts[edge], ends[edge]).distance
     for place in (edge, point, predecessor[point]):
         np.minimum.at(result, place, share)
     return np.asarray(result, np.float64)

@@ -1,6 +1,6 @@
 """Further steps of the flow, for animations: the fine mesh is inside the coarse one and shrinks on, until it shows.
 
-The same descent of the penetration energy with margins that grow towards a fraction of the local thickness. The
+The same descent of the penetration energy with margins that grow towards a quarter of the local thickness. The
 return takes the same steps, so the cage is the one without them.
 """
 
@@ -12,6 +12,7 @@ from ..errors import FlowError, InvalidMeshError
 from ..geometry.arrays import FloatArray
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
+from ..geometry.precision import PART_OF_GAP
 from ..geometry.vectors import dot, rotated_left
 from .containment import Containment
 from .energy_flow import StepSystem
@@ -24,9 +25,6 @@ STEPS = 8
 
 DESCENTS = 2
 """Gauss-Newton steps per step that is recorded."""
-
-THICKNESS_PART = 0.3
-"""Largest margin, as a fraction of the local thickness: from both sides a limb keeps 0.4 of it."""
 
 SMOOTHINGS = (0.03, 0.01)
 """Smoothing lengths to try, in extents: the first keeps dense outlines smooth, the second small features apart."""
@@ -55,7 +53,7 @@ def shrink(fine: Mesh, coarse: Mesh, start: FloatArray) -> FloatArray:
         return none
     containment, unit = Containment(matching), fine.extent
     energy = PenetrationEnergy(matching, 0.0, Spacing(np.inf, TwoSidedFlow.spacing * unit), from_coarse=False)
-    system, margins = StepSystem(fine, TwoSidedFlow.spacing * unit), THICKNESS_PART * thickness(coarse)
+    system, margins = StepSystem(fine, TwoSidedFlow.spacing * unit), PART_OF_GAP * thickness(coarse)
     found = []
     for smoothing in SMOOTHINGS:
         vertices, steps = start, []

@@ -18,5 +18,15 @@ MOST_STEPS = 100
 MOST_HALVINGS = 60
 """Cap of loops that halve: what is left is then below the spacing of doubles."""
 
+PROGRESS_RATIO, PATIENCE = 0.98, 3
+"""Part that is left of what is to vanish, above which a step makes no progress; steps in a row without any, after which
+a loop ends."""
+
+BACKTRACKING = 0.5
+"""Factor on a step that fails (Nocedal & Wright 2006, section 3.1); its inverse on one after a good step."""
+
+PART_OF_GAP = 0.25
+"""Part of a gap, or of a thickness, that each of its two sides may take up: half of it stays free."""
+
 SUFFICIENT_DECREASE = 1e-4
 """Armijo's constant: fraction of the predicted decrease that a step must reach (Nocedal & Wright 2006, section 3.1)."""

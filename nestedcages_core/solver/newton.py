@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ..geometry.arrays import FloatArray
-from ..geometry.precision import INPUT_ROUND_OFF, MOST_STEPS, SUFFICIENT_DECREASE
+from ..geometry.precision import BACKTRACKING, INPUT_ROUND_OFF, MOST_STEPS, SUFFICIENT_DECREASE
 from ..parameters import check_count, check_not_negative
 from ..tasks import Stage
 
@@ -120,5 +120,5 @@ def backtrack(objective: Objective, x: FloatArray, model: NewtonModel) -> Step:
         value = objective.value(candidate)
         if np.isfinite(value) and value <= model.value + SUFFICIENT_DECREASE * fraction * slope:
             return Step(candidate, fraction)
-        fraction *= 0.5
+        fraction *= BACKTRACKING
     return Step(x, 0.0)

@@ -17,27 +17,22 @@ from ..contact.contact_response import ContactResponse, Distances, FeasibilityRu
 from ..contact.linearisation import Contacts, measure
 from ..contact.pairs import Bodies, CandidateList, Pairs, WantedDistances
 from ..geometry.arrays import FloatArray, IntArray
-from ..geometry.precision import MOST_STEPS, NEGLIGIBLE, ROUND_OFF
+from ..geometry.precision import MOST_ROUNDS, MOST_STEPS, NEGLIGIBLE, PROGRESS_RATIO, ROUND_OFF
 from ..solver.quadratic_program import InteriorPoint
 from ..tasks import Stage
 
-LONGEST_STEP = 4.0
-"""Longest motion of a vertex in a small step, in clearances."""
-
 TARGET_DISTANCE = 2.0
-"""Distance that small steps aim at, in clearances: beyond 1, so that they reach the clearance in finite time."""
+"""Distance that small steps aim at, and their longest motion of a vertex, in clearances: beyond 1, so that they reach
+the clearance in finite time."""
 
 SHORTEST_STEP = 1e-3
 """Fraction of a small step below which there is no room for any."""
 
-REQUIRED_PROGRESS, MAX_IDLE_STEPS = 0.99, 8
-"""Factor by which the sum of the missing distances must shrink; maximum number of consecutive steps that miss it."""
+MAX_IDLE_STEPS = 8
+"""Maximum number of small steps in a row without progress."""
 
 OWN_DISTANCE_KEPT = 0.1
 """Fraction of the smallest distance between parts of the cage that they keep, if that is less than the clearance."""
-
-MAX_PASSES = 10
-"""Cap on the passes; each can violate the distances of neighbours, by much less."""
 
 OVERSHOOT = 1.02
 """Factor on every shift, so that passes end (docs/ablation.md: overshoot of restoration)."""
@@ -73,7 +68,7 @@ def widen(
 
     Yields every intermediate x; the linear motion from the one before is free of collisions.
     """
-    reach = max(TARGET_DISTANCE + LONGEST_STEP, 1.0 / OWN_DISTANCE_KEPT) * clearance + apart
+    reach = max(2.0 * TARGET_DISTANCE, 1.0 / OWN_DISTANCE_KEPT) * clearance + apart
     pairs, contacts = _measured(candidates, x, reach)
     own = min(clearance, OWN_DISTANCE_KEPT * float(contacts.distance[pairs.cage_cage].min(initial=np.inf)))
     loop = bodies.coarse.loop_of_vertex if apart else None
@@ -92,7 +87,7 @@ def widen(
     at_rest = np.zeros((bodies.n, 2))
     systems, least, idle = 0, np.inf, 0
     for _ in range(MOST_STEPS):
-        found = response.to(at_rest, x, LONGEST_STEP * clearance)
+        found = response.to(at_rest, x, TARGET_DISTANCE * clearance)
         systems += found.systems
         concerned = rule.concerned(found.pairs, found.contacts, found.motion)
         fraction = rule.fraction(*concerned, x, found.motion, SHORTEST_STEP)
@@ -109,7 +104,7 @@ def widen(
             yield moved
             return Widened(moved, wanted, systems, -1)
         missing = float((wanted.of(pairs) - contacts.distance)[short].sum())
-        idle = idle + 1 if missing > REQUIRED_PROGRESS * least else 0
+        idle = idle + 1 if missing > PROGRESS_RATIO * least else 0
         least = min(least, missing)
         if idle >= MAX_IDLE_STEPS:
             break
@@ -149,7 +144,7 @@ def restore(
     required: (K,) wanted distances; side: (K,) side of the edge on which each point belongs.
     """
     contacts = measure(pairs, x, side)
-    for _ in range(MAX_PASSES):
+    for _ in range(MOST_ROUNDS):  # each can violate the distances of neighbours, by much less
         short = np.flatnonzero(contacts.distance < required)
         if len(short) == 0:
             break

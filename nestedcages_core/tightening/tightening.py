@@ -22,7 +22,7 @@ import numpy as np
 from ..contact.pairs import Bodies, CandidateList
 from ..energies import CageEnergy, signed_area
 from ..geometry.arrays import TINY, FloatArray
-from ..geometry.precision import MOST_STEPS, NEGLIGIBLE
+from ..geometry.precision import MOST_STEPS, NEGLIGIBLE, PATIENCE
 from ..parameters import check_count, check_not_negative, check_part, check_positive
 from ..solver.negative_curvature import negative_curvature
 from ..solver.quadratic_program import InteriorPoint, QPSolution
@@ -75,7 +75,7 @@ class Tightening:
     """Stop when the predicted decrease stays below this fraction of the cage's area ..."""
     share: float = 2e-4
     """... or below this fraction of all decrease so far."""
-    patience: int = 3
+    patience: int = PATIENCE
     """... for this many iterations (docs/ablation.md: patience)."""
     solver: InteriorPoint = field(default_factory=InteriorPoint)
     """Solves the quadratic programs."""

@@ -17,15 +17,13 @@ from numpy.typing import ArrayLike
 from ..contact.pairs import Bodies, find_pairs
 from ..errors import NestedCagesError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.broad_phase import CHUNK_PAIRS
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.precision import MOST_HALVINGS
 from ..tasks import Stage, drain
 
 Number = TypeVar("Number", float, FloatArray)
-
-BLOCK_NUMBERS = 2**20
-"""Positions of a block of several steps, and pairs of a step tested together; bounds the memory to about 100 MB."""
 
 MAX_PIECES = 32
 """Maximum number of undecided intervals of one pair: a passing contact leaves two or three, sliding leaves more."""
@@ -113,7 +111,7 @@ class _Block:
             distance = np.hypot(*(x - listed[0]))
             farthest = np.maximum(self.farthest, distance)
             full = self._approach(farthest) > bodies.cage_edge_length  # measured: the fastest
-            if len(listed) > 1 and (full or len(listed) * x.size > BLOCK_NUMBERS):
+            if len(listed) > 1 and (full or len(listed) * x.size > CHUNK_PAIRS):
                 break
             listed.append(x)
             away.append(distance)
@@ -137,7 +135,7 @@ class _Block:
         speed = np.hypot(motion[:, 0], motion[:, 1])
         travelled = self.away[:-1] + speed
         count = max(1, len(near))
-        together = max(1, BLOCK_NUMBERS // count)
+        together = max(1, CHUNK_PAIRS // count)
         for first in range(0, len(motion), together):
             point, start, end = (travelled[first : first + together].take(corner, axis=1) for corner in corners)
             close = distance <= self._with_rounding(point + np.maximum(start, end))

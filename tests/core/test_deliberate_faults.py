@@ -164,7 +164,7 @@ def test_earlier_steps_of_a_block_count_as_travelled(monkeypatch: pytest.MonkeyP
     assert not found
     assert found.step == meets
     block = motion._Block(Bodies.of(room, DOT), [room.vertices] * 9, steps)
-    monkeypatch.setattr(motion, "BLOCK_NUMBERS", 1)  # the pairs of one step at a time
+    monkeypatch.setattr(motion, "CHUNK_PAIRS", 1)  # the pairs of one step at a time
     assert next(block.may_meet())[0] == meets
 
 

@@ -9,7 +9,7 @@ from ...geometry.broad_phase import near_pairs
 from ...geometry.distance import point_edge
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
-from ...geometry.precision import MOST_HALVINGS, MOST_ROUNDS, NEGLIGIBLE
+from ...geometry.precision import MOST_HALVINGS, MOST_ROUNDS, NEGLIGIBLE, PART_OF_GAP, PROGRESS_RATIO
 from ...geometry.predicates import BoxTree, orientation, segments_intersect
 from ...geometry.vectors import cross, dot, norm, rotated_right
 from ...tasks import Stage, drain
@@ -25,9 +25,6 @@ takes two vertices, and notches below 47 degrees are followed less far."""
 EDGE_FRACTION = 0.2
 """Longest step of a vertex in units of its shorter edge; below 0.5, so that no edge flips."""
 
-GAP_FRACTION = 0.25
-"""Longest step of a vertex in units of the gap in front of it: half of it stays open if both sides move."""
-
 SCALE_STEP = 8.0
 """Ratio of steps that share one search radius for gaps."""
 
@@ -35,15 +32,8 @@ ONE_SEARCH = 1000
 """Number of vertices up to which all steps share a search if its radius is less than the mean edge length: it finds few
 pairs then, and gaps wider than a step needs do not matter."""
 
-STALLED_RATIO = 0.97
-"""Ratio of the largest shortfalls after and before a step above which no further step is made."""
-
-
 SMALL_DETAIL = 0.2
 """Size in clearances of details that are filled where they keep an outline from reaching the clearance."""
-
-NARROW_GAP = 2.2
-"""Width in clearances below which a gap is filled if an outline in it does not reach the clearance; 2 fit exactly."""
 
 
 def strict_offset(outline: Loops, distance: FloatArray | float, obstacle: BoxTree) -> tuple[Loops, IntArray]:
@@ -97,7 +87,7 @@ def _room_in_gaps(outline: Loops, reach: FloatArray) -> Stage[None, FloatArray]:
         return np.asarray((length <= scale) & (length * SCALE_STEP > scale))
 
     while True:
-        radius = scale / GAP_FRACTION
+        radius = scale / PART_OF_GAP
         everything = np.arange(len(starts))
         points, edges = np.flatnonzero(of_scale(reach)), np.flatnonzero(of_scale(edge_reach))
         few = len(starts) <= ONE_SEARCH and radius <= mean_length
@@ -115,7 +105,7 @@ def _room_in_gaps(outline: Loops, reach: FloatArray) -> Stage[None, FloatArray]:
             vertex, edge = vertex.take(facing), edge.take(facing)
             end = outline.successor.take(edge)
             start, stop, place = (corner.take(facing, axis=0) for corner in pair)
-            gap = GAP_FRACTION * point_edge(place, start, stop).distance
+            gap = PART_OF_GAP * point_edge(place, start, stop).distance
             for one in (vertex, edge, end):
                 np.minimum.at(room, one, gap)
         smaller = edge_reach[(edge_reach > 0.0) & (edge_reach * SCALE_STEP <= scale)]
@@ -202,7 +192,7 @@ def cleared(outline: Loops, fine: Mesh, clearance: float) -> Loops:
         size = len(outline.vertices)
         outline = without_small_details(outline, (SMALL_DETAIL * clearance) ** 2)
         if len(outline.vertices) == size:
-            outline = without(outline, in_narrow_gaps(outline, tight, NARROW_GAP * clearance))
+            outline = without(outline, in_narrow_gaps(outline, tight, 2.0 * CLEARANCE_RESERVE * clearance))
         if len(outline.vertices) == size:  # last, since filling a gap may free the corners at its mouth
             outline = without(outline, tight)
         if len(outline.vertices) == size:
@@ -218,7 +208,7 @@ def _widened(outline: Loops, fine: Mesh, distance: float) -> tuple[Loops, bool]:
         worst = float(missing.max())
         if worst <= NEGLIGIBLE * distance:
             return outline, True
-        if worst > STALLED_RATIO * last:
+        if worst > PROGRESS_RATIO * last:
             break
         wider, stuck = strict_offset(outline, missing, fine.edge_tree)
         if len(stuck):

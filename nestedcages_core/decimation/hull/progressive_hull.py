@@ -17,6 +17,7 @@ from collections.abc import Callable, Sequence
 from math import hypot, inf
 
 from ...geometry.loops import Loops
+from ...geometry.precision import MOST_ROUNDS
 from ...geometry.predicates import orientation_sign
 from ...tasks import Stage, drain
 from .hull_moves import NEGLIGIBLE_COST, PIVOT_RATIO_LOOP, HullMoves, MoveQueue, Place, Weights, corner, pivoted
@@ -28,8 +29,8 @@ PAUSE = 512
 NUDGE_ULPS = (0.0, 1.0, 3.0, 9.0, 27.0, 81.0, 243.0, 729.0)
 """Units in the last place by which a new vertex is pushed outwards until the exact tests hold."""
 
-REACH_GROWTH, MAX_REACH_ROUNDS = 4.0, 5
-"""Factor on the reach of new vertices when no move is left within it; maximum number of its applications."""
+REACH_GROWTH = 4.0
+"""Factor on the reach of new vertices when no move is left within it."""
 
 
 class ProgressiveHull:
@@ -76,7 +77,7 @@ class ProgressiveHull:
 
     def _farther(self) -> bool:
         """Whether new vertices may lie farther out than before, where some were out of reach."""
-        if self._reach_rounds == MAX_REACH_ROUNDS or not self._out_of_reach:
+        if self._reach_rounds == MOST_ROUNDS or not self._out_of_reach:
             return False
         self._reach_rounds += 1
         self._out_of_reach = False

@@ -12,6 +12,7 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
+from ...geometry.precision import MOST_ROUNDS
 from ...geometry.signed_distance import SignedDistance
 from .offset import shortfall
 
@@ -20,12 +21,6 @@ GRID_SIZE = 32
 
 REFINED_POINTS = 8
 """Number of best points of a grid that are refined."""
-
-CIRCLE_REFINEMENTS = 10
-"""Number of finer grids; the last one is as fine as single precision."""
-
-REFINEMENT_WIDTH = 0.125
-"""Width of a refined grid, in widths of the one before."""
 
 MAX_SHORTFALL = 0.02
 """Shortfall of a loop, in clearances, above which the first steps of a tightening may not repair it."""
@@ -50,11 +45,11 @@ def largest_circle(fine: Mesh, hole: int) -> Circle:
     width, middles = high - low, (0.5 * (low + high))[None]
     steps = np.linspace(-0.5, 0.5, GRID_SIZE)
     grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(1, -1, 2)
-    for _ in range(CIRCLE_REFINEMENTS):
+    for _ in range(MOST_ROUNDS):
         points: FloatArray = np.concatenate((middles, (middles[:, None] + width * grid).reshape(-1, 2)))
         room = distance.at(points).distance
         best = np.argsort(-room)[:REFINED_POINTS]
-        middles, width = points[best], REFINEMENT_WIDTH * width
+        middles, width = points[best], 4.0 * width / GRID_SIZE  # two steps on either side
     return Circle(middles[0], float(room[best[0]]))
 
 

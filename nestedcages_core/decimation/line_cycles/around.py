@@ -31,10 +31,6 @@ from .turns import SLACK
 if TYPE_CHECKING:
     from .images import Images
 
-LOOP_REACH = 4.0
-"""Longest part of an edge on either side of its contact, in diameters of the loop that its line belongs to: a vertex
-farther away would be a needle."""
-
 PLACES_PER_VERTEX, LEAST_PLACES, LEAST_PLACES_OF_A_LOOP = 3.0, 96, 12
 """Places: per vertex of the cage; at least, in all; at least, for each loop (docs/ablation.md: line cycles: places)."""
 
@@ -58,8 +54,8 @@ FEW_LINES = 12
 """Number of lines of each of several loops that is sought in any case, to know the least."""
 
 
-MAX_AREA_OF_SYMMETRY, MAX_EXCESS_OF_SYMMETRY = 0.005, 0.008
-"""Fractions of the area of the fine mesh, and of the area beyond it, that a preferred symmetry may cost."""
+MAX_EXCESS_OF_SYMMETRY = 0.008
+"""Fraction of the area beyond the fine mesh that a preferred symmetry may cost."""
 
 
 class NoCyclesError(NestingError):
@@ -143,7 +139,7 @@ class Around:
     def _alike(self, area: float) -> Choice:
         """The best symmetric cycles. Raises NoCyclesError where they cross, or cost more than others of an area."""
         numbers = self._shares(self.alike, self.images)
-        most = area + min(MAX_AREA_OF_SYMMETRY * self.outline.area, MAX_EXCESS_OF_SYMMETRY * area)
+        most = (1.0 + MAX_EXCESS_OF_SYMMETRY) * area
         if sum(self._copies(k, self.images) * float(self.alike[k].totals[n]) for k, n in numbers.items()) <= most:
             choice = Choice.of(self.alike, numbers, self.images)
             if len(choice.crossings()[0]) == 0:
@@ -258,12 +254,10 @@ class Around:
         elif images is not None and len(images.own[k]) > 1:
             parts = len(images.own[k])
             lines = images.turned(k, chain, lines)
-        size = 2.0 * float(norm(chain.vertices - chain.vertices.mean(axis=0)).max())
-        reach = min(REACH, LOOP_REACH * size)
-        free = obstacles.free(lines, reach, self.request.regions[k])
+        free = obstacles.free(lines, REACH, self.request.regions[k])
         usable = np.asarray((free > 0.0).all(axis=0))
         if chain.swept[-1] < 0.0:  # every ray in a hole ends at it; in the solid around it some end nowhere
-            usable &= (free < reach).all(axis=0)
+            usable &= (free < REACH).all(axis=0)
         free += SLACK
         if images is not None and halves is not None:
             free = np.minimum(free, images.to_axis(lines, halves) + SLACK)

@@ -1,4 +1,4 @@
-"""Candidate lines of one loop: tangents of stretches, long edges, lines over pockets, lines about corners."""
+"""Candidate lines of one loop: tangents of stretches, long edges, lines over pockets, lines about tips."""
 
 from __future__ import annotations
 
@@ -16,17 +16,11 @@ STRETCHES = (1, 2, 3, 4, 6, 9, 13, 19, 28, 40, 60)
 LONG_EDGE = 0.3
 """Length, in mean distances of places, from which an edge is a candidate itself."""
 
-TILTS = tuple((0.5 / 3.0**k) for k in range(9))
-"""Turns of lines about a corner, in turns of the corner: down to what a needle of a ten-thousandth needs."""
+TILTS = tuple(0.5 * 3.0**-k for k in range(9))
+"""Turns of lines about tips, in turns of the corner: down to what a needle of a ten-thousandth needs."""
 
-BLUNT, NEEDLE = 0.6, 2.7
-"""Turn of a corner, in radians, from which lines turn about it a lot, and from which by the smallest tilts."""
-
-WIDE_TILT = 0.1
-"""Tilts above this are for blunt corners too, where places are few."""
-
-MANY_PLACES = 50
-"""Number of places from which tangents of stretches replace wide tilts."""
+TIP = 2.0
+"""Turn of a corner, in radians, from which it is a tip."""
 
 BLOCK_EDGES = 16
 """Consecutive edges that rays look at together."""
@@ -37,7 +31,7 @@ def candidates(chain: Chain, at: IntArray, longest: float, shift: float) -> Line
 
     longest: of the stretches, in places. shift: distance that lines will keep from the chain.
     """
-    parts = [*_along_edges(chain, len(at)), *_over_pockets(chain, at), *_about_corners(chain, at, shift)]
+    parts = [*_along_edges(chain, len(at)), *_over_pockets(chain, at), *_about_tips(chain, at, shift)]
     if len(chain.pins):
         parts.append(_through_pins(chain, at))
     for stretch in STRETCHES:
@@ -105,15 +99,14 @@ def _over_pockets(chain: Chain, at: IntArray) -> list[Lines]:
     ]
 
 
-def _about_corners(chain: Chain, at: IntArray, shift: float) -> list[Lines]:
-    """Lines through convex corners, turned from their edges: about needles ever less, until the shift decides."""
+def _about_tips(chain: Chain, at: IntArray, shift: float) -> list[Lines]:
+    """Lines through tips, turned from their edges ever less, until the shift decides."""
     turn = chain.turned(at, chain.edges[at])
+    at, turn = at[turn > TIP], turn[turn > TIP]
     parts = []
     for tilt in TILTS:
         for edge, sign in ((at - 1, 1.0), (at, -1.0)):
-            wide = tilt > WIDE_TILT
-            some = (turn > (BLUNT if wide else NEEDLE)) & (tilt * turn * chain.lengths[edge] > shift)
-            some &= (len(at) < MANY_PLACES) | (not wide)
+            some = tilt * turn * chain.lengths[edge] > shift
             angle = chain.angles[edge[some]] + sign * tilt * turn[some]
             direction = np.stack((np.cos(angle), np.sin(angle)), axis=1)
             parts.append(Lines.of(chain.vertices[at[some]], at[some].astype(np.float64), direction))

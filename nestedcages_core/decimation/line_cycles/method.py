@@ -23,7 +23,7 @@ from ...parameters import check_flag, check_side
 from ...tasks import Stage, drain, mapped
 from ..alike import AsymmetricError, symmetrised
 from ..base import Count, Importance, Start
-from ..hull.narrow_gaps import HULL_OFFSET, is_narrow, without_gaps
+from ..hull.narrow_gaps import HULL_OFFSET, without_gaps
 from ..hull.outer_hull import SOURCE as HULL
 from ..hull.outer_hull import OuterHull
 from ..on_curve import closest_on_curve
@@ -161,12 +161,11 @@ def cycles_around(method: LineCycles, request: Request, clearance: float) -> Sta
         with suppress(NoCyclesError):
             return (yield from _best(method, request, outline, shift))
     try:  # lines next to the outline itself, all moved away by the same distance
-        if is_narrow(outline, request.regions, 2.0 * HULL_OFFSET * outline.diameter):
-            raise NoCyclesError("Gaps are too narrow for such lines.", code="count.too_small")
         mesh, rounds = yield from _best(method, request, outline, HULL_OFFSET)
     except NoCyclesError as error:
-        if "total" in error.data:  # more lines are needed, whatever they are next to
+        if "least" in error.data:
             raise
+        # gaps may be too narrow for that
         mesh, rounds = yield from _next_to_offset(method, request, outline, clearance)
     # the tightening finds other room for a clearance
     return request.with_room(mesh, clearance) if shift > HULL_OFFSET and not method.symmetry else mesh, rounds

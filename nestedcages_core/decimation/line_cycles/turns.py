@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.precision import NEGLIGIBLE, ROUND_OFF
 from ...geometry.vectors import cross, norm
+from ..base import PIN_REACH
 from .chain import Chain, Lines
 
 SingleArray: TypeAlias = NDArray[np.float32]
@@ -19,8 +20,8 @@ SLACK = 1e-5
 """Length, in diameters, by which a vertex may lie beyond the free part of a line: the clearance of an offset."""
 
 
-PIN_COST, PIN_SLACK = 10.0, 1e-3
-"""Cost of a vertex for its distance from a pin that it stands for, in diameters; the distance that costs nothing."""
+PIN_COST = 10.0
+"""Cost of a vertex for its distance from a pin that it stands for, in diameters, beyond `PIN_REACH`."""
 
 LIMIT_COST = 1.0
 """Cost of edges for what each half lacks of the least length, and of angles, by the cosine."""
@@ -108,7 +109,7 @@ def _missing(chain: Chain, lines: Lines, i: IntArray, j: IntArray, forth: FloatA
     for pin in chain.pins.tolist():
         passed = np.mod(pin - lines.place[i], chain.size) < np.mod(lines.place[j] - lines.place[i], chain.size)
         away = norm(vertex[passed] - chain.vertices[pin])
-        cost[passed] += PIN_COST * np.maximum(0.0, away - PIN_SLACK)
+        cost[passed] += PIN_COST * np.maximum(0.0, away - PIN_REACH)
     return cost
 
 

@@ -21,19 +21,13 @@ import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.group import Symmetry
-from ...geometry.precision import INPUT_ROUND_OFF, ROUND_OFF
+from ...geometry.precision import INPUT_ROUND_OFF, MOST_HALVINGS, MOST_ROUNDS, NEGLIGIBLE, ROUND_OFF
 from ...geometry.shortest_cycle import shortest_cycle
 from ...geometry.vectors import rotated_left
 from .hull import Hull, Tangents, corner
 
 STARTS = 6
 """Number of tangents that first polygons go through: where edges are not flush, several are nearly the best."""
-
-MAX_SWEEPS = 20
-"""Maximum number of sweeps over all edges: more take seconds, for gains of less than 1e-9 each."""
-
-GOLDEN_STEPS = 30
-"""Steps of golden-section search: intervals are 1e-6 of the first one then, and areas exact to its square."""
 
 
 def least_polygon(hull: Hull, count: int) -> Tangents | None:
@@ -75,7 +69,7 @@ def _turned_to_touch(hull: Hull, tangents: Tangents) -> Tangents:
     """The polygon with edges turned one by one, as long as the area shrinks."""
     angles = tangents.angle.copy()
     breaks = np.unique(np.mod(hull.flush, 2.0 * np.pi))
-    for _ in range(MAX_SWEEPS):
+    for _ in range(MOST_ROUNDS):
         before = hull.area(hull.tangents(angles))
         for k in range(len(angles)):
             if not _rests(hull, hull.tangents(angles), k):
@@ -115,8 +109,10 @@ def _best_turn(hull: Hull, angles: FloatArray, k: int, breaks: FloatArray) -> fl
     ahead = min(ahead, here + np.mod(after - here, 2.0 * np.pi) - 2.0 * ROUND_OFF)
     low, high = np.array([behind, here]), np.array([here, ahead])
     tried = [low.copy(), high.copy()]
-    golden = 0.5 * (np.sqrt(5.0) - 1.0)
-    for _ in range(GOLDEN_STEPS):
+    golden, widest = 0.5 * (np.sqrt(5.0) - 1.0), NEGLIGIBLE * (high - low)
+    for _ in range(MOST_HALVINGS):
+        if not (high - low > widest).any():  # areas are exact to the square of that
+            break
         one, other = high - golden * (high - low), low + golden * (high - low)
         left = area(one) < area(other)
         low, high = np.where(left, low, one), np.where(left, other, high)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...geometry.arrays import BoolArray, FloatArray, IntArray
-from ...geometry.broad_phase import near_pairs, split_by
+from ...geometry.broad_phase import CHUNK_PAIRS, near_pairs, split_by
 from ...geometry.distance import point_edge
 from ...geometry.lattice import Grid
 from ...geometry.mesh import Mesh
@@ -37,9 +37,6 @@ MAX_PUSH = 6.0
 
 MAX_LAYER = 72
 """Maximum number of points of a layer; the closest ones are kept."""
-
-CHUNK = 384
-"""Number of fine vertices or edges measured together, before failed edges are left out."""
 
 
 def put_on_grid(
@@ -200,7 +197,9 @@ class _Search:
         apart = (one[i] != other[j]).any(axis=1)
         i, j = i[apart], j[apart]
         for keep in (self._clear_of_corners, self._clear_of_edges):
-            for part in _chunks(corners if keep == self._clear_of_corners else edges):
+            left = corners if keep == self._clear_of_corners else edges
+            while len(left) and len(i):
+                part, left = np.split(left, [max(1, CHUNK_PAIRS // len(i))])
                 kept = keep(p[i], q[j], part)
                 i, j = i[kept], j[kept]
         for loop in self._passed(corners):
@@ -274,9 +273,3 @@ def _walls(cage: Mesh, vertices: FloatArray, radius: float) -> Iterator[tuple[in
         for start, away in ((edge[k], -normal), (other[k], normal)):
             yield int(start), middle, away
             yield int(cage.successor[start]), middle, away
-
-
-def _chunks(indices: IntArray) -> Iterator[IntArray]:
-    """Some at a time."""
-    for begin in range(0, len(indices), CHUNK):
-        yield indices[begin : begin + CHUNK]

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ...decimation.base import PIN_REACH
 from ...geometry.arrays import BoolArray, FloatArray
 from ...geometry.group import Symmetry
 from ...geometry.loops import Loops
@@ -16,10 +17,6 @@ from ...geometry.vectors import norm
 
 LEAST_WEIGHT = 0.02
 """Lower bound of the weights, as a fraction of their mean, so that all edges are pulled inwards."""
-
-PIN_REACH = 1e-3
-"""Distance from a pin, in diagonals, up to which a vertex counts as pinned; such vertices may move by as much."""
-
 
 FARTHEST_PIN = 0.02
 """Distance from a pin, in diagonals, up to which the closest vertex of an outline is the pinned one: levels, and

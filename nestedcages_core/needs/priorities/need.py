@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from ...decimation.base import LEAST_PER_LOOP
+from ...decimation.base import LEAST_PER_LOOP, PIN_REACH
 from ...energies import CageEnergy
 from ...energies.weighted_sum import BoundSum
 from ...errors import Fault, NestingError, note
@@ -25,7 +25,7 @@ from ...level.plan import Need, Plan
 from ...level.settings import LevelSettings
 from ...level.units import SolverUnits
 from .energies import Springs, WeightedArea, sharp_angles, short_edges
-from .importance import PIN_REACH, Importance
+from .importance import Importance
 
 Chosen = TypeVar("Chosen", bound=LevelSettings)
 Places: TypeAlias = Sequence[Sequence[float]]
