@@ -105,8 +105,8 @@ def test_rays_end_where_they_come_too_close_to_the_solid_next_to_their_region(di
     turn = RANDOM.uniform(0.0, 2.0 * np.pi, 60)
     lines = Lines.of(point, np.zeros(60), np.stack([np.cos(turn), np.sin(turn)], axis=1))
     request = Request.of(fine, 6)
-    obstacles = Obstacles(request.outline.split(), request.regions, distance)
-    outside, inside = (obstacles.free(lines, reach, region) for region in request.regions.tolist())
+    obstacles = Obstacles(request.outline.split(), request.regions)
+    outside, inside = (obstacles.free(lines, reach, region, distance) for region in request.regions.tolist())
     assert (outside[:, radius < 0.3] < 0.0).all()
     free = np.maximum(outside, inside)
     for k in range(60):

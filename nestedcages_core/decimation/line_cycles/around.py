@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...errors import InvalidMeshError, NestingError
-from ...geometry.arrays import IntArray
+from ...errors import InvalidMeshError
+from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.group import Symmetry
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
@@ -23,7 +23,7 @@ from ..request import Request
 from .candidates import Obstacles, candidates
 from .chain import Chain, Lines, without_doubles
 from .crossings import Choice, Search, again, give_way
-from .loop_search import LoopSearch, shares
+from .loop_search import LoopSearch, NoCyclesError, shares
 from .places import Frame, places, weights
 from .shortest_cycles import Paths
 from .turns import SLACK
@@ -58,10 +58,6 @@ MAX_EXCESS_OF_SYMMETRY = 0.008
 """Fraction of the area beyond the fine mesh that a preferred symmetry may cost."""
 
 
-class NoCyclesError(NestingError):
-    """No cycles of lines were found."""
-
-
 def together(searches: Sequence[Iterator[list[Paths]]]) -> Iterator[None]:
     """Run what searches around several loops ask for, all at once. Yields in between."""
     while searches:
@@ -78,16 +74,16 @@ class Around:
         self,
         request: Request,
         outline: Loops,
-        shift: float,
+        shift: FloatArray | float,
         symmetry: Symmetry | None = None,
         importance: Importance | None = None,
         *,
         must: bool = True,
     ) -> None:
-        """must: whether the cycles have the symmetry in any case, or only where that costs little."""
-        self.importance, self.request, self.shift, self.must = importance, request, shift, must
-        # with a clearance; a little less than that from what lines touch
-        self.distance = (1.0 - NEGLIGIBLE) * shift if shift > HULL_OFFSET else 0.0
+        """shift: of lines from their loops, one for all or each (L,), in diameters; a clearance is kept from all loops.
+        must: whether the cycles have the symmetry in any case, or only where that costs little."""
+        self.importance, self.request, self.must = importance, request, must
+        self.shift = np.broadcast_to(shift, len(outline.sizes))
         self.frame = Frame.of(outline)
         self.images: Images | None = None
         if symmetry is not None:
@@ -206,7 +202,7 @@ class Around:
         deserved = weights(chains, target)
         whole, length = sum(float(weight.sum()) for weight in deserved), sum(chain.length for chain in chains)
         found: list[tuple[Lines, IntArray, float, float]] = []
-        for chain, weight in zip(chains, deserved, strict=True):
+        for chain, weight, shift in zip(chains, deserved, self.shift.tolist(), strict=True):
             share = float(weight.sum()) / whole
             count = max(LEAST_PLACES_OF_A_LOOP, round(max(LEAST_PLACES, PLACES_PER_VERTEX * target) * share))
             at = places(chain, weight, min(count, max(chain.size, 6)))
@@ -215,10 +211,10 @@ class Around:
             # long edges deserve few places, but a line each
             deserved_lines = USUAL_SHARE * target * max(share, chain.length / length)
             expected = max(float(LEAST_PER_LOOP), min(len(at) / PLACES_PER_VERTEX, deserved_lines))
-            lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, self.shift)
+            lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, shift)
             yield
-            found.append((lines.shifted(self.shift), at, expected, deserved_lines))
-        obstacles = Obstacles(self.outline.split(), self.request.regions, self.distance)
+            found.append((lines.shifted(shift), at, expected, deserved_lines))
+        obstacles = Obstacles(self.outline.split(), self.request.regions)
         for k in range(len(chains)):
             if images is None or not self.must:
                 self.searches[k] = self._around(k, *found[k], obstacles, None)
@@ -236,6 +232,9 @@ class Around:
             self.searches, self.alike = self.alike, {}
         several = {id(search): search for search in (*self.searches.values(), *self.alike.values())}
         yield from together([search.solve() for search in several.values()])
+        blocked = [k for k, search in self.searches.items() if not search.found]
+        if blocked:
+            raise NoCyclesError.around(blocked)
 
     def _around(
         self,
@@ -248,13 +247,14 @@ class Around:
         images: Images | None,
     ) -> Search:
         """A search around a loop, for symmetric cycles if there are images. Raises NoCyclesError."""
-        chain, halves, parts = self.chains[k], None, 1
+        chain, halves, parts, shift = self.chains[k], None, 1, float(self.shift[k])
         if images is not None and self._is_halved(k):
-            lines, halves = images.mirrored(k, chain, lines, at, self.shift)
+            lines, halves = images.mirrored(k, chain, lines, at, shift)
         elif images is not None and len(images.own[k]) > 1:
             parts = len(images.own[k])
             lines = images.turned(k, chain, lines)
-        free = obstacles.free(lines, REACH, self.request.regions[k])
+        distance = (1.0 - NEGLIGIBLE) * shift if shift > HULL_OFFSET else 0.0  # a little less from what they touch
+        free = obstacles.free(lines, REACH, self.request.regions[k], distance)
         usable = np.asarray((free > 0.0).all(axis=0))
         if chain.swept[-1] < 0.0:  # every ray in a hole ends at it; in the solid around it some end nowhere
             usable &= (free < REACH).all(axis=0)
@@ -268,7 +268,7 @@ class Around:
         lines, free = lines.take(usable), free[:, usable]
         count = len(lines)
         if count < 3:
-            raise NoCyclesError("No lines are free.", code="count.too_small")
+            raise NoCyclesError.around([k])
         width = count - 1
         if count * expected**2 > FULL_SEARCH:
             width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)

@@ -134,9 +134,8 @@ def _through_pins(chain: Chain, at: IntArray) -> Lines:
 class Obstacles:
     """All loops of an outline, in blocks of edges with circles around them. Unit: the outline's diameter."""
 
-    def __init__(self, loops: list[FloatArray], regions: IntArray, distance: float) -> None:
-        """regions: (L,) the empty region that each loop bounds. distance: that lines keep from all edges, or 0."""
-        self.distance = distance
+    def __init__(self, loops: list[FloatArray], regions: IntArray) -> None:
+        """regions: (L,) the empty region that each loop bounds."""
         # the last edge of each loop is repeated, so that no block has edges of two loops
         padded = [np.minimum(np.arange(-(-len(loop) // BLOCK_EDGES) * BLOCK_EDGES), len(loop) - 1) for loop in loops]
         self.region = np.repeat(regions, [len(order) for order in padded])
@@ -145,10 +144,12 @@ class Obstacles:
         blocks = np.stack((self.starts.reshape(-1, BLOCK_EDGES, 2), self.ends.reshape(-1, BLOCK_EDGES, 2)), axis=1)
         self.blocks: FloatArray = blocks.reshape(-1, 2 * BLOCK_EDGES, 2)
         self.centres: FloatArray = self.blocks.mean(axis=1)
-        self.radii: FloatArray = norm(self.blocks - self.centres[:, None]).max(axis=1) + ROUND_OFF + distance
+        self.radii: FloatArray = norm(self.blocks - self.centres[:, None]).max(axis=1) + ROUND_OFF
 
-    def free(self, lines: Lines, reach: float, region: int) -> FloatArray:
+    def free(self, lines: Lines, reach: float, region: int, distance: float) -> FloatArray:
         """(2, K) how far each line runs from its point forwards and backwards, at most the reach.
+
+        distance: that it keeps from all edges; 0: it meets none.
 
         Negative where the point lies in the solid, too close to it, or in another empty region.
         """
@@ -156,9 +157,9 @@ class Obstacles:
         level = (right * origin).sum(axis=1)
         # the blocks that a ray of any of these lines can reach
         middle = 0.5 * (origin.min(axis=0) + origin.max(axis=0))
-        around = float(norm(origin - middle).max()) + reach
+        around = float(norm(origin - middle).max()) + reach + distance
         close = np.flatnonzero(norm(self.centres - middle) <= around + self.radii)
-        k, block = np.nonzero(np.abs(level[:, None] - right @ self.centres[close].T) <= self.radii[close])
+        k, block = np.nonzero(np.abs(level[:, None] - right @ self.centres[close].T) <= self.radii[close] + distance)
         block = close[block]
         near = self.blocks[block]
         heights = level[k, None] - (right[k, 0, None] * near[:, :, 0] + right[k, 1, None] * near[:, :, 1])
@@ -175,19 +176,19 @@ class Obstacles:
         out = (left == (along < 0.0)) | (self.region[edge] != region)
         np.minimum.at(leaving, (way[out], ray[out]), length[out])
         inside = ((leaving <= free) & (leaving < reach)).any(axis=0)
-        if self.distance > 0.0:
-            free = np.minimum(free, self._to_distance(lines, k, block, heights))
+        if distance > 0.0:
+            free = np.minimum(free, self._to_distance(distance, lines, k, block, heights))
         return np.where(inside, -1.0, free)
 
-    def _to_distance(self, lines: Lines, k: IntArray, block: IntArray, heights: FloatArray) -> FloatArray:
-        """(2, K) how far each line keeps the distance forwards and backwards; -1 where its point does not.
+    def _to_distance(self, d: float, lines: Lines, k: IntArray, block: IntArray, heights: FloatArray) -> FloatArray:
+        """(2, K) how far each line keeps a distance d forwards and backwards; -1 where its point does not.
 
         k, block: (P,) lines and blocks that can meet; heights: (P, 2 * BLOCK_EDGES) of the starts and ends of the edges
         of these over the lines. Those points of a line that are closer than d to an edge end at a + (d² - h²)½, for the
         point of the edge, at the place a along the line and the height h, where this is largest: at an end of the edge,
         or where h = d cos α, with its angle α to the line. They begin likewise.
         """
-        d, here, there = self.distance, heights[:, :BLOCK_EDGES], heights[:, BLOCK_EDGES:]
+        here, there = heights[:, :BLOCK_EDGES], heights[:, BLOCK_EDGES:]
         row, edge = np.nonzero((np.minimum(here, there) < d) & (np.maximum(here, there) > -d))
         here, there, k, edge = here[row, edge], there[row, edge], k[row], block[row] * BLOCK_EDGES + edge
         start = dot(self.starts[edge] - lines.point[k], lines.direction[k])

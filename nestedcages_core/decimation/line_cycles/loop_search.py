@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 
 import numpy as np
 
+from ...errors import NestingError
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.broad_phase import CHUNK_PAIRS
 from ...geometry.precision import ROUND_OFF
@@ -38,6 +39,20 @@ IMPROVED = 1e-3
 
 SPARE = 3
 """Lines that a later search allows beyond those wanted."""
+
+
+class NoCyclesError(NestingError):
+    """No cycles of lines were found."""
+
+    blocked: Sequence[int] = ()
+    """Loops around which there are none."""
+
+    @classmethod
+    def around(cls, loops: Sequence[int]) -> NoCyclesError:
+        """There are none around some loops."""
+        error = cls("There are no such cycles around some loops.", code="count.too_small")
+        error.blocked = loops
+        return error
 
 
 class LoopSearch:

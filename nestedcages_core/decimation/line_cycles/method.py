@@ -14,7 +14,10 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ...errors import NestingError
+from ...geometry.arrays import FloatArray
 from ...geometry.group import Symmetry
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
@@ -28,7 +31,8 @@ from ..hull.outer_hull import SOURCE as HULL
 from ..hull.outer_hull import OuterHull
 from ..on_curve import closest_on_curve
 from ..request import Request
-from .around import Around, NoCyclesError
+from .around import Around
+from .loop_search import NoCyclesError
 
 SOURCE = "line cycles"
 """Name of its meshes in reports."""
@@ -156,19 +160,27 @@ def cycles_around(method: LineCycles, request: Request, clearance: float) -> Sta
     if method.importance is not None:
         with suppress(AsymmetricError):  # pins next to an axis hold the closest vertices that are there
             outline = symmetrised(method.importance.with_vertices(outline), method.symmetry)
-    shift = clearance / outline.diameter
-    if shift > HULL_OFFSET:
-        with suppress(NoCyclesError):
-            return (yield from _best(method, request, outline, shift))
-    try:  # lines next to the outline itself, all moved away by the same distance
-        mesh, rounds = yield from _best(method, request, outline, HULL_OFFSET)
-    except NoCyclesError as error:
-        if "least" in error.data:
-            raise
-        # gaps may be too narrow for that
-        mesh, rounds = yield from _next_to_offset(method, request, outline, clearance)
-    # the tightening finds other room for a clearance
-    return request.with_room(mesh, clearance) if shift > HULL_OFFSET and not method.symmetry else mesh, rounds
+    # lines next to the outline itself, all of a loop moved away by the same distance
+    wanted = clearance / outline.diameter
+    shift = np.full(len(outline.sizes), max(HULL_OFFSET, wanted))
+    while True:
+        try:
+            mesh, rounds = yield from _best(method, request, outline, shift)
+            break
+        except NoCyclesError as error:
+            far = np.flatnonzero(shift > HULL_OFFSET)
+            if len(far):  # the tightening may find the room
+                blocked = np.intersect1d(error.blocked, far)
+                shift[blocked if len(blocked) else far] = HULL_OFFSET
+                continue
+            if "least" in error.data:
+                raise
+            # gaps may be too narrow for that
+            mesh, rounds = yield from _next_to_offset(method, request, outline, clearance)
+            break
+    if wanted > HULL_OFFSET and not method.symmetry:
+        mesh = request.with_room(mesh, clearance)
+    return mesh, rounds
 
 
 def _next_to_offset(
@@ -188,7 +200,9 @@ def _next_to_offset(
     return (yield from _best(method, request, outline, EXACT_SHIFT))
 
 
-def _best(method: LineCycles, request: Request, outline: Loops, shift: float) -> Stage[float, tuple[Mesh, int]]:
+def _best(
+    method: LineCycles, request: Request, outline: Loops, shift: FloatArray | float
+) -> Stage[float, tuple[Mesh, int]]:
     """The mesh of least area of several ways to clear crossings, and how often. Raises NoCyclesError."""
     best: tuple[float, Mesh] | None = None
     error: NoCyclesError | None = None
