@@ -77,6 +77,7 @@ if TYPE_CHECKING:
     from .energies.weighted_sum import WeightedSum as WeightedSum
     from .exchange import Cut as Cut
     from .exchange import Feature as Feature
+    from .exchange import character_from_engine_json as character_from_engine_json
     from .exchange import character_to_engine_json as character_to_engine_json
     from .exchange import cut_at_borders as cut_at_borders
     from .exchange import (
@@ -93,6 +94,7 @@ if TYPE_CHECKING:
         write_geojson,
         write_svg,
     )
+    from .exchange import frames_from_engine_json as frames_from_engine_json
     from .exchange import frames_to_engine_json as frames_to_engine_json
     from .exchange import from_engine_json as from_engine_json
     from .exchange import is_engine_json as is_engine_json
@@ -200,10 +202,10 @@ _LATER = {
     "checker": "Verdict check",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
-        "Cut Feature cut_at_borders character_to_engine_json features_from_geojson "
-        "frames_to_engine_json from_engine_json from_geojson from_svg is_engine_json pieces_from_engine_json "
-        "read_geojson read_svg swept to_engine_json to_geojson to_svg write_engine_json write_geojson "
-        "write_svg"
+        "Cut Feature cut_at_borders character_from_engine_json character_to_engine_json features_from_geojson "
+        "frames_from_engine_json frames_to_engine_json from_engine_json from_geojson from_svg is_engine_json "
+        "pieces_from_engine_json read_geojson read_svg swept to_engine_json to_geojson to_svg write_engine_json "
+        "write_geojson write_svg"
     ),
     "exchange.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
     "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",

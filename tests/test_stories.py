@@ -13,6 +13,7 @@ import pytest
 
 from nestedcages_core import (
     features_from_geojson,
+    frames_from_engine_json,
     from_engine_json,
     read_geojson,
     read_svg,
@@ -84,8 +85,8 @@ def _check_files(story: str, folder: Path) -> None:
         features = features_from_geojson((folder / "regions.geojson").read_bytes())
         assert len({feature.properties["name"] for feature in features}) == len(features) > 3
     elif story == "walk":
-        frames = json.loads((folder / "walk_body.json").read_text())["frames"]
+        frames = frames_from_engine_json((folder / "walk_body.json").read_text())
         assert len(frames) >= 9
-        assert {len(polygon["outer"]) for frame in frames for polygon in frame["polygons"]} == {8}
+        assert {len(outline.vertices) for _, outline in frames} == {8}
     elif story in NEED_BLENDER:
         assert (folder / f"{story}.blend").stat().st_size > 0

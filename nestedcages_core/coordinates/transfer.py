@@ -40,6 +40,10 @@ class Grids:
             operator = operator @ step
         return operator
 
+    def restriction(self, finer: int, coarser: int) -> scipy.sparse.csr_array:
+        """(N_coarser, N_finer) loads on a fine grid to loads on a coarser one: the transposed prolongation."""
+        return self.prolongation(finer, coarser).T.tocsr()
+
 
 def grids(hierarchy: Hierarchy, spacing: float | Sequence[float] | None = None) -> Grids:
     """Grids on all levels, with prolongations as in the multigrid use of Sacht, Vouga & Jacobson (2015, section 5).

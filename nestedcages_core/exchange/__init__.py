@@ -1,7 +1,8 @@
 """Shapes in and out: SVG, GeoJSON and collision outlines for game engines."""
 
-from .character_json import character_to_engine_json
+from .character_json import character_from_engine_json, character_to_engine_json
 from .engine_json import (
+    frames_from_engine_json,
     frames_to_engine_json,
     from_engine_json,
     is_engine_json,
@@ -41,9 +42,11 @@ __all__ = [
     "SvgDrawing",
     "SvgOptions",
     "SvgPart",
+    "character_from_engine_json",
     "character_to_engine_json",
     "cut_at_borders",
     "features_from_geojson",
+    "frames_from_engine_json",
     "frames_to_engine_json",
     "from_engine_json",
     "from_geojson",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 
 import bpy
@@ -282,19 +281,6 @@ def test_verification_says_where_a_limb_folds_over_itself(capfd) -> None:
     assert 0.1 < float(found[2]) < 20.0
 
 
-def read_character(core, document):
-    """The character of a file without frames, as a game engine would read it."""
-    meshes, weights = [], []
-    for kind, columns in (("shape", len(document["cage"]["points"])), ("cage", len(document["bones"]))):
-        part = document[kind]
-        meshes.append(core.Mesh(part["points"], part["edges"]))
-        weights.append(np.zeros((len(part["points"]), columns)))
-        for row, entries in zip(weights[-1], part["weights"], strict=True):
-            row[[k for k, _ in entries]] = [weight for _, weight in entries]
-    bones = tuple(core.Bone(tuple(b["head"]), tuple(b["tail"]), b["parent"], b["name"]) for b in document["bones"])
-    return core.Character(*meshes, bones, weights[1], weights[0], np.array(document["shape"]["triangles"]))
-
-
 @pytest.mark.slow
 def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> None:
     parts = figure()
@@ -302,7 +288,7 @@ def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> Non
     choose(cage)
     path = tmp_path / "figure.json"
     assert bpy.ops.object.nested_cages_export(filepath=str(path), kind="CHARACTER", flip_y=False) == {"FINISHED"}
-    found = read_character(core, json.loads(path.read_text()))
+    found = core.character_from_engine_json(path.read_text())
     assert {bone.name for bone in found.bones} == {bone.name for bone in armature.data.bones}
     bone = bone_at(armature, 1.3, 1.1)
     turn(armature, bone, 40.0)
@@ -317,15 +303,14 @@ def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> Non
         key_turn(bone, frame, degrees)
     options = {"filepath": str(path), "kind": "CHARACTER", "flip_y": True, "frames": True}
     assert bpy.ops.object.nested_cages_export(**options) == {"FINISHED"}
-    frames = json.loads(path.read_text())["frames"]
-    assert [round(frame["time"], 6) for frame in frames] == [0.0, 0.1, 0.2]
-    shapes, cages = ([np.array(frame[kind]) * (1.0, -1.0) for frame in frames] for kind in ("shape", "cage"))
-    np.testing.assert_allclose(shapes[0], found.shape.vertices, atol=1e-4)
-    for frame, (shape, posed) in enumerate(zip(shapes, cages, strict=True), 1):
+    frames = core.character_from_engine_json(path.read_text(), flip_y=0.0).frames
+    assert [round(frame.time, 6) for frame in frames] == [0.0, 0.1, 0.2]
+    np.testing.assert_allclose(frames[0].shape, found.shape.vertices, atol=1e-4)
+    for frame, (_, shape, posed) in enumerate(frames, 1):
         scene.frame_set(frame)
         np.testing.assert_allclose(evaluated(fine)[:, :2], shape, atol=1e-6)
         np.testing.assert_allclose(evaluated(cage)[:, :2], posed, atol=1e-6)
-    np.testing.assert_allclose(cages[2], around, atol=1e-4)
+    np.testing.assert_allclose(frames[2].cage, around, atol=1e-4)
     bpy.ops.object.nested_cages_unbind()
     cage.modifiers.clear()
     with pytest.raises(RuntimeError, match="follows no armature"):

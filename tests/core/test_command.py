@@ -20,6 +20,7 @@ from marks import slow_after
 from nestedcages_core import (
     Mesh,
     Progress,
+    frames_from_engine_json,
     from_engine_json,
     from_svg,
     nested_cages,
@@ -117,9 +118,9 @@ def test_pictures_become_the_frames_of_an_animation(tmp_path: Path, capsys: pyte
     out = tmp_path / "walk.json"
     assert main([str(tmp_path / "walk_*.png"), "--levels", "8", "-o", str(out), "--flip-y"]) == 0
     assert f"Wrote {out}" in capsys.readouterr().out
-    frames = json.loads(out.read_text())["frames"]
-    assert [frame["time"] for frame in frames] == [0.0, 1.0, 2.0]
-    assert {len(polygon["outer"]) for frame in frames for polygon in frame["polygons"]} == {8}
+    frames = frames_from_engine_json(out.read_text(), flip_y=40.0)
+    assert [time for time, _ in frames] == [0.0, 1.0, 2.0]
+    assert {len(outline.vertices) for _, outline in frames} == {8}
     (tmp_path / "walk_3.png").write_bytes(png(np.zeros((40, 60), bool)))
     out.unlink()
     assert main([str(tmp_path / "walk_*.png"), "--levels", "8", "-o", str(out)]) == 1

@@ -238,6 +238,7 @@ def test_prolongation_keeps_linear_functions_on_every_level() -> None:
                 assert up.data.min() >= 0.0
                 assert np.abs(up.sum(axis=1) - 1.0).max() < 1e-12
                 assert up @ levels.grids[coarser].vertices == pytest.approx(levels.grids[finer].vertices, abs=1e-12)
+                assert (levels.restriction(finer, coarser) - up.T).nnz == 0
     assert np.diff(levels.prolongation(0, 1).indptr).max() <= 3
 
 
