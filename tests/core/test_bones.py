@@ -267,9 +267,9 @@ def random_figure(seed: int) -> Mesh:
 # At most, for each angle: poses that fold more than a thousandth, the most folded area, poses that leave the cage, how
 # far, and cages that cross themselves where no limb meets another, and where none comes near another.
 LIMITS = (
-    (60, 0.0, 0.0, 0.0, 0.0, 0.09, 0.012),
+    (60, 0.0, 0.0, 0.003, 0.0004, 0.09, 0.012),
     (90, 0.02, 0.005, 0.025, 0.002, 0.12, 0.0),
-    (120, 0.08, 0.03, 0.065, 0.011, 0.19, 0.03),
+    (120, 0.07, 0.025, 0.065, 0.011, 0.192, 0.03),
 )
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, given, reject, settings
-from hypothesis import strategies as st
 
 from nestedcages_core import FlowError, InvalidMeshError, Mesh, SignedDistanceFlow, TwoSidedFlow, nested_cages
 from nestedcages_core.flow import FlowMethod, FlowResult, Obstacle
@@ -239,16 +237,16 @@ def test_too_few_fine_vertices() -> None:
 # Invariance
 
 
-@settings(max_examples=25, deadline=None)
-@given(st.integers(0, 10**6), st.integers(12, 80), st.integers(3, 12))
-def test_random_shapes(seed: int, count: int, corners: int) -> None:
-    rng = np.random.default_rng(seed)
-    turn = np.sort(rng.uniform(0.0, 2.0 * np.pi, count))
-    assume(np.diff(np.append(turn, turn[0] + 2.0 * np.pi)).max() < np.pi and np.diff(turn).min() >= 1e-6)
-    radius = rng.uniform(0.3, 1.0, count)
-    try:
-        fine = Mesh.from_loops([radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)])
-        coarse = resampled(fine, corners, rng.uniform())
-    except InvalidMeshError:
-        reject()
-    assert_inside(drain(TwoSidedFlow().run(fine, coarse)), fine, coarse)
+def test_random_shapes() -> None:
+    rng, tried = np.random.default_rng(11), 0
+    while tried < 60:
+        count, corners = rng.integers(12, 81), int(rng.integers(3, 13))
+        turn = np.sort(rng.uniform(0.0, 2.0 * np.pi, count))
+        radius = rng.uniform(0.3, 1.0, count)
+        try:
+            fine = Mesh.from_loops([radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)])
+            coarse = resampled(fine, corners, rng.uniform())
+        except InvalidMeshError:
+            continue
+        tried += 1
+        assert_inside(drain(TwoSidedFlow().run(fine, coarse)), fine, coarse)

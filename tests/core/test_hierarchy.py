@@ -161,7 +161,7 @@ def test_a_stuck_flow_falls_back_to_line_cycles_and_says_so() -> None:
     assert level.report.start == "line cycles"
     assert len(level.report.notes) == 1
     assert "line cycles" in level.report.notes[0]
-    assert [len(loop) for loop in level.cage.loops] == [len(loop) for loop in far_away().loops]
+    assert (len(level.cage.vertices), len(level.cage.loops)) == (23, 2)
     assert_nested(level.cage, level.fine)
 
 
