@@ -8,6 +8,7 @@ from ..decimation import Decimation
 from ..decimation.base import blocked
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
+from ..geometry.precision import MOST_ROUNDS
 from ..tasks import Stage
 from ..verification import verify
 from .settings import LevelSettings
@@ -31,7 +32,8 @@ def with_least(
     no_room = too_narrow(outline, wanted)
     if no_room is not None:
         return NestingError(no_room)
-    total, least = int(error.data["total"]), int(error.data["least"])
+    total = int(error.data["total"])
+    least = _reached(settings.fallback, outline, int(error.data["least"]), clearance)
     searched = 0
     for method in (settings.decimation, settings.fallback):
         if method is None:
@@ -48,6 +50,18 @@ def with_least(
         if step > 1:
             break
     return error if least == error.data["least"] else NestingError(blocked(total, least))
+
+
+def _reached(method: Decimation | None, outline: Mesh, least: int, clearance: float) -> int:
+    """The least number of vertices that a search for fewer named, or the one that a search for that names."""
+    for _ in range(MOST_ROUNDS):
+        try:
+            if method is not None:
+                method.decimate(outline, least, clearance=clearance)
+            break
+        except NestingError as error:
+            least = min(max(least + 1, int(error.data.get("least", 0))), len(outline.vertices))
+    return least
 
 
 def _leads(method: Decimation, outline: Mesh, count: int, clearance: float, kept: float) -> bool:

@@ -234,12 +234,17 @@ def test_inner_cages_start_from_cycles_too() -> None:
         assert verify(fine, level.cage) and level.report.excess > 1.02 * hull.report.excess
 
 
-def test_the_least_count_that_is_named_has_a_cage() -> None:
+@pytest.mark.parametrize(("seed", "count"), [(None, 15), (78, 44)])
+def test_the_least_count_that_is_named_has_a_cage(seed: int | None, count: int) -> None:
+    from benchmarks.random_shapes import random_shape
+
+    drawn = None if seed is None else random_shape(seed)
+    fine = islands() if drawn is None else drawn[1]
     with pytest.raises(NestedCagesError, match="ask for at least") as caught:
-        nested_cages(islands(), 15)
+        nested_cages(fine, count)
     assert caught.value.code == "count.too_small"
     least = caught.value.data["least"]
-    assert least > 15 and len(nested_cages(islands(), least).cages[0].vertices) == least
+    assert least > count and len(nested_cages(fine, least).cages[0].vertices) == least
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -55,6 +55,15 @@ def in_narrow_gaps(outline: Loops, tight: BoolArray, width: float) -> BoolArray:
     return _covered(len(starts), first[pocket], last[pocket], begin[pocket], size[pocket])
 
 
+def is_narrow(outline: Loops, regions: IntArray, width: float) -> bool:
+    """Whether two loops that bound the same empty region, of the (L,) given ones, are closer than a width."""
+    if len(outline.sizes) == 1:
+        return False
+    vertex, edge = near_pairs(outline.vertices, outline.vertices, outline.ends, width)
+    one, other = outline.loop[vertex], outline.loop[edge]
+    return bool(((one != other) & (regions[one] == regions[other])).any())
+
+
 def _covered(count: int, first: IntArray, last: IntArray, begin: IntArray, size: IntArray) -> BoolArray:
     """(count,) whether each vertex lies in one of K stretches first .. last, within loops that begin and have sizes."""
     first, last = begin + (first - begin) % size, begin + (last - begin) % size

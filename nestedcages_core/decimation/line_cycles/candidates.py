@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.arrays import TINY, FloatArray, IntArray
 from ...geometry.precision import INPUT_ROUND_OFF, ROUND_OFF
 from ...geometry.vectors import cross, dot, norm
 from .chain import Chain, Lines
@@ -194,7 +194,7 @@ class Obstacles:
         start = dot(self.starts[edge] - lines.point[k], lines.direction[k])
         run, rise = dot(self.ends[edge] - self.starts[edge], lines.direction[k]), there - here
         low, high = np.minimum(here, there), np.maximum(here, there)
-        steepest, level = d * np.copysign(run, run * rise) / np.hypot(run, rise), rise == 0.0
+        steepest, level = d * np.copysign(run, run * rise) / np.maximum(np.hypot(run, rise), TINY), rise == 0.0
         bounds = []
         for sign in (-1.0, 1.0):
             height = np.clip(sign * steepest, low, high)

@@ -26,7 +26,7 @@ from ...parameters import check_flag, check_side
 from ...tasks import Stage, drain, mapped
 from ..alike import AsymmetricError, symmetrised
 from ..base import Count, Importance, Start
-from ..hull.narrow_gaps import HULL_OFFSET, without_gaps
+from ..hull.narrow_gaps import HULL_OFFSET, is_narrow, without_gaps
 from ..hull.outer_hull import SOURCE as HULL
 from ..hull.outer_hull import OuterHull
 from ..on_curve import closest_on_curve
@@ -164,18 +164,19 @@ def cycles_around(method: LineCycles, request: Request, clearance: float) -> Sta
     wanted = clearance / outline.diameter
     shift = np.full(len(outline.sizes), max(HULL_OFFSET, wanted))
     while True:
+        far = np.flatnonzero(shift > HULL_OFFSET)
         try:
+            if len(far) == 0 and is_narrow(outline, request.regions, 2.0 * HULL_OFFSET * outline.diameter):
+                raise NoCyclesError("Gaps are too narrow for such lines.", code="count.too_small")
             mesh, rounds = yield from _best(method, request, outline, shift)
             break
         except NoCyclesError as error:
-            far = np.flatnonzero(shift > HULL_OFFSET)
             if len(far):  # the tightening may find the room
                 blocked = np.intersect1d(error.blocked, far)
                 shift[blocked if len(blocked) else far] = HULL_OFFSET
                 continue
-            if "least" in error.data:
+            if "total" in error.data:  # more lines are needed, whatever they are next to
                 raise
-            # gaps may be too narrow for that
             mesh, rounds = yield from _next_to_offset(method, request, outline, clearance)
             break
     if wanted > HULL_OFFSET and not method.symmetry:
