@@ -46,11 +46,7 @@ class LevelBuilder:
     """
 
     def __init__(
-        self,
-        plan: Plan,
-        clearances: tuple[float, ...],
-        settings: LevelSettings,
-        progress: LevelProgress,
+        self, plan: Plan, clearances: tuple[float, ...], settings: LevelSettings, progress: LevelProgress
     ) -> None:
         self.plan, self.clearances, self.settings, self.progress = plan, clearances, settings, progress
         self.fine, self.outline = plan.fine, plan.outline
