@@ -138,6 +138,7 @@ class Straightener:
         short = np.flatnonzero(missing > 0.0)
         push = missing.take(short) * (PUSH_FACTOR if begin.rounds < LATER else LATER_PUSH_FACTOR)
         push *= 2.0 if begin.handed_out or end.handed_out else 1.0
+        push[short >= pairs.cage_cage.start] *= 0.5  # both sides move
         cages: list[FloatArray] = []
         for key, x in ((begin, x0), (end, x1)):
             if key.handed_out:
