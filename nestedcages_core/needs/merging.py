@@ -57,10 +57,11 @@ class Merging:
         best: Mesh | None = None
         failure: NestedCagesError | None = None
         needed: list[int] = []
+        bridged = Bridged.of(fine, self.distance)
         for number, part in enumerate((None, *PARTS) if isfinite(self.distance) else PARTS):
             yield number / (1 + len(PARTS))
             try:
-                shape = fine if part is None else merged(fine, self.distance, part)
+                shape = fine if part is None else bridged.closed(part)
                 needed.append(LEAST_PER_LOOP * len(shape.loops))
                 wanted = max(min(total, len(shape.vertices)), needed[-1])
                 mesh = self.decimation.decimate(shape, wanted, clearance=clearance) if wanted <= total else None
@@ -99,43 +100,54 @@ def advice(fine: Mesh, cage: Mesh) -> tuple[Fault, ...]:
     return (note("note.loops", on="merge", excess=excess, better=fewer, distance=distance, **loops),)
 
 
-def merged(fine: Mesh, distance: float, part: float = 1.0) -> Mesh:
-    """The shape with bridges between parts closer than a distance, and its holes of less than the square filled.
+@dataclass(frozen=True)
+class Bridged:
+    """A shape with bridges between its parts that are closer than a distance."""
 
-    Gaps narrower than a part of the distance are closed. An infinite distance joins all parts, fills all holes, and
-    counts as the length of the longest bridge for gaps. Raises NestedCagesError where shapely is missing.
-    """
-    shapely = load_shapely("Merging parts")
-    solid = shapely.geometry.shape(fine.__geo_interface__)
-    together, longest = _bridged(solid, distance)
-    reach = 0.5 * part * (distance if isfinite(distance) else longest)
-    if reach > 0.0:
-        closed = solid.buffer(reach, quad_segs=ARC).buffer(-reach, quad_segs=ARC)
-        together = shapely.union(together, closed)
-    filled = [
-        shapely.Polygon(each.exterior, [hole for hole in each.interiors if shapely.Polygon(hole).area >= distance**2])
-        for each in getattr(together, "geoms", [together])
-        if each.geom_type == "Polygon"  # unions of nearly touching outlines may leave lines
-    ]
-    whole = shapely.union_all([*filled, solid])
-    # grown, so that outlines that only touch overlap
-    return mesh_of(whole.buffer(NEGLIGIBLE * fine.diagonal, join_style="mitre").union(solid))
+    fine: Mesh
+    distance: float
+    """Infinite: all parts are joined, and all holes filled."""
+    solid: Any
+    """Of the shape, without bridges."""
+    together: Any
+    longest: float
+    """Length of the longest bridge."""
 
+    @classmethod
+    def of(cls, fine: Mesh, distance: float) -> Bridged:
+        """Thin bridges from each part to the nearest one. Raises NestedCagesError where shapely is missing."""
+        shapely = load_shapely("Merging parts")
+        solid = together = shapely.geometry.shape(fine.__geo_interface__)
+        longest, within = 0.0, distance if isfinite(distance) else None
+        while len(parts := np.array(getattr(together, "geoms", [together]))) > 1:
+            tree = shapely.STRtree(parts)
+            own, other = tree.query_nearest(parts, max_distance=within, exclusive=True, all_matches=False)
+            lines = shapely.shortest_line(parts[own], parts[other])
+            lengths = shapely.length(lines)
+            bridges = shapely.buffer(lines, BRIDGE * lengths, quad_segs=1)
+            joined = shapely.union_all([together, *bridges])
+            if len(getattr(joined, "geoms", [joined])) == len(parts):  # none is close, or they touch
+                break
+            together, longest = joined, max(longest, float(lengths.max()))
+        return cls(fine, distance, solid, together, longest)
 
-def _bridged(solid: Any, distance: float) -> tuple[Any, float]:
-    """A solid with thin bridges from each part to the nearest one within a distance, and the length of the longest."""
-    import shapely
+    def closed(self, part: float) -> Mesh:
+        """The bridged shape with gaps narrower than a part of the distance closed, an infinite one being that of the
+        longest bridge, and holes of less than the square of the distance filled. Raises InvalidMeshError.
+        """
+        import shapely
 
-    longest = 0.0
-    while len(parts := np.array(getattr(solid, "geoms", [solid]))) > 1:
-        within = distance if isfinite(distance) else None
-        tree = shapely.STRtree(parts)
-        own, other = tree.query_nearest(parts, max_distance=within, exclusive=True, all_matches=False)
-        lines = shapely.shortest_line(parts[own], parts[other])
-        lengths = shapely.length(lines)
-        bridges = shapely.buffer(lines, BRIDGE * lengths, quad_segs=1)
-        bridged = shapely.union_all([solid, *bridges])
-        if len(getattr(bridged, "geoms", [bridged])) == len(parts):  # none is close, or they touch
-            break
-        solid, longest = bridged, max(longest, float(lengths.max()))
-    return solid, longest
+        together = self.together
+        reach = 0.5 * part * (self.distance if isfinite(self.distance) else self.longest)
+        if reach > 0.0:
+            closed = self.solid.buffer(reach, quad_segs=ARC).buffer(-reach, quad_segs=ARC)
+            together = shapely.union(together, closed)
+        least = self.distance**2
+        filled = [
+            shapely.Polygon(each.exterior, [hole for hole in each.interiors if shapely.Polygon(hole).area >= least])
+            for each in getattr(together, "geoms", [together])
+            if each.geom_type == "Polygon"  # unions of nearly touching outlines may leave lines
+        ]
+        whole = shapely.union_all([*filled, self.solid])
+        # grown, so that outlines that only touch overlap
+        return mesh_of(whole.buffer(NEGLIGIBLE * self.fine.diagonal, join_style="mitre").union(self.solid))

@@ -7,7 +7,7 @@ import pytest
 
 from nestedcages_core import Mesh, NestedCagesError, Settings, inner_cages, nested_cages, verify
 from nestedcages_core.hierarchy import Share
-from nestedcages_core.needs.merging import Merging, merged
+from nestedcages_core.needs.merging import Bridged, Merging
 from shapes import islands, polygon, ring
 
 
@@ -31,7 +31,7 @@ def test_a_sprite_with_specks_gets_one_outline() -> None:
 @pytest.mark.parametrize("distance", [1e-3, 0.05, 0.3, 3.0])
 def test_merged_shapes_contain_the_shape_and_have_no_more_loops(distance: float) -> None:
     for fine in (sprite(), islands()):
-        whole = merged(fine, distance)
+        whole = Bridged.of(fine, distance).closed(1.0)
         assert polygon(whole).buffer(1e-9).contains(polygon(fine)) and len(whole.loops) <= len(fine.loops)
 
 
@@ -78,5 +78,5 @@ def test_parts_that_are_smaller_than_the_gaps_around_them_share_a_loop(distance:
     specks = [ring(8, 0.02) + 1.4 * np.array([np.cos(each), np.sin(each)]) for each in at]
     fine = Mesh.from_loops([blob, *specks])
     level = nested_cages(fine, 32, merge=distance).levels[0]
-    assert len(merged(fine, distance).loops) == loops
+    assert len(Bridged.of(fine, distance).closed(1.0).loops) == loops
     assert verify(level.cage, fine, level.report.clearance, same_loops=False) and level.report.excess < 0.08
