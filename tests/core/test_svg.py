@@ -377,14 +377,14 @@ def test_parts_have_names_groups_and_paints_from_the_style_sheet() -> None:
         ("eye", ()),
     ]
     rect, opened, eye = parts
-    assert (rect.fill_colour, rect.stroke_colour) == ((0, 128 / 255, 128 / 255, 1), (1, 0, 0, 1))
+    assert (rect.fill_colour, rect.stroke_colour, rect.stroke_width) == ((0, 128 / 255, 128 / 255, 1), (1, 0, 0, 1), 2)
     assert rect.fill is not None and rect.stroke is not None and opened.fill is not None and opened.stroke is not None
     assert (rect.fill.area, rect.stroke.area) == pytest.approx((18 * 28, 22 * 32 - 18 * 28))
     assert opened.fill_colour == (0, 0, 1, 136 / 255)
     # The fill under an open line is cut by it, and both have the same points along the cut.
     assert (opened.fill.area, opened.stroke.area) == pytest.approx((4 * 144.5, 4 * 120))
     assert set(map(tuple, opened.fill.vertices)) <= set(map(tuple, opened.stroke.vertices))
-    assert eye.fill_colour == (0.5, 0.5, 0.5, 0.5) and eye.stroke is None
+    assert eye.fill_colour == (0.5, 0.5, 0.5, 0.5) and eye.stroke is None and eye.stroke_width == 0
     with pytest.raises(InvalidMeshError):
         svg_parts(svg('<path d="M0 0h1z"/>'))
 

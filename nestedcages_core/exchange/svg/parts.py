@@ -34,6 +34,8 @@ class SvgPart:
     """The mean of its stops for a gradient."""
     stroke: Mesh | None
     stroke_colour: Colour
+    stroke_width: float
+    """Before transforms; 0 without a stroke."""
 
 
 def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], tuple[str, ...]]:
@@ -72,6 +74,7 @@ def _part(shape: Shape, number: int, fill: Mesh | None, stroke: Mesh | None) -> 
         shape.fill.rgba if shape.fill else (0.0, 0.0, 0.0, 0.0),
         stroke,
         shape.stroke_paint.rgba if shape.stroke_paint else (0.0, 0.0, 0.0, 0.0),
+        shape.stroke.width if shape.stroke and shape.stroke_paint else 0.0,
     )
 
 
