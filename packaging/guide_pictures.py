@@ -188,17 +188,6 @@ def _broken() -> Steps:
 
 
 @picture
-def advanced() -> Steps:
-    yield from clear("advanced")
-    letter()
-    yield from sidebar()
-    groups = sys.modules["nested_cages.addon.properties.groups"]
-    everyday, groups.shows_research = groups.shows_research, lambda: True
-    yield from shoot("advanced", region_box(630))
-    groups.shows_research = everyday
-
-
-@picture
 def use() -> Steps:
     yield from use_bound()
     yield from shoot("use")

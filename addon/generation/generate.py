@@ -16,7 +16,8 @@ from ..notes import note
 from ..scene.convert import Drawing
 from .job import Progress, Work
 from .levels import Level, Wanted, are_counts, wanted_levels
-from .methods import Methods, Places, Rules
+from .methods import Methods
+from .rules import Places, Rules
 
 # Excess over the drawing above which a cage is called loose, and the excess that the advice aims at.
 LOOSE, GOOD = 0.5, 0.25
@@ -154,7 +155,6 @@ class Generation:
 
     def __init__(self, requests: Sequence[Request], options: Options) -> None:
         self.options = options
-        options.methods.check()
         if options.inside and not are_counts(options.levels):
             raise UserError("Inner cages have vertex counts: leave distances and excesses out of the levels")
         if options.inside and options.rules.convex:
@@ -182,8 +182,7 @@ class Generation:
         settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
         clearance = options.clearance / scale or options.clearance_share * fine.diagonal or None
         plan = Plan(request, fine, wanted, replace(settings, clearance=clearance, stored=STORED))
-        keeps_loops = not (convex or merges) and options.methods.keeps_loops()
-        if clearance is not None and keeps_loops and not own and not options.inside:
+        if clearance is not None and not (convex or merges or own or options.inside):
             check_room(fine, clearance, len(wanted), request.fine)
         return plan
 

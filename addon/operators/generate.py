@@ -23,7 +23,7 @@ from ..generation.generate import Generation, Request, Result
 from ..generation.generate import part as percentage
 from ..generation.job import Progress, Work, part, running
 from ..generation.levels import OWN
-from ..generation.methods import Places
+from ..generation.rules import Places
 from ..notes import in_scene, note
 from ..properties import groups, level_list
 from ..properties.settings import GenerationProperties, OperatorProperties, all_values, filled, options_of
@@ -67,7 +67,7 @@ class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
         if OWN in self.levels:
             layout.prop(self, "level_objects")
         groups.draw(layout.column(), self, groups.SPACE)
-        for title, names in groups.parts():
+        for title, names in groups.PARTS.items():
             header, body = layout.panel(f"nested_cages_{title}", default_closed=title != "Animation")
             header.label(text=title)
             if body is not None:

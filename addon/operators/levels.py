@@ -1,4 +1,4 @@
-"""Buttons next to the list of levels, and presets: a table for tasks and published methods, and the user's own."""
+"""Buttons next to the list of levels, and presets: a table, and the user's own."""
 
 from __future__ import annotations
 
@@ -70,55 +70,40 @@ class SCENE_OT_nested_cages_level_move(LevelOperator, bpy.types.Operator):
         level_list.write(settings)
 
 
-TASKS = "nested_cages"
-METHODS = "nested_cages_methods"
-# Folder of the user's own presets of a kind; name; description; settings that differ from the defaults.
-PRESETS: Mapping[str, Mapping[str, tuple[str, Mapping[str, Any]]]] = {
-    TASKS: {
-        "Collision": (
-            "One outline of very few vertices around each drawing, without the animation of how it forms",
-            {"levels": "12", "decimation": "OUTER_HULL", "show_flow": False, "shrink": False},
-        ),
-        "Outline": (
-            "Outlines for smaller and smaller scales; each encloses all land of the one before",
-            {"levels": "25%, 8%, 2%", "decimation": "OUTER_HULL", "show_flow": False, "shrink": False},
-        ),
-        "Rig": (
-            "One cage of few, evenly spaced vertices at a hundredth of the drawing's size, to be bound and posed",
-            {"levels": "16", "clearance_share": 1.0, "decimation": "ARC_LENGTH"},
-        ),
-        "Tight": (
-            "Tight cages, with vertex counts relative to the drawing",
-            {"levels": "10%, 3%", "decimation": "OUTER_HULL"},
-        ),
-    },
-    METHODS: {
-        "IPC 2022 Repaired": (
-            "For comparisons, after Gurditta & Jacobson (2022), with fixes",
-            {"levels": "20%", "contact": "PAPER", "starts": 1, "tighten": False, "fall_back": False},
-        ),
-        "Nested Cages 2015": (
-            "For comparisons, after Sacht, Vouga & Jacobson (2015): edge collapse, signed distance flow, El Topo",
-            {"levels": "20%", "decimation": "EDGE_COLLAPSE", "contact": "EL_TOPO"}
-            | {"flow": "SIGNED_DISTANCE_2015", "starts": 1, "tighten": False, "fall_back": False},
-        ),
-        "Simple Cages 2022": (
-            "For comparisons, after Sellán et al. (2022): a level set, decimated, and nothing else",
-            {"levels": "20%", "decimation": "LEVEL_SET_MERGING", "starts": 1, "tighten": False, "fall_back": False}
-            | {"show_flow": False, "shrink": False},
-        ),
-    },
+# Folder of the user's own presets.
+FOLDER = "nested_cages"
+# Name, description, and settings that differ from the defaults.
+PRESETS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
+    "Collision": (
+        "One outline of very few vertices around each drawing, without the animation of how it forms",
+        {"levels": "12", "decimation": "OUTER_HULL", "show_flow": False, "shrink": False},
+    ),
+    "Outline": (
+        "Outlines for smaller and smaller scales; each encloses all land of the one before",
+        {"levels": "25%, 8%, 2%", "decimation": "OUTER_HULL", "show_flow": False, "shrink": False},
+    ),
+    "Rig": (
+        "One cage of few, evenly spaced vertices at a hundredth of the drawing's size, to be bound and posed",
+        {"levels": "16", "clearance_share": 1.0, "decimation": "ARC_LENGTH"},
+    ),
+    "Tight": (
+        "Tight cages, with vertex counts relative to the drawing",
+        {"levels": "10%, 3%", "decimation": "OUTER_HULL"},
+    ),
+    "IPC 2022 Repaired": (
+        "For comparisons, after Gurditta & Jacobson (2022), with fixes",
+        {"levels": "20%", "as_published": True, "fall_back": False},
+    ),
 }
-# The presets of both kinds.
-KNOWN = {**PRESETS[TASKS], **PRESETS[METHODS]}
 # What a preset leaves alone: when the animation plays, how cages look, and how drawings are read.
 KEPT = {*groups.FRAMES, *groups.LOOKS, *groups.READING, "ease", "loop_back", "in_turn", "show_result"}
 
 
-class _Presets(PresetPanel):
-    """The presets of the table, and the user's own as Blender lists them."""
+class NESTEDCAGES_PT_presets(PresetPanel, bpy.types.Panel):
+    """Presets of the cages' settings: those of the table, and the user's own as Blender lists them."""
 
-    preset_subdir = TASKS
+    bl_label = "Nested Cages Presets"
+    preset_subdir = FOLDER
     preset_operator = "script.execute_preset"
     preset_add_operator = "scene.nested_cages_preset_add"
     if TYPE_CHECKING:
@@ -127,7 +112,7 @@ class _Presets(PresetPanel):
     def draw(self, context: Context) -> None:
         column = self.layout.column(align=True)
         column.emboss = "PULLDOWN_MENU"
-        for name in PRESETS[self.preset_subdir]:
+        for name in PRESETS:
             column.operator("scene.nested_cages_use_preset", text=name).name = name
         if bpy.utils.preset_paths(self.preset_subdir):
             super().draw(context)
@@ -135,20 +120,6 @@ class _Presets(PresetPanel):
         row = self.layout.row()
         row.prop(context.window_manager, "preset_name", text="")
         row.operator(self.preset_add_operator, text="", icon="ADD").name = context.window_manager.preset_name
-
-
-class NESTEDCAGES_PT_presets(_Presets, bpy.types.Panel):
-    """Presets of the cages' settings."""
-
-    bl_label = "Nested Cages Presets"
-
-
-class NESTEDCAGES_PT_method_presets(_Presets, bpy.types.Panel):
-    """Published methods, for comparisons."""
-
-    bl_label = "Published Methods"
-    preset_subdir = METHODS
-    preset_add_operator = "scene.nested_cages_method_preset_add"
 
 
 class SCENE_OT_nested_cages_use_preset(Operator, bpy.types.Operator):
@@ -163,16 +134,16 @@ class SCENE_OT_nested_cages_use_preset(Operator, bpy.types.Operator):
 
     @classmethod
     def description(cls, _context: Context, properties: Any) -> str:
-        return KNOWN[properties.name][0] if properties.name in KNOWN else cls.bl_description
+        return PRESETS[properties.name][0] if properties.name in PRESETS else cls.bl_description
 
     def run(self, context: Context) -> None:
         settings = settings_of(context)
-        if self.name not in KNOWN:
-            raise UserError(f"There is no preset '{self.name}': choose one of {', '.join(KNOWN)}")
+        if self.name not in PRESETS:
+            raise UserError(f"There is no preset '{self.name}': choose one of {', '.join(PRESETS)}")
         for name in NAMES:
             if name not in KEPT:
                 settings.property_unset(name)
-        for name, value in KNOWN[self.name][1].items():
+        for name, value in PRESETS[self.name][1].items():
             setattr(settings, name, value)
 
 
@@ -181,16 +152,6 @@ class SCENE_OT_nested_cages_preset_add(Named, AddPresetBase, bpy.types.Operator)
 
     bl_label = "Add Nested Cages Preset"
     preset_menu = "NESTEDCAGES_PT_presets"
-    preset_subdir = TASKS
+    preset_subdir = FOLDER
     preset_defines = ("settings = bpy.context.scene.nested_cages",)
     preset_values = tuple(f"settings.{name}" for name in NAMES)
-
-
-class SCENE_OT_nested_cages_method_preset_add(Named, AddPresetBase, bpy.types.Operator):  # type: ignore[misc]
-    """Store the settings as a method under a name, or remove a stored one"""
-
-    bl_label = "Add Method Preset"
-    preset_menu = "NESTEDCAGES_PT_method_presets"
-    preset_subdir = METHODS
-    preset_defines = SCENE_OT_nested_cages_preset_add.preset_defines
-    preset_values = SCENE_OT_nested_cages_preset_add.preset_values

@@ -7,8 +7,8 @@ from typing import Any
 
 import bpy
 
-from ..generation.methods import ROTATION, Methods
-from .settings import GenerationProperties, filled
+from ..generation.rules import ROTATION
+from .settings import GenerationProperties
 
 SPACE: tuple[str, ...] = ("clearance", "clearance_share", "inside")
 WHICH: tuple[str, ...] = ("together", "use_selected_as_levels")
@@ -18,15 +18,11 @@ PLACES: tuple[str, ...] = ("weight_group", "pin_group", "joint_armature", "min_e
 GROUPS = ("weight_group", "pin_group")
 # Settings that cages which follow a motion do not have.
 NOT_MOVING: tuple[str, ...] = ("use_selected_as_levels", "inside", *RULES, *PLACES)
-SHAPE: tuple[str, ...] = ("decimation", "energy")
+SHAPE: tuple[str, ...] = ("decimation", "energy", "fall_back", "as_published")
 FRAMES: tuple[str, ...] = ("start_frame", "fit_length", "length", "frames_per_step")
 ANIMATION: tuple[str, ...] = ("show_flow", "shrink", "ease", "loop_back", "in_turn", "show_result")
 LOOKS: tuple[str, ...] = ("thickness",)
 READING: tuple[str, ...] = ("resolution", "close_open", "project")
-ADVANCED: tuple[str, ...] = (
-    *("contact", "repairs", "expansion_energy", "solver", "step_filter", "broad_phase"),
-    *("flow", "quadrature", "starts", "tighten", "fall_back"),
-)
 
 # Settings that only apply if another one has a value.
 ALTERNATIVES: dict[str, tuple[str, object]] = {
@@ -38,12 +34,11 @@ ALTERNATIVES: dict[str, tuple[str, object]] = {
 
 
 def draw(layout: bpy.types.UILayout, values: GenerationProperties, names: Iterable[str]) -> None:
-    """Draws settings; those that do not apply to the chosen methods are greyed out."""
-    chosen = filled(Methods, values)
+    """Draws settings; those that do not apply are greyed out."""
     for name in names:
         line = layout.column()
         other, wanted = ALTERNATIVES.get(name, ("fit_length", values.fit_length))
-        line.active = chosen.has_use_for(name) and getattr(values, other) == wanted
+        line.active = getattr(values, other) == wanted
         active = bpy.context.object
         if name in GROUPS and active is not None and active.type == "MESH":
             line.prop_search(values, name, active, "vertex_groups")
@@ -63,12 +58,6 @@ def preferences() -> Any:
     return addon.preferences if addon is not None else None
 
 
-def shows_research() -> bool:
-    """Whether the panels show settings for comparing methods."""
-    found = preferences()
-    return found is not None and found.research
-
-
 # The title of what cages must be, apart from tight.
 SHAPE_TITLE = "Shape of Cages"
 # The settings in each part of the panels.
@@ -76,10 +65,4 @@ PARTS = {
     "Animation": (*FRAMES, *ANIMATION),
     SHAPE_TITLE: (*RULES, *PLACES),
     "Drawing and Cages": (*WHICH, *READING, *SHAPE, *LOOKS),
-    "Advanced": ADVANCED,
 }
-
-
-def parts() -> list[tuple[str, tuple[str, ...]]]:
-    """The parts of the operator's panel, by title."""
-    return [(title, names) for title, names in PARTS.items() if title != "Advanced" or shows_research()]

@@ -13,23 +13,17 @@ from bpy.props import CollectionProperty
 from bpy.types import Context, Scene
 
 from ..animation.timeline import Timing
-from ..generation.choices import REPAIRS, SETTINGS
 from ..generation.generate import Options
 from ..generation.levels import lengths, parse_levels
-from ..generation.methods import NONE as NO_SYMMETRY
-from ..generation.methods import SYMMETRIES, Methods, Rules
+from ..generation.methods import DECIMATIONS, ENERGIES, Methods, items
+from ..generation.rules import NONE as NO_SYMMETRY
+from ..generation.rules import SYMMETRIES, Rules
 from ..scene.convert import ReadingOptions
 from . import level_list
 from .kinds import choice, flag, length, number, text, whole
 
 # Percentages suit every drawing; for a text or an imported icon these are about 60 and 24 vertices.
 DEFAULT_LEVELS = "20%, 8%"
-
-
-def _choice(name: str) -> Any:
-    """The property for a choice of methods."""
-    setting = SETTINGS[name]
-    return choice(setting.name, setting.description, setting.items, default=setting.default)
 
 
 def _fill_list(self: object, _context: Context) -> None:
@@ -92,8 +86,18 @@ class GenerationProperties:
         precision=3,
         subtype="PERCENTAGE",
     )
-    decimation: _choice("decimation")
-    energy: _choice("energy")
+    decimation: choice("Coarse Meshes", "How coarse meshes are made", items(DECIMATIONS))
+    energy: choice("Energy", "What a cage minimises", items(ENERGIES))
+    fall_back: flag(
+        "Fall Back to Hull",
+        "If the drawing cannot shrink into a coarse mesh, start from the outer hull instead of reporting it",
+        default=Methods.fall_back,
+    )
+    as_published: flag(
+        "As Published",
+        "Shrink and grow back as in Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022), with repairs and "
+        "without tightening: slow and loose, for teaching and comparison",
+    )
     start_frame: whole("Start Frame", "First frame of the animation", default=1, soft_min=0)
     frames_per_step: whole(
         "Frames per Step", "Frames from one step of the computation to the next", default=4, min=1, soft_max=24
@@ -124,29 +128,6 @@ class GenerationProperties:
     )
     close_open: flag("Close Open Lines", "Join the ends of open splines and lines instead of reporting them")
     project: flag("Project Anyway", "Flatten non-planar drawings onto the plane that fits them best")
-    contact: _choice("contact")
-    repairs: choice(
-        "Repairs", "Fixes applied to the published method", REPAIRS, default=set(Methods.repairs), options={"ENUM_FLAG"}
-    )
-    expansion_energy: _choice("expansion_energy")
-    solver: _choice("solver")
-    step_filter: _choice("step_filter")
-    broad_phase: _choice("broad_phase")
-    flow: _choice("flow")
-    quadrature: _choice("quadrature")
-    starts: whole(
-        "Starts",
-        "Maximum number of coarse meshes to start from; the tightest cage is kept",
-        default=Methods.starts,
-        min=1,
-        soft_max=12,
-    )
-    tighten: flag(
-        "Tighten",
-        "Tighten the cage to a local optimum once the drawing is back, a step that the paper does not have",
-        default=Methods.tighten,
-    )
-    fall_back: flag("Fall Back to Hull", "If the flow fails, start from the outer hull", default=Methods.fall_back)
 
 
 NAMES = tuple(GenerationProperties.__annotations__)
@@ -229,5 +210,4 @@ def all_values(values: GenerationProperties) -> dict[str, Any]:
 def filled(kind: type[Filled], values: GenerationProperties) -> Filled:
     """How to read objects, when to play steps, the methods, or what cages must be: the fields are named as settings."""
     found: dict[str, Any] = {field.name: getattr(values, field.name) for field in fields(kind)}
-    found |= {name: frozenset(value) for name, value in found.items() if isinstance(value, set)}
     return kind(**found)

@@ -16,7 +16,7 @@ from ..generation import output
 from ..generation.job import running
 from ..generation.levels import lengths, loop_sizes, meanings, parse_levels
 from ..operators.base import last_fault
-from ..operators.levels import NESTEDCAGES_PT_method_presets, NESTEDCAGES_PT_presets
+from ..operators.levels import NESTEDCAGES_PT_presets
 from ..properties import groups
 from ..properties.kinds import registration
 from ..properties.level_list import VALUES
@@ -206,19 +206,6 @@ class VIEW3D_PT_nested_cages_use(PartPanel, bpy.types.Panel):
         column.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
         column.operator("object.nested_cages_pieces", icon="MOD_EXPLODE")
         layout.operator("object.nested_cages_export", icon="EXPORT")
-
-
-class VIEW3D_PT_nested_cages_advanced(PartPanel, bpy.types.Panel):
-    """Parts of the method, for comparisons. Greyed-out settings don't apply to the chosen methods"""
-
-    bl_label = "Advanced"
-
-    @classmethod
-    def poll(cls, _context: Context) -> bool:
-        return groups.shows_research()
-
-    def draw_header_preset(self, _context: Context) -> None:
-        NESTEDCAGES_PT_method_presets.draw_panel_header(self.layout)
 
 
 def _draw_list(layout: bpy.types.UILayout, settings: NestedCagesSettings) -> None:

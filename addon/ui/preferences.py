@@ -16,7 +16,7 @@ from bpy.types import Context
 from ..operators.base import Operator, last_fault
 from ..operators.files import SHAPE_ITEMS
 from ..properties import groups
-from ..properties.groups import ADVANCED, ANIMATION, FRAMES, PLACES, RULES
+from ..properties.groups import ANIMATION, FRAMES, PLACES, RULES, SHAPE
 from ..properties.kinds import flag, number, registration, text
 from ..properties.settings import GenerationProperties, copy_values, settings_of
 from . import panels
@@ -95,12 +95,11 @@ OPERATORS = {
     "silhouette": "silhouette",
 }
 SETTINGS = {
-    **dict.fromkeys(("level", "clearance", "inside", "decimation", "energy"), "levels"),
+    **dict.fromkeys(("level", "clearance", "inside", *SHAPE), "levels"),
     "use_selected_as_levels": "own_meshes",
     "together": "cages",
     **dict.fromkeys((*RULES, *PLACES), "shape"),
     **dict.fromkeys((*FRAMES, *ANIMATION), "animation"),
-    **dict.fromkeys(ADVANCED, "methods"),
 }
 # Blender's names of items, in lower case with wildcards, and the page about them. The first match counts.
 PAGES = (
@@ -110,7 +109,6 @@ PAGES = (
     ("bpy.ops.scene.nested_cages_level*", "levels"),
     ("bpy.ops.scene.nested_cages_preset*", "levels"),
     ("bpy.ops.scene.nested_cages_use_preset*", "levels"),
-    ("bpy.ops.scene.nested_cages_method_preset*", "methods"),
     ("bpy.types.nestedcagespreferences*", "install"),
     ("bpy.ops.scene.nested_cages_store_defaults*", "install"),
     ("bpy.ops.*.nested_cages*", "cages"),
@@ -143,9 +141,6 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
         default=panels.CATEGORY,
         update=lambda preferences, _context: panels.move_to(preferences.category),
     )
-    research: flag(
-        "Research Settings", "Show the panel Advanced with the parts of the method, for comparisons and teaching"
-    )
     line_width: number(
         "Cage Width",
         "Width of cages in the 3D view; 0 leaves them as Blender's own wires",
@@ -160,7 +155,7 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
     def draw(self, _context: Context) -> None:
         layout = self.layout
         layout.use_property_split = True
-        for name in ("category", "line_width", "research", "has_defaults"):
+        for name in ("category", "line_width", "has_defaults"):
             layout.prop(self, name)
         column = layout.column()
         column.active = self.has_defaults

@@ -211,7 +211,7 @@ def test_a_hidden_own_level_counts_with_its_modifiers(hide, kind) -> None:
     poly_curve("Drawing", [star()])
     before = snapshot()
     generate = bpy.ops.object.nested_cages_generate
-    assert generate(levels="*", level_objects="Own", tighten=False, shrink=False) == {"FINISHED"}
+    assert generate(levels="*", level_objects="Own", as_published=True, shrink=False) == {"FINISHED"}
     cage = bpy.data.objects["Drawing Cage 1"]
     first = evaluated(cage, at_frame(cage["nested_cages_flow_start"]))
     np.testing.assert_allclose(in_world(cage, first), expected, atol=1e-5)

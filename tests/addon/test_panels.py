@@ -75,7 +75,7 @@ def draw(extension):
 def test_the_panel_shows_the_settings_and_the_list_once_there_is_one(draw) -> None:
     drawn = draw("VIEW3D_PT_nested_cages")
     assert {"levels", "clearance", "object.nested_cages_generate", "object.nested_cages_bind"} <= set(drawn)
-    assert not {"energy", "ease", "loop_back", "contact"} & set(drawn)
+    assert not {"energy", "ease", "loop_back", "as_published"} & set(drawn)
     assert {"fit_length", "ease", "loop_back"} <= set(draw("VIEW3D_PT_nested_cages_animation"))
     assert "level_list" not in drawn
     bpy.ops.scene.nested_cages_level_add()
@@ -85,18 +85,14 @@ def test_the_panel_shows_the_settings_and_the_list_once_there_is_one(draw) -> No
     assert draw("VIEW3D_PT_nested_cages_character") == bones
 
 
-def test_every_setting_is_in_one_of_the_panels_and_in_the_redo_panel(draw, addon, monkeypatch) -> None:
+def test_every_setting_is_in_one_of_the_panels_and_in_the_redo_panel(draw, addon) -> None:
     names = sorted(set(addon.properties.settings.NAMES) - {"level_objects"})
-    parts = ("", "_animation", "_rules", "_reading", "_advanced")
+    parts = ("", "_animation", "_rules", "_reading")
     drawn = [name for part in parts for name in draw(f"VIEW3D_PT_nested_cages{part}")]
     assert sorted(name for name in drawn if name in names) == names
     drawn = []
     operator, settings = bpy.ops.object.nested_cages_generate.get_rna_type(), bpy.context.scene.nested_cages
     values = SimpleNamespace(bl_rna=operator, layout=Layout(drawn), **{n: getattr(settings, n) for n in names})
-    addon.operators.generate.OBJECT_OT_nested_cages_generate.draw(values, bpy.context)
-    assert sorted(name for name in drawn if name in names) == sorted(set(names) - set(addon.properties.groups.ADVANCED))
-    drawn.clear()
-    monkeypatch.setattr(addon.properties.groups, "shows_research", lambda: True)
     addon.operators.generate.OBJECT_OT_nested_cages_generate.draw(values, bpy.context)
     assert sorted(name for name in drawn if name in names) == names
 
@@ -149,14 +145,6 @@ def test_results_are_short_and_the_numbers_are_in_a_report(draw) -> None:
     report = bpy.data.texts["Nested Cages Report"].as_string()
     for words in ("Drawing Cage 1", "clearance: ", "at rest", "Certified as stored"):
         assert words in report
-
-
-def test_research_is_off_unless_the_preferences_say_otherwise(extension, addon, monkeypatch) -> None:
-    panel = addon.ui.panels.VIEW3D_PT_nested_cages_advanced
-    assert not panel.poll(bpy.context)
-    assert addon.ui.preferences.NestedCagesPreferences.bl_rna.properties["research"].default is False
-    monkeypatch.setattr(addon.properties.groups, "preferences", lambda: SimpleNamespace(research=True))
-    assert panel.poll(bpy.context)
 
 
 def test_a_fault_is_offered_in_the_panel(draw, addon) -> None:
