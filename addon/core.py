@@ -18,10 +18,9 @@ if TYPE_CHECKING:
     import nestedcages_core as core
     from nestedcages_core import cache as memory
     from nestedcages_core import tasks
-    from nestedcages_core.coordinates import outline_map as outlines
     from nestedcages_core.errors import notes as errors
     from nestedcages_core.exchange import pictures
-    from nestedcages_core.geometry import broad_phase, chains, distance, loops, predicates, triangulation
+    from nestedcages_core.geometry import broad_phase, distance, loops, predicates, triangulation
     from nestedcages_core.level import steps
 else:
 
@@ -44,13 +43,13 @@ else:
             found = nestedcages_core if self.__name__ == "core" else import_module(f"{room}.{self.__name__}")
             return getattr(found, name)
 
-    core, broad_phase, chains = map(_LazyModule, ("core", "geometry.broad_phase", "geometry.chains"))
-    distance, outlines, memory = map(_LazyModule, ("geometry.distance", "coordinates.outline_map", "cache"))
+    core, broad_phase = map(_LazyModule, ("core", "geometry.broad_phase"))
+    distance, memory = map(_LazyModule, ("geometry.distance", "cache"))
     loops, pictures, predicates = map(_LazyModule, ("geometry.loops", "exchange.pictures", "geometry.predicates"))
     errors, steps = map(_LazyModule, ("errors.notes", "level.steps"))
     tasks, triangulation = map(_LazyModule, ("tasks", "geometry.triangulation"))
 
-__all__ = ["blamed", "broad_phase", "chains", "core", "distance", "errors", "known", "loops", "memory", "outlines"]
+__all__ = ["blamed", "broad_phase", "core", "distance", "errors", "known", "loops", "memory"]
 __all__ += ["pictures", "predicates", "remembered", "steps", "tasks", "triangulation"]
 
 Result = TypeVar("Result")

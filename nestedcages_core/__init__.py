@@ -77,7 +77,6 @@ if TYPE_CHECKING:
     from .energies.weighted_sum import WeightedSum as WeightedSum
     from .exchange import Cut as Cut
     from .exchange import Feature as Feature
-    from .exchange import character_from_engine_json as character_from_engine_json
     from .exchange import character_to_engine_json as character_to_engine_json
     from .exchange import cut_at_borders as cut_at_borders
     from .exchange import (
@@ -94,19 +93,12 @@ if TYPE_CHECKING:
         write_geojson,
         write_svg,
     )
-    from .exchange import frames_from_engine_json as frames_from_engine_json
     from .exchange import frames_to_engine_json as frames_to_engine_json
     from .exchange import from_engine_json as from_engine_json
     from .exchange import is_engine_json as is_engine_json
-    from .exchange import pieces_from_engine_json as pieces_from_engine_json
     from .exchange.pictures import alpha_channel as alpha_channel
     from .exchange.pictures import boundary_of_pixels as boundary_of_pixels
     from .exchange.pictures import collision_outline, read_png
-    from .geometry.quadrature import EvenSamples as EvenSamples
-    from .geometry.quadrature import GaussLegendre as GaussLegendre
-    from .geometry.quadrature import Midpoint as Midpoint
-    from .geometry.quadrature import QuadraticFallOff as QuadraticFallOff
-    from .geometry.quadrature import RandomSamples as RandomSamples
     from .geometry.triangulation import convex_pieces as convex_pieces
     from .motion import AnimatedCagesRun as AnimatedCagesRun
     from .motion import Key as Key
@@ -119,9 +111,14 @@ if TYPE_CHECKING:
     from .needs.symmetry import Found as Found
     from .needs.symmetry import Mirror as Mirror
     from .needs.symmetry import Rotation as Rotation
+    from .published.gurditta_jacobson_2022 import EvenSamples as EvenSamples
+    from .published.gurditta_jacobson_2022 import GaussLegendre as GaussLegendre
     from .published.gurditta_jacobson_2022 import GradientDescent as GradientDescent
+    from .published.gurditta_jacobson_2022 import Midpoint as Midpoint
     from .published.gurditta_jacobson_2022 import PaperContact as PaperContact
     from .published.gurditta_jacobson_2022 import PaperFlow as PaperFlow
+    from .published.gurditta_jacobson_2022 import QuadraticFallOff as QuadraticFallOff
+    from .published.gurditta_jacobson_2022 import RandomSamples as RandomSamples
     from .published.gurditta_jacobson_2022 import Repairs as Repairs
     from .published.gurditta_jacobson_2022 import SignedDistanceFlow as SignedDistanceFlow
     from .published.sacht_2015 import ElTopo as ElTopo
@@ -186,7 +183,6 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
 ]
 
 _LATER = {
-    "geometry.quadrature": "EvenSamples GaussLegendre Midpoint QuadraticFallOff RandomSamples",
     "energies.weighted_sum": "WeightedSum",
     "energies.no_energy": "NoEnergy",
     "contact.pair_search": "AllPairs UniformGrid",
@@ -202,14 +198,16 @@ _LATER = {
     "checker": "Verdict check",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
-        "Cut Feature cut_at_borders character_from_engine_json character_to_engine_json features_from_geojson "
-        "frames_from_engine_json frames_to_engine_json from_engine_json from_geojson from_svg is_engine_json "
-        "pieces_from_engine_json read_geojson read_svg swept to_engine_json to_geojson to_svg write_engine_json "
-        "write_geojson write_svg"
+        "Cut Feature cut_at_borders character_to_engine_json features_from_geojson frames_to_engine_json "
+        "from_engine_json from_geojson from_svg is_engine_json read_geojson read_svg swept to_engine_json to_geojson "
+        "to_svg write_engine_json write_geojson write_svg"
     ),
     "exchange.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
     "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",
-    "published.gurditta_jacobson_2022": "GradientDescent PaperContact PaperFlow Repairs SignedDistanceFlow",
+    "published.gurditta_jacobson_2022": (
+        "EvenSamples GaussLegendre GradientDescent Midpoint PaperContact PaperFlow QuadraticFallOff RandomSamples "
+        "Repairs SignedDistanceFlow"
+    ),
     "published.sacht_2015": "ElTopo",
     "published.sellan_2022": "LevelSet",
     "published.settings": "AUGMENTED_2022 AUGMENTED_2022_REPAIRED NESTED_CAGES_2015 SIMPLE_2022",

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from engine_json import frames_of
 from nestedcages_core import (
     features_from_geojson,
-    frames_from_engine_json,
     from_engine_json,
     read_geojson,
     read_svg,
@@ -85,7 +85,7 @@ def _check_files(story: str, folder: Path) -> None:
         features = features_from_geojson((folder / "regions.geojson").read_bytes())
         assert len({feature.properties["name"] for feature in features}) == len(features) > 3
     elif story == "walk":
-        frames = frames_from_engine_json((folder / "walk_body.json").read_text())
+        frames = frames_of((folder / "walk_body.json").read_text())
         assert len(frames) >= 9
         assert {len(outline.vertices) for _, outline in frames} == {8}
     elif story in NEED_BLENDER:

@@ -16,11 +16,12 @@ from bpy.types import Collection, Context, Mesh, Object
 from mathutils import Color, Matrix
 
 from .. import keys, record
-from ..core import blamed, chains, core, triangulation
+from ..core import blamed, core, triangulation
 from ..errors import FloatArray, UserError
 from ..generation.job import Progress, Work
 from ..scene import display, filling, ownership
 from ..scene.areas import areas_of
+from ..scene.chains import without_doubles
 from ..scene.ownership import scene_of
 from ..scene.plane import Frame, divided, fitted_frame, outline_of, own_frame, size, united, world_matrix
 from ..scene.reading import READERS, lines_of
@@ -198,7 +199,7 @@ def _stored(name: str, loops: list[FloatArray]) -> core.Mesh:
     FloatArray that coincide in float32 are merged, and loops that touch because of it are joined.
     """
     extent = size(np.concatenate(loops))
-    rounded = [chains.without_doubles(loop.astype(np.float32), extent).astype(np.float64) for loop in loops]
+    rounded = [without_doubles(loop.astype(np.float32), extent).astype(np.float64) for loop in loops]
     return core.Mesh.from_loops(outline_of(name, rounded, evenodd=True))
 
 

@@ -14,11 +14,11 @@ from mathutils import Matrix
 
 from .. import record
 from ..animation import shape_keys
-from ..core import outlines
 from ..errors import FloatArray
 from ..scene import display, placement
 from ..scene.filling import mesh_of, points_of, stored
 from ..scene.plane import size
+from .outline_map import Outline, outline_map
 from .rig import outline_of, rest_points
 
 # All properties of a placement, in the order in which they are set.
@@ -56,7 +56,7 @@ class Pose:
     own_parent: bool
     rest: Matrix | None
     basis: Matrix
-    outline: outlines.Outline
+    outline: Outline
     offsets: FloatArray
 
     @classmethod
@@ -89,7 +89,7 @@ class Pose:
             obj.matrix_basis = self.rest.inverted_safe() @ self.basis
         if bound and self.bends:
             mesh = mesh_of(obj)
-            move(mesh, outlines.outline_map(self.outline, outline_of(mesh)).of(self.offsets))
+            move(mesh, outline_map(self.outline, outline_of(mesh)).of(self.offsets))
 
 
 def move(mesh: Mesh, offsets: FloatArray) -> None:

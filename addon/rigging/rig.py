@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from .. import keys, record
 from ..animation import shape_keys
-from ..core import outlines
 from ..errors import FloatArray
 from ..scene import display, placement
 from ..scene.filling import loop_edges, mesh_of, points_of, stored, weights_of
+from .outline_map import Outline, OutlineMap, outline_map
 
 # Point attributes that can be interpolated: Blender's type, and numbers per value.
 WIDTHS = {"FLOAT": 1, "FLOAT2": 2, "FLOAT_VECTOR": 3, "FLOAT_COLOR": 4, "BYTE_COLOR": 4}
@@ -55,7 +55,7 @@ class ShapeKey:
 class Rig:
     """The artist's work on the mesh of an object, and the unposed outline that it refers to."""
 
-    outline: outlines.Outline
+    outline: Outline
     groups: tuple[Group, ...]
     active_group: str
     keys: tuple[ShapeKey, ...]
@@ -103,9 +103,9 @@ class Rig:
         if (same_vertices and len(new.points) == len(self.outline.points)) or np.array_equal(
             new.points, self.outline.points
         ):
-            places = outlines.OutlineMap.identity(len(new.points))
+            places = OutlineMap.identity(len(new.points))
         else:
-            places = outlines.outline_map(self.outline, new)
+            places = outline_map(self.outline, new)
             self._renumber(obj, places)
         self._give_groups(obj, places)
         self._give_slots(obj)
@@ -124,7 +124,7 @@ class Rig:
         """Whether there is no work of an artist on the mesh."""
         return not (self.groups or self.keys or self.attributes or self.left_behind)
 
-    def _give_groups(self, obj: Object, places: outlines.OutlineMap) -> None:
+    def _give_groups(self, obj: Object, places: OutlineMap) -> None:
         if [group.name for group in obj.vertex_groups] or self.groups:
             obj.vertex_groups.clear()
         for group in self.groups:
@@ -144,7 +144,7 @@ class Rig:
             if link == "OBJECT":
                 slot.material = own
 
-    def _give_keys(self, obj: Object, places: outlines.OutlineMap) -> None:
+    def _give_keys(self, obj: Object, places: OutlineMap) -> None:
         for key in artists_keys(obj.data.shape_keys):
             obj.shape_key_remove(key)
         if not self.keys:
@@ -174,7 +174,7 @@ class Rig:
         index = block.key_blocks.find(self.active_key)
         obj.active_shape_key_index = max(index, 0)
 
-    def _renumber(self, obj: Object, places: outlines.OutlineMap) -> None:
+    def _renumber(self, obj: Object, places: OutlineMap) -> None:
         """Changes vertex indices in hooks and vertex parents to the nearest new vertices."""
         points, count = self.outline.points, len(self.outline.points)
         for hook in hooks_of(obj):
@@ -209,9 +209,9 @@ def rest_points(mesh: Mesh) -> FloatArray:
     return points_of(mesh if mesh.shape_keys is None else mesh.shape_keys.reference_key)
 
 
-def outline_of(mesh: Mesh) -> outlines.Outline:
+def outline_of(mesh: Mesh) -> Outline:
     """The outline of a mesh at rest."""
-    return outlines.Outline.of(rest_points(mesh), loop_edges(mesh))
+    return Outline.of(rest_points(mesh), loop_edges(mesh))
 
 
 def artists_keys(block: bpy.types.Key | None) -> list[bpy.types.ShapeKey]:

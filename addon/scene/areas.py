@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from bpy.types import Context, Object
 
-from ..core import broad_phase, chains, core
+from ..core import broad_phase, core
 from ..errors import FloatArray, UserError
+from .chains import SMALLEST_LOOP, chains
 from .convert import read
 from .filling import evaluated_mesh, loop_edges, points_of, stored, weights_of
 from .plane import Frame, transform, world_matrix
@@ -90,7 +91,7 @@ def _faces(evaluated: Object, matrix: FloatArray, frame: Frame) -> Iterator[core
         triangles = stored(mesh.loop_triangles, "vertices", 3, np.int32)
     flat = _seen(frame, transform(matrix, points))
     yield from (core.exchange.Painted([triangle]) for triangle in flat[triangles])
-    loops = [flat[loop] for loop in chains.chains(lone, len(points)).closed if len(loop) >= chains.SMALLEST_LOOP]
+    loops = [flat[loop] for loop in chains(lone, len(points)).closed if len(loop) >= SMALLEST_LOOP]
     if loops:
         yield core.exchange.Painted(loops, evenodd=True)
 
@@ -117,7 +118,7 @@ def _drawn(context: Context, obj: Object, frame: Frame, strokes: bool, closed: b
             radii = scale / frame.scale * np.maximum(drawn[:, 3], 0.0)
             style = style_of(evaluated, stroke)
             filled = (style is not None and style.show_fill) or (stroke.cyclic and closed)
-            if filled and len(points) >= chains.SMALLEST_LOOP:
+            if filled and len(points) >= SMALLEST_LOOP:
                 yield core.exchange.Painted([points], evenodd=True)
             lined = strokes and (style is None or style.show_stroke)
             if lined and len(points) and radii.max() > 0.0:

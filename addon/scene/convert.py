@@ -10,8 +10,9 @@ from bpy.types import Context, Object
 from numpy.typing import NDArray
 
 from .. import keys
-from ..core import broad_phase, chains, core, distance
+from ..core import broad_phase, core, distance
 from ..errors import Fault, FloatArray, UserError
+from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
 from .plane import PLANARITY, Frame, fitted_frame, outline_of, own_frame, size, transform, united, world_matrix
 from .reading import READERS, Lines, has_nodes, lines_of
 
@@ -213,7 +214,7 @@ def _closed_loops(
     obj: Object, vertices: NDArray[np.float32], edges: NDArray[np.int64], options: ReadingOptions
 ) -> tuple[NDArray[np.float32], ...]:
     """The loops (k, 3) that the edges make, doubled points merged. Raises: UserError."""
-    found = chains.chains(edges, len(vertices))
+    found = chains(edges, len(vertices))
     if len(found.branching):
         raise UserError(
             f"'{obj.name}' branches at ({_place(vertices[found.branching[0]])}): at each point of an outline two edges "
@@ -222,7 +223,7 @@ def _closed_loops(
         )
     # A cyclic spline of two points evaluates to a single edge.
     all_cyclic = obj.type == "CURVE" and all(spline.use_cyclic_u for spline in obj.data.splines)
-    opened = [vertices[line] for line in found.opened if len(line) >= chains.SMALLEST_LOOP or not all_cyclic]
+    opened = [vertices[line] for line in found.opened if len(line) >= SMALLEST_LOOP or not all_cyclic]
     if opened and not options.close_open:
         raise _open_error(obj, opened)
     loops = [vertices[line] for line in (*found.closed, *found.opened)]
@@ -232,10 +233,10 @@ def _closed_loops(
         raise UserError(f"'{obj.name}' is a text without letters: write some (Tab)")
     if not loops:
         raise UserError(f"'{obj.name}' has no outline: neither edges without faces nor an open boundary")
-    extent = chains.extent_of(loops)
+    extent = extent_of(loops)
     for number, loop in enumerate(loops):
-        loops[number] = chains.without_doubles(loop, extent)
-        if len(loops[number]) < chains.SMALLEST_LOOP:
+        loops[number] = without_doubles(loop, extent)
+        if len(loops[number]) < SMALLEST_LOOP:
             raise UserError(
                 f"'{obj.name}' has a loop with fewer than three different points at ({_place(loop[0])}): delete it",
                 _fault(obj, loop[:1]),

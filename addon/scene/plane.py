@@ -13,8 +13,9 @@ import numpy as np
 from bpy.types import Object
 from numpy.typing import NDArray
 
-from ..core import chains, core
+from ..core import core
 from ..errors import FloatArray, UserError
+from .chains import SMALLEST_LOOP
 
 # Largest distance of coplanar points from the plane, as a fraction of the drawing's size. float32 rotations leave
 # errors of about 1e-6; more than 1e-4 is intended.
@@ -161,7 +162,7 @@ def united(name: str, areas: Sequence[core.exchange.Painted]) -> Loops:
         try:
             mesh = core.exchange.solid(areas, seam=gap)
             loops = tuple(stored(mesh.vertices[loop]) for loop in mesh.loops)
-            loops = tuple(loop for loop in loops if len(loop) >= chains.SMALLEST_LOOP)  # others are slits of rounding
+            loops = tuple(loop for loop in loops if len(loop) >= SMALLEST_LOOP)  # others are slits of rounding
             core.Mesh.from_loops(loops)
         except core.NestedCagesError as error:
             problem = problem or error

@@ -1,12 +1,10 @@
 """Shapes in and out: SVG, GeoJSON and collision outlines for game engines."""
 
-from .character_json import character_from_engine_json, character_to_engine_json
+from .character_json import character_to_engine_json
 from .engine_json import (
-    frames_from_engine_json,
     frames_to_engine_json,
     from_engine_json,
     is_engine_json,
-    pieces_from_engine_json,
     to_engine_json,
     write_engine_json,
 )
@@ -42,18 +40,15 @@ __all__ = [
     "SvgDrawing",
     "SvgOptions",
     "SvgPart",
-    "character_from_engine_json",
     "character_to_engine_json",
     "cut_at_borders",
     "features_from_geojson",
-    "frames_from_engine_json",
     "frames_to_engine_json",
     "from_engine_json",
     "from_geojson",
     "from_svg",
     "is_engine_json",
     "joined",
-    "pieces_from_engine_json",
     "read_geojson",
     "read_map",
     "read_svg",

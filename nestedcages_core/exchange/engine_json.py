@@ -10,15 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.triangulation import piece_vertices, triangulate
 from .files import check_decimals, subtracted, write_whole
 from .geojson import loaded_json
-from .limits import Budget, LimitError, Limits, invalid
-from .rings import meshes_of, polygons_of, ring_of, shown
+from .limits import Budget, Limits, invalid
+from .rings import meshes_of, polygons_of, shown
 
 FORMAT = "nested-cages outline"
 FRAMES = "nested-cages frames"
@@ -86,33 +85,6 @@ def frames_to_engine_json(
     return json.dumps({"format": FRAMES, "version": VERSION, "frames": frames}, indent=indent, allow_nan=False)
 
 
-def frames_from_engine_json(
-    text: str | bytes, *, flip_y: float | None = None, limits: Limits | None = None
-) -> tuple[tuple[float, Mesh], ...]:
-    """Time and outline of each frame written by `frames_to_engine_json`.
-
-    Raises NestedCagesError like `from_engine_json`, with the number of the frame.
-    """
-    limits = limits or Limits()
-    frames = checked_document(text, FRAMES, "an animation of outlines", limits).get("frames")
-    if not isinstance(frames, list):
-        raise invalid(f"The animation of outlines has {shown(frames)} where its list of frames belongs.")
-    budget = Budget(limits)
-    budget.spend("elements", len(frames))
-    read = []
-    for k, frame in enumerate(frames):
-        time = frame.get("time") if isinstance(frame, Mapping) else None
-        if not isinstance(time, int | float) or isinstance(time, bool):
-            raise invalid(f"Frame {k} of the animation of outlines is not an object with a time and polygons.")
-        try:
-            read.append((float(time), _mesh_of(frame, flip_y, budget)))
-        except LimitError:
-            raise
-        except (NestedCagesError, OverflowError) as error:
-            raise invalid(f"Frame {k}: {error}") from error
-    return tuple(read)
-
-
 def write_engine_json(path: str | os.PathLike[str], shape: Drawable, **options: Any) -> None:
     """Write the outline to a file, whole or not at all; options as of `to_engine_json`."""
     write_whole(path, to_engine_json(shape, **options))
@@ -134,48 +106,15 @@ def from_engine_json(text: str | bytes, *, flip_y: float | None = None, limits: 
     if loops cross or touch, or a hole is not inside its polygon.
     """
     limits = limits or Limits()
-    return _mesh_of(checked_document(text, FORMAT, "a collision outline", limits), flip_y, Budget(limits))
-
-
-def pieces_from_engine_json(
-    text: str | bytes, *, flip_y: float | None = None, limits: Limits | None = None
-) -> list[FloatArray]:
-    """The convex pieces (k, 2) of an outline that was written with `pieces`, counter-clockwise.
-
-    Raises NestedCagesError like `from_engine_json`, and where there are no pieces.
-    """
-    limits = limits or Limits()
-    document = checked_document(text, FORMAT, "a collision outline", limits)
-    points, pieces = document.get("points"), document.get("pieces")
-    if not isinstance(points, list) or not isinstance(pieces, list):
-        raise invalid("The collision outline has no convex pieces; export it with them.")
-    budget = Budget(limits)
-    budget.spend("points", len(points))
-    budget.spend("elements", len(pieces))
-    places = ring_of(points, "the points")
-    turn = 1 if flip_y is None else -1
-    found = []
-    for k, piece in enumerate(pieces):
-        known = isinstance(piece, list) and all(type(i) is int and 0 <= i < len(points) for i in piece)
-        if not known or len(piece) < 3:
-            raise invalid(f"Piece {k} of the collision outline is not a list of at least three of its points.")
-        budget.spend("points", len(piece))
-        found.append(flipped(places[piece], flip_y)[::turn])
-    return found
-
-
-def checked_document(text: str | bytes, kind: str, what: str, limits: Limits) -> Mapping[str, Any]:
-    """The document, checked for format and version."""
-    document, _ = loaded_json(text, what, limits)
-    if not isinstance(document, Mapping) or document.get("format") != kind:
-        raise invalid(f'This is not {what}: its format is not "{kind}".')
+    document, _ = loaded_json(text, "a collision outline", limits)
+    if not isinstance(document, Mapping) or document.get("format") != FORMAT:
+        raise invalid(f'This is not a collision outline: its format is not "{FORMAT}".')
     version = document.get("version")
     if type(version) is not int or version != VERSION:
         raise invalid(
-            f"{what.replace(what.split()[0], 'The', 1)} is of version {shown(version)}, but version {VERSION} is read; "
-            "export it again."
+            f"The collision outline is of version {shown(version)}, but version {VERSION} is read; export it again."
         )
-    return document
+    return _mesh_of(document, flip_y, Budget(limits))
 
 
 def _polygons(mesh: Mesh, flip_y: float | None) -> list[dict[str, Any]]:
@@ -193,7 +132,7 @@ def _polygons(mesh: Mesh, flip_y: float | None) -> list[dict[str, Any]]:
 
 
 def _mesh_of(document: Mapping[str, Any], flip_y: float | None, budget: Budget) -> Mesh:
-    """The mesh of the polygons of a document or a frame."""
+    """The mesh of the polygons of a document."""
     parts = document.get("polygons")
     if not isinstance(parts, list):
         raise invalid(f"The collision outline has {shown(parts)} where its list of polygons belongs.")

@@ -8,13 +8,13 @@ from dataclasses import replace
 from ..decimation.choices import EdgeCollapse
 from ..energies import Area
 from ..energies.no_energy import NoEnergy
-from ..geometry.quadrature import Midpoint
 from ..hierarchy import Settings
 from ..tightening import Tightening
 from .gurditta_jacobson_2022 import (
     PROGRAM_RANGE,
     PROGRAM_STEP,
     GradientDescent,
+    Midpoint,
     PaperContact,
     PaperFlow,
     Repairs,

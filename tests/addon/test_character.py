@@ -10,6 +10,7 @@ import pytest
 from mathutils import Color, Matrix
 
 from drawings import add, at_frame, choose, evaluated, grease_pencil, in_world, poly_curve, text, wire
+from engine_json import character_of
 from marks import slow_after
 
 # Ends and radius of each limb of a figure.
@@ -288,7 +289,7 @@ def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> Non
     choose(cage)
     path = tmp_path / "figure.json"
     assert bpy.ops.object.nested_cages_export(filepath=str(path), kind="CHARACTER", flip_y=False) == {"FINISHED"}
-    found = core.character_from_engine_json(path.read_text())
+    found = character_of(path.read_text())
     assert {bone.name for bone in found.bones} == {bone.name for bone in armature.data.bones}
     bone = bone_at(armature, 1.3, 1.1)
     turn(armature, bone, 40.0)
@@ -303,7 +304,7 @@ def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> Non
         key_turn(bone, frame, degrees)
     options = {"filepath": str(path), "kind": "CHARACTER", "flip_y": True, "frames": True}
     assert bpy.ops.object.nested_cages_export(**options) == {"FINISHED"}
-    frames = core.character_from_engine_json(path.read_text(), flip_y=0.0).frames
+    frames = character_of(path.read_text(), flip_y=0.0).frames
     assert [round(frame.time, 6) for frame in frames] == [0.0, 0.1, 0.2]
     np.testing.assert_allclose(frames[0].shape, found.shape.vertices, atol=1e-4)
     for frame, (_, shape, posed) in enumerate(frames, 1):

@@ -12,6 +12,7 @@ import shapely
 from mathutils import Euler
 
 from drawings import at_frame, choose, circle, poly_curve, solid, star
+from engine_json import pieces_of
 
 
 def corners(obj):
@@ -151,12 +152,12 @@ def test_collision_outlines_have_pieces(tmp_path, core) -> None:
     path = tmp_path / "outline.json"
     options = {"filepath": str(path), "kind": "ENGINE", "scale": 10.0}
     bpy.ops.object.nested_cages_export(**options, pieces=6)
-    pieces = core.pieces_from_engine_json(path.read_text(), flip_y=0.0)
+    pieces = pieces_of(path.read_text(), flip_y=0.0)
     outline = core.from_engine_json(path.read_text(), flip_y=0.0)
     assert max(map(len, pieces)) <= 6
     assert sum(shapely.Polygon(piece).area for piece in pieces) == pytest.approx(outline.area)
     assert "triangles" not in json.loads(path.read_text())
     bpy.ops.object.nested_cages_export(**options, pieces=1)
-    assert max(map(len, core.pieces_from_engine_json(path.read_text()))) == 3
+    assert max(map(len, pieces_of(path.read_text()))) == 3
     bpy.ops.object.nested_cages_export(**options)
     assert "pieces" not in json.loads(path.read_text())

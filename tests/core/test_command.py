@@ -16,11 +16,11 @@ import numpy as np
 import pytest
 import shapely
 
+from engine_json import frames_of, pieces_of
 from marks import slow_after
 from nestedcages_core import (
     Mesh,
     Progress,
-    frames_from_engine_json,
     from_engine_json,
     from_svg,
     nested_cages,
@@ -32,7 +32,7 @@ from nestedcages_core.command import main
 from nestedcages_core.command.making import _processes
 from nestedcages_core.command.progress import ProgressLine, tell
 from nestedcages_core.errors import NestingError
-from nestedcages_core.exchange import features_from_geojson, pieces_from_engine_json
+from nestedcages_core.exchange import features_from_geojson
 from shapes import letter_a, polygon, ring, star
 from test_pictures import encoded
 
@@ -102,7 +102,7 @@ def test_a_picture_becomes_an_outline(tmp_path: Path, capsys: pytest.CaptureFixt
         assert len(outline.loops) == loops
         assert shapely.covers(polygon(outline), squares).all()
         assert ("triangles" in json.loads(out.read_text())) == (flip is not None)
-    pieces = pieces_from_engine_json(out.read_text(), flip_y=60.0)
+    pieces = pieces_of(out.read_text(), flip_y=60.0)
     assert max(map(len, pieces)) <= 6
     assert sum(shapely.Polygon(piece).area for piece in pieces) == pytest.approx(outline.area)
     assert "12 vertices" in capsys.readouterr().out
@@ -118,7 +118,7 @@ def test_pictures_become_the_frames_of_an_animation(tmp_path: Path, capsys: pyte
     out = tmp_path / "walk.json"
     assert main([str(tmp_path / "walk_*.png"), "--levels", "8", "-o", str(out), "--flip-y"]) == 0
     assert f"Wrote {out}" in capsys.readouterr().out
-    frames = frames_from_engine_json(out.read_text(), flip_y=40.0)
+    frames = frames_of(out.read_text(), flip_y=40.0)
     assert [time for time, _ in frames] == [0.0, 1.0, 2.0]
     assert {len(outline.vertices) for _, outline in frames} == {8}
     (tmp_path / "walk_3.png").write_bytes(png(np.zeros((40, 60), bool)))

@@ -31,8 +31,6 @@ from nestedcages_core.command import main
 from nestedcages_core.exchange import (
     DRAWING_LIMITS,
     Limits,
-    frames_from_engine_json,
-    frames_to_engine_json,
     limits,
     read_map,
     svg_drawing,
@@ -66,7 +64,7 @@ def collection(rings: list[Any]) -> str:
 MESH = Mesh.from_loops(SQUARES)
 MAP, CROSSED = collection(SQUARES), collection([STAR])
 OVERLAPPING = collection([[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2]] for x in (0, 1, 2)])
-OUTLINE, FRAMES = to_engine_json(MESH), frames_to_engine_json([MESH, MESH])
+OUTLINE = to_engine_json(MESH)
 DRAWING = svg("".join(f'<path d="{path(square)}"/>' for square in SQUARES))
 PICTURE = encoded(np.full((4, 4, 4), 255), 8, 6, [0])
 CHESS = np.indices((6, 6)).sum(axis=0) % 2 == 0
@@ -87,8 +85,6 @@ CASES: list[tuple[Reader, Any, dict[str, int]]] = [
     (lambda given, limits: read_map(given, limits), CROSSED, {"seconds": 65}),
     (lambda given, limits: from_engine_json(given, limits=limits), OUTLINE,
      {"bytes": len(OUTLINE), "elements": 3, "points": 12}),
-    (lambda given, limits: frames_from_engine_json(given, limits=limits), FRAMES,
-     {"bytes": len(FRAMES), "elements": 8, "points": 24}),
     (lambda given, limits: decode_png(given, limits=limits), PICTURE, {"bytes": len(PICTURE), "pixels": 16}),
     (lambda given, limits: boundary_of_pixels(given, limits=limits), CHESS, {"points": 72}),
     (lambda given, limits: collision_outline(given, 12, limits=limits), CHESS.astype(float), {"points": 40}),

@@ -20,7 +20,7 @@ from nestedcages_core import (
     SignedDistanceFlow,
     nested_cages,
 )
-from nestedcages_core.geometry.quadrature import Quadrature, at_step, vertex_samples
+from nestedcages_core.published.gurditta_jacobson_2022.quadrature import Quadrature, at_step, vertex_samples
 from nestedcages_core.tasks import drain
 from shapes import annulus, assert_nested, octagon_with_hole, polygon, square_with_hole, star
 

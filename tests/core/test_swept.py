@@ -7,12 +7,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from engine_json import frames_of
 from nestedcages_core import (
     InvalidMeshError,
     Mesh,
     NestedCagesError,
     animated_cages,
-    frames_from_engine_json,
     frames_to_engine_json,
     nested_cages,
     swept,
@@ -67,27 +67,12 @@ def test_frames_keep_order_and_numbers() -> None:
     poses = [fine.vertices * (1.0 + 0.1 * k) for k in range(4)]
     level = animated_cages(fine, poses, [10]).levels[0]
     text = frames_to_engine_json([level.cage.moved(step) for step in level.cage_steps], level.times, flip_y=3.0)
-    back = frames_from_engine_json(text, flip_y=3.0)
+    back = frames_of(text, flip_y=3.0)
     assert [time for time, _ in back] == level.times.tolist()
     for (_, outline), step in zip(back, level.cage_steps, strict=True):
         assert np.allclose(sorted(outline.vertices.tolist()), sorted(step.tolist()), atol=1e-14)
     first, last = back[0][1].vertices, back[-1][1].vertices
     assert np.abs(last - 1.3 * first).max() < 0.05
-
-
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ('{"format": "nested-cages outline", "version": 1}', "This is not an animation of outlines"),
-        ('{"format": "nested-cages frames", "version": 2, "frames": []}', "version 2, but version 1"),
-        ('{"format": "nested-cages frames", "version": 1, "frames": 3}', "3 where its list of frames belongs"),
-        ('{"format": "nested-cages frames", "version": 1, "frames": [{}]}', "Frame 0 of the animation"),
-        ('{"format": "nested-cages frames", "version": 1, "frames": [{"time": 0}]}', "Frame 0: The collision outline"),
-    ],
-)
-def test_bad_frames_are_named(text: str, sentence: str) -> None:
-    with pytest.raises(NestedCagesError, match=sentence):
-        frames_from_engine_json(text)
 
 
 def test_times_of_frames_are_checked() -> None:

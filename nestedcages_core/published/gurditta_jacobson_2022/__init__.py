@@ -7,11 +7,17 @@ from .contact import PROGRAM_RANGE, PaperContact, Repairs
 from .flow import PROGRAM_STEP, PaperFlow
 from .gradient_descent import GradientDescent
 from .potential import PaperWeights
+from .quadrature import EvenSamples, GaussLegendre, Midpoint, QuadraticFallOff, RandomSamples
 from .signed_distance_flow import SignedDistanceFlow
 
 __all__ = [  # noqa: RUF022 - in the order of the paper
     "PaperFlow",  # section 3.1 as its program runs it, with parity tests
     "SignedDistanceFlow",  # section 3.1 with exact signs and a choice of quadratures
+    "QuadraticFallOff",  # these: samples along the edges, and their weights (Algorithm 2)
+    "Midpoint",
+    "GaussLegendre",
+    "EvenSamples",
+    "RandomSamples",  # section 5
     "PaperContact",  # section 3.2: the loop over the steps of the flow
     "PaperWeights",  # its weights of the terms of the energy
     "GradientDescent",  # its solver

@@ -11,11 +11,11 @@ from ...flow.containment import Containment
 from ...flow.loop_matching import match_loops
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
-from ...geometry.quadrature import QuadraticFallOff, Quadrature, at_step, vertex_samples
 from ...geometry.signed_distance import SignedDistance
 from ...geometry.vectors import bounds
 from ...parameters import check_count, check_flag, check_part, check_positive
 from ...tasks import Stage
+from .quadrature import QuadraticFallOff, Quadrature, at_step, vertex_samples
 
 
 @dataclass(frozen=True)

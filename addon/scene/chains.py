@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .precision import NEGLIGIBLE
-
+# Minimum number of points of a closed loop.
 SMALLEST_LOOP = 3
-"""Minimum number of points of a closed loop."""
+# Points closer to each other than this fraction of the extent are doubles.
+DOUBLED = 1e-6
 
 
 class Chains(NamedTuple):
@@ -55,9 +55,9 @@ def chains(edges: NDArray[np.int64], vertex_count: int) -> Chains:
 
 
 def without_doubles(points: NDArray[np.float32], extent: float) -> NDArray[np.float32]:
-    """A closed loop (k, 3) without points closer to the one before than `NEGLIGIBLE` of `extent`."""
+    """A closed loop (k, 3) without points closer to the one before than `DOUBLED` of `extent`."""
     gaps = np.linalg.norm(points.astype(float) - np.roll(points, 1, axis=0).astype(float), axis=1)
-    kept = gaps > NEGLIGIBLE * extent
+    kept = gaps > DOUBLED * extent
     return points if kept.all() else points[kept]
 
 

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import NestedCagesError
-from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.distance import point_edge
-from ..geometry.mesh import Mesh
-from ..geometry.vectors import cross
+from ..core import core, distance
+from ..errors import FloatArray
 
+IntArray: TypeAlias = NDArray[np.int64]
+
+# Smallest overlap of the boxes of two loops on each axis, as a fraction of their common range, to compare them in
+# place; otherwise the new loop is first scaled into the box of the old one.
 SHARED_RANGE = 0.5
-"""Smallest overlap of the boxes of two loops on each axis, as a fraction of their common range, to compare them in
-place; otherwise the new loop is first scaled into the box of the old one."""
-
+# Distances that are computed at once.
 CHUNK = 2_000_000
-"""Distances that are computed at once."""
 
 
 @dataclass(frozen=True)
@@ -61,8 +59,8 @@ class Outline:
     def of(cls, points: FloatArray, edges: IntArray) -> Outline:
         """The outline of any edges."""
         try:
-            mesh = Mesh(points[:, :2], edges)
-        except NestedCagesError:
+            mesh = core.Mesh(points[:, :2], edges)
+        except core.NestedCagesError:
             return cls(points, edges, np.zeros(len(points), np.int64), False)
         loop = np.zeros(len(points), np.int64)
         for number, vertices in enumerate(mesh.loops):
@@ -79,7 +77,7 @@ class Outline:
         """Whether the loop bounds an area, not a hole."""
         own = self.edges[self.loop[self.edges[:, 0]] == loop]
         start, end = self.points[own[:, 0], :2], self.points[own[:, 1], :2]
-        return float(cross(start, end).sum()) > 0.0
+        return float((start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]).sum()) > 0.0
 
     @property
     def directions(self) -> FloatArray:
@@ -140,7 +138,7 @@ def _matched(old: Outline, new: Outline) -> list[int | None]:
 
 
 def _into(points: FloatArray, box: FloatArray, other: FloatArray) -> FloatArray:
-    """FloatArray (k, 2) of a box (2, 2), scaled into another one if these overlap little."""
+    """Points (k, 2) of a box (2, 2), scaled into another one if these overlap little."""
     common = np.minimum(box[1], other[1]) - np.maximum(box[0], other[0])
     whole = np.maximum(box[1], other[1]) - np.minimum(box[0], other[0])
     if (common >= SHARED_RANGE * whole).all():
@@ -150,7 +148,7 @@ def _into(points: FloatArray, box: FloatArray, other: FloatArray) -> FloatArray:
     return scaled
 
 
-def _nearest(old: Outline, among: BoolArray, points: FloatArray, tangents: FloatArray | None) -> OutlineMap:
+def _nearest(old: Outline, among: NDArray[np.bool_], points: FloatArray, tangents: FloatArray | None) -> OutlineMap:
     """The nearest points on some edges, on those in the direction of the tangents (k, 2) if there are any."""
     edges, directions = old.edges[among], old.directions[among]
     start, end = (old.points[edges[:, side], :2] for side in (0, 1))
@@ -158,12 +156,12 @@ def _nearest(old: Outline, among: BoolArray, points: FloatArray, tangents: Float
     step = max(1, CHUNK // len(edges))
     for begin in range(0, len(points), step):
         rows = slice(begin, begin + step)
-        near = point_edge(points[rows, None], start, end)
-        distance = near.distance
+        near = distance.point_edge(points[rows, None], start, end)
+        apart = near.distance
         if tangents is not None:
             facing = tangents[rows] @ directions.T > 0.0
             facing |= ~facing.any(axis=1, keepdims=True)
-            distance = np.where(facing, distance, np.inf)
-        best = np.argmin(distance, axis=1)
+            apart = np.where(facing, apart, np.inf)
+        best = np.argmin(apart, axis=1)
         chosen[rows], part[rows] = best, near.parameter[np.arange(len(best)), best]
     return OutlineMap(edges[chosen, 0], edges[chosen, 1], part)

@@ -12,9 +12,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import scipy
 
-from ..parameters import check_count
-from .arrays import FloatArray
-from .mesh import Mesh
+from ...geometry.arrays import FloatArray
+from ...geometry.mesh import Mesh
+from ...parameters import check_count
 
 __all__ = [
     "EvenSamples",
