@@ -56,15 +56,13 @@ def add_steps(
     frames: FloatArray,
     name: str,
     *,
-    back: FloatArray | None = None,
     from_rest: bool = False,
     action: bpy.types.Action | None = None,
 ) -> None:
     """Adds and animates one shape key per step (S, n, 2) that differs from the object's mesh, at frames (S,).
 
     Consecutive equal steps share a key, which is held. The first step holds before the first frame, the last one after
-    the last; `from_rest`: the mesh itself shows until one frame before the first. The steps play once more on the
-    frames `back` (S,), which decrease and are later than all `frames`.
+    the last; `from_rest`: the mesh itself shows until one frame before the first.
     """
     basis = stored(obj.data.vertices, "co", 3)
     coordinates = basis.copy()
@@ -78,13 +76,11 @@ def add_steps(
         coordinates[:, :2] = steps[first]
         key = obj.shape_key_add(name=f"{name} Step {first}", from_mix=False)  # see STEP
         key.points.foreach_set("co", coordinates.ravel())
-        there = _rise_and_fall(frames, first, last, len(steps))
-        back_again = [] if back is None else _rise_and_fall(back, first, last, len(steps))[::-1]
+        points = _rise_and_fall(frames, first, last, len(steps))
         if index == 0 and from_rest:
-            there.insert(0, (frames[0] - 1.0, 0.0))
-            back_again += [(back[0] + 1.0, 0.0)] if back is not None else []
+            points.insert(0, (frames[0] - 1.0, 0.0))
         path = f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].value'
-        fcurves.append((path, [number for point in (*there, *back_again) for number in point]))
+        fcurves.append((path, [number for point in points for number in point]))
     animate(obj.data.shape_keys, fcurves, LINEAR, f"{obj.name} Steps", action)
 
 

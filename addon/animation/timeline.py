@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, dataclass
 from itertools import pairwise
-from typing import TypeVar
 
 import bpy
 import numpy as np
@@ -15,7 +14,6 @@ from .. import keys, record
 from ..core import core
 from ..errors import FloatArray
 
-Frames = TypeVar("Frames", float, FloatArray)
 # Name and frame of a marker.
 Mark = tuple[str, int]
 
@@ -24,30 +22,14 @@ Mark = tuple[str, int]
 class Timing:
     """First frame, frames per step, and whether the flow is part of the animation.
 
-    `ease`: ease in and out of each phase, in the same frames. `loop_back`: after the result, play backwards to the
-    start. `fit_length`: everything takes `length` frames, whatever the number of steps. `in_turn`: one drawing after
-    the other.
+    `fit_length`: everything takes `length` frames, whatever the number of steps.
     """
 
     start_frame: int = 1
     frames_per_step: int = 4
     show_flow: bool = True
-    ease: bool = False
-    loop_back: bool = False
     fit_length: bool = False
     length: int = 120
-    in_turn: bool = False
-
-    def of_each(self, drawings: Sequence[Sequence[Phases]]) -> list[Timing]:
-        """The timing of each of several drawings, given by their levels; in turn they share the length."""
-        if not self.in_turn:
-            return [self] * len(drawings)
-        found: list[Timing] = []
-        start, length = self.start_frame, max(self.length // max(len(drawings), 1), 2)
-        for levels in drawings:
-            found.append(replace(self, start_frame=start, length=length))
-            start = last_frame(spans(levels, found[-1]), found[-1]) + 1
-        return found
 
 
 @dataclass(frozen=True)
@@ -102,75 +84,43 @@ def _frames_per_step(levels: Sequence[Phases], timing: Timing) -> float:
     """Frames from one step to the next; fractional if the animation is fitted to a length."""
     if not timing.fit_length:
         return float(timing.frames_per_step)
-    frames = float(timing.length - 1)
-    if timing.loop_back:
-        frames = 0.5 * (frames - timing.frames_per_step)
     shown = sum(level.last - (0 if timing.show_flow else level.flow_end) for level in levels) + len(levels) - 1
-    return max(frames, 1.0) / max(shown, 1)
-
-
-def last_frame(played: Sequence[Span], timing: Timing) -> int:
-    """The last frame of the animation; it shows the result unless the animation loops back."""
-    end = played[-1].end
-    return round(mirrored(timing.start_frame, end, timing)) if timing.loop_back else end
-
-
-def mirrored(frame: Frames, end: int, timing: Timing) -> Frames:
-    """Frame of the return that shows the same as `frame`; the result on `end` is held for one step."""
-    return 2 * end + timing.frames_per_step - frame
+    return max(timing.length - 1.0, 1.0) / max(shown, 1)
 
 
 def step_frames(level: Phases, span: Span, timing: Timing) -> FloatArray:
-    """Frames (S,) of the steps that are shown.
-
-    Easing moves the steps in time within their phase. The path, and hence the certificate, stays the same: between two
-    steps the motion is linear, and the phases begin and end on the same frames.
-    """
+    """Frames (S,) of the steps that are shown."""
     first = 0 if timing.show_flow else level.flow_end
     indices = np.arange(first, level.last + 1)
     frames = np.full(len(indices), float(span.flow))
     phases = zip((first, level.flow_end, level.tightening, level.last), astuple(span), strict=True)
     for (start, start_frame), (end, end_frame) in pairwise(phases):
         if end > start:
-            done, length = indices[start - first : end - first + 1] - start, end_frame - start_frame
-            part = done / (end - start)
-            if timing.ease:  # when smoothstep, 3t² - 2t³, is `part`
-                part = 0.5 - np.sin(np.arcsin(1.0 - 2.0 * part) / 3.0)
-            frames[start - first : end - first + 1] = start_frame + length * part
+            done = (indices[start - first : end - first + 1] - start) / (end - start)
+            frames[start - first : end - first + 1] = start_frame + (end_frame - start_frame) * done
     return frames
 
 
-def add_markers(scene: Scene, name: str, frame: int) -> list[Mark]:
-    """Marks the result of a drawing by its name; returns the markers' names and frames."""
-    scene.timeline_markers.new(name, frame=frame)
-    return [(name, frame)]
-
-
-def remove_markers(scene: Scene, names_and_frames: Sequence[Mark]) -> None:
-    """Removes one marker for each name and frame that still exists."""
-    for name, frame in names_and_frames:
-        marker = next((m for m in scene.timeline_markers if m.name == name and m.frame == frame), None)
-        if marker is not None:
-            scene.timeline_markers.remove(marker)
-
-
-def play_in(collection: Collection, played: Sequence[Span], timing: Timing, marker: Mark | None = None) -> Mark:
+def play_in(collection: Collection, played: Sequence[Span], marker: Mark | None = None) -> Mark:
     """Notes when an output plays, and its marker, one of its own unless several share one; returns the marker."""
     found, result = record.written(collection), played[-1].end
     noted = found.markers.add()
     noted.name, noted.frame = marker or (found.title or collection.name, result)
-    found.frames, found.animated = (played[0].flow, result, last_frame(played, timing)), True
+    found.frames, found.animated = (played[0].flow, result, result), True
     return noted.name, noted.frame
 
 
 def settle(scene: Scene, dropped: Sequence[Mark], added: Sequence[Mark] = ()) -> None:
     """Removes markers that no output needs any more, adds new ones, and fits the scene's range to what plays."""
     needed = {(mark.name, mark.frame) for each in bpy.data.collections for mark in record.of(each).markers}
-    remove_markers(scene, sorted(set(dropped) - needed))
+    for name, frame in set(dropped) - needed:
+        marker = next((m for m in scene.timeline_markers if m.name == name and m.frame == frame), None)
+        if marker is not None:
+            scene.timeline_markers.remove(marker)
     there = {(mark.name, mark.frame) for mark in scene.timeline_markers}
     for name, frame in dict.fromkeys(added):
         if (name, frame) not in there:
-            add_markers(scene, name, frame)
+            scene.timeline_markers.new(name, frame=frame)
     _fit_range(scene)
 
 

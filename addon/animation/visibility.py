@@ -26,15 +26,12 @@ from . import shape_keys, timeline
 VISIBILITY = ("hide_viewport", "hide_render")
 
 
-def hide_until(obj: Object, frame: int, last: int | None = None, action: bpy.types.Action | None = None) -> None:
-    """Hides the object, in the viewport and in renders, on all frames before `frame`, and after `last` if given.
+def hide_until(obj: Object, frame: int, action: bpy.types.Action | None = None) -> None:
+    """Hides the object, in the viewport and in renders, on all frames before `frame`.
 
     action: see `shape_keys.animate`.
     """
-    switches = [(frame - 1, True), (frame, False)]
-    if last is not None:
-        switches.append((last + 1, True))
-    switch(obj, switches, action)
+    switch(obj, [(frame - 1, True), (frame, False)], action)
 
 
 def switch(obj: Object, frames: Sequence[tuple[int, bool]], action: bpy.types.Action | None = None) -> None:
@@ -129,10 +126,8 @@ def enter(collection: Collection) -> None:
     frames, fine = timeline.frames_of(collection), ownership.member(collection, 0)
     if frames is None or fine is None or ownership.is_bound(collection) or ownership.is_inside(collection):
         return
-    first, result, last = frames
-    # Before the return, if there is one, the result is held for a step.
-    back = [] if last == result else [(result + 1 + (last - 2 * result + first), True), (last + 1, False)]
-    playing = [(first - 1, False), (first, True), (result, False), *back]
+    first, result, _ = frames
+    playing = [(first - 1, False), (first, True), (result, False)]
     source = ownership.source_of(collection)
     if source is not None and _is_elsewhere(source, fine):
         return

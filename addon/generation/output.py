@@ -30,7 +30,7 @@ def length(collection: Collection, timing: Timing) -> int | None:
     phases = [found for found in stored if found is not None]
     if not stored or len(phases) < len(stored):
         return None
-    return timeline.last_frame(timeline.spans(phases, timing), timing) - timing.start_frame + 1
+    return timeline.spans(phases, timing)[-1].end - timing.start_frame + 1
 
 
 # The collections of a run, and sentences about the artist's work on earlier output that could not be transferred.
@@ -70,22 +70,19 @@ def writing(
         staged = replaced
         visibility.leave(*staged)
         home = _home(scene, [result for result, before in zip(results, earlier, strict=True) if before is None])
-        phases = [list(map(Phases.of, result.levels)) for result in results]
-        timings = timing.of_each(phases)
-        marker = None
-        if len(results) > 1 and not timing.in_turn:  # they play together: one marker, on the last result
-            ends = [timeline.spans(each, timing)[-1].end for each in phases]
-            marker = (f"{len(results)} Drawings", max(ends))
+        all_played = [timeline.spans(list(map(Phases.of, result.levels)), timing) for result in results]
+        # Several play together: one marker, on the last result.
+        end = max(played[-1].end for played in all_played)
+        marker = (f"{len(results)} Drawings", end) if len(results) > 1 else None
         dropped: list[timeline.Mark] = []
         added: list[timeline.Mark] = []
         collections = []
-        for number, (result, each, when, before) in enumerate(zip(results, phases, timings, earlier, strict=True)):
+        for number, (result, played, before) in enumerate(zip(results, all_played, earlier, strict=True)):
             yield Progress(number / len(results), f"{result.drawing.name}, writing")
             collection = before or _new_collection(home, result)
             dropped += timeline.stop(scene, collection)
-            played = timeline.spans(each, when)
-            _write_one(result, when, played, collection, rollback)
-            added.append(timeline.play_in(collection, played, when, marker))
+            _write_one(result, timing, played, collection, rollback)
+            added.append(timeline.play_in(collection, played, marker))
             record.keep(collection)
             collections.append(collection)
         timeline.settle(scene, dropped, added)
@@ -173,8 +170,7 @@ def _write_one(
         if number < len(result.levels):
             following = result.levels[number]
             _play(cage, _fine_steps(following), following, played, timing, number + 1, action, from_rest=True)
-        gone = timeline.mirrored(span.flow, played[-1].end, timing)
-        visibility.hide_until(cage, span.flow, round(gone) if timing.loop_back else None, action)
+        visibility.hide_until(cage, span.flow, action)
         _describe(cage, result, level, span)
         made.append(cage)
     if action is not None and not action.users:  # all have actions of the artist's
@@ -219,8 +215,7 @@ def _play(
     phases = Phases.of(level)
     shown = steps if timing.show_flow else steps[phases.flow_end :]
     frames = timeline.step_frames(phases, played[number - 1], timing)
-    back = timeline.mirrored(frames, played[-1].end, timing) if timing.loop_back else None
-    shape_keys.add_steps(obj, shown, frames, f"Level {number}", back=back, from_rest=from_rest, action=action)
+    shape_keys.add_steps(obj, shown, frames, f"Level {number}", from_rest=from_rest, action=action)
 
 
 def _member_with_mesh(

@@ -111,19 +111,11 @@ class OBJECT_OT_nested_cages_adopt(Operator, bpy.types.Operator):
         self.report({"INFO"}, f"{counted(len(made), 'set')} of cages adopted")
 
 
-KIND_ITEMS = (
-    (handles.BONES, "Bones", "One armature with a bone per corner"),
-    (handles.EMPTIES, "Empties", "An empty with a hook per corner"),
-)
-
-
 class OBJECT_OT_nested_cages_add_handles(OutputOperator, bpy.types.Operator):
-    """Add a bone or an empty per corner of the coarsest cage to move that corner and the drawing"""
+    """Add an armature with a bone per corner of the coarsest cage to move that corner and the drawing"""
 
     bl_label = "Add Handles"
     purpose = "move it: select cages around it"
-
-    kind: choice("Handles", "What moves a corner", KIND_ITEMS, default=handles.BONES)
 
     @classmethod
     def unsuitable(cls, collection: Collection) -> str:
@@ -136,9 +128,8 @@ class OBJECT_OT_nested_cages_add_handles(OutputOperator, bpy.types.Operator):
 
     def finish(self, context: Context, done: Sequence[tuple[Collection, None]]) -> None:
         cages = [ownership.members(collection)[-1] for collection, _ in done]
-        select(context, *handles.add(context, cages, self.kind))
-        if self.kind == handles.BONES:
-            bpy.ops.object.mode_set(mode="POSE")
+        select(context, handles.add(context, cages))
+        bpy.ops.object.mode_set(mode="POSE")
         number = sum(len(filling.points_of(filling.mesh_of(cage))) for cage in cages)
         self.report({"INFO"}, f"{counted(number, 'handle')}: move them, and the drawing follows")
 

@@ -96,7 +96,7 @@ PRESETS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
     ),
 }
 # What a preset leaves alone: when the animation plays, how cages look, and how drawings are read.
-KEPT = {*groups.FRAMES, *groups.LOOKS, *groups.READING, "ease", "loop_back", "in_turn", "show_result"}
+KEPT = {*groups.FRAMES, *groups.LOOKS, *groups.READING, "show_result"}
 
 
 class NESTEDCAGES_PT_presets(PresetPanel, bpy.types.Panel):

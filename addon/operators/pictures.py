@@ -165,9 +165,9 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
                 self.report({"WARNING"}, f"Not bound: {error}")
                 continue
             cages.append(ownership.members(collection)[-1])
-        rigs = handles.add(context, cages, handles.BONES) if self.handles and cages else []
-        select(context, *(rigs or made))
-        how = "the bones" if rigs else "the vertices of the cage"
+        rig = handles.add(context, cages) if self.handles and cages else None
+        select(context, *(made if rig is None else [rig]))
+        how = "the vertices of the cage" if rig is None else "the bones"
         self.report({"INFO"}, f"{counted(len(made), 'picture')} cut out: move {how} to pose it")
 
     def _parts(self, context: Context) -> list[Part]:

@@ -20,7 +20,7 @@ GROUPS = ("weight_group", "pin_group")
 NOT_MOVING: tuple[str, ...] = ("use_selected_as_levels", "inside", *RULES, *PLACES)
 SHAPE: tuple[str, ...] = ("decimation", "energy", "fall_back", "as_published")
 FRAMES: tuple[str, ...] = ("start_frame", "fit_length", "length", "frames_per_step")
-ANIMATION: tuple[str, ...] = ("show_flow", "shrink", "ease", "loop_back", "in_turn", "show_result")
+ANIMATION: tuple[str, ...] = ("show_flow", "shrink", "show_result")
 LOOKS: tuple[str, ...] = ("thickness",)
 READING: tuple[str, ...] = ("resolution", "close_open", "project")
 

@@ -108,9 +108,6 @@ class GenerationProperties:
     shrink: flag(
         "Shrink Further", "Let the drawing shrink further than the method needs, so that its return shows", default=True
     )
-    ease: flag("Ease", "Ease in and out of each phase")
-    loop_back: flag("Loop Back", "Play the animation backwards after the result, so that it ends as it began")
-    in_turn: flag("One after Another", "Play several drawings one after the other instead of together")
     show_result: flag("Jump to Result", "Go to the frame that shows the finished cages", default=True)
     thickness: length(
         "Line Thickness",

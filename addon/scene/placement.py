@@ -18,7 +18,6 @@ PARENTING = ("parent", "parent_type", "parent_bone", "parent_vertices", "matrix_
 # The constraint that takes the place of a parent.
 CARRIED = "Nested Cages Drawing"
 # Where another object is, in its space.
-HERE = Matrix()
 
 
 def place(obj: Object, source: Object | None, frame: Frame) -> None:
@@ -84,13 +83,13 @@ def rebase(obj: Object, source: Object, back: Matrix) -> None:
         constraint.inverse_matrix = back @ constraint.inverse_matrix
 
 
-def accompany(obj: Object, other: Object, at: Matrix = HERE) -> None:
-    """Puts an object at a place in the space of another one, and lets the same drawing carry both."""
+def accompany(obj: Object, other: Object) -> None:
+    """Puts an object into the space of another one, and lets the same drawing carry both."""
     carry(obj, *carrier_of(other))
     if constraint_of(obj) is not None:
-        obj.matrix_basis = other.matrix_basis @ at
+        obj.matrix_basis = other.matrix_basis
     else:
-        obj.matrix_world = other.matrix_world @ at
+        obj.matrix_world = other.matrix_world
 
 
 def _displaces(parent: Object) -> bool:

@@ -1,4 +1,4 @@
-"""The add-on's preferences: the tab of its panels, and settings for new files. The menus: one submenu in Object and in
+"""The add-on's preferences: the tab of its panels. The menus: one submenu in Object and in
 the context menu, which F3 searches, and files in File; and the page of the guide, which comes with the add-on, about
 the item under the pointer, for F1 and "Online Manual".
 """
@@ -10,15 +10,14 @@ from typing import Any
 
 import bpy
 from bpy.app.handlers import persistent
-from bpy.props import PointerProperty
 from bpy.types import Context
 
-from ..operators.base import Operator, last_fault
+from ..operators.base import last_fault
 from ..operators.files import SHAPE_ITEMS
 from ..properties import groups
 from ..properties.groups import ANIMATION, FRAMES, PLACES, RULES, SHAPE
 from ..properties.kinds import flag, number, registration, text
-from ..properties.settings import GenerationProperties, copy_values, settings_of
+from ..properties.settings import copy_values, settings_of
 from . import panels
 
 # Operators of the menu by their names, with their icons: groups after Generate, and what comes last.
@@ -110,7 +109,6 @@ PAGES = (
     ("bpy.ops.scene.nested_cages_preset*", "levels"),
     ("bpy.ops.scene.nested_cages_use_preset*", "levels"),
     ("bpy.types.nestedcagespreferences*", "install"),
-    ("bpy.ops.scene.nested_cages_store_defaults*", "install"),
     ("bpy.ops.*.nested_cages*", "cages"),
     ("bpy.types.*nested_cages*", "cages"),
     ("bpy.types.*nestedcages*", "cages"),
@@ -124,10 +122,6 @@ def manual_map() -> tuple[str, tuple[tuple[str, str], ...]]:
         return "", ()
     folder, ending = found
     return f"{folder.as_uri()}/", tuple((name, page + ending) for name, page in PAGES)
-
-
-class NestedCagesDefaults(bpy.types.PropertyGroup, GenerationProperties):
-    """The settings in the preferences, which cannot refer to the list's objects."""
 
 
 class NestedCagesPreferences(bpy.types.AddonPreferences):
@@ -149,58 +143,21 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
         max=20.0,
         subtype="PIXEL",
     )
-    has_defaults: flag("Own Defaults", "Start new files with the settings below")
-    defaults: PointerProperty(name="Defaults", description="Settings of new files", type=NestedCagesDefaults)
 
     def draw(self, _context: Context) -> None:
         layout = self.layout
         layout.use_property_split = True
-        for name in ("category", "line_width", "has_defaults"):
+        for name in ("category", "line_width"):
             layout.prop(self, name)
-        column = layout.column()
-        column.active = self.has_defaults
-        for name in DEFAULTS:
-            column.prop(self.defaults, name)
-        layout.operator("scene.nested_cages_store_defaults", icon="IMPORT")
-
-
-# Settings that the preferences show; all others are stored too.
-DEFAULTS = ("levels", "clearance", *groups.SHAPE, "fit_length", "length", "frames_per_step")
-DEFAULTS += ("show_flow", "ease", "loop_back", *groups.LOOKS, "resolution")
-
-
-class SCENE_OT_nested_cages_store_defaults(Operator, bpy.types.Operator):
-    """Start new files with the settings of this scene"""
-
-    bl_label = "Use Settings of Scene"
-    bl_options = {"INTERNAL"}
-    modes = ()
-    during_jobs = True
-
-    needs = staticmethod(lambda _context: groups.preferences() is not None)
-    missing = "The add-on is not enabled in the preferences"
-
-    def run(self, context: Context) -> None:
-        found = groups.preferences()
-        copy_values(settings_of(context), found.defaults)
-        # Objects of this file do not exist in others.
-        found.defaults.level_objects = ""
-        found.has_defaults = True
-        context.preferences.is_dirty = True
 
 
 @persistent  # type: ignore[untyped-decorator]
-def _begin_file(filepath: str = "", _unused: object = None) -> None:
-    """Forgets the last fault, and applies the user's defaults to a new file; saved files keep their settings."""
+def _forget_fault(*_: object) -> None:
+    """Forgets the fault of the file before."""
     last_fault.clear()
-    found = groups.preferences()
-    if found is None or not found.has_defaults or filepath or bpy.data.filepath:
-        return
-    for scene in bpy.data.scenes:
-        copy_values(found.defaults, scene.nested_cages)  # type: ignore[attr-defined]
 
 
-CLASSES = (VIEW3D_MT_nested_cages, NestedCagesDefaults, NestedCagesPreferences, SCENE_OT_nested_cages_store_defaults)
+CLASSES = (VIEW3D_MT_nested_cages, NestedCagesPreferences)
 
 _register, _unregister = registration(CLASSES)
 
@@ -210,14 +167,14 @@ def register() -> None:
     bpy.utils.register_manual_map(manual_map)
     for menu, entries in MENUS:
         getattr(bpy.types, menu).append(entries)
-    bpy.app.handlers.load_post.append(_begin_file)
+    bpy.app.handlers.load_post.append(_forget_fault)
     found = groups.preferences()
     if found is not None:
         panels.move_to(found.category)
 
 
 def unregister() -> None:
-    bpy.app.handlers.load_post.remove(_begin_file)
+    bpy.app.handlers.load_post.remove(_forget_fault)
     for menu, entries in MENUS:
         getattr(bpy.types, menu).remove(entries)
     bpy.utils.unregister_manual_map(manual_map)

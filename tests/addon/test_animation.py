@@ -99,11 +99,13 @@ def test_an_object_is_hidden_until_its_frame(addon) -> None:
 
 def test_markers_are_taken_back_once_each(addon) -> None:
     scene = bpy.context.scene
-    mine = addon.animation.timeline.add_markers(scene, "Drawing", 30)
-    addon.animation.timeline.add_markers(scene, "Drawing", 30)
-    assert mine == [("Drawing", 30)]
-    addon.animation.timeline.remove_markers(scene, mine)
-    assert sorted((marker.name, marker.frame) for marker in scene.timeline_markers) == sorted(mine)
+    mine = ("Drawing", 30)
+    scene.timeline_markers.new(mine[0], frame=mine[1])
+    addon.animation.timeline.settle(scene, [], [mine, mine])
+    assert [(marker.name, marker.frame) for marker in scene.timeline_markers] == [mine]
+    scene.timeline_markers.new(mine[0], frame=mine[1])
+    addon.animation.timeline.settle(scene, [mine, mine])
+    assert [(marker.name, marker.frame) for marker in scene.timeline_markers] == [mine]
 
 
 def test_many_keys_are_written_in_bulk(addon) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
-from mathutils import Matrix, Vector
 
 from drawings import circle, evaluated, poly_curve, star
 
@@ -49,29 +48,22 @@ def test_bound_cages_show_their_outline_alone(addon, cage) -> None:
     assert len(list(addon.ui.overlay.strokes(bpy.context))) == 1
 
 
-@pytest.mark.parametrize("kind", ["BONES", "EMPTIES"])
-def test_each_handle_moves_its_corner_and_the_drawing_follows(addon, cage, kind) -> None:
+def test_each_handle_moves_its_corner_and_the_drawing_follows(addon, cage) -> None:
     fine = bpy.data.objects["Drawing Fine"]
     before, drawing = evaluated(cage), evaluated(fine)
-    assert bpy.ops.object.nested_cages_add_handles(kind=kind) == {"FINISHED"}
-    if kind == "BONES":
-        assert bpy.context.mode == "POSE"
-        bpy.ops.object.mode_set(mode="OBJECT")
+    assert bpy.ops.object.nested_cages_add_handles() == {"FINISHED"}
+    assert bpy.context.mode == "POSE"
+    bpy.ops.object.mode_set(mode="OBJECT")
     bpy.context.view_layer.update()
     np.testing.assert_allclose(evaluated(cage), before, atol=1e-5)
     names = addon.binding.handles.names(cage)
     assert len(names) == len(before) and names[0] == "Drawing Cage 2 Corner 01"
-    if kind == "BONES":
-        (rig,) = addon.binding.handles.handles_of(cage)
-        assert [bone.name for bone in rig.data.bones] == names
-        assert [len(group.bones) for group in rig.data.collections] == [len(names)]
-        matrix = rig.pose.bones[names[3]].matrix.copy()
-        matrix.translation.x += 0.25
-        rig.pose.bones[names[3]].matrix = matrix
-    else:
-        handle = bpy.data.objects[names[3]]
-        away = Matrix.Translation(cage.matrix_world.to_3x3() @ Vector((0.25, 0.0, 0.0)))
-        handle.matrix_world = away @ handle.matrix_world
+    (rig,) = addon.binding.handles.handles_of(cage)
+    assert [bone.name for bone in rig.data.bones] == names
+    assert [len(group.bones) for group in rig.data.collections] == [len(names)]
+    matrix = rig.pose.bones[names[3]].matrix.copy()
+    matrix.translation.x += 0.25
+    rig.pose.bones[names[3]].matrix = matrix
     bpy.context.view_layer.update()
     moved = evaluated(cage) - before
     np.testing.assert_allclose(moved[3], (0.25, 0.0, 0.0), atol=1e-5)

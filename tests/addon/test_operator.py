@@ -318,7 +318,7 @@ def test_a_fault_while_replacing_brings_all_back(addon, monkeypatch, before, pla
     for x, name in ((0.0, "One"), (3.0, "Two")):
         poly_curve(name, [star()]).location.x = x
     bpy.data.objects["One"].select_set(True)
-    generate(loop_back=True, thickness=0.02 * (before == "thick"))
+    generate(thickness=0.02 * (before == "thick"))
     if before == "keyed":
         bpy.data.objects["Two Cage 1"].keyframe_insert("location", frame=5)
         bpy.context.scene.timeline_markers.new("Mine", frame=3)
@@ -335,7 +335,7 @@ def test_a_fault_while_replacing_brings_all_back(addon, monkeypatch, before, pla
         "first level": (addon.animation.shape_keys, "add_steps", 1),
         "second level": (addon.animation.visibility, "hide_until", 2),
         "second drawing": (addon.animation.shape_keys, "add_steps", 4),
-        "markers": (addon.animation.timeline, "add_markers", 1),
+        "markers": (addon.animation.timeline, "settle", 1),
         "thickness": (addon.scene.display, "set_thickness", 4),
         "moving copy": (addon.animation.visibility, "make_copy", 2),
     }[place]

@@ -15,7 +15,7 @@ slotted = pytest.mark.skipif(bpy.app.version < (4, 4, 0), reason="actions have n
 def cages():
     """The collection, the fine mesh and the cages of two levels."""
     poly_curve("Drawing", [star()])
-    assert bpy.ops.object.nested_cages_generate(levels="20, 10", ease=True, loop_back=True) == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_generate(levels="20, 10") == {"FINISHED"}
     collection = bpy.data.collections["Drawing Cages"]
     return collection, *sorted(collection.objects, key=lambda obj: obj["nested_cages_level"])
 

@@ -50,8 +50,6 @@ NO_INPUT = (
     {"frames_per_step": 9},
     {"fit_length": True, "length": 40},
     {"show_flow": False},
-    {"ease": False},
-    {"loop_back": True},
     {"show_result": False},
     {"thickness": 0.02},
 )

@@ -66,7 +66,7 @@ PRESETS = ("Collision", "Outline", "Rig", "Tight", pytest.param("IPC 2022 Repair
 def test_a_preset_sets_all_that_makes_a_cage_relative_to_the_drawing(addon, name) -> None:
     """Whatever was chosen before; cages are equally tight around a drawing of any size."""
     settings = bpy.context.scene.nested_cages
-    own = {"ease": True, "length": 77, "thickness": 0.25, "resolution": 5}
+    own = {"show_result": False, "length": 77, "thickness": 0.25, "resolution": 5}
     strange = {"inside": True, "convex": True, "grid": 0.5, "symmetry": "FOUND", "pin_group": "Pins", "min_edge": 0.2}
     strange |= {"together": True, "clearance": 0.3, "level_objects": "Gone", "levels": "*, 7", "as_published": True}
     for key, value in (own | strange).items():
