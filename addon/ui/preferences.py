@@ -16,7 +16,7 @@ from ..operators.base import last_fault
 from ..operators.files import SHAPE_ITEMS
 from ..properties import groups
 from ..properties.groups import ANIMATION, FRAMES, PLACES, RULES, SHAPE
-from ..properties.kinds import flag, number, registration, text
+from ..properties.kinds import number, registration, text
 from ..properties.settings import copy_values, settings_of
 from . import panels
 
