@@ -65,7 +65,7 @@ def fractal(count: int) -> Mesh:
 KINDS = {"fractal": fractal, "smooth": smooth, "rough": rough}
 STARTS = {
     "default": Settings(),
-    "hull": Settings(decimation=OuterHull(), starts=1),
+    "hull": Settings(decimation=OuterHull()),
     "curve": Settings(fallback=None),
 }
 

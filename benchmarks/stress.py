@@ -91,7 +91,7 @@ def run_case(seed: int) -> Case | None:
     hull = OuterHull()
     decimation = (hull, OnCurve(), ArcLength(), LineCycles())[random.integers(4)]
     case = Case(seed, kind, most, levels, type(decimation).__name__)
-    settings = Settings(decimation=decimation, fallback=hull, starts=1)
+    settings = Settings(decimation=decimation, fallback=hull)
     begin = time.process_time()
     try:
         hierarchy, case = cages_or_smallest(fine, case, settings)

@@ -54,7 +54,7 @@ ORIGINAL = "Nested Cages 2015"
 WRITTEN, REPAIRED, NEWTON = "2022 as written", "2022 repaired", "2022 by Newton"
 SIMPLE, OURS, DEFAULT = "simple cages 2022", "ours", "nested_cages"
 
-TIGHT = Settings(fallback=None, starts=1, flow=TwoSidedFlow(), contact=IPC(), tightening=Tightening())
+TIGHT = Settings(fallback=None, flow=TwoSidedFlow(), contact=IPC(), tightening=Tightening())
 """Ours with IPC, from one coarse mesh and without a fallback."""
 
 WHOLE: dict[str, Settings] = {

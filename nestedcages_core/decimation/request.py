@@ -14,7 +14,8 @@ from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh, Nesting
 from ..geometry.precision import ROUND_OFF
 from ..geometry.vectors import cross, norm
-from .base import LEAST_PER_LOOP, Count, checked_budget
+from .base import Count
+from .budget import LEAST_PER_LOOP, checked_budget
 
 MAX_TIED = 64
 """Number of equally far vertices that are compared: round shapes have more, which differ in nothing."""

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from ..decimation.base import LEAST_PER_LOOP
+from ..decimation.budget import LEAST_PER_LOOP
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, by_side, is_mesh_like
 from ..level.attempts import LOOSE, clearances_for

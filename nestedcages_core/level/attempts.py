@@ -12,7 +12,7 @@ from math import isfinite
 import numpy as np
 
 from ..contact import Contact, SequentialQP
-from ..decimation import Count, CurveStarts, Decimation, OuterHull, Start
+from ..decimation import Count, Decimation, OuterHull, Start
 from ..errors import FlowError, NestingError
 from ..flow import FlowMethod
 from ..flow.loop_matching import match_loops
@@ -48,8 +48,6 @@ class Attempt:
     """A user's own coarse mesh, or a decimation."""
     count: Count
     """Vertices of the coarse meshes."""
-    starts: int
-    """Number of coarse meshes to start from, where the decimation offers several."""
     flow: FlowMethod
     """Brings the fine mesh inside the coarse ones."""
     contacts: tuple[Contact, ...]
@@ -88,25 +86,24 @@ def attempts(
     flow = settings.flow
     if isinstance(wanted, Mesh):
         contacts = contacts_for(settings)
-        last = Attempt(wanted, size, 1, flow, contacts, clearances)
+        last = Attempt(wanted, size, flow, contacts, clearances)
     else:
-        decimation, starts = settings.decimation, settings.starts
+        decimation = settings.decimation
         may_fall_back = settings.fallback is not None
         # hulls need neither flow nor contact and lead to cages as tight: give up on these early
         quick = may_fall_back and settings.contact is None
         contacts = (default_contact(),) if quick else contacts_for(settings)
         if may_fall_back and _prefers_curve(decimation):
             flow = getattr(flow, "quick", flow)
-        last = Attempt(decimation, wanted, starts, flow, contacts, clearances, may_fall_back=may_fall_back)
+        last = Attempt(decimation, wanted, flow, contacts, clearances, may_fall_back=may_fall_back)
     last = replace(last, seeks_area=getattr(settings.energy, "is_area", False))
     yield last
     if settings.fallback is not None and settings.fallback != last.source:
         counts = _counts(fine, wanted)
-        last = Attempt(settings.fallback, counts, settings.starts, flow, contacts, clearances, fallback=True)
-        if isinstance(wanted, Mesh) and isinstance(settings.decimation, CurveStarts):  # tighter, where there are any
-            around = settings.decimation.outside
-            if around != settings.fallback:
-                yield replace(last, source=around)
+        last = Attempt(settings.fallback, counts, flow, contacts, clearances, fallback=True)
+        around = getattr(settings.decimation, "outside", settings.fallback)
+        if isinstance(wanted, Mesh) and around != settings.fallback:  # line cycles: tighter, where there are any
+            yield replace(last, source=around)
         yield last
     if not isinstance(last.source, Mesh):
         yield replace(last, tightened=False)
@@ -116,13 +113,12 @@ def _attempts_inside(
     settings: LevelSettings, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...]
 ) -> Iterator[Attempt]:
     """The same for a cage inside ``fine``: hulls rest inside it, so nothing flows."""
-    first: Decimation = OuterHull(side=-1)
-    if isinstance(settings.decimation, CurveStarts) and not isinstance(wanted, Mesh):
-        first = settings.decimation.inside
+    hull = OuterHull(side=-1)
+    first = hull if isinstance(wanted, Mesh) else getattr(settings.decimation, "inside", hull)
     count: Count = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
-    last = Attempt(first, count, settings.starts, settings.flow, (), clearances)
+    last = Attempt(first, count, settings.flow, (), clearances)
     if isinstance(wanted, Mesh):
-        yield replace(last, source=wanted, starts=1)
+        yield replace(last, source=wanted)
         if settings.fallback is None:
             return
         alike = np.array_equal(wanted.loop_signs, fine.loop_signs)
@@ -170,7 +166,7 @@ def default_contact() -> Contact:
 
 def _prefers_curve(source: Mesh | Decimation) -> bool:
     """Whether starts come with meshes on the curve."""
-    return isinstance(source, CurveStarts) and source.on_curve
+    return bool(getattr(source, "on_curve", False))
 
 
 def _excess(start: Start, fine: Mesh) -> float:

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
-from ..decimation import CurveStarts, SeveralStarts, Start
-from ..decimation.base import shared_anew
+from ..decimation import SeveralStarts, Start
+from ..decimation.budget import shared_anew
 from ..decimation.hull.outer_hull import SOURCE as HULL
 from ..energies import signed_area
 from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError, note
@@ -115,7 +115,7 @@ class LevelBuilder:
                 logger.debug("attempt from %s failed: %s", attempt.source, error)
                 if attempt.tightened:
                     failures.append(error)
-                    started += [error] if self.starts and isinstance(attempt.source, CurveStarts) else []
+                    started += [error] if self.starts and hasattr(attempt.source, "outside") else []
         if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.side < 0:
             raise (started or failures)[-1]
         from .counts import with_least  # for the message
@@ -150,7 +150,7 @@ class LevelBuilder:
                 rank = cage.rank
             except FAILURES as error:
                 logger.debug("start from %s failed: %s", start.source, error)
-                errors.append(start.makeshift_for or error)
+                errors.append(error)
             logger.debug("start %s, %s: ranked %.9g", self.progress.starts_so_far, start.source, rank)
             try:
                 start = turn.send(rank)
@@ -184,7 +184,7 @@ class LevelBuilder:
         yield from self.progress.begin("decimation")
         clearance = attempt.clearances[0]
         if isinstance(source, SeveralStarts):
-            search = coarse_meshes(source, self.outline, attempt.count, clearance=clearance, most=attempt.starts)
+            search = coarse_meshes(source, self.outline, attempt.count, clearance=clearance)
             return (yield from self.progress.follow(search, lambda done: (done, "decimation")))
         return [Start(source.decimate(self.outline, attempt.count, clearance=clearance), in_words(source))]
 

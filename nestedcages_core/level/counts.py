@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..decimation import Decimation
-from ..decimation.base import blocked
+from ..decimation.budget import blocked
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS

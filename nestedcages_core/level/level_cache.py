@@ -49,13 +49,11 @@ def _level_size(level: Level) -> int:
     return sum(each.nbytes for each in steps) + BYTES_PER_VERTEX * vertices
 
 
-def coarse_meshes(
-    source: SeveralStarts, fine: Mesh, count: Count, *, clearance: float, most: int
-) -> Stage[float, list[Start]]:
+def coarse_meshes(source: SeveralStarts, fine: Mesh, count: Count, *, clearance: float) -> Stage[float, list[Start]]:
     """The starts of a decimation, which depend neither on the energy nor on the flow."""
     numbers = count if isinstance(count, int) else tuple(count)
-    key = key_of(source, fine, numbers, clearance, most)
-    search = source.starts(fine, count, clearance=clearance, most=most)
+    key = key_of(source, fine, numbers, clearance)
+    search = source.starts(fine, count, clearance=clearance)
     return list((yield from _starts.stage(key, search, _size)))
 
 

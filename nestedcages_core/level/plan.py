@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
-from ..decimation.base import clamped
+from ..decimation.budget import clamped
 from ..energies import CageEnergy
 from ..errors import Fault
 from ..geometry.arrays import FloatArray

@@ -37,8 +37,6 @@ class LevelSettings:
     bounding-box diagonal, reduced where gaps of the fine mesh are too narrow for it."""
     decimation: Decimation = field(default_factory=LineCycles)
     """Turns a vertex count into a coarse mesh."""
-    starts: int = 2
-    """Maximum number of coarse meshes to start from, where the decimation offers several; the tightest cage is kept."""
     fallback: Decimation | None = field(default_factory=OuterHull)
     """Decimation to start from if the flow or the reinflation fails; None: raise an error (docs/ablation.md: the hull
     as fallback)."""
@@ -57,11 +55,6 @@ class LevelSettings:
             raise NestedCagesError(
                 f"The clearance must be a finite length of at least 0, not {self.clearance!r}; leave it out for the "
                 f"default.",
-                code="setting.invalid",
-            )
-        if not isinstance(self.starts, int | np.integer) or self.starts < 1:
-            raise NestedCagesError(
-                f"The number of starts must be a whole number of at least 1, not {self.starts!r}.",
                 code="setting.invalid",
             )
         for name, (method, example) in METHODS.items():

@@ -231,8 +231,6 @@ def made_alike(start: Start, symmetry: Symmetry, side: int) -> Alike:
     """A start with exact symmetry, for a cage on a side of the fine mesh. Raises NestingError."""
     coarse = start.coarse
     orbits = orbits_of(coarse, symmetry)
-    if orbits is None and start.makeshift_for is not None:
-        raise start.makeshift_for
     if orbits is None:
         raise NestingError(
             f"The coarse mesh does not have {symmetry}; give a mesh whose vertices are images of each other, or a "

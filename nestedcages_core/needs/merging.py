@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..decimation import Count, Decimation, LineCycles, Start
-from ..decimation.base import LEAST_PER_LOOP
+from ..decimation.budget import LEAST_PER_LOOP
 from ..errors import Fault, InvalidMeshError, NestedCagesError, NestingError, note
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE
@@ -49,9 +49,9 @@ class Merging:
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """The mesh of least area; see `starts`."""
-        return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
+        return drain(self.starts(fine, count, clearance=clearance))[0].coarse
 
-    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 1) -> Stage[float, list[Start]]:
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Stage[float, list[Start]]:
         """One mesh that encloses the shape, with fewer loops where parts are merged. Raises NestingError."""
         total = int(np.sum(count))
         best: Mesh | None = None

@@ -1,6 +1,6 @@
 """The published methods as settings: one definition for the add-on's presets, the benchmarks and scripts.
 
-They have no fallback, start from one coarse mesh, and have no tightening but their own.
+They have no fallback, and no tightening but their own.
 """
 
 from dataclasses import replace
@@ -25,7 +25,6 @@ from .sellan_2022 import LevelSet
 
 AUGMENTED_2022 = Settings(
     fallback=None,
-    starts=1,
     flow=PaperFlow(step=PROGRAM_STEP, absolute=True),
     contact=PaperContact(d_hat=PROGRAM_RANGE, absolute=True),
     tightening=Tightening(iterations=0),

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..contact.pairs import Bodies
 from ..decimation import OuterHull
-from ..decimation.base import LEAST_PER_LOOP, KnowsCounts
+from ..decimation.budget import LEAST_PER_LOOP
 from ..energies import CageEnergy
 from ..errors import InvalidMeshError, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
@@ -202,13 +202,14 @@ class _Search:
 
     def _guess(self) -> Stage[Progress, int | None]:
         """About how many vertices an excess takes, by searches that know all numbers of them."""
-        method, plan = self.builder.settings.decimation, self.builder.plan
+        plan, knowing = self.builder.plan, getattr(self.builder.settings.decimation, "fewest", None)
         needed = plan.side < 0 or plan.needs or plan.group is not None
-        if self.need.excess is None or needed or not isinstance(method, KnowsCounts):
+        if self.need.excess is None or needed or knowing is None:
             return None
         area, most = (1.0 + self.need.limit) * self.fine.area, LARGEST_GUESS * len(self.inner.loops)
-        search = method.fewest(self.inner, min(most, len(self.inner.vertices)), area)
-        return (yield from self.builder.progress.follow(search, lambda done: (done, "decimation")))
+        search = knowing(self.inner, min(most, len(self.inner.vertices)), area)
+        guess: int | None = yield from self.builder.progress.follow(search, lambda done: (done, "decimation"))
+        return guess
 
     def _is_close(self) -> bool:
         """Whether the best level has few vertices above the bound."""

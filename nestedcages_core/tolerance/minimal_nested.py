@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..decimation.base import LEAST_PER_LOOP
+from ..decimation.budget import LEAST_PER_LOOP
 from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS, NEGLIGIBLE, ROUND_OFF

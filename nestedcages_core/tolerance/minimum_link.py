@@ -13,7 +13,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from ..decimation.base import LEAST_PER_LOOP
+from ..decimation.budget import LEAST_PER_LOOP
 from ..geometry.arrays import FloatArray
 from ..geometry.precision import NEGLIGIBLE
 

@@ -86,7 +86,7 @@ class TestOwnMeshes:
         own = Mesh.from_loops([ring(9, 1.2), 0.4 * ring(4)])
         found = tried(Settings(), own)
         assert [attempt.source for attempt in found] == [own, LineCycles(on_curve=False), *2 * [OuterHull()]]
-        assert found[0].starts == 1 and found[0].flow == TwoSidedFlow()
+        assert found[0].flow == TwoSidedFlow()
         assert list(found[1].count) == [9, 4]  # type: ignore[arg-type]
 
     def test_without_a_fallback_they_are_the_only_attempt(self) -> None:
@@ -157,7 +157,7 @@ def starts_for(*, on_curve: bool) -> tuple[list[Start], Mesh]:
 
 def ran(starts: list[Start], fine: Mesh, ranks: list[float], **options: Any) -> list[str]:
     """The starts that are tried if they have these ranks, by name and number."""
-    attempt = Attempt(LineCycles(), 9, 3, TwoSidedFlow(), (SequentialQP(),), CLEARANCES, **options)
+    attempt = Attempt(LineCycles(), 9, TwoSidedFlow(), (SequentialQP(),), CLEARANCES, **options)
     turn = in_turn(starts, fine, attempt)
     names, start = [], next(turn)
     while True:

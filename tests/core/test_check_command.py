@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from nestedcages_core import (
-    Settings,
     animated_cages,
     features_from_geojson,
     frames_to_engine_json,
@@ -92,7 +91,7 @@ def test_pictures_and_motions(tmp_path: Path, capsys: pytest.CaptureFixture) -> 
 
     fine, moves = star(5, 40), np.linspace(0.0, 0.4, 4)
     poses = [fine.vertices + np.array([x, 0.0]) for x in moves]
-    moving = animated_cages(fine, poses, [12], Settings(starts=1)).levels[0]
+    moving = animated_cages(fine, poses, [12]).levels[0]
     frames.write_text(frames_to_engine_json([fine.moved(x) for x in moving.fine_steps]))
     result.write_text(frames_to_engine_json([moving.cage.moved(x) for x in moving.cage_steps]))
     assert checked(capsys, frames, result)[0] == 0

@@ -37,7 +37,7 @@ from nestedcages_core.tolerance.reach import reach
 from shapes import comb, disc, islands, letter_a, letter_a_coarse, ring, square_with_hole, star
 
 SQUARE = np.array([[0, 0], [4, 0], [4, 4], [0, 4]], float)
-FAST = Settings(starts=1, decimation=OuterHull(), fallback=OuterHull())
+FAST = Settings(decimation=OuterHull(), fallback=OuterHull())
 
 MOST_LINES = 300
 """Lines of code in both files, without what explains it: what can be read in a quarter of an hour."""

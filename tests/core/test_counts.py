@@ -18,7 +18,7 @@ from nestedcages_core import (
     nested_cages,
 )
 from nestedcages_core.decimation import Decimation
-from nestedcages_core.decimation.base import clamped, shared_anew
+from nestedcages_core.decimation.budget import clamped, shared_anew
 from shapes import annulus, assert_nested, ring
 
 
@@ -39,7 +39,7 @@ def test_clamping_is_noted() -> None:
 
 @pytest.mark.parametrize("levels", [[64], [64, 500], [12, 16]])
 def test_levels_above_the_drawings_own_are_clamped(levels: list[int]) -> None:
-    hierarchy = nested_cages(annulus(8), levels, Settings(decimation=OuterHull(), starts=1))
+    hierarchy = nested_cages(annulus(8), levels, Settings(decimation=OuterHull()))
     inside = 16
     for level, wanted in zip(hierarchy.levels, levels, strict=True):
         assert_nested(level.cage, level.fine)

@@ -80,9 +80,9 @@ class Offered:
     def decimate(self, fine: Mesh, count: Any, *, clearance: float = 0.0) -> Mesh:
         return self.meshes[0]
 
-    def starts(self, fine: Mesh, count: Any, *, clearance: float, most: int) -> Stage[float, list[Start]]:
+    def starts(self, fine: Mesh, count: Any, *, clearance: float) -> Stage[float, list[Start]]:
         yield 0.0
-        return [Start(mesh, "offered") for mesh in self.meshes[:most]]
+        return [Start(mesh, "offered") for mesh in self.meshes]
 
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
@@ -94,7 +94,7 @@ def test_the_tightest_of_several_starts_is_kept(order: tuple[int, ...]) -> None:
     areas = [nested_cages(fine, [start], Settings(fallback=None)).cages[0].area for start in starts]
     assert max(areas) > 1.08 * min(areas) > (1.0 + 1e-9) * min(areas)
     offered = Offered(tuple(starts[k] for k in order))
-    chosen = Settings(decimation=offered, starts=3, fallback=None)
+    chosen = Settings(decimation=offered, fallback=None)
     assert nested_cages(fine, [5], chosen).cages[0].area < (1.0 + 1e-9) * min(areas)
 
 

@@ -191,7 +191,7 @@ def test_a_sum_is_as_infinite_as_its_terms(plate: Mesh) -> None:
 @pytest.mark.parametrize("energy", slow_after(4, ENERGIES[:8]), ids=lambda energy: type(energy).__name__)
 def test_cages_of_every_energy_are_certified(energy: Energy) -> None:
     for coarse in (octagon_with_hole(), 10):
-        level = nested_cages(annulus(24, 0.45), [coarse], Settings(energy=energy, starts=1)).levels[0]
+        level = nested_cages(annulus(24, 0.45), [coarse], Settings(energy=energy)).levels[0]
         assert_nested(level.cage, level.fine)
         assert (level.reinflation.fine_steps[-1] == level.fine.vertices).all()
 
@@ -238,7 +238,7 @@ def test_restoring_gradient_agrees_with_differences() -> None:
 
 def test_an_energy_of_ones_own_makes_cages() -> None:
     energy = WeightedSum(((1.0, Area()), (0.1, Springs())))
-    level = nested_cages(star(5, 60), [12], Settings(energy=energy, starts=1)).levels[0]
+    level = nested_cages(star(5, 60), [12], Settings(energy=energy)).levels[0]
     assert_nested(level.cage, star(5, 60))
 
 

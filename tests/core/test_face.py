@@ -54,11 +54,12 @@ def test_a_single_level_needs_no_list(level: Any) -> None:
 
 def test_settings_can_be_keywords() -> None:
     assert nested_cages(OUTER, 12, clearance=0.02)[0].report.wanted_clearance == 0.02
-    both = nested_cages(OUTER, 12, Settings(clearance=0.02, starts=1), clearance=0.03)
-    assert both[0].report.wanted_clearance == 0.03
+    both = nested_cages(OUTER, 12, Settings(clearance=0.02, grid=0.001), clearance=0.03)
+    assert (both[0].report.wanted_clearance, both[0].report.grid) == (0.03, 0.001)
     assert inner_cages(OUTER, 12, clearance=0.02)[0].excess < 0.0
-    with pytest.raises(TypeError, match="There is no setting 'clearence'"):
-        nested_cages(OUTER, 12, clearence=0.02)
+    for name in ("clearence", "starts"):  # misspelt, and gone
+        with pytest.raises(TypeError, match=f"There is no setting '{name}'"):
+            nested_cages(OUTER, 12, **{name: 0.02})
     with pytest.raises(NestedCagesError, match="settings must be Settings"):
         nested_cages(OUTER, 12, 0.02)  # type: ignore[arg-type]
 

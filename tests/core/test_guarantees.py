@@ -40,7 +40,7 @@ from shapes import (
 LARGEST = 250
 """Vertices of the largest random shape here; the stress program takes larger ones."""
 
-FAST = Settings(starts=1, decimation=OuterHull(), fallback=OuterHull())
+FAST = Settings(decimation=OuterHull(), fallback=OuterHull())
 
 
 @pytest.mark.slow
@@ -52,7 +52,7 @@ def test_random_shapes_get_certified_cages(seed: int, decimation: object) -> Non
     assume(drawn is not None and len(drawn[1].vertices) <= LARGEST)
     assert drawn is not None
     fine = drawn[1]
-    chosen = Settings(starts=1, decimation=decimation, fallback=FAST.fallback)  # type: ignore[arg-type]
+    chosen = Settings(decimation=decimation, fallback=FAST.fallback)  # type: ignore[arg-type]
     count = min(len(fine.vertices), max(3 * len(fine.loops), 24))
     try:
         level = nested_cages(fine, [count], chosen).levels[0]

@@ -255,7 +255,6 @@ def test_choices_that_are_no_objects_are_refused_with_an_example(choice: dict[st
     ("choice", "sentence"),
     [
         *(({"clearance": value}, "clearance must be a finite length") for value in (-1.0, np.nan, np.inf, "1", [0.1])),
-        *(({"starts": value}, "starts must be a whole number of at least 1") for value in (0, 2.5, "3")),
         *(({"contact": value}, "contact must be an object such as IPC") for value in ([], "IPC")),
         ({"clearance": 1e200}, "times as long as the diagonal"),
         ({"stored": "int8"}, "stored must be float64, .* not 'int8'"),
@@ -306,10 +305,10 @@ def test_a_result_shows_itself_without_its_arrays() -> None:
 
 def test_a_cage_that_its_energy_leaves_as_it_starts_says_so() -> None:
     """Energies that keep a shape have their minimum at the hull."""
-    hull = Settings(energy=BoundaryARAP(), decimation=OuterHull(), starts=1)
+    hull = Settings(energy=BoundaryARAP(), decimation=OuterHull())
     level = nested_cages(star(), [16], hull).levels[0]
     assert (level.cage.vertices == level.coarse.vertices).all()
     assert level.report.notes == (
         "The cage is the coarse mesh, where BoundaryARAP is smallest; Area() makes it tighter.",
     )
-    assert not nested_cages(star(), [16], Settings(decimation=OuterHull(), starts=1)).levels[0].report.notes
+    assert not nested_cages(star(), [16], Settings(decimation=OuterHull())).levels[0].report.notes

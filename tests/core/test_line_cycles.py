@@ -23,11 +23,12 @@ from nestedcages_core import (
     verify,
 )
 from nestedcages_core.decimation.hull.narrow_gaps import HULL_OFFSET
+from nestedcages_core.decimation.hull.outer_hull import SOURCE as HULL
 from nestedcages_core.decimation.line_cycles.around import Around
 from nestedcages_core.decimation.line_cycles.candidates import Obstacles
 from nestedcages_core.decimation.line_cycles.chain import Chain, Lines
 from nestedcages_core.decimation.line_cycles.loop_search import shares
-from nestedcages_core.decimation.line_cycles.method import HULL, SOURCE, cycles_around
+from nestedcages_core.decimation.line_cycles.method import SOURCE, cycles_around
 from nestedcages_core.decimation.line_cycles.shortest_cycles import Paths
 from nestedcages_core.decimation.line_cycles.turns import Turns
 from nestedcages_core.decimation.request import Request
@@ -228,10 +229,19 @@ def test_parameters_and_impossible_counts_are_told() -> None:
 
 def test_inner_cages_start_from_cycles_too() -> None:
     for fine in (letter_a(), star(), annulus(60)):
-        level = inner_cages(fine, 16, Settings(starts=1)).levels[0]
+        cycles, greedy = drain(LineCycles().inside.starts(fine, 16))
+        assert (cycles.source, greedy.source) == ("line cycles", "inner hull")
+        level = inner_cages(fine, cycles.coarse).levels[0]
         hull = inner_cages(fine, 16, Settings(decimation=OuterHull())).levels[0]
-        assert level.report.start == "line cycles" and hull.report.start == "inner hull"
         assert verify(fine, level.cage) and level.report.excess > 1.02 * hull.report.excess
+
+
+def test_an_inner_hull_that_beats_crossing_cycles_is_named_so() -> None:
+    from benchmarks.random_shapes import random_shape
+
+    drawn = random_shape(5000870)
+    assert drawn is not None
+    assert inner_cages(drawn[1], 38).levels[0].report.start == "inner hull"
 
 
 @pytest.mark.parametrize(("seed", "count"), [(None, 15), (78, 44)])

@@ -10,7 +10,8 @@ from ...errors import InvalidMeshError, NestingError
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
 from ...geometry.vectors import norm
-from ..base import LEAST_PER_LOOP, Count
+from ..base import Count
+from ..budget import LEAST_PER_LOOP
 from ..request import Request, shares
 
 PHASES = (0.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875)

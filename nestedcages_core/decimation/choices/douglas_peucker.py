@@ -16,7 +16,8 @@ from ...geometry.mesh import Mesh
 from ...geometry.precision import MOST_STEPS
 from ...geometry.predicates import crossing_pairs
 from ...geometry.vectors import cross, norm
-from ..base import LEAST_PER_LOOP, Count
+from ..base import Count
+from ..budget import LEAST_PER_LOOP
 from ..request import Request
 from .simplification import followed
 

@@ -29,16 +29,16 @@ class OnCurve:
 
         Where its loops would cross, they are resampled by `ArcLength` instead. Raises NestingError as that does.
         """
-        return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
+        return drain(self.starts(fine, count, clearance=clearance))[0].coarse
 
-    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 1) -> Stage[float, list[Start]]:
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Stage[float, list[Start]]:
         """The mesh of `decimate`. A generator: yields the fraction done and returns the list."""
         return [Start((yield from self._coarse(fine, count, clearance)), "on curve")]
 
     def _coarse(self, fine: Mesh, count: Count, clearance: float) -> Stage[float, Mesh]:
         try:
             if isinstance(self.around, SeveralStarts):
-                starts = yield from self.around.starts(fine, count, clearance=clearance, most=1)
+                starts = yield from self.around.starts(fine, count, clearance=clearance)
                 around = starts[0].coarse
             else:
                 around = self.around.decimate(fine, count, clearance=clearance)

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike
 
 from ...errors import InvalidMeshError, NestingError
 from ...geometry.mesh import Mesh
-from ..base import Count, checked_budget
+from ..base import Count
+from ..budget import checked_budget
 
 
 @dataclass(frozen=True)

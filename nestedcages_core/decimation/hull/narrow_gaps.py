@@ -14,7 +14,7 @@ from ...geometry.broad_phase import near_pairs
 from ...geometry.distance import point_edge
 from ...geometry.loops import Loops
 from ...geometry.vectors import cross
-from ..base import LEAST_PER_LOOP
+from ..budget import LEAST_PER_LOOP
 
 HULL_OFFSET = 5e-5
 """Distance, in diameters, between hull and fine mesh where there is space, unless the clearance is larger."""

@@ -13,7 +13,7 @@ from ...geometry.precision import MOST_HALVINGS, MOST_ROUNDS, NEGLIGIBLE, PART_O
 from ...geometry.predicates import BoxTree, orientation, segments_intersect
 from ...geometry.vectors import cross, dot, norm, rotated_right
 from ...tasks import Stage, drain
-from ..base import LEAST_PER_LOOP
+from ..budget import LEAST_PER_LOOP
 from .hull_moves import Weights
 from .narrow_gaps import CLEARANCE_RESERVE, in_narrow_gaps, without
 from .progressive_hull import ProgressiveHull

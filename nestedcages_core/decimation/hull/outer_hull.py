@@ -18,6 +18,11 @@ SOURCE, INNER_SOURCE = "outer hull", "inner hull"
 """Names of its meshes in reports."""
 
 
+def source_of(side: int) -> str:
+    """The name of a hull around the fine mesh, or inside it."""
+    return SOURCE if side > 0 else INNER_SOURCE
+
+
 @dataclass(frozen=True)
 class OuterHull:
     """Progressive hull of a strict offset of the fine mesh."""
@@ -32,7 +37,7 @@ class OuterHull:
         """The hull; see `starts`."""
         return drain(self.starts(fine, count, clearance=clearance))[0].coarse
 
-    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 1) -> Stage[float, list[Start]]:
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Stage[float, list[Start]]:
         """One mesh that strictly encloses the fine one, or lies inside it, by exact predicates.
 
         count: total number of vertices, or one per loop of the fine mesh: exactly these, even if it has fewer itself,
@@ -43,7 +48,7 @@ class OuterHull:
         Raises NestingError if the count is impossible, with the smallest one found, or if doubles are too coarse.
         """
         hull = yield from self.hull(Request.of(fine, count, self.side), clearance)
-        return [Start(hull, SOURCE if self.side > 0 else INNER_SOURCE)]
+        return [Start(hull, source_of(self.side))]
 
     def hull(self, request: Request, clearance: float) -> Stage[float, Mesh]:
         """The mesh of `starts`."""

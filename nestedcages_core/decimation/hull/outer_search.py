@@ -16,7 +16,7 @@ from ...geometry.mesh import Mesh
 from ...geometry.precision import ROUND_OFF
 from ...geometry.vectors import place as in_words
 from ...tasks import Stage, mapped
-from ..base import blocked
+from ..budget import blocked
 from ..request import Request
 from .hull_moves import Weights
 from .narrow_gaps import CLEARANCE_RESERVE, HULL_OFFSET, without_gaps

@@ -17,7 +17,8 @@ from ...geometry.precision import MOST_ROUNDS, NEGLIGIBLE
 from ...geometry.vectors import norm
 from ...tasks import Stage
 from ..alike import AsymmetricError, padded_alike, symmetrised
-from ..base import LEAST_PER_LOOP, REACH, Importance
+from ..base import REACH
+from ..budget import LEAST_PER_LOOP
 from ..hull.narrow_gaps import HULL_OFFSET
 from ..request import Request
 from .candidates import Obstacles, candidates
@@ -29,6 +30,7 @@ from .shortest_cycles import Paths
 from .turns import SLACK
 
 if TYPE_CHECKING:
+    from ..importance import Importance
     from .images import Images
 
 PLACES_PER_VERTEX, LEAST_PLACES, LEAST_PLACES_OF_A_LOOP = 3.0, 96, 12

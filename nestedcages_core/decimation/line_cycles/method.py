@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,14 +26,16 @@ from ...geometry.precision import ROUND_OFF
 from ...parameters import check_flag, check_side
 from ...tasks import Stage, drain, mapped
 from ..alike import AsymmetricError, symmetrised
-from ..base import Count, Importance, Start
+from ..base import Count, Start
 from ..hull.narrow_gaps import HULL_OFFSET, is_narrow, without_gaps
-from ..hull.outer_hull import SOURCE as HULL
-from ..hull.outer_hull import OuterHull
+from ..hull.outer_hull import OuterHull, source_of
 from ..on_curve import closest_on_curve
 from ..request import Request
 from .around import Around
 from .loop_search import NoCyclesError
+
+if TYPE_CHECKING:
+    from ..importance import Importance
 
 SOURCE = "line cycles"
 """Name of its meshes in reports."""
@@ -100,9 +103,9 @@ class LineCycles:
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A mesh that strictly encloses the fine one, by exact predicates; see `starts`."""
-        return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
+        return drain(self.starts(fine, count, clearance=clearance))[0].coarse
 
-    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 1) -> Stage[float, list[Start]]:
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Stage[float, list[Start]]:
         """One mesh that strictly encloses the fine one, by exact predicates; or some inside it, the last one a hull.
 
         count: total number of vertices, or one per loop of the fine mesh. clearance: distance to keep from the fine
@@ -112,19 +115,18 @@ class LineCycles:
         then there may be an outer hull.
         """
         if self.side < 0:
-            return (yield from self._inside(fine, count, clearance, most))
+            return (yield from self._inside(fine, count, clearance))
         mesh, source = yield from self.found(Request.of(fine, count), clearance)
         near = self.on_curve and mesh.area <= (1.0 + MAX_EXCESS_ON_CURVE) * fine.area
         return [Start(mesh, source, closest_on_curve(mesh, fine, self.symmetry or self.preferred) if near else None)]
 
-    def _inside(self, fine: Mesh, count: Count, clearance: float, most: int) -> Stage[float, list[Start]]:
-        """Up to `most` meshes strictly inside the fine one: of cycles in what surrounds them, and a hull."""
+    def _inside(self, fine: Mesh, count: Count, clearance: float) -> Stage[float, list[Start]]:
+        """Meshes strictly inside the fine one: of cycles in what surrounds them, and a hull."""
         starts: list[Start] = []
         with suppress(NoCyclesError):
             starts = [Start(*(yield from self.found(Request.of(fine, count, -1), clearance)))]
         try:
-            if len(starts) < most:
-                starts += yield from OuterHull(side=-1).starts(fine, count, clearance=clearance)
+            starts += yield from OuterHull(side=-1).starts(fine, count, clearance=clearance)
         except NestingError:
             if not starts:
                 raise
@@ -144,13 +146,13 @@ class LineCycles:
         plain = self.symmetry is None and self.importance is None
         largest = request.target * max(request.outline.sizes) / sum(request.outline.sizes)
         if plain and (largest > MOST_LINES or len(request.outline.sizes) > MOST_LOOPS):
-            return (yield from OuterHull().hull(request, clearance)), HULL
+            return (yield from OuterHull().hull(request, clearance)), source_of(request.side)
         mesh, rounds = yield from cycles_around(self, request, clearance)
         if rounds and plain:
             with suppress(NestingError):
                 hull = yield from OuterHull().hull(request, clearance)
                 if request.side * hull.area < request.side * mesh.area:
-                    return hull, HULL
+                    return hull, source_of(request.side)
         return mesh, SOURCE
 
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.precision import NEGLIGIBLE, ROUND_OFF
 from ...geometry.vectors import cross, norm
-from ..base import PIN_REACH
 from .chain import Chain, Lines
 
 SingleArray: TypeAlias = NDArray[np.float32]
@@ -19,6 +18,8 @@ SingleArray: TypeAlias = NDArray[np.float32]
 SLACK = 1e-5
 """Length, in diameters, by which a vertex may lie beyond the free part of a line: the clearance of an offset."""
 
+PIN_REACH = 1e-3
+"""Distance from a pin, in diameters of the shape, up to which a vertex counts as pinned."""
 
 PIN_COST = 10.0
 """Cost of a vertex for its distance from a pin that it stands for, in diameters, beyond `PIN_REACH`."""

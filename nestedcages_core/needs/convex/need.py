@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from ...contact.pairs import Bodies
-from ...decimation.base import LEAST_PER_LOOP
+from ...decimation.budget import LEAST_PER_LOOP
 from ...errors import Fault, NestingError, note
 from ...geometry.arrays import FloatArray
 from ...geometry.group import Symmetry

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...decimation.base import PIN_REACH
+from ...decimation.line_cycles.turns import PIN_REACH
 from ...geometry.arrays import BoolArray, FloatArray
 from ...geometry.group import Symmetry
 from ...geometry.loops import Loops

@@ -11,7 +11,8 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from ...decimation.base import LEAST_PER_LOOP, PIN_REACH
+from ...decimation.budget import LEAST_PER_LOOP
+from ...decimation.line_cycles.turns import PIN_REACH
 from ...energies import CageEnergy
 from ...energies.weighted_sum import BoundSum
 from ...errors import Fault, NestingError, note

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from ...decimation.base import LEAST_PER_LOOP
+from ...decimation.budget import LEAST_PER_LOOP
 from ...errors import Fault, InvalidMeshError, NestingError, note
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...decimation.base import Count, Decimation, checked_budget
+from ...decimation.base import Count, Decimation
+from ...decimation.budget import checked_budget
 from ...decimation.choices.douglas_peucker import DouglasPeucker
 from ...decimation.choices.edge_collapse import EdgeCollapse
 from ...errors import NestingError
