@@ -33,7 +33,6 @@ from guide_window import (
     only,
     outline,
     override,
-    region_box,
     register_extension,
     shoot,
     sidebar,
@@ -119,19 +118,6 @@ def pieces() -> Steps:
 
 
 @picture
-def level_list() -> Steps:
-    yield from clear()
-    outline("Mine", 1.4 * np.column_stack([np.cos(np.arange(14) / 7 * np.pi), np.sin(np.arange(14) / 7 * np.pi)]))
-    letter()
-    yield from sidebar()
-    panel = bpy.context.scene.nested_cages
-    panel.level_objects, panel.levels = "Mine", "32, 5 mm, +25%, *"
-    panel.clearance = 0.03
-    look(2.6, (0.75, 0.7))
-    yield from shoot("level_list", region_box(330))
-
-
-@picture
 def own_before() -> Steps:
     yield from _own()
     yield from shoot("own_before", (56, 85, 775, 720))
@@ -140,7 +126,7 @@ def own_before() -> Steps:
 @picture
 def own_after() -> Steps:
     yield from _own()
-    generate(levels="*", level_objects="Mine", use_selected_as_levels=False)
+    generate(use_selected_as_levels=True)
     yield from shoot("own_after", (56, 85, 1035, 720))
 
 

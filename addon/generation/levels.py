@@ -33,12 +33,6 @@ def lengths(scene: Scene) -> dict[str, float]:
     return {first: known[first], **known}
 
 
-def written(length: float, scene: Scene) -> str:
-    """A length in scene units as text with the unit that the scene shows, such as 0.05m."""
-    unit, factor = next(iter(lengths(scene).items()))
-    return f"{length / factor:.6g}{unit}"
-
-
 def loop_sizes(obj: Object, resolution: int = 0) -> tuple[int, ...]:
     """Vertices of each loop of an outline before modifiers, for a mesh of all loops together; empty for types whose
     counts are unknown until they are read. resolution: as of `lines_of`.
@@ -104,10 +98,7 @@ def parse_levels(text: str, units: Mapping[str, float]) -> tuple[Level, ...]:
     """
     words = core.hierarchy.level_words(text, units) or [text]
     try:
-        return tuple(
-            OWN if word == OWN else core.hierarchy.parse_level(word, units, f"{OWN} for an object of your own")
-            for word in words
-        )
+        return tuple(OWN if word == OWN else core.hierarchy.parse_level(word, units) for word in words)
     except core.NestedCagesError as error:
         raise UserError(str(error)) from error
 
@@ -138,8 +129,8 @@ def wanted_levels(
     if levels.count(OWN) != len(own):
         raise UserError(
             f"'{name}': {levels.count(OWN)} of the levels should be an object of your own (*), and {len(own)} "
-            f"{'is' if len(own) == 1 else 'are'} chosen: click the plus next to Levels and choose one for each, or "
-            "select them and tick 'Selected as Levels'"
+            f"{'is' if len(own) == 1 else 'are'} named: select your objects and then the drawing, and tick 'Selected "
+            "as Levels'"
         )
     sizes = [len(loop) for loop in fine.loops]
     if convex:  # this many vertices around each part

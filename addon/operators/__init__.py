@@ -6,9 +6,9 @@ import bpy
 
 from ..generation.job import end_all
 from ..properties.kinds import registration
-from . import animation, bind, files, generate, levels, pictures, verify
+from . import animation, bind, files, generate, pictures, presets, verify
 
-_ROOMS = (generate, verify, bind, animation, files, pictures, levels)
+_ROOMS = (generate, verify, bind, animation, files, pictures, presets)
 CLASSES = [
     found
     for room in _ROOMS

@@ -25,7 +25,7 @@ from ..generation.job import Progress, Work, part, running
 from ..generation.levels import OWN
 from ..generation.rules import Places
 from ..notes import in_scene, note
-from ..properties import groups, level_list
+from ..properties import groups
 from ..properties.settings import GenerationProperties, OperatorProperties, all_values, filled, options_of
 from ..rigging.pose import Pose, unmoved
 from ..scene import areas, convert, ownership
@@ -280,7 +280,7 @@ def _places(context: Context, objects: Sequence[Object], fine: convert.Drawing, 
 def _own_objects(context: Context, values: GenerationProperties) -> list[Object]:
     """The objects that are levels. Raises: UserError."""
     objects = []
-    for name in level_list.names_of(values.levels, values.level_objects):
+    for name in list(filter(None, values.level_objects.split("\n")))[: values.levels.count(OWN)]:
         obj = context.scene.objects.get(name)
         if obj is None:
             raise UserError(f"'{name}' is named as a level but is not in the scene")

@@ -13,7 +13,6 @@ from bpy.props import BoolVectorProperty, CollectionProperty, FloatVectorPropert
 from bpy.types import Collection, Mesh, Object, Scene
 
 from .kinds import choice, flag, number, registration, text, whole
-from .level_list import NestedCagesLevel
 from .settings import GenerationProperties, NestedCagesSettings
 
 ROLES = [(name, name.title(), "") for name in ("NONE", "FINE", "CAGE", "FIELD", "LINES", "PROXY", "FILL", "HANDLES")]
@@ -114,7 +113,6 @@ class NestedCagesMember(bpy.types.PropertyGroup):
 
 
 CLASSES = (
-    NestedCagesLevel,
     NestedCagesSettings,
     NestedCagesNote,
     NestedCagesMarker,

@@ -9,7 +9,6 @@ from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
 
 import bpy
-from bpy.props import CollectionProperty
 from bpy.types import Context, Scene
 
 from ..animation.timeline import Timing
@@ -19,17 +18,10 @@ from ..generation.methods import DECIMATIONS, ENERGIES, Methods, items
 from ..generation.rules import NONE as NO_SYMMETRY
 from ..generation.rules import SYMMETRIES, Rules
 from ..scene.convert import ReadingOptions
-from . import level_list
 from .kinds import choice, flag, length, number, text, whole
 
 # Percentages suit every drawing; for a text or an imported icon these are about 60 and 24 vertices.
 DEFAULT_LEVELS = "20%, 8%"
-
-
-def _fill_list(self: object, _context: Context) -> None:
-    """Updates the list from the levels' text; only the scene's settings have a list."""
-    if isinstance(self, NestedCagesSettings):
-        level_list.fill(self)
 
 
 class GenerationProperties:
@@ -38,14 +30,10 @@ class GenerationProperties:
     levels: text(
         "Levels",
         "What each cage has, finest first: a number of vertices (64), a share of the drawing's vertices (20%), or as "
-        "few as keep within a distance of the drawing (5mm, 0.2ft, 2u for units) or add at most some area (+25%). * is "
-        "an object of your own",
+        "few as keep within a distance of the drawing (5mm, 0.2ft, 2u for units) or add at most some area (+25%)",
         default=DEFAULT_LEVELS,
-        update=_fill_list,
     )
-    level_objects: text(
-        "Own Objects", "Names of the objects that * stands for in the levels, one per line", update=_fill_list
-    )
+    level_objects: text("Own Objects", "For scripts: names of the objects that * in the levels stands for, a line each")
     use_selected_as_levels: flag(
         "Selected as Levels", "Use the active object as the drawing and the other selected objects as its coarse meshes"
     )
@@ -156,16 +144,12 @@ class OperatorProperties(GenerationProperties):
 
 
 class NestedCagesSettings(bpy.types.PropertyGroup, GenerationProperties):
-    """The scene's settings for the next cages; the levels also as a list, which writes the text and is filled by it."""
+    """The scene's settings for the next cages."""
 
     # The panel fits the animation to a length; scripts that give frames per step get what they ask for.
     fit_length: flag(
         "Fit to Length", "Let the whole animation take the frames below, whatever the number of steps", default=True
     )
-    level_list: CollectionProperty(
-        name="Level List", description="The levels, one by one", type=level_list.NestedCagesLevel
-    )
-    level_index: whole("Level", "The level that is chosen in the list", min=0)
 
 
 def settings_of(context: Context) -> NestedCagesSettings:
@@ -177,9 +161,6 @@ def copy_values(source: GenerationProperties, target: GenerationProperties | bpy
     """Copies all settings from `source` to `target`."""
     for name in NAMES:
         setattr(target, name, getattr(source, name))
-    if isinstance(source, NestedCagesSettings) and len(source.level_list):
-        # The list refers to objects, which survive renaming.
-        target.level_objects = level_list.own_objects(source)
 
 
 Filled = TypeVar("Filled", ReadingOptions, Timing, Methods, Rules)

@@ -16,10 +16,9 @@ from ..generation import output
 from ..generation.job import running
 from ..generation.levels import lengths, loop_sizes, meanings, parse_levels
 from ..operators.base import last_fault
-from ..operators.levels import NESTEDCAGES_PT_presets
+from ..operators.presets import NESTEDCAGES_PT_presets
 from ..properties import groups
 from ..properties.kinds import registration
-from ..properties.level_list import VALUES
 from ..properties.settings import NestedCagesSettings, copy_values, filled, settings_of
 from ..scene import ownership
 from ..scene.ownership import chosen, collection_of_active, outputs_of_active, scene_of
@@ -59,26 +58,6 @@ class PartPanel(SidebarPanel):
         groups.draw(_split(self.layout).column(), settings_of(context), groups.PARTS[self.bl_label])
 
 
-class NESTEDCAGES_UL_levels(bpy.types.UIList):
-    """One level per line"""
-
-    def draw_item(
-        self,
-        _context: Context,
-        layout: bpy.types.UILayout,
-        _data: Any,
-        item: Any,
-        _icon: int | None,
-        _active_data: Any,
-        _active_property: str | None,
-        _index: int | None = 0,
-        _filter_flag: int | None = 0,
-    ) -> None:
-        row = layout.row(align=True)
-        row.prop(item, "kind", text="")
-        row.prop(item, VALUES[item.kind], text="")
-
-
 class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
     """Settings of the cages and the button that generates them"""
 
@@ -90,12 +69,9 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
     def draw(self, context: Context) -> None:
         settings, layout = settings_of(context), _split(self.layout)
         column = layout.column()
-        levels = column.row(align=True)
+        levels = column.row()
         levels.active = not settings.use_selected_as_levels
         levels.prop(settings, "levels")
-        levels.operator("scene.nested_cages_level_add", text="", icon="ADD")
-        if len(settings.level_list):
-            _draw_list(column, settings)
         for line in _said_of_levels(context, settings):
             row = column.row()
             row.alignment = "RIGHT"
@@ -208,17 +184,6 @@ class VIEW3D_PT_nested_cages_use(PartPanel, bpy.types.Panel):
         layout.operator("object.nested_cages_export", icon="EXPORT")
 
 
-def _draw_list(layout: bpy.types.UILayout, settings: NestedCagesSettings) -> None:
-    """The list of levels, and the buttons that change their number and order."""
-    row = layout.row()
-    row.active = not settings.use_selected_as_levels
-    row.template_list("NESTEDCAGES_UL_levels", "", settings, "level_list", settings, "level_index", rows=3)
-    buttons = row.column(align=True)
-    buttons.operator("scene.nested_cages_level_remove", text="", icon="REMOVE")
-    buttons.operator("scene.nested_cages_level_move", text="", icon="TRIA_UP").step = -1
-    buttons.operator("scene.nested_cages_level_move", text="", icon="TRIA_DOWN").step = 1
-
-
 def _said_of_levels(context: Context, settings: NestedCagesSettings) -> list[str]:
     """The vertex counts of the levels for the active drawing: "20 % = 93 vertices"."""
     active = context.view_layer.objects.active
@@ -249,9 +214,7 @@ def _draw_binding(layout: bpy.types.UILayout, collection: Collection | None) -> 
 CLASSES: list[Any] = [
     found
     for found in list(globals().values())
-    if isinstance(found, type)
-    and found.__module__ == __name__
-    and issubclass(found, (bpy.types.Panel, bpy.types.UIList))
+    if isinstance(found, type) and found.__module__ == __name__ and issubclass(found, bpy.types.Panel)
 ]
 
 register, unregister = registration(CLASSES)

@@ -31,11 +31,11 @@ def level_words(text: str, units: Mapping[str, float] = UNITS) -> list[str]:
     return re.findall(rf"{EITHER_WAY}|[^\s,;]+", joined)
 
 
-def parse_level(word: str, units: Mapping[str, float] = UNITS, others: str = "") -> int | Share | Within:
+def parse_level(word: str, units: Mapping[str, float] = UNITS) -> int | Share | Within:
     """Parse one level: `64`, `20%`, `2px` or `+25%`.
 
-    units: suffixes of distances with their lengths; the first one is the example in messages. others: further kinds
-    that the caller accepts, for messages. Raises NestedCagesError.
+    units: suffixes of distances with their lengths; the first one is the example in messages.
+    Raises NestedCagesError.
     """
     found = re.fullmatch(r"(\+?)(\d+\.?\d*(?:e[+-]?\d+)?|\.\d+(?:e[+-]?\d+)?)([^\d.]*)", word)
     sign, number, unit = found.groups() if found else ("", "nan", "")
@@ -55,9 +55,8 @@ def parse_level(word: str, units: Mapping[str, float] = UNITS, others: str = "")
         if not unit and not sign and number.isdecimal():
             return int(number)
     known = ("a whole number of at least 1", "a percentage such as 8%", f"a distance such as 2{next(iter(units))}")
-    *kinds, last = (*known, "an excess such as +25%", *([others] if others else []))
     raise NestedCagesError(
-        f"A level is {', '.join(kinds)}, or {last}; {word!r} is none of these.", code="level.invalid"
+        f"A level is {', '.join(known)}, or an excess such as +25%; {word!r} is none of these.", code="level.invalid"
     )
 
 

@@ -72,14 +72,11 @@ def draw(extension):
     return drawn_by
 
 
-def test_the_panel_shows_the_settings_and_the_list_once_there_is_one(draw) -> None:
+def test_the_panel_shows_the_settings(draw) -> None:
     drawn = draw("VIEW3D_PT_nested_cages")
     assert {"levels", "clearance", "object.nested_cages_generate", "object.nested_cages_bind"} <= set(drawn)
     assert not {"energy", "fit_length", "shrink", "as_published"} & set(drawn)
     assert {"fit_length", "show_flow", "shrink"} <= set(draw("VIEW3D_PT_nested_cages_animation"))
-    assert "level_list" not in drawn
-    bpy.ops.scene.nested_cages_level_add()
-    assert "level_list" in draw("VIEW3D_PT_nested_cages")
     assert "resolution" in draw("VIEW3D_PT_nested_cages_reading")
     bones = ["object.nested_cages_suggest_bones", "object.nested_cages_rig"]
     assert draw("VIEW3D_PT_nested_cages_character") == bones
@@ -151,14 +148,3 @@ def test_a_fault_is_offered_in_the_panel(draw, addon) -> None:
     with pytest.raises(RuntimeError):
         bpy.ops.object.nested_cages_generate()
     assert "object.nested_cages_select_fault" in draw("VIEW3D_PT_nested_cages")
-
-
-@pytest.mark.parametrize("kind", ["COUNT", "PERCENT", "OBJECT"])
-def test_each_level_is_a_line(extension, kind) -> None:
-    bpy.ops.scene.nested_cages_level_add()
-    settings = bpy.context.scene.nested_cages
-    settings.level_list[0].kind = kind
-    drawn: list[str] = []
-    levels = sys.modules[f"{extension.__name__}.addon.ui.panels"].NESTEDCAGES_UL_levels
-    levels.draw_item(None, None, Layout(drawn), settings, settings.level_list[0], 0, settings, "level_index")
-    assert drawn == ["kind", {"COUNT": "count", "PERCENT": "percent", "OBJECT": "own"}[kind]]

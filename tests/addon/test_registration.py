@@ -72,8 +72,8 @@ def test_a_preset_sets_all_that_makes_a_cage_relative_to_the_drawing(addon, name
     for key, value in (own | strange).items():
         setattr(settings, key, value)
     assert bpy.ops.scene.nested_cages_use_preset(name=name) == {"FINISHED"}
-    kept = addon.operators.levels.KEPT
-    chosen = addon.operators.levels.PRESETS[name][1]
+    kept = addon.operators.presets.KEPT
+    chosen = addon.operators.presets.PRESETS[name][1]
     for key in addon.properties.settings.NAMES:
         if key not in kept:
             assert getattr(settings, key) == chosen.get(key, settings.bl_rna.properties[key].default), key

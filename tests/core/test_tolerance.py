@@ -235,8 +235,8 @@ def test_levels_as_people_write_them() -> None:
     for word in ("0", "2.5", "+25", "-2px", "px", "+%", "+3px", "nan", "infpx", "101%", "2m", "1e3", "+", "0px", "."):
         with pytest.raises(NestedCagesError, match=r"such as 2px, or an excess such as \+25%;"):
             parse_level(word)
-    with pytest.raises(NestedCagesError, match=r"such as 2m, an excess such as \+25%, or \* for an object;"):
-        parse_level("x", {"m": 1.0}, "* for an object")
+    with pytest.raises(NestedCagesError, match="a distance such as 2m, or"):
+        parse_level("x", {"m": 1.0})
 
 
 @slow

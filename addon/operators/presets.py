@@ -1,4 +1,4 @@
-"""Buttons next to the list of levels, and presets: a table, and the user's own."""
+"""Presets: a table, and the user's own."""
 
 from __future__ import annotations
 
@@ -11,64 +11,10 @@ from bl_ui.utils import PresetPanel
 from bpy.types import Context
 
 from ..errors import UserError
-from ..properties import groups, level_list
-from ..properties.kinds import text, whole
+from ..properties import groups
+from ..properties.kinds import text
 from ..properties.settings import NAMES, settings_of
 from .base import Named, Operator
-
-
-class LevelOperator(Operator):
-    """Base of operators on the list of levels; most need a chosen entry."""
-
-    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
-    modes = ()
-    during_jobs = True
-
-    needs = staticmethod(lambda context: settings_of(context).level_index < len(settings_of(context).level_list))
-    missing = "Choose a level in the list"
-
-
-class SCENE_OT_nested_cages_level_add(LevelOperator, bpy.types.Operator):
-    """Add a coarser level, and show the levels as a list"""
-
-    bl_label = "Add Level"
-    needs = staticmethod(lambda context: True)
-
-    def run(self, context: Context) -> None:
-        level_list.add(settings_of(context))
-
-
-class SCENE_OT_nested_cages_level_remove(LevelOperator, bpy.types.Operator):
-    """Remove the chosen level; at least one stays"""
-
-    bl_label = "Remove Level"
-
-    @classmethod
-    def unavailable(cls, context: Context) -> str:
-        few = len(settings_of(context).level_list) < 2
-        return "At least one level is needed" if few else super().unavailable(context)
-
-    def run(self, context: Context) -> None:
-        settings = settings_of(context)
-        settings.level_list.remove(settings.level_index)
-        settings.level_index = max(0, min(settings.level_index, len(settings.level_list) - 1))
-        level_list.write(settings)
-
-
-class SCENE_OT_nested_cages_level_move(LevelOperator, bpy.types.Operator):
-    """Move the chosen level up or down in the list, which goes from the inside out"""
-
-    bl_label = "Move Level"
-
-    step: whole("Step", "Lines to move it down; up if negative", default=1, min=-1, max=1)
-
-    def run(self, context: Context) -> None:
-        settings = settings_of(context)
-        to = max(0, min(settings.level_index + self.step, len(settings.level_list) - 1))
-        settings.level_list.move(settings.level_index, to)
-        settings.level_index = to
-        level_list.write(settings)
-
 
 # Folder of the user's own presets.
 FOLDER = "nested_cages"
