@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from bpy.types import Collection, Object, Scene
 
-from .. import keys, record
+from .. import record
 from ..core import core
 from ..errors import FloatArray
 
@@ -128,10 +128,6 @@ def stop(scene: Scene, collection: Collection) -> list[Mark]:
     """Notes that an output does not play any more; returns its markers."""
     found = record.written(collection)
     dropped = [(marker.name, marker.frame) for marker in found.markers]
-    before = keys.numbers(collection, keys.FRAME_END, 2)
-    if before is not None and before[0] > 0 and scene.frame_end == before[1]:
-        scene.frame_end = int(before[0])
-    keys.remove(collection, [keys.FRAME_END])
     found.markers.clear()
     found.animated = False
     return dropped
@@ -163,6 +159,4 @@ def _plays_in(scene: Scene, collection: Collection) -> bool:
     """Whether objects of an output are in the scene."""
     parts = record.of(collection).levels if collection.nested_cages.version else ()  # type: ignore[attr-defined]
     found = [part.object for part in parts if part.object is not None]
-    return any(scene.objects.get(obj.name) == obj for obj in found) or (
-        keys.has(collection, keys.FRAMES) and collection in scene.collection.children_recursive
-    )
+    return any(scene.objects.get(obj.name) == obj for obj in found)

@@ -50,8 +50,6 @@ def bind(context: Context, collection: Collection, method: str = "AUTO") -> Work
     levels = _levels(context, collection)
     yield Progress(0.0, STAGE)
     try:
-        if any(map(field.followed, levels)):  # bound, which a spoilt record does not say
-            unbind(collection)
         visibility.leave(collection)
         for obj in levels:
             field.park(obj)
@@ -94,8 +92,7 @@ def take_in(context: Context, collection: Collection) -> Work[Binding]:
     """Makes the selected drawings follow the cages of a bound output as well. Raises: UserError."""
     cage = ownership.members(collection)[1]
     made = field.field_of(cage)
-    if made is None:
-        raise UserError(f"'{collection.name}' was bound by an earlier version: press Rebind first")
+    assert made is not None
     parts = newcomers(context, collection)
     coarsest = ownership.members(collection)[-1]
     armature = next((m.object for m in coarsest.modifiers if isinstance(m, bpy.types.ArmatureModifier)), None)
@@ -130,8 +127,6 @@ def forget(collection: Collection) -> str:
         record.set_before(obj, record.Before())
         if before.mesh is not None:
             remove_mesh(before.mesh)
-        if before.action is not None and before.action.users == 0:
-            bpy.data.actions.remove(before.action)
     method = str(record.of(collection).bound)
     record.bind(collection, "")
     return method
@@ -234,14 +229,12 @@ def _disconnect(collection: Collection, levels: list[Object], *, lines_back: boo
     fields = ownership.helpers(collection)
     for obj in levels:
         field.release(obj)
-        field.release_earlier(obj)
         display.render_lines(obj, True)
         record.set_link(obj, "", 0.0)
     for obj in [
         obj for obj in bpy.data.objects if field.followed(obj) in fields and not record.is_helper(obj, record.PROXY)
     ]:
         field.release(obj)
-    field.release_originals(collection)
     for helper in fields:
         owner, thickness = record.lines_of(helper)
         if lines_back and owner is not None:

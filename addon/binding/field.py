@@ -1,12 +1,12 @@
 """The field of a cage: a hidden mesh that carries the cage's motion, and whatever follows it by one modifier; what
-bound objects show instead of their own mesh: one without steps, or filled; and what earlier versions made.
+bound objects show instead of their own mesh: one without steps, or filled.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import AbstractContextManager, suppress
-from typing import Any, Final
+from typing import Final
 
 import bpy
 import numpy as np
@@ -168,16 +168,6 @@ def _halvings(obj: Object) -> int:
     return int(np.clip(np.ceil(np.log2(typical / wanted)), 0, MAX_HALVINGS)) if typical > wanted > 0.0 else 0
 
 
-# Modifiers of bindings by earlier versions, which followed in other ways.
-EARLIER = (
-    "Nested Cages Remember Edits",
-    "Nested Cages Coordinates",
-    "Nested Cages Surface Deform",
-    "Nested Cages Mesh Deform",
-    "Nested Cages Add Edits",
-)
-
-
 def park(obj: Object) -> None:
     """Shows a copy of an object's mesh without our steps; its own action keeps playing, but no longer hides it."""
     hidden = (obj.hide_render, obj.hide_viewport, obj.hide_get())
@@ -192,28 +182,20 @@ def park(obj: Object) -> None:
 
 def unpark(obj: Object) -> list[str]:
     """Gives an object its original mesh back, with the work done on it since; returns what could not be transferred."""
-    mesh, matrix, hidden, action = record.before(obj)
-    if mesh is None:
+    mesh, matrix, hidden = record.before(obj)
+    if mesh is None or matrix is None:
         return []
     posed, rig = filling.mesh_of(obj), Rig.of(obj)
     obj.data = mesh
     lost = rig.give(obj, same_vertices=True)
     remove_mesh(posed)
-    animation = obj.animation_data or obj.animation_data_create() if action is not None else None
-    if animation is not None and animation.action is None:
-        animation.action = action
-        if getattr(animation, "action_slot", True) is None and animation.action_suitable_slots:
-            animation.action_slot = animation.action_suitable_slots[0]
     visibility.mute(obj, False)
     record.set_before(obj, record.Before())
-    if matrix is not None and obj.matrix_basis != matrix:
+    if obj.matrix_basis != matrix:
         obj.matrix_basis = matrix
-    if hidden:
-        obj.hide_render = hidden[0]
-    if len(hidden) > 1:  # earlier versions stored the first alone
-        obj.hide_viewport = hidden[1]
-        with suppress(RuntimeError):  # not in this view layer
-            obj.hide_set(hidden[2])
+    obj.hide_render, obj.hide_viewport, away = hidden
+    with suppress(RuntimeError):  # not in this view layer
+        obj.hide_set(away)
     return lost
 
 
@@ -245,31 +227,3 @@ def take_lines_out(obj: Object, collection: Collection) -> None:
     display.add_nodes_modifier(helper, display.EDGES, display.group(display.EDGES), {"Object": obj})
     helper.color = obj.color
     display.set_thickness(helper, thickness)
-
-
-def release_earlier(obj: Object) -> None:
-    """Removes the modifiers and weights of a bound mesh."""
-    for name in EARLIER:
-        modifier = obj.modifiers.get(name)
-        if modifier is not None:
-            display.remove_modifier(obj, modifier)
-    _clear(obj.data, keys.WEIGHT)
-
-
-def release_originals(collection: Collection) -> None:
-    """Restores the own shapes of the drawings that follow a collection."""
-    for obj in [obj for obj in bpy.data.objects if obj.get(keys.FOLLOWS) == collection]:
-        modifier = obj.modifiers.get(FOLLOW)
-        if modifier is not None:
-            display.remove_modifier(obj, modifier)
-        if obj.type == "MESH":
-            _clear(obj.data, keys.WEIGHT)
-        for layer in obj.data.layers if obj.type == "GREASEPENCIL" else ():
-            for drawing in [frame.drawing for frame in layer.frames if frame.drawing is not None]:
-                _clear(drawing, keys.FOLLOWED, keys.OFFSET)
-        del obj[keys.FOLLOWS]
-
-
-def _clear(data: Any, *prefixes: str) -> None:
-    for name in [attribute.name for attribute in data.attributes if attribute.name.startswith(prefixes)]:
-        data.attributes.remove(data.attributes[name])

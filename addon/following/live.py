@@ -175,7 +175,7 @@ def why_not(collection: Collection) -> str:
     if ownership.is_inside(collection):
         return "Only cages around a drawing follow its edits: make inner cages again with Generate"
     if not record.of(collection).known:
-        return "An earlier version made these cages and did not keep their settings: make them again with Generate"
+        return "These cages have no settings that they could be made again with: make them with Generate"
     kinds = record.of(collection).kinds
     if kinds:
         return f"These cages are {kinds}, which following edits would undo: make them again with Generate"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import bpy
-from bpy.types import Collection, Mesh, Object, Scene
+from bpy.types import Collection, Object, Scene
 
 from .. import keys, record
 from ..animation import shape_keys
@@ -66,7 +66,7 @@ class Rollback:
         """The new output is complete: removes objects that left it. Returns sentences about what was lost, and the
         removal of what else was replaced.
         """
-        kept = [value for obj in (*self.surplus, *self.kept) for value in record.before(obj)]
+        stored = [record.before(obj).mesh for obj in (*self.surplus, *self.kept)]
         for obj in self.kept:
             shape_keys.remove_steps(obj)
             for modifier in [modifier for modifier in obj.modifiers if display.is_ours(modifier)]:
@@ -75,11 +75,7 @@ class Rollback:
             self._lost.append(f"'{obj.name}' is no longer a level; it was kept for your work on it")
         actions = [member.visibility.action for member in self._members.values() if member.visibility is not None]
         meshes = [member.mesh for member in self._members.values()]
-        rest = shape_keys.discarding(
-            self.surplus,
-            [*meshes, *(value for value in kept if isinstance(value, Mesh))],
-            [*actions, *(value for value in kept if isinstance(value, bpy.types.Action))],
-        )
+        rest = shape_keys.discarding(self.surplus, [*meshes, *filter(None, stored)], actions)
         next(rest)
         return self._lost, rest
 

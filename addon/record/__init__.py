@@ -1,15 +1,10 @@
-"""Reading and writing the records of sets of cages, and the custom properties of earlier versions as such records.
-
-`of` and `member` only read: a set of an earlier version is shown as a view, which may be linked. `written` brings such
-a set up to date before it is changed. What other programs may want to know of cages is published as custom properties.
-"""
+"""The records of sets of cages: read, written, and published as custom properties for other programs."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 from collections.abc import Iterable
-from types import SimpleNamespace
 from typing import Any
 
 import bpy
@@ -19,7 +14,6 @@ from bpy.types import Collection, Object
 from .. import keys
 from ..core import core
 from ..notes import in_scene, sentence
-from . import helpers
 from .helpers import *  # noqa: F403 - all of these are the room's face
 from .helpers import CAGE, CHECK, FAULT, HOLDS, TOLERANCE
 
@@ -30,34 +24,29 @@ EDITED = "Edited since it was certified: verify it, or generate it again"
 
 
 def of(collection: Collection) -> Any:
-    """The record of a set, or what an earlier version stored, as a view."""
-    found: Any = collection.nested_cages  # type: ignore[attr-defined]
-    return found if found.version or not keys.has(collection, keys.SOURCE) else helpers.view(collection)
+    """The record of a set."""
+    return collection.nested_cages  # type: ignore[attr-defined]
 
 
 def written(collection: Collection) -> Any:
-    """The record, to be changed; that of an earlier version is brought up to date first."""
+    """The record, to be changed."""
     found: Any = collection.nested_cages  # type: ignore[attr-defined]
-    if not found.version:
-        _migrate(collection, found)
+    found.version = VERSION
     return found
 
 
 def member(obj: Object) -> Any:
-    """What an object is in its set, or what an earlier version stored of that, as a view."""
-    found: Any = obj.nested_cages_member  # type: ignore[attr-defined]
-    return found if found.role != "NONE" or keys.value(obj, keys.LEVEL, int) is None else helpers.member_view(obj)
-
-
-def described(obj: Object) -> Any:
-    """The same, to be changed."""
+    """What an object is in its set."""
     return obj.nested_cages_member  # type: ignore[attr-defined]
+
+
+described = member
 
 
 def keep(collection: Collection) -> None:
     """Keeps the record on each object too: it goes with copies, and is there if the collection is removed."""
     found = of(collection)
-    if isinstance(found, SimpleNamespace):
+    if not found.version:
         return
     objects = [part.object for part in found.levels if part.object is not None and part.object.is_editable]
     given = values(found)
@@ -66,14 +55,9 @@ def keep(collection: Collection) -> None:
         publish(obj)
     facts = {
         keys.SOURCE: found.sources[0].object if len(found.sources) else None,
-        keys.NAME: found.title,
         keys.INSIDE: found.inside,
-        keys.KINDS: found.kinds,
-        keys.COLOURS: found.colours,
         keys.END: found.frames[1],
-        keys.FRAMES: list(found.frames) if found.animated else None,
         keys.BOUND: found.bound or None,
-        keys.MOVING: found.moving or None,
     }
     keys.remove(collection, facts)
     keys.store(collection, {name: value for name, value in facts.items() if value is not None})
@@ -164,8 +148,6 @@ def certificate(found: Any) -> str:
     """What is certified of a cage, as a sentence; empty for the fine mesh."""
     if found.role != CAGE:
         return ""
-    if isinstance(found, SimpleNamespace):
-        return str(found.sentence)
     loops = "all loops kept" if "LOOPS" in found.certified else "with loops of its own"
     nested = f"strictly {'inside' if found.inside else 'encloses'} level {found.level - 1}"
     if "MOTION" in found.certified:
@@ -235,7 +217,7 @@ def publish(obj: Object) -> None:
     keys.store(obj, facts)
 
 
-# The names of what is published of objects; of a set `keep` writes what earlier versions stored.
+# The names of what is published of objects.
 PUBLISHED = (
     *(keys.LEVEL, keys.VERTICES, keys.CLEARANCE, keys.EXCESS, keys.INSIDE, keys.NEED, keys.BEGINS_FROM, keys.SECONDS),
     *(keys.NOTES, keys.CERTIFICATE, keys.FLOW_START, keys.REINFLATION_START, keys.TIGHTENING_START, keys.END),
@@ -261,32 +243,3 @@ def _data(text: str) -> dict[str, Any]:
     except (ValueError, RecursionError):
         return {}
     return found if isinstance(found, dict) else {}
-
-
-def _migrate(collection: Collection, found: Any) -> None:
-    """Writes what an earlier version stored as a record."""
-    if keys.has(collection, keys.SOURCE):
-        view = helpers.view(collection)
-        given = {name: value for name, value in vars(view).items() if name not in {"sources", "levels", "markers"}}
-        assign(found, given)
-        for old, new in ((view.sources, found.sources), (view.levels, found.levels)):
-            fill(new, [part.object for part in old if part.object is not None])
-        for old, new in zip((part for part in view.sources if part.object is not None), found.sources, strict=True):
-            new.hidden = old.hidden
-        for old in view.markers:
-            new = found.markers.add()
-            new.name, new.frame = old.name, old.frame
-        for level, part in enumerate(found.levels):
-            _migrate_member(part.object, level, collection, found)
-    found.version = VERSION
-
-
-def _migrate_member(obj: Object, level: int, collection: Collection, found: Any) -> None:
-    if not obj.is_editable:
-        return
-    view, made = helpers.member_view(obj), described(obj)
-    given = {name: value for name, value in vars(view).items() if name not in {"sentence", "home"}}
-    assign(made, given | {"notes": [vars(item) for item in view.notes]})
-    made.level, made.home = level, collection
-    made.of = found.sources[0].object if len(found.sources) else None
-    made.certified = {"LOOPS"} if "all loops kept" in view.sentence else set()

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 import bpy
 from bpy.types import Collection, Context, Object, Scene
 
-from .. import keys, record
+from .. import record
 from ..errors import UserError
 
 
@@ -38,19 +38,15 @@ def home_of_member(obj: Object) -> Collection | None:
 
 
 def helpers(collection: Collection) -> list[Object]:
-    """The hidden helper objects of an output; those of earlier versions are in its collection."""
+    """The hidden helper objects of an output, also those of a cage that is gone."""
     own, roles = set(members(collection)), (record.FIELD, record.LINES)
-    shown = {
-        obj: record.shown(obj, *roles)
-        for obj in bpy.data.objects
-        if (record.is_helper(obj, *roles) or keys.value(obj, keys.HELPER, bool, False)) and level_of(obj) is None
-    }
+    shown = {obj: record.shown(obj, *roles) for obj in bpy.data.objects if record.is_helper(obj, *roles)}
     return [obj for obj, of in shown.items() if of in own or (of is None and collection in obj.users_collection)]
 
 
 def is_output(collection: Collection) -> bool:
     """Whether a collection holds the output of a drawing."""
-    return bool(collection.nested_cages.version) or keys.has(collection, keys.SOURCE)  # type: ignore[attr-defined]
+    return bool(collection.nested_cages.version)  # type: ignore[attr-defined]
 
 
 def is_bound(collection: Collection) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -151,54 +150,6 @@ def grease_pencil(name: str, loops: Sequence[Loop], cyclic: bool = True) -> Any:
         for point, place in zip(stroke.points, raised(loop), strict=True):
             point.position = place
     return add(name, data)
-
-
-def of_before(addon: Any, collection: Any) -> None:
-    """Stores a set as the version before records did."""
-    record, keys = addon.record, addon.keys
-    found = record.of(collection)
-    objects = [part.object for part in found.levels]
-    for obj in bpy.data.objects:
-        member, (mesh, matrix, hidden, _), (method, error) = (
-            obj.nested_cages_member,
-            record.before(obj),
-            record.link(obj),
-        )
-        if member.role in record.helpers.HELPERS:
-            obj[record.helpers.HELPERS[member.role]] = member.shows
-            if member.role in (record.FIELD, record.LINES):
-                obj[keys.HELPER], obj[keys.LINE_THICKNESS] = True, member.thickness
-            member.role, member.shows = "NONE", None
-        if len(member.parts):
-            obj[keys.OTHERS] = {str(k): part.object for k, part in enumerate(member.parts)}
-            member.parts.clear()
-        if mesh is not None:
-            record.set_before(obj, record.Before())
-            obj[keys.STORED_MESH] = mesh
-            obj[keys.STORED_STATE] = [*np.ravel(np.array(matrix)).tolist(), *map(float, hidden)]
-        if method:
-            record.set_link(obj, "", 0.0)
-            obj[keys.LINK] = f"{method}, error {error:.1e} at rest"
-    for scene in bpy.data.scenes:
-        if (frames := record.range_of(scene)) is not None:
-            record.set_range(scene, None)
-            scene[keys.RANGE] = list(map(float, frames))
-    collection["nested_cages_levels"] = len(objects) - 1
-    collection[keys.MARKERS] = json.dumps([[marker.name, marker.frame] for marker in found.markers])
-    if found.playing:
-        collection[keys.HIDES] = [part.hidden for part in found.sources]
-    if len(found.sources) > 1:
-        collection[keys.OTHERS] = {str(k): part.object for k, part in enumerate(list(found.sources)[1:])}
-    for obj in objects:
-        member = record.member(obj)
-        if member.role == record.CAGE:
-            obj[keys.PHASES] = list(member.phases)
-        for name in [prop.identifier for prop in member.bl_rna.properties]:
-            if name not in {"rna_type", "kept", "before"}:
-                member.property_unset(name)
-    for name in [prop.identifier for prop in found.bl_rna.properties]:
-        if name not in {"rna_type", "settings"}:
-            found.property_unset(name)
 
 
 def snapshot() -> dict[str, Any]:

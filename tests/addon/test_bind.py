@@ -20,7 +20,6 @@ from drawings import (
     grease_pencil,
     in_world,
     lines,
-    of_before,
     poly_curve,
     snapshot,
     star,
@@ -280,18 +279,6 @@ def test_a_modifier_that_was_removed_meanwhile_is_not_written_to(addon, again) -
     assert [each.show_viewport for each in obj.modifiers] == [True] * again
 
 
-def test_what_is_bound_without_a_record_that_says_so_is_bound_once(addon) -> None:
-    _, collection, _, (cage,) = bound(wire, levels="12")
-    before = {obj.name: [m.name for m in obj.modifiers] for obj in bpy.data.objects}
-    of_before(addon, collection)
-    collection["nested_cages_bound"] = 2.5
-    bpy.context.view_layer.objects.active = cage
-    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
-    assert {obj.name: [m.name for m in obj.modifiers] for obj in bpy.data.objects} == before
-    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
-    assert not any(m.name == addon.binding.field.FOLLOW for obj in bpy.data.objects for m in obj.modifiers)
-
-
 @pytest.mark.slow
 def test_a_cage_that_no_longer_encloses_is_refused() -> None:
     _, _, fine, cages = bound(levels="12")
@@ -484,26 +471,3 @@ def test_a_bound_drawing_plays_its_own_changes_before_the_bend(edit) -> None:
     drawn, around = (shapely.polygonize(shapely.get_parts(shapely.node(displayed(o)))) for o in (source, finest))
     inside = shapely.contains_properly(shapely.unary_union(around), shapely.unary_union(drawn))
     assert finest["nested_cages_check"].startswith("Holds" if inside else "Broken"), finest["nested_cages_finding"]
-
-
-def test_what_an_earlier_version_bound_is_unbound(addon) -> None:
-    source, collection, fine, (cage,) = bound(wire, levels="12")
-    bpy.ops.object.nested_cages_unbind()
-    of_before(addon, collection)
-    before = {obj.name: [m.name for m in obj.modifiers] for obj in (source, fine, cage)}
-    count = len(bpy.data.objects)
-    collection["nested_cages_bound"] = "SURFACE_DEFORM"
-    source["nested_cages_follows"] = collection
-    for name in ("Remember Edits", "Surface Deform", "Add Edits"):
-        kind = "SURFACE_DEFORM" if "Deform" in name else "NODES"
-        fine.modifiers.new(f"Nested Cages {name}", kind)
-    source.modifiers.new("Nested Cages Follow", "SURFACE_DEFORM")
-    source.data.attributes.new("nested_cages_weight_0", "FLOAT_VECTOR", "POINT")
-    helper = bpy.data.objects.new("Surface", bpy.data.meshes.new("Surface"))
-    helper["nested_cages_helper"] = True
-    collection.objects.link(helper)
-    bpy.context.view_layer.objects.active = cage
-    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
-    assert {obj.name: [m.name for m in obj.modifiers] for obj in (source, fine, cage)} == before
-    assert len(bpy.data.objects) == count
-    assert "nested_cages_follows" not in source and not source.data.attributes.get("nested_cages_weight_0")

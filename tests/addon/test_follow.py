@@ -259,14 +259,14 @@ def test_follow_and_generate_replace_each_other(addon) -> None:
     choose(obj)
     bpy.ops.object.nested_cages_generate(levels="20, 10")
     collection = bpy.data.collections["Shaped Cages"]
-    assert addon.keys.MOVING not in collection and len(collection.objects) == 3
+    assert not collection.nested_cages.moving and len(collection.objects) == 3
     bpy.context.view_layer.update()
     for member in collection.objects:
         assert np.allclose(member.matrix_world, obj.matrix_world, atol=1e-6)
     follow(obj)
     choose(obj)
     assert bpy.ops.object.nested_cages_remove_animation() == {"FINISHED"}
-    assert addon.keys.MOVING not in collection
+    assert not collection.nested_cages.moving
 
 
 def test_the_range_is_the_scenes_if_it_is_not_given(addon) -> None:

@@ -144,7 +144,7 @@ def test_cages_around_and_inside_are_kept_side_by_side_and_replaced_each_by_its_
     assert made("Drawing Cages") == outer
     assert len(outer[1].data.vertices) == 18
     assert len(outputs()) == 2
-    colours = [collection["nested_cages_colours"] for collection in outputs().values()]
+    colours = [collection.nested_cages.colours for collection in outputs().values()]
     assert len(set(colours)) == 2
     for frame in (1, 9000):
         at_frame(frame)

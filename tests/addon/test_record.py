@@ -1,5 +1,4 @@
-"""The record of a set of cages: files of earlier versions, and sets that are moved, renamed, copied or lose a
-collection."""
+"""The record of a set of cages: saved files, and sets that are moved, renamed, copied or lose a collection."""
 
 from __future__ import annotations
 
@@ -9,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import circle, evaluated, grid_face, of_before, poly_curve, star, text, wire
+from drawings import circle, evaluated, grid_face, poly_curve, star, text, wire
 from marks import slow_after
 
 MAKE = {
@@ -54,55 +53,44 @@ def moved_by(source, cage) -> float:
 
 
 @pytest.mark.parametrize("bound", slow_after(1, [False, True]), ids=["free", "bound"])
-def test_a_file_of_the_version_before_records_works(addon, bound, tmp_path) -> None:
+def test_a_saved_file_works_as_before(addon, bound, tmp_path) -> None:
+    ownership, record = addon.scene.ownership, addon.record
     bpy.context.scene.frame_end = 20
     parts = [wire(name, [circle(8, 0.1, (x, 0.0))]) for name, x in (("Left", -9.0), ("Right", 9.0))]
     choose(*parts)
     bpy.ops.object.nested_cages_silhouette()
     bpy.context.object.name = "Both"
     bpy.ops.object.select_all(action="DESELECT")
-    source, collection = caged(bind=bound)
-    for obj in addon.scene.ownership.members(collection)[1:]:
-        obj["nested_cages_notes"] = "A note."
-    of_before(addon, collection)
-    path = str(tmp_path / "before.blend")
+    caged(bind=bound)
+    path = str(tmp_path / "saved.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
-    source, collection = bpy.data.objects["Drawing"], bpy.data.collections["Drawing Cages"]
+    scene, source = bpy.context.scene, bpy.data.objects["Drawing"]
+    collection = bpy.data.collections["Drawing Cages"]
     choose(source)
-    ownership, record = addon.scene.ownership, addon.record
-    scene = bpy.context.scene
     assert [obj.name for obj in record.shown_in(bpy.data.objects["Both"])] == ["Right", "Left"]
     assert record.range_of(scene) == (1, 20, 1, scene.frame_end) and scene.frame_end > 20
-    # Reading writes nothing: the file may be linked.
     members = ownership.members(collection)
     assert [ownership.level_of(obj) for obj in members] == [0, 1, 2]
-    assert ownership.outputs_about(bpy.context.scene, source) == [collection]
-    assert addon.ui.overlay._in_short(members[1]) and "A note." in addon.ui.overlay._notes(members[1])
+    assert ownership.outputs_about(scene, source) == [collection] and ownership.is_bound(collection) is bound
     assert addon.generation.output.length(collection, addon.animation.timeline.Timing()) is not None
-    assert ownership.is_bound(collection) is bound and not collection.nested_cages.version
-    assert "earlier version" in addon.following.live.why_not(collection) or bound
     assert bpy.ops.object.nested_cages_report() == {"FINISHED"}
     assert "Certified as stored" in bpy.data.texts["Nested Cages Report"].as_string()
     if bound:
         assert bpy.ops.object.nested_cages_rebind() == {"FINISHED"}
         assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
-        assert collection.nested_cages.version == record.VERSION
     choose(source)
-    bpy.context.scene.frame_set(1)
+    scene.frame_set(1)
     assert source.hide_viewport  # its moving copy plays
-    bpy.context.scene.frame_set(collection["nested_cages_end"])
+    scene.frame_set(collection["nested_cages_end"])
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     assert record.member(members[1]).check == record.HOLDS
-    assert record.sentences(record.member(members[1])) == ["A note."]
-    markers = len(bpy.context.scene.timeline_markers)
+    markers = len(scene.timeline_markers)
     assert bpy.ops.object.nested_cages_generate(levels="16") == {"FINISHED"}
-    assert len(ownership.members(collection)) == 2 and len(bpy.context.scene.timeline_markers) == markers
+    assert len(ownership.members(collection)) == 2 and len(scene.timeline_markers) == markers
     assert collection.nested_cages.known and collection.nested_cages.settings.levels == "16"
-    if bpy.ops.object.nested_cages_unbind.poll():
-        bpy.ops.object.nested_cages_unbind()
     assert bpy.ops.object.nested_cages_remove_animation() == {"FINISHED"}
-    assert scene.frame_end == 20 and record.range_of(scene) is None and addon.keys.RANGE not in scene
+    assert scene.frame_end == 20 and record.range_of(scene) is None
 
 
 def test_a_set_is_known_by_its_objects_wherever_they_are(addon) -> None:
@@ -352,13 +340,3 @@ def test_a_shortcut_uses_the_values_of_the_panel(addon) -> None:
     operator.clearance, operator.inside = 0.5, False
     operator.take_from_panel(bpy.context, leave=("inside",))
     assert (operator.levels, operator.clearance, operator.inside) == ("18", 0.5, False)
-
-
-@pytest.mark.parametrize("stored", slow_after(1, ["[" * 100_000, '{"a": 1}', "no JSON", "[[1, 2], [3]]"]))
-def test_nothing_in_the_properties_of_a_file_stops_generate(addon, stored) -> None:
-    source, collection = caged()
-    of_before(addon, collection)
-    collection["nested_cages_markers"] = stored
-    choose(source)
-    assert bpy.ops.object.nested_cages_generate(levels="20") == {"FINISHED"}
-    assert len([obj for obj in bpy.data.objects if obj.name.startswith("Drawing Cage")]) == 1

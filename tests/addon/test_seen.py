@@ -39,7 +39,7 @@ def test_while_it_plays_a_filled_copy_moves_in_place_of_the_original(addon, heig
     source.location.z = height
     bpy.context.view_layer.update()
     generate()
-    copy, frames = bpy.data.objects["Drawing Moving"], bpy.data.collections["Drawing Cages"]["nested_cages_frames"]
+    copy, frames = bpy.data.objects["Drawing Moving"], bpy.data.collections["Drawing Cages"].nested_cages.frames
     first, result, _ = frames
     for frame, playing in ((first - 1, False), (first, True), (result - 1, True), (result, False), (result + 9, False)):
         at_frame(frame)
