@@ -24,7 +24,7 @@ from .generation import output
 from .generation.generate import Generation, Options, Request, Result
 from .generation.job import Work
 from .generation.verifying import same_frame
-from .io import importers
+from .io import silhouettes
 from .scene import filling, ownership, placement
 from .scene.convert import Drawing
 from .scene.ownership import scene_of, select
@@ -56,8 +56,8 @@ def united(context: Context, objects: Sequence[Object], gap: float) -> Work[tupl
     if earlier is not None and ownership.source_of(earlier) in objects:
         first = next(obj for obj in objects if obj == ownership.source_of(earlier))
     ordered = [first, *(obj for obj in objects if obj != first)]
-    frame = importers.plane_of(context, first, "ACTIVE")
-    loops, problems = yield from importers.outline(context, ordered, frame, gap=gap, closed=True)
+    frame = silhouettes.plane_of(context, first, "ACTIVE")
+    loops, problems = yield from silhouettes.painted_loops(context, ordered, frame, gap=gap, closed=True)
     longest = LONGEST_EDGE * size(np.concatenate(loops))
     # United again where rounding has closed a gap between new points.
     shorter = outline_of(first.name, [stored(divided(loop, longest)) for loop in loops], evenodd=True)

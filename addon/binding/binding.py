@@ -26,7 +26,7 @@ from ..scene import display, filling, ownership, placement
 from ..scene.areas import paints
 from ..scene.ownership import check_free, scene_of
 from ..scene.plane import PLANARITY, scale_of, size, space_to_space, transform
-from . import field
+from . import bound_meshes, field
 
 # Relative change of a clearance that is more than round-off.
 CHANGED = 1e-3
@@ -52,9 +52,9 @@ def bind(context: Context, collection: Collection, method: str = "AUTO") -> Work
     try:
         visibility.leave(collection)
         for obj in levels:
-            field.park(obj)
+            bound_meshes.park(obj)
         context.view_layer.update()
-        field.fill(levels)
+        bound_meshes.fill(levels)
         return (yield from _connect(context, collection, levels, method))
     except BaseException:
         unbind(collection)
@@ -74,7 +74,7 @@ def rebind(context: Context, collection: Collection, method: str = "AUTO") -> Wo
         _check_enclosed(inner, cage)
     yield Progress(1.0 - 1.0 / len(levels), STAGE)
     _disconnect(collection, levels)
-    field.fill(levels)
+    bound_meshes.fill(levels)
     return tasks.drain(_connect(context, collection, levels, method))
 
 
@@ -110,7 +110,7 @@ def unbind(collection: Collection) -> list[str]:
     """Restores the state before binding, with the artist's later work but poses of vertices; returns what is lost."""
     levels = ownership.members(collection)
     _disconnect(collection, levels)
-    lost = [f"'{obj.name}': {what} could not be kept" for obj in levels for what in field.unpark(obj)]
+    lost = [f"'{obj.name}': {what} could not be kept" for obj in levels for what in bound_meshes.unpark(obj)]
     record.bind(collection, "")
     visibility.enter(collection)
     return lost
@@ -186,7 +186,7 @@ def _connect(context: Context, collection: Collection, levels: list[Object], met
     for obj in levels:
         mesh = filling.mesh_of(obj)
         filling.add_attribute(mesh, keys.REST, "FLOAT_VECTOR", filling.points_of(mesh).astype(np.float32))
-        field.take_lines_out(obj, collection)
+        bound_meshes.take_lines_out(obj, collection)
     for obj, error in zip(levels, errors, strict=False):
         record.set_link(obj, field.NAMES[kind], error)
     return Binding(max(errors), _take_along(context, originals, space, levels))

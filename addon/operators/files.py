@@ -15,7 +15,7 @@ from .. import characters
 from ..core import blamed, core
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
-from ..io import exporters, importers
+from ..io import exporters, importers, svg_parts
 from ..properties.kinds import choice, flag, length, number, text, whole
 from ..scene import convert, ownership
 from ..scene.filling import mesh_of
@@ -91,7 +91,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         for done, path in enumerate(paths):
             yield Progress(0.5 * done / len(paths), f"reading '{path.name}'")
             if self.outlines == "PARTS" and path.suffix.lower() in importers.SVG:
-                parts, notes = importers.parts_in(path)
+                parts, notes = svg_parts.read(path)
                 layered_files.append((path.stem, parts))
             else:
                 found, notes = importers.shapes_in(path, self.outlines)
@@ -100,7 +100,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
                 self.report({"WARNING"}, f"'{path.name}': {note}")
         made = yield from importers.place(context, shapes, y_down=Y_DOWN[self.y], scale=self.scale)
         for title, parts in layered_files:
-            made += yield from importers.place_parts(context, title, parts, y_down=self.y != "UP", scale=self.scale)
+            made += yield from svg_parts.place(context, title, parts, y_down=self.y != "UP", scale=self.scale)
         select(context, *made)
         count = sum(len(mesh_of(obj).vertices) for obj in made)
         word = "part" if layered_files and not shapes else "outline"

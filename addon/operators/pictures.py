@@ -21,7 +21,7 @@ from ..generation.generate import Generation, Options, Request, Result
 from ..generation.job import Work
 from ..generation.levels import lengths, parse_levels
 from ..generation.methods import Methods
-from ..io import importers, pictures
+from ..io import pictures, silhouettes
 from ..io.pictures import Canvas, Picture
 from ..keys import found_object
 from ..properties.kinds import choice, flag, length, number, text, whole
@@ -257,14 +257,14 @@ class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
         chosen = [obj for obj in context.selected_objects if paints(obj)]
         active = context.view_layer.objects.active
         objects = sorted(chosen, key=lambda obj: (obj is not active, obj.name))
-        frame = importers.plane_of(context, objects[0], self.plane)
+        frame = silhouettes.plane_of(context, objects[0], self.plane)
         options: Any = {"strokes": self.strokes, "fill_holes": self.fill_holes, "gap": self.gap}
         identities = [obj.session_uid for obj in objects]
-        loops, problems = yield from importers.outline(context, objects, frame, **options)
+        loops, problems = yield from silhouettes.painted_loops(context, objects, frame, **options)
         parts = [part for each in identities if (part := found_object(each)) is not None]
         if not parts or parts[0].session_uid != identities[0]:
             raise UserError("The active object was deleted meanwhile, so its silhouette was discarded")
-        made = importers.place_silhouette(context, parts[0], frame, loops, parts)
+        made = silhouettes.place_silhouette(context, parts[0], frame, loops, parts)
         select(context, made)
         self.tell_skipped(problems, "object")
         self.report({"INFO"}, f"'{made.name}': {sum(map(len, loops))} vertices in {counted(len(loops), 'loop')}")

@@ -1,76 +1,24 @@
-"""What is shown of results: in the sidebar a summary of each output with notes, and Live; in the 3D view cages as lines
-of constant width in pixels, and the corners of bound cages as handles.
+"""Cages in the 3D view: lines of constant width in pixels, and the corners of bound cages as handles.
 
 In renders a modifier gives lines their width; see `scene.display`.
 """
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import bpy
 import gpu
 import numpy as np
-from bpy.types import Collection, Context, Object
+from bpy.types import Context, Object
 from gpu_extras.batch import batch_for_shader
 from numpy.typing import NDArray
 
 from .. import record
-from ..following import live
 from ..properties import groups
 from ..scene import filling, ownership
 from ..scene.plane import transform
-
-# Letters per line of a note: fits into the sidebar at its default width.
-NOTE_WIDTH = 36
-
-
-def draw(layout: bpy.types.UILayout, collection: Collection) -> None:
-    """The drawing and its cages, with their summaries."""
-    layout.label(text=collection.name, icon="OUTLINER_COLLECTION", translate=False)
-    for obj in ownership.members(collection):
-        box = layout.box().column(align=True)
-        box.label(text=obj.name, icon="MOD_MESHDEFORM" if ownership.level_of(obj) else "MESH_DATA", translate=False)
-        box.label(text=_in_short(obj), translate=False)
-        for line in _notes(obj):
-            box.label(text=line, translate=False)
-
-
-def _in_short(obj: Object) -> str:
-    """The most important facts about an output object; all numbers are in the report."""
-    found = record.member(obj)
-    parts = [f"{len(obj.data.vertices)} vertices"]
-    if found.role == record.CAGE:
-        parts.append(f"{100.0 * abs(found.excess):.3g} % {'smaller' if found.excess < 0.0 else 'larger'}")
-    return ", ".join(parts)
-
-
-def _notes(obj: Object) -> list[str]:
-    """Lines of the notes about an output object."""
-    method, _ = record.link(obj)
-    follows = f"Follows by {method}" if method else ""
-    found = record.member(obj)
-    wrong = " ".join(record.sentences(found, checks=True, others=False)) if found.check == record.FAULT else ""
-    sentences = [follows, record.verdict(found), wrong, *record.sentences(found)]
-    home = ownership.home_of_member(obj)
-    if (home is None or not ownership.is_bound(home)) and record.is_edited(obj):
-        sentences = [record.verdict(found), wrong] if record.is_judged(obj) else [record.EDITED]
-    return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]
-
-
-def draw_live(layout: bpy.types.UILayout) -> None:
-    """The switch for following edits, with its state and the reason why the cages cannot follow."""
-    now = live.current()
-    layout.operator("object.nested_cages_live", icon="REC", depress=now is not None)
-    if now is None:
-        return
-    column = layout.column(align=True)
-    column.label(text="Out of date" if now.behind else "Up to date", icon="TIME" if now.behind else "CHECKMARK")
-    for line in textwrap.wrap(now.problem, NOTE_WIDTH):
-        column.label(text=line, translate=False)
-
 
 # Pixels at interface scale 1: default width of lines, extra width of selected cages, and size of handles.
 WIDTH, MORE, HANDLE = 2.5, 1.5, 9.0

@@ -22,7 +22,7 @@ from ..properties.kinds import registration
 from ..properties.settings import NestedCagesSettings, copy_values, filled, settings_of
 from ..scene import ownership
 from ..scene.ownership import chosen, collection_of_active, outputs_of_active, scene_of
-from . import overlay
+from . import results
 
 CATEGORY = "Nested Cages"
 
@@ -104,13 +104,13 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         layout: Any = self.layout
         found = outputs_of_active(context)
         for collection in found:
-            overlay.draw(layout, collection)
+            results.draw(layout, collection)
         column = layout.column(align=True)
         column.operator("object.nested_cages_verify", icon="CHECKMARK")
         if any(ownership.is_bound(each) or record.of(each).moving for each in found):
             column.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
         column.operator("object.nested_cages_report", icon="TEXT")
-        overlay.draw_live(column)
+        results.draw_live(column)
 
 
 class VIEW3D_PT_nested_cages_animation(PartPanel, bpy.types.Panel):

@@ -274,14 +274,14 @@ def test_the_panel_says_whether_the_cages_are_behind(addon, live, tick) -> None:
     layout = SimpleNamespace(operator=lambda *_, **__: None, label=lambda text, **_: said.append(text))
     layout.column = lambda **_: layout
     tick()
-    addon.ui.overlay.draw_live(layout)
+    addon.ui.results.draw_live(layout)
     move_points(obj, 1.1)
     bpy.context.view_layer.update()
-    addon.ui.overlay.draw_live(layout)
+    addon.ui.results.draw_live(layout)
     tick()
-    addon.ui.overlay.draw_live(layout)
+    addon.ui.results.draw_live(layout)
     bpy.ops.object.nested_cages_live()
-    addon.ui.overlay.draw_live(layout)
+    addon.ui.results.draw_live(layout)
     assert said == ["Up to date", "Out of date", "Up to date"]
 
 

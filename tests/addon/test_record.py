@@ -278,19 +278,19 @@ def test_what_an_edit_makes_untrue_is_not_said(addon) -> None:
     bpy.ops.object.nested_cages_generate(levels="0.05u")
     collection, record = bpy.data.collections["Drawing Cages"], addon.record
     cage = addon.scene.ownership.members(collection)[1]
-    assert not record.is_edited(cage) and "0.05" in " ".join(addon.ui.overlay._notes(cage))
+    assert not record.is_edited(cage) and "0.05" in " ".join(addon.ui.results._notes(cage))
     stretch(cage)
-    said = " ".join(addon.ui.overlay._notes(cage))
+    said = " ".join(addon.ui.results._notes(cage))
     assert said == record.EDITED
     choose(source)
     bpy.ops.object.nested_cages_report()
     assert record.EDITED in bpy.data.texts["Nested Cages Report"].as_string()
     bpy.context.scene.frame_set(bpy.context.scene.frame_end)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    said = " ".join(addon.ui.overlay._notes(cage))
+    said = " ".join(addon.ui.results._notes(cage))
     assert said.startswith(record.verdict(record.member(cage))) and record.EDITED not in said and "0.05" not in said
     stretch(cage)
-    assert " ".join(addon.ui.overlay._notes(cage)) == record.EDITED
+    assert " ".join(addon.ui.results._notes(cage)) == record.EDITED
     assert bpy.ops.object.nested_cages_bind(method="LINEAR") == {"FINISHED"}
     member = record.member(cage)
     assert not record.notes(member) and member.excess > 0.3 and not record.is_edited(cage)

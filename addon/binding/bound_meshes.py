@@ -1,0 +1,75 @@
+"""What bound objects show instead of their own mesh: one without steps, cages filled, and thick lines apart."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import bpy
+from bpy.types import Collection, Object
+
+from .. import record
+from ..animation import visibility
+from ..animation.shape_keys import remove_mesh
+from ..rigging.rig import Rig
+from ..scene import display, filling
+
+
+def park(obj: Object) -> None:
+    """Shows a copy of an object's mesh without our steps; its own action keeps playing, but no longer hides it."""
+    hidden = (obj.hide_render, obj.hide_viewport, obj.hide_get())
+    mesh, rig = filling.mesh_of(obj), Rig.of(obj)
+    record.set_before(obj, record.Before(mesh, obj.matrix_basis, hidden))
+    visibility.mute(obj, True)
+    obj.data = filling.new_mesh(mesh.name, filling.points_of(mesh), filling.loop_edges(mesh))
+    rig.give(obj, same_vertices=True)
+    obj.hide_viewport = False
+    obj.hide_set(False)
+
+
+def unpark(obj: Object) -> list[str]:
+    """Gives an object its original mesh back, with the work done on it since; returns what could not be transferred."""
+    mesh, matrix, hidden = record.before(obj)
+    if mesh is None or matrix is None:
+        return []
+    posed, rig = filling.mesh_of(obj), Rig.of(obj)
+    obj.data = mesh
+    lost = rig.give(obj, same_vertices=True)
+    remove_mesh(posed)
+    visibility.mute(obj, False)
+    record.set_before(obj, record.Before())
+    if obj.matrix_basis != matrix:
+        obj.matrix_basis = matrix
+    obj.hide_render, obj.hide_viewport, away = hidden
+    with suppress(RuntimeError):  # not in this view layer
+        obj.hide_set(away)
+    return lost
+
+
+def fill(levels: list[Object]) -> None:
+    """Gives the cages triangles inside their outlines. Raises: UserError."""
+    for cage in levels[1:]:
+        old, shape, rig = filling.mesh_of(cage), filling.outline(cage), Rig.of(cage)
+        name = old.name
+        cage.data = filling.filled(name, filling.points_of(old), shape)
+        rig.give(cage, same_vertices=True)
+        remove_mesh(old)
+        cage.data.name = name
+        cage.hide_render = True  # as wires they did not show in renders
+
+
+def take_lines_out(obj: Object, collection: Collection) -> None:
+    """Moves thick lines to a helper object, because followers of an object need its plain shape in renders."""
+    display.render_lines(obj, False)
+    thickness = display.thickness_of(obj)
+    if thickness <= 0.0:
+        return
+    display.set_thickness(obj, 0.0)
+    name = f"{obj.name} Lines"
+    helper = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    record.make_helper(helper, record.LINES, obj, thickness)
+    helper.hide_viewport = helper.hide_select = True
+    helper.parent = obj
+    collection.objects.link(helper)
+    display.add_nodes_modifier(helper, display.EDGES, display.group(display.EDGES), {"Object": obj})
+    helper.color = obj.color
+    display.set_thickness(helper, thickness)

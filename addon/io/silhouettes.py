@@ -1,0 +1,111 @@
+"""Silhouettes: several objects and layers as one filled outline, their painted areas united in a plane."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+from bpy.types import Context, Object
+from mathutils import Matrix
+
+from .. import record
+from ..core import core
+from ..errors import FloatArray, UserError
+from ..generation.job import Progress, Work
+from ..scene import filling, ownership
+from ..scene.areas import areas_of
+from ..scene.ownership import scene_of
+from ..scene.plane import Frame, fitted_frame, own_frame, united, world_matrix
+from ..scene.reading import READERS, lines_of
+
+# Directions of the x and y axes of planes facing a world axis.
+AXES = {
+    "TOP": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+    "FRONT": ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
+    "RIGHT": ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+}
+# Largest area of faces seen edge-on, as a fraction of their size squared.
+EDGE_ON = 1e-12
+
+
+def plane_of(context: Context, active: Object, plane: str) -> Frame:
+    """The plane to project onto: "ACTIVE", that of the active object, "VIEW", or a key of `AXES`. Raises: UserError."""
+    if plane == "ACTIVE":
+        points = np.array([corner[:] for corner in active.bound_box], dtype=np.float64)
+        if active.type in READERS:
+            points = lines_of(context, active).vertices.astype(np.float64)
+        matrix = world_matrix(active)
+        return own_frame(matrix, points) or fitted_frame(matrix, points)
+    if plane == "VIEW":
+        view = getattr(context, "region_data", None)
+        if view is None:
+            raise UserError("There is no view to look from: call it in a 3D view, or choose another plane")
+        x, y, _ = np.array(view.view_matrix.to_3x3(), dtype=np.float64)
+    else:
+        x, y = map(np.array, AXES[plane])
+    return Frame.through(np.array(active.matrix_world.translation), x, y)
+
+
+def painted_loops(
+    context: Context,
+    objects: Sequence[Object],
+    frame: Frame,
+    *,
+    strokes: bool = True,
+    closed: bool = False,
+    fill_holes: bool = False,
+    gap: float = 0.0,
+) -> Work[tuple[tuple[FloatArray, ...], list[UserError]]]:
+    """The loops (k, 2) of the silhouette of objects in a frame, and why some have none. Raises: UserError if all do.
+
+    strokes: with the width of strokes; closed: closed ones are areas too. fill_holes: without holes. gap: parts closer
+    than this length of the scene are joined.
+    """
+    areas: list[core.exchange.Painted] = []
+    problems: list[UserError] = []
+    for done, obj in enumerate(objects):
+        yield Progress(0.5 * done / len(objects), f"reading '{obj.name}'")
+        try:
+            found = areas_of(context, obj, frame, strokes=strokes, closed=closed)
+            areas += [area for area in found if any(map(_has_room, area.loops))]
+        except UserError as error:
+            problems.append(error)
+    name = objects[0].name
+    if not areas:
+        raise problems[0] if problems else UserError(f"'{name}' is seen from the side: choose another plane")
+    yield Progress(0.5, "uniting painted areas")
+    loops = united(name, areas)
+    if gap > 0.0:
+        mesh = core.exchange.joined(core.Mesh.from_loops(loops), gap / frame.scale)
+        loops = united(name, [core.exchange.Painted([mesh.vertices[loop] for loop in mesh.loops], evenodd=True)])
+    if fill_holes:
+        mesh = core.Mesh.from_loops(loops)
+        outer = [mesh.vertices[loop] for loop, sign in zip(mesh.loops, mesh.loop_signs, strict=True) if sign > 0]
+        loops = united(name, [core.exchange.Painted([loop]) for loop in outer])
+    return loops, problems
+
+
+def _has_room(loop: FloatArray) -> bool:
+    """Whether a loop is not seen from the side."""
+    x, y = (loop - loop[0]).T
+    twice = abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+    return twice > EDGE_ON * float(np.ptp(x) ** 2 + np.ptp(y) ** 2)
+
+
+def place_silhouette(
+    context: Context, active: Object, frame: Frame, loops: Sequence[FloatArray], parts: Sequence[Object]
+) -> Object:
+    """A new flat mesh with the loops as its border, in the collection of the active object and with its material.
+
+    parts: the objects whose silhouette it is, which will follow its cages too.
+    """
+    mesh = core.Mesh.from_loops(loops)
+    name = f"{active.name} Silhouette"
+    obj = bpy.data.objects.new(name, filling.filled(name, frame.points(mesh.vertices), mesh))
+    if active.active_material is not None and active.type != "GREASEPENCIL":
+        obj.data.materials.append(active.active_material)
+    ownership.home_of(scene_of(context), active).objects.link(obj)
+    obj.matrix_world = Matrix(frame.matrix.tolist())
+    record.fill(record.described(obj).parts, parts)
+    return obj
