@@ -39,7 +39,6 @@ from .verification import Certificate, MotionCertificate, verify, verify_motion
 if TYPE_CHECKING:
     from .batch import BatchProgress as BatchProgress
     from .batch import Outcome as Outcome
-    from .batch import OutcomeFolder as OutcomeFolder
     from .batch import nested_cages_many
     from .character import Bone as Bone
     from .character import Character as Character
@@ -193,7 +192,7 @@ _LATER = {
     "geometry.triangulation": "convex_pieces",
     "needs.symmetry": "Found Mirror Rotation",
     "solver.newton": "ProjectedNewton",
-    "batch": "BatchProgress Outcome OutcomeFolder nested_cages_many",
+    "batch": "BatchProgress Outcome nested_cages_many",
     "character": "Bone Character Skeleton bone_weights suggest_bones with_joints",
     "checker": "Verdict check",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",

@@ -53,8 +53,6 @@ FAULTS = (
     Fault(CORE + "needs/symmetry/need.py",
           "if np.array_equal(images if plan.numbers is None else plan.numbers.nearest(images), cage.vertices):",
           "if True:", TESTS + "needs_find_cages_that_miss_them"),
-    Fault(CORE + "batch/many.py", "known.made_of == task.made_of != \"\"", "known.made_of == task.made_of",
-          TESTS + "an_outcome_made_of_nothing_is_not_reused"),
     Fault(CORE + "command/making.py", '"min_edge", "min_angle", "seconds")', '"min_edge", "seconds")',
           TESTS + "every_option_of_the_command_reaches_the_settings"),
     Fault(CORE + "level/builder.py", "            if clearance < wanted:\n                cage =",

@@ -1,7 +1,6 @@
-"""Cages for many shapes, on any executor of concurrent.futures, with finished results kept on disk."""
+"""Cages for many shapes, on any executor of concurrent.futures."""
 
-from .crew import Outcome
 from .many import BatchProgress, nested_cages_many
-from .store import OutcomeFolder
+from .outcome import Outcome
 
-__all__ = ["BatchProgress", "Outcome", "OutcomeFolder", "nested_cages_many"]
+__all__ = ["BatchProgress", "Outcome", "nested_cages_many"]

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, MutableMapping
-from concurrent.futures import Executor
-from contextlib import closing, suppress
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
+from contextlib import closing
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from ..errors import NestedCagesError, NestedCagesWarning
+from ..errors import NestedCagesError
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings
 from ..tasks import Run, Stage, listened
-from .crew import Crew, Keep, Outcome, Task
-from .store import UnreadableError, fingerprint, hash_of
+from .outcome import Keep, Outcome, Task
 
 Level: TypeAlias = int | Mesh
 Levels: TypeAlias = Iterable[Level] | Mapping[Hashable, Iterable[Level]] | Callable[[Mesh], Iterable[Level]]
@@ -48,7 +46,6 @@ def nested_cages_many(
     *,
     executor: Executor | Callable[[], Executor] | None = None,
     progress: Callable[[BatchProgress], None] | bool | None = None,
-    finished: MutableMapping[Any, Outcome] | None = None,
     keep: Keep | None = None,
 ) -> list[Outcome]:
     """Cages around many shapes, in input order; the outcome of a shape that fails holds the error.
@@ -56,31 +53,19 @@ def nested_cages_many(
     shapes: meshes or anything with `__geo_interface__`, in a sequence or by key.
     levels: as in `nested_cages`; the same for all shapes, by key, or a function of the mesh.
     executor: where the work runs; default: this process, one shape after the other. May be a function that makes an
-    executor: it is called again if a worker dies, and its executors are shut down at the end. A ProcessPoolExecutor
-    with a dead worker is replaced by a new one, and no shape is lost.
+    executor, which is shut down at the end. If a worker process dies, the shapes without a result have an error.
     progress: called for every outcome; it may raise to cancel, and then no further shape is started. True: a bar, if
     tqdm is installed.
-    finished: stored outcomes by key, a dict or an OutcomeFolder; new ones are added. A shape is computed again unless
-    its stored outcome has no error and comes from the same shape, levels, settings and ``keep``. A function counts by
-    its code and what that refers to, or by its `key`, a text of your own; where neither can be read nothing is reused.
-    Entries that cannot be read count as missing; entries that cannot be written are skipped with a warning.
     keep: the part of a Hierarchy to keep, such as `lambda made: made.cages[-1]`; default: all of it. With processes,
     this function and that of the levels must be defined in a module.
     """
     tasks = list(_tasks(shapes, levels, settings if settings is not None else Settings(), keep))
     outcomes: dict[Hashable, Outcome] = {}
-    if finished is not None:
-        _warn_of_unreadable(keep)
-        tasks = [replace(task, made_of=fingerprint(task)) for task in tasks]
-        outcomes = {task.key: known for task in tasks if (known := _known(task, finished)) is not None}
-    open_ = [task for task in tasks if task.key not in outcomes]
 
     def work() -> Stage[BatchProgress, list[Outcome]]:
-        with closing((task.run() for task in open_) if executor is None else Crew(executor).run(open_)) as incoming:
+        with closing((task.run() for task in tasks) if executor is None else _outcomes(tasks, executor)) as incoming:
             for outcome in incoming:
                 outcomes[outcome.key] = outcome
-                if finished is not None:
-                    _keep(finished, outcome)
                 yield BatchProgress(len(outcomes), len(tasks), outcome)
         return [outcomes[task.key] for task in tasks]
 
@@ -88,31 +73,47 @@ def nested_cages_many(
         return listened(run, progress)
 
 
-def _warn_of_unreadable(keep: Keep | None) -> None:
+def _outcomes(tasks: Sequence[Task], executor: Executor | Callable[[], Executor]) -> Generator[Outcome, None, None]:
+    """Yield outcomes as they come in; start no further task once the caller stops iterating."""
+    pool = executor if isinstance(executor, Executor) else executor()
+    futures: dict[Future[Outcome], Task] = {}
     try:
-        hash_of(keep)
-    except UnreadableError as error:
-        advice = "give `keep` a text as `keep.key` that changes with it"
-        warnings.warn(f"Stored outcomes are not reused, since {error}; {advice}.", NestedCagesWarning, stacklevel=3)
+        futures.update((_submitted(pool, task), task) for task in tasks)
+        for future in as_completed(futures):
+            error = future.exception()
+            yield future.result() if error is None else _failed(futures[future], error)
+    finally:
+        for future in futures:
+            future.cancel()
+        if pool is not executor:
+            pool.shutdown(wait=all(future.done() for future in futures), cancel_futures=True)
 
 
-def _known(task: Task, finished: MutableMapping[Any, Outcome]) -> Outcome | None:
-    """The stored outcome of the same task if it has no error; None for any other or damaged entry."""
-    with suppress(Exception):
-        known = finished[task.key]
-        if isinstance(known, Outcome) and known.error is None and known.made_of == task.made_of != "":
-            return known
-    return None
-
-
-def _keep(finished: MutableMapping[Any, Outcome], outcome: Outcome) -> None:
-    """Store an outcome; warn and go on if that fails."""
+def _submitted(pool: Executor, task: Task) -> Future[Outcome]:
     try:
-        finished[outcome.key] = outcome
-    except Exception as error:
-        warnings.warn(
-            f"The outcome of the shape {outcome.key!r} cannot be kept: {error}", NestedCagesWarning, stacklevel=3
+        return pool.submit(task.run)
+    except BrokenExecutor as error:  # a worker has died already
+        broken: Future[Outcome] = Future()
+        broken.set_exception(error)
+        return broken
+
+
+def _failed(task: Task, error: BaseException) -> Outcome:
+    """The outcome of a task that raised outside of the shape; exceptions that end the program are re-raised."""
+    if not isinstance(error, Exception):
+        raise error
+    problem = (
+        f"The shape {task.key!r} could not be sent to or from its worker ({type(error).__name__}: {error}); give "
+        "shapes, levels, settings and a result that can be pickled."
+    )
+    if isinstance(error, BrokenExecutor):
+        problem = (
+            f"The shape {task.key!r} has no cages, since a worker died, or sent what cannot be read, before it was "
+            "finished; make it again, with fewer workers if memory ran out."
         )
+    failed = NestedCagesError(problem, code="batch.invalid")
+    failed.__cause__ = error
+    return Outcome(task.key, None, failed)
 
 
 def _tasks(shapes: Shapes, levels: Levels, settings: Settings, keep: Keep | None) -> Iterator[Task]:

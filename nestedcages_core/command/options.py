@@ -185,6 +185,8 @@ OPTIONS = {
     "files": (
         _option("--format", action="store", choices=sorted(WRITTEN.values()), help="what to write to the standard "
                 "output (default: geojson for maps, json for collision outlines, else svg)"),
+        _option("--again", help="make the cages of all files; without it, of several files those are skipped whose "
+                "outputs exist and are newer, whatever the options were"),
         _option("--limit", dest="limits", type=_limit, action="append", default=[], metavar="WHAT=N", help="raise or "
                 f"lower a limit of reading (default: {_listed(Limits())}; of drawings {_listed(DRAWING_LIMITS)})"),
     ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -41,6 +42,16 @@ def targets(paths: Sequence[str], source: Source, chosen: str | None) -> list[tu
             ".geojson or .svg instead."
         )
     return [(path.replace(STEM, stem), kind) for path, kind in zip(paths, kinds, strict=True)]
+
+
+def is_made(path: str, outputs: Sequence[str]) -> bool:
+    """Whether all outputs of an input file exist and are newer than it."""
+    try:
+        read = os.stat(path).st_mtime_ns
+        made = [os.stat(each.replace(STEM, Path(path).stem)).st_mtime_ns for each in outputs]
+    except OSError:
+        return False
+    return bool(made) and min(made) > read
 
 
 def text_of(result: Result, kind: str, *, flip_y: bool, triangles: bool, pieces: int | None) -> str:
@@ -85,8 +96,8 @@ def report(entries: Sequence[Mapping[str, Any]]) -> str:
     return json.dumps({"format": REPORT_FORMAT, "version": REPORT_VERSION, "inputs": list(entries)}, indent=1)
 
 
-def entry(result: Result, written: Sequence[str], errors: Sequence[str]) -> dict[str, Any]:
-    """The report's entry for a file."""
+def entry(result: Result, written: Sequence[str], errors: Sequence[str], *, skipped: bool = False) -> dict[str, Any]:
+    """The report's entry for a file; skipped: its outputs are newer."""
     source = result.source
     return {
         "file": source.path,
@@ -105,6 +116,7 @@ def entry(result: Result, written: Sequence[str], errors: Sequence[str]) -> dict
         ],
         "borders": list(result.borders),
         "written": list(written),
+        "skipped": skipped,
     }
 
 
@@ -123,7 +135,7 @@ def table(entries: Sequence[Mapping[str, Any]]) -> str:
                 ", ".join(str(sum(cage["vertices"] for cage in level)) for level in levels),
                 ", ".join(f"{100.0 * max(cage['excess'] for cage in level):.3g} %" for level in levels),
                 f"{sum(cage['seconds'] for level in levels for cage in level):.1f}",
-                f"{failed} failed" if failed else "",
+                f"{failed} failed" if failed else "skipped" if said["skipped"] else "",
             )
         )
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]

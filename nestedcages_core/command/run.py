@@ -15,9 +15,9 @@ from ..hierarchy import order_of
 from .check import main as check_files
 from .making import Result, make
 from .options import check_use, of_drawings, parser
-from .outputs import STEM, entry, frames_of, put, report, table, targets, text_of
+from .outputs import STEM, entry, frames_of, is_made, put, report, table, targets, text_of
 from .progress import ProgressLine, tell
-from .sources import STREAM, Source, expanded, read
+from .sources import STREAM, Source, expanded, kind_of, read
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 """Exit statuses; the last is that of a program ended by Ctrl-C. Wrong use ends with 2, by argparse."""
@@ -62,6 +62,10 @@ def _all(paths: Sequence[str], given: argparse.Namespace, line: ProgressLine) ->
     entries: list[dict[str, Any]] = []
     for number, path in enumerate(paths):
         line.next_file(number)
+        if several and not frames and not given.again and is_made(path, given.output):
+            tell(f"note: {path}: skipped, since its outputs are newer; --again makes them again", sys.stderr)
+            entries.append(entry(Result(Source(path, kind_of(path) or "unknown")), (), (), skipped=True))
+            continue
         result, said = _file(path, given, line, out, several=several)
         results.append(result)
         entries.append(said)

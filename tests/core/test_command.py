@@ -357,6 +357,32 @@ def test_a_map_has_the_north_up_and_a_picture_its_frame(tmp_path: Path) -> None:
     assert 'viewBox="0 0 11 9"' in out.read_text()
 
 
+def test_of_several_files_those_with_newer_outputs_are_skipped(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    for name in ("a", "b"):
+        (tmp_path / f"{name}.svg").write_text(to_svg(letter_a(1)))
+    words = [str(tmp_path / "*.svg"), "--levels", "24", "--report", str(tmp_path / "report.json")]
+    words += [*("-o", str(tmp_path / "{stem}.json")), *("-o", str(tmp_path / "{stem}.geojson"))]
+
+    def made(*more: str) -> list[bool]:
+        assert main([*words, *more]) == 0
+        entries = json.loads((tmp_path / "report.json").read_text())["inputs"]
+        assert [bool(entry["shapes"]) for entry in entries] == [not entry["skipped"] for entry in entries]
+        return [bool(entry["written"]) for entry in entries]
+
+    assert made() == [True, True]
+    capsys.readouterr()
+    assert made() == [False, False]
+    said = capsys.readouterr()
+    assert "b.svg: skipped, since its outputs are newer; --again makes them again" in said.err
+    assert re.search(r"a\.svg .* skipped$", said.out, flags=re.MULTILINE)
+    assert made("--again") == [True, True]
+    os.utime(tmp_path / "b.svg")  # changed after its outputs
+    os.utime(tmp_path / "b.geojson")  # of which one is newer again
+    assert made() == [False, True]
+    (tmp_path / "a.json").unlink()
+    assert made() == [True, False]
+
+
 def test_levels_before_one_that_fails_are_written(
     drawing: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ) -> None:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import gcd
 from pathlib import Path
 from types import SimpleNamespace
@@ -27,8 +27,6 @@ from nestedcages_core import (
     to_engine_json,
     verify_motion,
 )
-from nestedcages_core.batch import many
-from nestedcages_core.batch.crew import Outcome, Task
 from nestedcages_core.checker import faults_of_motion
 from nestedcages_core.command import main, making
 from nestedcages_core.contact.pairs import Bodies
@@ -307,13 +305,6 @@ def test_the_least_number_of_vertices_is_a_lower_bound() -> None:
     """Around a square within a tenth of its side, there are four."""
     level = nested_cages(Mesh.from_loops([ring(4)]), [Within(distance=0.1)]).levels[0]
     assert len(level.cage.vertices) == level.report.fewest == 4
-
-
-def test_an_outcome_made_of_nothing_is_not_reused() -> None:
-    """Two outcomes that cannot be told apart by what they were made of are not the same."""
-    task = Task("key", star(), [8], Settings(), None)
-    assert many._known(replace(task, made_of="a"), {"key": Outcome("key", 1, made_of="a")}) is not None
-    assert many._known(task, {"key": Outcome("key", 1)}) is None
 
 
 def test_needs_find_cages_that_miss_them() -> None:
