@@ -84,8 +84,9 @@ def on_path(data: str, count: int = 40) -> np.ndarray:
     """Points along a path by Bernstein polynomials."""
     parts = []
     for path in read_path(data):
-        for control in path.curves:
-            parts.append(BPoly(control[:, None, :], [0.0, 1.0])(np.linspace(0.0, 1.0, count)))
+        ends = np.cumsum(path.degrees)
+        for begin, end in zip(ends - path.degrees, ends, strict=True):
+            parts.append(BPoly(path.points[begin : end + 1, None, :], [0.0, 1.0])(np.linspace(0.0, 1.0, count)))
     return np.concatenate(parts)
 
 

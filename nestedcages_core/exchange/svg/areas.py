@@ -12,7 +12,6 @@ from ...geometry.arrays import FloatArray
 from ...geometry.mesh.validation import MAX_COORDINATE
 from ..fill import Area, Painted, bounds_of, thickness, union_of
 from ..limits import Budget, edges_in, invalid, load_shapely, spend_crossings
-from .filters import Filter, Layer, filtered
 from .lengths import moved, scaling, translation
 from .nodes import Clip, Group, Shape
 from .options import SvgOptions
@@ -67,10 +66,7 @@ class Areas:
                     yield shape, kept
 
     def _kept(self, areas: list[Area], group: Group, outer: FloatArray) -> list[Area]:
-        """Areas of a group after its filters, clip paths and masks."""
-        for each in group.filters:
-            if areas:
-                areas = [self._filtered(areas, group, each, outer)]
+        """Areas of a group after its clip paths and masks."""
         for clip in group.clips:
             if areas:
                 areas = self._clipped(areas, group, clip, outer)
@@ -169,14 +165,6 @@ class Areas:
         if shapely.covers(kept, shapely.box(*low, *high)):
             return areas
         return [self._of_two(shapely.intersection, union_of(shapely, areas, self.budget), kept)]
-
-    def _filtered(self, areas: list[Area], group: Group, by: Filter, outer: FloatArray) -> Area:
-        """The areas of a group after a filter."""
-        shapely = load_shapely("filters")
-        paints = [paint for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint]
-        sharp = any((paint.alphas > self.options.faintest).all() for paint in paints)
-        source = Layer(union_of(shapely, areas, self.budget), max(paint.opacity for paint in paints), sharp)
-        return filtered(shapely, source, by, outer @ by.matrix, self.options.faintest)
 
     def _masked(self, content: Group, outer: FloatArray) -> list[Area]:
         """The region where a mask is more opaque than the faintest share: its shapes in order, by luminance."""

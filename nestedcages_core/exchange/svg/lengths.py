@@ -168,7 +168,7 @@ def attribute(item: ET.Element, key: str, viewport: Viewport, missing: float = 0
 
 
 def measured_box(item: ET.Element, viewport: Viewport, what: str) -> FloatArray:
-    """(2, 2) corners of the region of a filter or a mask, by default a tenth wider than what it belongs to."""
+    """(2, 2) corners of the region of a mask, by default a tenth wider than what it belongs to."""
     defaults = {"x": "-10%", "y": "-10%", "width": "120%", "height": "120%"}
     x, y, width, height = (
         measure(item.get(key) or default, key, f"{key} of the {what}", viewport) for key, default in defaults.items()

@@ -11,7 +11,6 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ..limits import invalid
 from .document import Document
-from .filters import Filter
 from .lengths import Faults, Viewport, measure, measured_box, name_of, quoted
 from .options import SvgOptions
 from .outlines import through
@@ -51,11 +50,10 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Shapes that are filtered and clipped together."""
+    """Shapes that are clipped together."""
 
     children: list[Shape | Group] = field(default_factory=list)
     clips: list[Clip] = field(default_factory=list)
-    filters: list[Filter] = field(default_factory=list)
 
     def shapes(self) -> Iterator[Shape]:
         """All shapes, the lowest first."""
@@ -80,7 +78,7 @@ class Clip:
 
 def attach(group: Group, to: Group) -> None:
     """Add a group to another one; without clips its shapes themselves."""
-    if not group.clips and not group.filters:
+    if not group.clips:
         to.children.extend(group.children)
     elif group.children:
         to.children.append(group)

@@ -65,12 +65,6 @@ class Subpath:
     def is_curved(self) -> bool:
         return bool((self.degrees != LINE).any())
 
-    @property
-    def curves(self) -> list[FloatArray]:
-        """The control points of each curve."""
-        ends = np.cumsum(self.degrees).tolist()
-        return [self.points[begin : end + 1] for begin, end in zip([0, *ends[:-1]], ends, strict=True)]
-
 
 def length_of(subpaths: Sequence[Subpath]) -> float:
     """The length of all subpaths together."""

@@ -13,7 +13,6 @@ from ...errors import NestedCagesError
 from ...geometry.mesh.validation import MAX_COORDINATE
 from ..limits import Budget
 from .document import Document
-from .filters import Filter, is_known
 from .lengths import (
     Viewport,
     attribute,
@@ -22,13 +21,10 @@ from .lengths import (
     measure,
     moved,
     name_of,
-    numbers,
     quoted,
-    scaling,
     share,
     title_of,
     translation,
-    turned,
     view_box_of,
 )
 from .nodes import (
@@ -51,11 +47,14 @@ from .options import SvgOptions
 from .outlines import OUTLINED, outline
 from .paints import Paint, Paints, link_in
 from .path_data import Subpath, length_of
-from .strokes import MARKED, PLACES, Vertex, stroke_of, vertices
-from .style import Style, Styles
+from .strokes import stroke_of
+from .style import MARKERS, Style, Styles
 
 GROUPS = frozenset(("svg", "g", "a", "switch"))
 """Elements that draw their children."""
+
+MARKED = frozenset(("path", "line", "polyline", "polygon"))
+"""Elements that have markers."""
 
 LEFT_OUT = {"text": "text", "image": "image", "foreignObject": "foreign object"}
 """Visible elements that are not read."""
@@ -120,7 +119,9 @@ class Scene:
             if style.get("visibility", "visible") == "visible" and context.in_element and context.in_layer:
                 self.left_out[LEFT_OUT[name]] += 1
             return
-        group = Group(clips=self._clips(style, context), filters=self._filters(style, context))
+        if style.get("filter", "none") != "none" and context.purpose != CLIP:
+            self.left_out["filter"] += 1
+        group = Group(clips=self._clips(style, context))
         if name == "use":
             self._add_used(item, context, group)
         elif name in OUTLINED:
@@ -177,7 +178,7 @@ class Scene:
             self._add(child, context, group)
 
     def _add_shape(self, item: ET.Element, context: Context, group: Group) -> None:
-        """Add an element with an outline, and its markers."""
+        """Add an element with an outline."""
         style, purpose = context.style, context.purpose
         if not (context.in_element and context.in_layer) or style.get("visibility", "visible") != "visible":
             return
@@ -214,46 +215,15 @@ class Scene:
                 context.groups,
             )
         )
-        marked = any(style.get(f"marker-{place}", "none") != "none" for place in PLACES)
-        if marked and name_of(item) in MARKED:
-            width = measure(style.get("stroke-width", "1"), "r", "stroke-width", context.viewport, 1.0)
-            for vertex in vertices(subpaths):
-                self._add_marker(vertex, width, context, group)
+        for end in MARKERS if name_of(item) in MARKED else ():
+            if self.document.linked(link_in(style.get(end, "none"))[0]) is not None:
+                self.left_out["marker"] += 1
 
     def _paint(self, key: str, default: str, context: Context) -> Paint | None:
         style = context.style
         opacity = context.opacity * share(style.get(f"{key}-opacity"))
         bright = self.colours or context.purpose == MASK
         return self.paints.paint(style.get(key, default), opacity, style, bright=bright)
-
-    def _add_marker(self, vertex: Vertex, width: float, context: Context, group: Group) -> None:
-        """Add the marker at a vertex of a path (SVG 1.1, section 11.6)."""
-        link, _ = link_in(context.style.get(f"marker-{vertex.place}", "none"))
-        marker = self.document.linked(link)
-        if marker is None or name_of(marker) != "marker" or any(marker is user for user in context.users):
-            return
-        scale = 1.0 if marker.get("markerUnits") == "userSpaceOnUse" else width
-        across, down = (attribute(marker, key, context.viewport, 3.0) for key in ("markerWidth", "markerHeight"))
-        box = view_box_of(marker)
-        inside = fitted(box, 0.0, 0.0, across, down, marker.get("preserveAspectRatio", ""))
-        reference = inside @ (*(attribute(marker, key, context.viewport) for key in ("refX", "refY")), 1.0)
-        orient = marker.get("orient", "0").strip()
-        angle = vertex.angle(orient) if orient.startswith("auto") else (numbers(orient) or [0.0])[0]
-        matrix = context.matrix @ translation(*vertex.point) @ turned(angle) @ scaling(scale, scale)
-        matrix = matrix @ translation(-reference[0], -reference[1])
-        style = self.styles.computed(marker, {})
-        hidden = style.get("overflow", "hidden") in ("hidden", "scroll")
-        marked = Group(clips=[rectangular_clip(0.0, 0.0, across, down, matrix)] if hidden else [])
-        inner = replace(
-            context,
-            matrix=matrix @ inside,
-            style=style,
-            viewport=context.viewport.sized(*(box[2:] if box else (across, down))),
-            users=(*context.users, marker),
-        )
-        for child in marker:
-            self._add(child, inner, marked)
-        attach(marked, group)
 
     def _clips(self, style: Style, context: Context) -> list[Clip]:
         """The clip path and the mask of an element."""
@@ -287,14 +257,3 @@ class Scene:
             if tag == "mask":
                 found.append(mask_region(item, context.viewport, context.matrix))
         return found
-
-    def _filters(self, style: Style, context: Context) -> list[Filter]:
-        """The filter of an element, if it is supported."""
-        if style.get("filter", "none") == "none" or context.purpose == CLIP:
-            return []
-        link, _ = link_in(style["filter"])
-        item = self.document.linked(link)
-        if item is not None and name_of(item) == "filter" and is_known(item):
-            return [Filter(item, self.styles, context.matrix, context.viewport)]
-        self.left_out["filter"] += 1
-        return []

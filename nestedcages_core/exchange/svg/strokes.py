@@ -12,7 +12,6 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ..limits import Budget, Limits, edges_in, spend_crossings
 from .lengths import Viewport, measure, numbers, quoted
-from .path_data import Subpath
 
 MAX_ARC_SEGMENTS = 64
 """Maximum number of chords of a quarter circle at a cap or join."""
@@ -20,12 +19,6 @@ MAX_ARC_SEGMENTS = 64
 FLAT = "flat"
 CAPS = {"butt": FLAT, "round": "round", "square": "square"}
 """GEOS's names of caps."""
-
-MARKED = frozenset(("path", "line", "polyline", "polygon"))
-"""Elements that have markers."""
-
-PLACES = ("start", "mid", "end")
-"""Where a vertex can be on its path."""
 
 
 @dataclass(frozen=True)
@@ -179,42 +172,3 @@ def _between(points: FloatArray, along: FloatArray, low: float, high: float) -> 
     around = slice(max(min(first - 1, last), 0), last + 1)
     ends = [[np.interp(at, along[around], points[around, axis]) for axis in (0, 1)] for at in (low, high)]
     return np.concatenate((ends[:1], points[first:last], ends[1:]))
-
-
-@dataclass(frozen=True, eq=False)
-class Vertex:
-    """A vertex of a path."""
-
-    place: str
-    """One of `PLACES`."""
-    point: FloatArray
-    direction: FloatArray
-    """(2,) halfway between the incoming and the outgoing direction."""
-
-    def angle(self, orient: str) -> float:
-        """Degrees by which a marker is turned here."""
-        back = 180.0 if orient == "auto-start-reverse" and self.place == "start" else 0.0
-        return math.degrees(math.atan2(self.direction[1], self.direction[0])) + back
-
-
-def vertices(subpaths: Sequence[Subpath]) -> list[Vertex]:
-    """All vertices of a path in their order."""
-    found: list[tuple[FloatArray, FloatArray]] = []
-    for path in subpaths:
-        curves = path.curves
-        ways = [_ways(curve) for curve in curves]
-        around = path.closed
-        for k, curve in enumerate(curves):
-            way_in = ways[k - 1][1] if k or around else np.zeros(2)
-            found.append((curve[0], way_in + ways[k][0]))
-        way_out = ways[0][0] if around else np.zeros(2)
-        found.append((path.points[-1], ways[-1][1] + way_out))
-    places = ["start", *["mid"] * (len(found) - 2), "end"]
-    return [Vertex(place, point, way) for place, (point, way) in zip(places, found, strict=True)]
-
-
-def _ways(curve: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Unit directions at the ends of a curve; 0 if it is a point."""
-    from_start = next((p - curve[0] for p in curve[1:] if (p != curve[0]).any()), np.zeros(2))
-    to_end = next((curve[-1] - p for p in curve[-2::-1] if (p != curve[-1]).any()), np.zeros(2))
-    return tuple(way / (np.hypot(*way) or 1.0) for way in (from_start, to_end))  # type: ignore[return-value]

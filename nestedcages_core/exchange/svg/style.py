@@ -14,11 +14,13 @@ from ..limits import load_css
 from .document import Document
 from .lengths import name_of
 
+MARKERS = ("marker", "marker-start", "marker-mid", "marker-end")
+
 INHERITED = frozenset(
     (
         *("fill", "fill-rule", "fill-opacity", "stroke", "stroke-width", "stroke-opacity", "stroke-linecap"),
         *("stroke-linejoin", "stroke-miterlimit", "stroke-dasharray", "stroke-dashoffset", "visibility", "color"),
-        *("font-size", "clip-rule", "marker-start", "marker-mid", "marker-end"),
+        *("font-size", "clip-rule", *MARKERS),
     )
 )
 """Inherited properties."""
@@ -26,12 +28,10 @@ INHERITED = frozenset(
 OWN = frozenset(
     (
         *("display", "opacity", "clip-path", "mask", "mask-type", "overflow", "stop-color", "stop-opacity"),
-        *("vector-effect", "filter", "flood-opacity", "transform", "transform-origin", "transform-box"),
+        *("vector-effect", "filter", "transform", "transform-origin", "transform-box"),
     )
 )
 """Properties that are not inherited."""
-
-KNOWN = INHERITED | OWN | {"marker"}
 
 GEOMETRY = frozenset(("x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "d"))
 """Attributes of shapes that styles replace."""
@@ -96,9 +96,6 @@ class Styles:
             for key, value, is_important in given:
                 if is_important == important:
                     found[key] = value
-        if "marker" in found:
-            marker = found.pop("marker")
-            found = {**dict.fromkeys(("marker-start", "marker-mid", "marker-end"), marker), **found}
         return found
 
     def computed(self, item: ET.Element, around: Style) -> dict[str, str]:
@@ -150,7 +147,7 @@ def declarations(text: str) -> tuple[Declaration, ...]:
             node.important,
         )
         for node in tinycss2.parse_blocks_contents(text, True, True)
-        if node.type == "declaration" and (node.lower_name in KNOWN | GEOMETRY or node.name.startswith("--"))
+        if node.type == "declaration" and (node.lower_name in INHERITED | OWN | GEOMETRY or node.name.startswith("--"))
     )
 
 
