@@ -134,7 +134,7 @@ def main() -> int:
     options = parser.parse_args()
     before = {}
     if options.against:
-        rows = (line.split() for line in options.against.read_text().splitlines())
+        rows = (line.split() for line in options.against.read_text(encoding="utf-8").splitlines())
         before = {(shape, name): (digest, ratio) for shape, name, digest, ratio in rows}
     differing = total = 0
     for shape, name, fine, count in requests():
