@@ -40,7 +40,13 @@ from nestedcages_core import (
     verify,
     verify_motion,
 )
+from published import DouglasPeucker, EdgeCollapse, Visvalingam
 from random_shapes import random_shape
+
+DECIMATIONS = (
+    OuterHull(), OnCurve(), ArcLength(), LineCycles(), DouglasPeucker(), Visvalingam(), EdgeCollapse(),
+)  # fmt: skip
+"""Coarse meshes that cages start from."""
 
 SHAPELY_SAMPLE = 10
 """Every tenth case is checked by shapely too."""
@@ -88,10 +94,9 @@ def run_case(seed: int) -> Case | None:
     fewest, most = 3 * len(fine.loops), len(fine.vertices)
     counts = {int(c) for c in random.integers(fewest, max(fewest, min(most, 100)) + 1, random.integers(1, 4))}
     levels = tuple(sorted(counts, reverse=True))
-    hull = OuterHull()
-    decimation = (hull, OnCurve(), ArcLength(), LineCycles())[random.integers(4)]
+    decimation = DECIMATIONS[random.integers(len(DECIMATIONS))]
     case = Case(seed, kind, most, levels, type(decimation).__name__)
-    settings = Settings(decimation=decimation, fallback=hull)
+    settings = Settings(decimation=decimation, fallback=OuterHull())
     begin = time.process_time()
     try:
         hierarchy, case = cages_or_smallest(fine, case, settings)

@@ -61,11 +61,8 @@ if TYPE_CHECKING:
     from .coordinates import cage_coordinates, deform
     from .coordinates import grids as grids
     from .decimation.choices import ArcLength as ArcLength
-    from .decimation.choices import DouglasPeucker as DouglasPeucker
-    from .decimation.choices import EdgeCollapse as EdgeCollapse
     from .decimation.choices import OnCurve as OnCurve
     from .decimation.choices import OwnDecimation as OwnDecimation
-    from .decimation.choices import Visvalingam as Visvalingam
     from .energies.choices import BoundaryARAP as BoundaryARAP
     from .energies.choices import ElementEnergy as ElementEnergy
     from .energies.choices import InitialDisplacement as InitialDisplacement
@@ -110,6 +107,8 @@ if TYPE_CHECKING:
     from .needs.symmetry import Found as Found
     from .needs.symmetry import Mirror as Mirror
     from .needs.symmetry import Rotation as Rotation
+    from .published.gurditta_jacobson_2022 import AUGMENTED_2022 as AUGMENTED_2022
+    from .published.gurditta_jacobson_2022 import AUGMENTED_2022_REPAIRED as AUGMENTED_2022_REPAIRED
     from .published.gurditta_jacobson_2022 import EvenSamples as EvenSamples
     from .published.gurditta_jacobson_2022 import GaussLegendre as GaussLegendre
     from .published.gurditta_jacobson_2022 import GradientDescent as GradientDescent
@@ -120,12 +119,6 @@ if TYPE_CHECKING:
     from .published.gurditta_jacobson_2022 import RandomSamples as RandomSamples
     from .published.gurditta_jacobson_2022 import Repairs as Repairs
     from .published.gurditta_jacobson_2022 import SignedDistanceFlow as SignedDistanceFlow
-    from .published.sacht_2015 import ElTopo as ElTopo
-    from .published.sellan_2022 import LevelSet as LevelSet
-    from .published.settings import AUGMENTED_2022 as AUGMENTED_2022
-    from .published.settings import AUGMENTED_2022_REPAIRED as AUGMENTED_2022_REPAIRED
-    from .published.settings import NESTED_CAGES_2015 as NESTED_CAGES_2015
-    from .published.settings import SIMPLE_2022 as SIMPLE_2022
     from .solver.newton import ProjectedNewton as ProjectedNewton
 
 __version__ = "1.0.0"
@@ -187,7 +180,7 @@ _LATER = {
     "contact.pair_search": "AllPairs UniformGrid",
     "contact.ipc": "IPC",
     "contact.step_filter": "NoFilter SmallestDistance TimeOfImpact",
-    "decimation.choices": "OnCurve ArcLength DouglasPeucker EdgeCollapse OwnDecimation Visvalingam",
+    "decimation.choices": "OnCurve ArcLength OwnDecimation",
     "energies.choices": "BoundaryARAP ElementEnergy InitialDisplacement InteriorARAP ShapeKeeping StepDisplacement",
     "geometry.triangulation": "convex_pieces",
     "needs.symmetry": "Found Mirror Rotation",
@@ -204,12 +197,9 @@ _LATER = {
     "exchange.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
     "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",
     "published.gurditta_jacobson_2022": (
-        "EvenSamples GaussLegendre GradientDescent Midpoint PaperContact PaperFlow QuadraticFallOff RandomSamples "
-        "Repairs SignedDistanceFlow"
+        "AUGMENTED_2022 AUGMENTED_2022_REPAIRED EvenSamples GaussLegendre GradientDescent Midpoint PaperContact "
+        "PaperFlow QuadraticFallOff RandomSamples Repairs SignedDistanceFlow"
     ),
-    "published.sacht_2015": "ElTopo",
-    "published.sellan_2022": "LevelSet",
-    "published.settings": "AUGMENTED_2022 AUGMENTED_2022_REPAIRED NESTED_CAGES_2015 SIMPLE_2022",
 }
 """Rooms that making a cage does not need, and the names that the face passes on from them: imported when asked for."""
 

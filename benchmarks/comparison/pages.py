@@ -28,7 +28,7 @@ CHOOSE = (
     ("cages for use, or from a coarse mesh of your own", "the default"),
     ("an animation that keeps its distance throughout", "`IPC()`: the largest gaps among the fast ones"),
     ("a symmetric or evenly deformed cage", "another energy, such as `ShapeKeeping()`"),
-    ("the papers' methods", "`AUGMENTED_2022`, `AUGMENTED_2022_REPAIRED`, `NESTED_CAGES_2015`, `SIMPLE_2022`"),
+    ("the paper's method", "`AUGMENTED_2022`, `AUGMENTED_2022_REPAIRED`; the others' are in `benchmarks/published`"),
 )
 LIMITS = (
     "In the plane. In space, broad phases and collision detection cost more, and impulses meet harder cases.",

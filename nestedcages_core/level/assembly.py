@@ -154,5 +154,5 @@ def deviations(plan: Plan, cage: Mesh, clearance: float, wanted: float) -> tuple
 
 
 def in_words(decimation: Decimation) -> str:
-    """The name of a decimation in words: "level set" for ``LevelSet()``."""
+    """The name of a decimation in words: "outer hull" for ``OuterHull()``."""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(decimation).__name__).lower()

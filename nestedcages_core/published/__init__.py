@@ -1,1 +1,1 @@
-"""Methods as they were published, one package per paper, behind the same protocols as ours."""
+"""The paper's method as published, behind the same protocols as ours. Others' are in `benchmarks/published`."""

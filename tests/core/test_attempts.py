@@ -11,7 +11,7 @@ import pytest
 
 from nestedcages_core import (
     IPC,
-    DouglasPeucker,
+    ArcLength,
     InitialDisplacement,
     LineCycles,
     Mesh,
@@ -57,9 +57,9 @@ class TestOrder:
         ]
 
     def test_another_decimation_is_followed_by_the_fallback_and_that_untightened(self) -> None:
-        found = tried(Settings(decimation=DouglasPeucker()), 12)
+        found = tried(Settings(decimation=ArcLength()), 12)
         assert kinds(found) == [
-            ("DouglasPeucker", False, True),
+            ("ArcLength", False, True),
             ("OuterHull", True, True),
             ("OuterHull", True, False),
         ]
@@ -72,12 +72,12 @@ class TestOrder:
         ]
 
     def test_without_a_fallback_nothing_else_is_tried(self) -> None:
-        found = tried(Settings(decimation=DouglasPeucker(), fallback=None), 12)
-        assert kinds(found) == [("DouglasPeucker", False, True), ("DouglasPeucker", False, False)]
+        found = tried(Settings(decimation=ArcLength(), fallback=None), 12)
+        assert kinds(found) == [("ArcLength", False, True), ("ArcLength", False, False)]
         assert not any(attempt.may_fall_back for attempt in found)
 
     def test_all_have_the_same_clearances(self) -> None:
-        for settings in (Settings(), Settings(decimation=DouglasPeucker())):
+        for settings in (Settings(), Settings(decimation=ArcLength())):
             assert {attempt.clearances for attempt in tried(settings, 12)} == {CLEARANCES}
 
 
@@ -110,7 +110,7 @@ class TestFlowAndContact:
         assert len(quick.contacts) == 1 and untightened.flow == quick.flow
 
     def test_of_other_coarse_meshes_only_the_contact_is_given_up_early(self) -> None:
-        first = tried(Settings(decimation=DouglasPeucker()), 12)[0]
+        first = tried(Settings(decimation=ArcLength()), 12)[0]
         assert first.flow == TwoSidedFlow() and len(first.contacts) == 1
 
     def test_without_a_fallback_or_from_own_meshes_they_are_as_they_were_chosen(self) -> None:

@@ -1,15 +1,16 @@
-"""The filter of Sacht et al. 2015 as published: impulses, inelastic impact zones, and the cages that come of them."""
+"""Sacht et al. 2015 as published: the flow, impulses, inelastic impact zones, and the cages that come of them."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from nestedcages_core import Mesh, NoEnergy, Settings, nested_cages
+from benchmarks.published.sacht_2015 import ElTopo, SachtFlow
+from benchmarks.published.sacht_2015.impulses import SEPARATION_RATE, Impulses, InelasticZones, meeting
+from nestedcages_core import FlowError, Mesh, NoEnergy, Settings, nested_cages
 from nestedcages_core.contact.ccd import impacts
 from nestedcages_core.contact.pairs import Bodies, Pairs, find_pairs
-from nestedcages_core.published.sacht_2015 import ElTopo
-from nestedcages_core.published.sacht_2015.impulses import SEPARATION_RATE, Impulses, InelasticZones, meeting
+from nestedcages_core.tasks import drain
 from nestedcages_core.tightening import Tightening
 from shapes import letter_a, letter_a_coarse
 from test_ccd import pairs_of
@@ -25,6 +26,16 @@ def below_the_upper_edge(*points: tuple[float, float]) -> tuple[Pairs, np.ndarra
     bodies = Bodies.of(cage, fine)
     x = np.concatenate([cage.vertices, fine.vertices])
     return find_pairs(bodies, x, 4.0), x
+
+
+def test_the_flow_steps_a_thousandth_of_the_longest_side() -> None:
+    fine, coarse = letter_a(), letter_a_coarse()
+    with pytest.raises(FlowError) as stopped:
+        drain(SachtFlow(limit=1).run(fine, coarse))
+    before, after = stopped.value.partial.steps[:2]
+    side = float(np.ptp(np.concatenate([fine.vertices, coarse.vertices]), axis=0).max())
+    assert np.hypot(*(after - before).T).max() == pytest.approx(1e-3 * side, rel=0.2)
+    assert np.hypot(*(after - before).T).max() <= 1e-3 * side * (1.0 + 1e-12)
 
 
 def test_a_collision_loses_its_relative_normal_velocity() -> None:

@@ -8,6 +8,7 @@ import pytest
 from benchmarks.li_2020 import OriginalIPC
 from benchmarks.li_2020.barrier import SquaredBarrier
 from benchmarks.li_2020.stiffness import StiffnessBounds
+from benchmarks.published import ElTopo
 from marks import slow_after
 from nestedcages_core import (
     Area,
@@ -22,7 +23,6 @@ from nestedcages_core import (
 from nestedcages_core.contact.ccd import impacts
 from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.contact.reinflation import reinflate
-from nestedcages_core.published.sacht_2015 import ElTopo
 from nestedcages_core.tasks import drain
 from nestedcages_core.tightening import Tightening
 from shapes import annulus, assert_nested, letter_a, letter_a_coarse, ring

@@ -310,7 +310,7 @@ def test_the_queue_gives_moves_in_order(costs: list[float]) -> None:
     queue = MoveQueue(len(costs), negligible=0.0)
     for slot, cost in enumerate(costs):
         queue.push([(0.5 * cost, slot, (7.0,))])  # obsolete
-        queue.renew(slot)
+        queue.stamps[slot] += 1
         queue.push([(cost, slot, ())])
     order = []
     while (move := queue.pop(0.75)) is not None:

@@ -26,6 +26,7 @@ from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.contact.step_filter import NoFilter, SmallestDistance, StepFilter, TimeOfImpact
 from nestedcages_core.level.units import SolverUnits
 from nestedcages_core.published.gurditta_jacobson_2022 import (
+    AUGMENTED_2022,
     GradientDescent,
     PaperContact,
     PaperFlow,
@@ -33,7 +34,6 @@ from nestedcages_core.published.gurditta_jacobson_2022 import (
 )
 from nestedcages_core.published.gurditta_jacobson_2022.potential import PaperPotential, PaperWeights
 from nestedcages_core.published.gurditta_jacobson_2022.ray_parity import edges_meet, inside_by_parity
-from nestedcages_core.published.settings import AUGMENTED_2022
 from nestedcages_core.solver.newton import Solver
 from nestedcages_core.tasks import drain
 from shapes import annulus, assert_nested, derivative, ring

@@ -29,8 +29,6 @@ from nestedcages_core.published.gurditta_jacobson_2022 import (
     Repairs,
     SignedDistanceFlow,
 )
-from nestedcages_core.published.sacht_2015 import ElTopo
-from nestedcages_core.published.sellan_2022 import LevelSet
 from nestedcages_core.solver.newton import ProjectedNewton
 from nestedcages_core.solver.quadratic_program import InteriorPoint
 
@@ -40,7 +38,6 @@ POSITIVE = {
     PaperContact: ("d_hat",),
     PaperFlow: ("step",),
     SignedDistanceFlow: ("step",),
-    ElTopo: ("proximity", "room", "final_proximity", "first_step", "smallest_step", "still"),
 }
 NOT_NEGATIVE = {
     ProjectedNewton: ("tolerance",),
@@ -53,8 +50,6 @@ COUNTS = {  # and the least count
     GradientDescent: {"steps": 0},
     PaperFlow: {"limit": 1, "samples": 1},
     SignedDistanceFlow: {"limit": 1},
-    ElTopo: {"iterations": 1},
-    LevelSet: {"cells": 1},
     RandomSamples: {"samples": 1, "seed": 0, "step": 0},
 }
 BELOW_ONE = {GradientDescent: ("contraction", "sufficient_decrease")}
@@ -63,8 +58,6 @@ FLAGS = {
     Repairs: ("parity", "exact_home"),
     PaperContact: ("absolute",),
     PaperFlow: ("exact_parity", "over_length", "absolute"),
-    SignedDistanceFlow: ("by_longest_side",),
-    LevelSet: ("change_loops",),
 }
 
 
@@ -117,10 +110,7 @@ PARTS = [
     *((IPC, part) for part in ("solver", "energy", "step_filter", "broad_phase")),
     *((PaperContact, part) for part in ("solver", "energy", "step_filter", "broad_phase")),
     (SequentialQP, "quadratic_programs"),
-    (ElTopo, "energy"),
-    (ElTopo, "final_energy"),
     (SignedDistanceFlow, "quadrature"),
-    (LevelSet, "simplification"),
     (Tightening, "solver"),
 ]
 

@@ -10,7 +10,6 @@ import shapely
 
 from nestedcages_core import (
     EvenSamples,
-    FlowError,
     GaussLegendre,
     Mesh,
     Midpoint,
@@ -62,18 +61,6 @@ def test_random_samples_are_new_at_every_step_and_the_same_in_every_run() -> Non
 
     assert np.array_equal(steps(RandomSamples()), steps(RandomSamples()))
     assert not np.array_equal(steps(RandomSamples())[2], steps(RandomSamples(seed=1))[2])
-
-
-def test_the_program_of_2015_steps_a_thousandth_of_the_longest_side() -> None:
-    fine, coarse = octagon_with_hole(), square_with_hole()
-    flow = SignedDistanceFlow(step=1e-3, limit=1, quadrature=Midpoint(), by_longest_side=True)
-    with pytest.raises(FlowError) as stopped:
-        drain(flow.run(fine, coarse))
-    before, after = stopped.value.partial.steps[:2]
-    box = np.concatenate([fine.vertices, coarse.vertices])
-    side = float(np.ptp(box, axis=0).max())
-    assert np.hypot(*(after - before).T).max() == pytest.approx(1e-3 * side, rel=0.2)
-    assert np.hypot(*(after - before).T).max() <= 1e-3 * side * (1.0 + 1e-12)
 
 
 @BY_NAME

@@ -1,4 +1,4 @@
-"""Even resampling, and vertices of the hull put back on the curve."""
+"""Even resampling, vertices of the hull put back on the curve, and a decimation of one's own."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nestedcages_core import ArcLength, Mesh, NestingError, OnCurve
+from nestedcages_core import ArcLength, Mesh, NestingError, OnCurve, OwnDecimation, Settings, nested_cages
 from nestedcages_core.decimation import Decimation
-from shapes import annulus, islands, letter_a, polygon, ring, star
+from shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
 
 BOTH = pytest.mark.parametrize("decimation", [ArcLength(), OnCurve()], ids=["ArcLength", "OnCurve"])
 SHAPES = pytest.mark.parametrize("shape", [letter_a, star, islands, lambda: annulus(40)])
@@ -62,6 +62,12 @@ def test_the_numbering_changes_nothing(decimation: Decimation) -> None:
         assert (coarse.vertices[coarse.loops[k]] == other.vertices[other.loops[1 - k]]).all()
 
 
+@BOTH
+def test_numbers_per_loop_are_kept_even_if_there_are_not_so_many(decimation: Decimation) -> None:
+    coarse = decimation.decimate(islands(), [10, 7, 3, 30, 14])
+    assert [len(loop) for loop in coarse.loops] == [10, 7, 3, 30, 14]
+
+
 def test_another_phase_is_tried_where_loops_cross() -> None:
     fine = Mesh.from_loops([ring(96), ring(96, 0.9)])
     coarse = ArcLength().decimate(fine, [8, 8])
@@ -81,3 +87,18 @@ def test_on_curve_puts_more_vertices_at_features() -> None:
     fine = Mesh.from_loops([edges.reshape(-1, 2)])
     corners = {tuple(vertex) for vertex in OnCurve().decimate(fine, 4).vertices.round(12).tolist()}
     assert corners == {tuple(vertex) for vertex in square.tolist()}
+
+
+def test_a_decimation_of_ones_own_is_checked() -> None:
+    def every_fourth(loops: list, count: int) -> list:
+        return [loop[::4] for loop in loops]
+
+    fine = annulus(48)
+    level = nested_cages(fine, [24], Settings(decimation=OwnDecimation(every_fourth))).levels[0]
+    assert_nested(level.cage, level.fine)
+    assert set(map(tuple, level.coarse.vertices)) <= set(map(tuple, fine.vertices))
+    with pytest.raises(NestingError, match="returned 24 vertices where 20 are wanted"):
+        OwnDecimation(every_fourth).decimate(fine, 20)
+    crossed = OwnDecimation(lambda loops, count: [loops[0][[0, 24, 12, 36]], loops[1][::4]])
+    with pytest.raises(NestingError, match=r"of your own decimation is not valid: .*cross"):
+        crossed.decimate(fine, 20)

@@ -1,4 +1,4 @@
-"""Decimation by Douglas-Peucker, Visvalingam, edge collapse and one's own: counts, simple loops, known properties."""
+"""Coarse meshes by Douglas-Peucker, Visvalingam and edge collapse: counts, simple loops, known properties."""
 
 from __future__ import annotations
 
@@ -8,21 +8,11 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nestedcages_core import (
-    ArcLength,
-    DouglasPeucker,
-    EdgeCollapse,
-    Mesh,
-    NestingError,
-    OnCurve,
-    OwnDecimation,
-    Settings,
-    Visvalingam,
-    nested_cages,
-)
+from benchmarks.published import DouglasPeucker, EdgeCollapse, Visvalingam
+from benchmarks.published.simplification.edge_collapse import touching
+from nestedcages_core import Mesh
 from nestedcages_core.decimation import Decimation
-from nestedcages_core.decimation.choices.edge_collapse import touching
-from shapes import annulus, assert_nested, comb, islands, letter_a, polygon, ring, star
+from shapes import annulus, comb, islands, letter_a, polygon, ring, star
 
 EVERY_ONE = (DouglasPeucker(), Visvalingam(), EdgeCollapse())
 BY_NAME = pytest.mark.parametrize("decimation", EVERY_ONE, ids=lambda decimation: type(decimation).__name__)
@@ -51,24 +41,11 @@ def test_it_gives_the_wanted_vertices_on_simple_loops_near_the_mesh(decimation: 
         previous = away
 
 
-@pytest.mark.parametrize("decimation", [*EVERY_ONE, ArcLength(), OnCurve()], ids=repr)
+@BY_NAME
 def test_numbers_per_loop_are_kept_even_if_there_are_not_so_many(decimation: Decimation) -> None:
     fine = islands()
     coarse = decimation.decimate(fine, [10, 7, 3, 30, 14])
     assert [len(loop) for loop in coarse.loops] == [10, 7, 3, 30, 14]
-
-
-@BY_NAME
-def test_down_to_a_triangle_per_loop(decimation: Decimation) -> None:
-    coarse = decimation.decimate(annulus(24), 6)
-    assert [len(loop) for loop in coarse.loops] == [3, 3]
-
-
-@BY_NAME
-def test_all_vertices_give_the_mesh_back(decimation: Decimation) -> None:
-    fine = letter_a()
-    coarse = decimation.decimate(fine, len(fine.vertices))
-    assert polygon(coarse).equals(polygon(fine))
 
 
 @BY_NAME
@@ -92,15 +69,6 @@ def test_the_choice_follows_rotation_scale_and_numbering(decimation: Decimation)
     shuffled = decimation.decimate(Mesh(fine.vertices[order], np.argsort(order)[fine.edges]), 30)
     for other in (back, shuffled):
         assert polygon(other).symmetric_difference(polygon(expected)).area < 1e-9
-
-
-@pytest.mark.slow
-@BY_NAME
-def test_cages_from_it_are_certified(decimation: Decimation) -> None:
-    for fine, count in ((letter_a(), 24), (islands(), 40)):
-        level = nested_cages(fine, [count], Settings(decimation=decimation)).levels[0]
-        assert_nested(level.cage, level.fine)
-        assert len(level.cage.vertices) == count
 
 
 @pytest.mark.parametrize("decimation", [DouglasPeucker(), Visvalingam()], ids=lambda one: type(one).__name__)
@@ -143,24 +111,6 @@ def test_edge_collapse_meets_the_lines_of_cut_corners() -> None:
     cut = [(0.9, -1.0), (1.0, -0.9), (1.0, 0.9), (0.9, 1.0), (-0.9, 1.0), (-1.0, 0.9), (-1.0, -0.9), (-0.9, -1.0)]
     corners = EdgeCollapse().decimate(Mesh.from_loops([np.array(cut)]), 4).vertices
     assert np.abs(np.abs(corners) - 1.0).max() < 0.03
-
-
-# One's own
-
-
-def test_a_decimation_of_ones_own_is_checked() -> None:
-    def every_fourth(loops: list, count: int) -> list:
-        return [loop[::4] for loop in loops]
-
-    fine = annulus(48)
-    level = nested_cages(fine, [24], Settings(decimation=OwnDecimation(every_fourth))).levels[0]
-    assert_nested(level.cage, level.fine)
-    assert set(map(tuple, level.coarse.vertices)) <= set(map(tuple, fine.vertices))
-    with pytest.raises(NestingError, match="returned 24 vertices where 20 are wanted"):
-        OwnDecimation(every_fourth).decimate(fine, 20)
-    crossed = OwnDecimation(lambda loops, count: [loops[0][[0, 24, 12, 36]], loops[1][::4]])
-    with pytest.raises(NestingError, match=r"of your own decimation is not valid: .*cross"):
-        crossed.decimate(fine, 20)
 
 
 # What it rests on

@@ -156,10 +156,6 @@ class MoveQueue:
         self._negligible = negligible
         self._heap: list[tuple[float, int, int, Place]] = []
 
-    def renew(self, slot: int) -> None:
-        """Discard the moves of a slot."""
-        self.stamps[slot] += 1
-
     def push(self, moves: Iterable[tuple[float, int, Place]]) -> None:
         """Add moves: cost, slot and place each."""
         stamps, heap, negligible = self.stamps, self._heap, self._negligible

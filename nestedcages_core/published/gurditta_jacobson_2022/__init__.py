@@ -8,6 +8,7 @@ from .flow import PROGRAM_STEP, PaperFlow
 from .gradient_descent import GradientDescent
 from .potential import PaperWeights
 from .quadrature import EvenSamples, GaussLegendre, Midpoint, QuadraticFallOff, RandomSamples
+from .settings import AUGMENTED_2022, AUGMENTED_2022_REPAIRED
 from .signed_distance_flow import SignedDistanceFlow
 
 __all__ = [  # noqa: RUF022 - in the order of the paper
@@ -22,6 +23,8 @@ __all__ = [  # noqa: RUF022 - in the order of the paper
     "PaperWeights",  # its weights of the terms of the energy
     "GradientDescent",  # its solver
     "Repairs",  # fixes of its program
+    "AUGMENTED_2022",  # all of it as settings
+    "AUGMENTED_2022_REPAIRED",  # with the fixes
     "PROGRAM_STEP",  # the absolute lengths of its program
     "PROGRAM_RANGE",
 ]

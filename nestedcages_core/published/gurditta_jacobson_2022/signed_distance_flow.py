@@ -12,8 +12,7 @@ from ...flow.loop_matching import match_loops
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
 from ...geometry.signed_distance import SignedDistance
-from ...geometry.vectors import bounds
-from ...parameters import check_count, check_flag, check_part, check_positive
+from ...parameters import check_count, check_part, check_positive
 from ...tasks import Stage
 from .quadrature import QuadraticFallOff, Quadrature, at_step, vertex_samples
 
@@ -28,15 +27,10 @@ class SignedDistanceFlow:
     """Maximum number of steps."""
     quadrature: Quadrature = field(default_factory=QuadraticFallOff)
     """Sample points and weights of the gradient around a vertex; `RandomSamples()` for new ones at every step."""
-    by_longest_side: bool = False
-    """Measure steps by the longest side of the box around both meshes, as the program of Sacht et al. (2015) does with
-    a step of 1e-3 and a limit of 1,000. That program keeps the edge lengths of the fine mesh as weights; here the
-    weights are those of the moving mesh."""
 
     def __post_init__(self) -> None:
         check_positive(self, "step")
         check_count(self, "limit")
-        check_flag(self, "by_longest_side")
         check_part(self, "quadrature", "rule", "Midpoint()")
 
     def run(self, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
@@ -46,7 +40,7 @@ class SignedDistanceFlow:
         """
         containment = Containment(match_loops(fine, coarse))
         distance = SignedDistance.of(coarse)
-        length = self.step * (_longest_side(fine, coarse) if self.by_longest_side else fine.diagonal)
+        length = self.step * fine.diagonal
         steps = [fine.vertices]
         while (obstacle := containment.obstacle(steps[-1])) is not None:
             if len(steps) > self.limit:
@@ -63,9 +57,3 @@ def averaged_gradient(mesh: Mesh, distance: SignedDistance, quadrature: Quadratu
     points, weights = vertex_samples(mesh, quadrature)
     gradient = distance.at(points.reshape(-1, 2)).gradient.reshape(points.shape)
     return np.asarray((weights[..., None] * gradient).sum(axis=1), np.float64)
-
-
-def _longest_side(*meshes: Mesh) -> float:
-    """Of the bounding box around all meshes."""
-    low, high = bounds(np.concatenate([mesh.vertices for mesh in meshes]))
-    return float((high - low).max())

@@ -8,13 +8,14 @@ from math import frexp
 
 import numpy as np
 
-from ...geometry.arrays import TINY
-from ...geometry.loops import Loops
-from ...geometry.mesh import Mesh
-from ...geometry.predicates import orientation_sign
-from ...geometry.vectors import norm
-from ..base import REACH, Count
-from .simplification import Simplification, simplified
+from nestedcages_core.decimation.base import REACH, Count
+from nestedcages_core.geometry.arrays import TINY
+from nestedcages_core.geometry.loops import Loops
+from nestedcages_core.geometry.mesh import Mesh
+from nestedcages_core.geometry.predicates import orientation_sign
+from nestedcages_core.geometry.vectors import norm
+
+from .greedy import Simplification, simplified
 
 MIDPOINT_WEIGHT = 1e-3
 """Weight of the distance to the middle of the edge, relative to that of its lines: decides for parallel lines."""
@@ -53,7 +54,7 @@ class _Collapsing(Simplification):
     def consider(self, vertex: int) -> None:
         """Its cost is the quadric of both ends at the best x."""
         loops = self.loops
-        self.queue.renew(vertex)
+        self.renew(vertex)
         c = loops.next[vertex]
         (cx, cy), X, Y = loops.centre, loops.x, loops.y
         xx, xy, yy, x1, y1, one = map(sum, zip(self.quadrics[vertex], self.quadrics[c], strict=True))
@@ -81,8 +82,8 @@ class _Collapsing(Simplification):
             return False
         if not self._is_free(a, b, c, d, at):
             return False
-        self.queue.renew(b)
-        self.queue.renew(c)
+        self.renew(b)
+        self.renew(c)
         self.quadrics[b] = list(map(sum, zip(self.quadrics[b], self.quadrics[c], strict=True)))
         loops.remove(c, (b, *at))
         for v in (loops.previous[a], a, b, d):

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...geometry.mesh import Mesh
-from ...geometry.predicates import orientation_sign
-from ..base import Count
-from .simplification import Simplification, simplified
+from nestedcages_core.decimation.base import Count
+from nestedcages_core.geometry.mesh import Mesh
+from nestedcages_core.geometry.predicates import orientation_sign
+
+from .greedy import Simplification, simplified
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class _Dropping(Simplification):
     def consider(self, vertex: int) -> None:
         """Its cost is the area of the triangle a, b, c."""
         loops = self.loops
-        self.queue.renew(vertex)
+        self.renew(vertex)
         a, c = loops.previous[vertex], loops.next[vertex]
         ux, uy = loops.x[vertex] - loops.x[a], loops.y[vertex] - loops.y[a]
         wx, wy = loops.x[c] - loops.x[vertex], loops.y[c] - loops.y[vertex]
@@ -40,7 +41,7 @@ class _Dropping(Simplification):
             return False
         if not self.is_free((x[a], y[a]), (x[vertex], y[vertex]), (x[c], y[c]), a, vertex, c):
             return False
-        self.queue.renew(vertex)
+        self.renew(vertex)
         loops.remove(vertex)
         self.consider(a)
         self.consider(c)

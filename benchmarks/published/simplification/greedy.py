@@ -9,14 +9,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
-from ...errors import InvalidMeshError, NestingError
-from ...geometry.loops import Loops
-from ...geometry.mesh import Mesh
-from ...geometry.predicates import orientation_sign
-from ..base import REACH, Count
-from ..hull.hull_moves import NEGLIGIBLE_COST, MoveQueue
-from ..hull.linked_loops import LinkedLoops
-from ..request import Request
+from nestedcages_core.decimation.base import REACH, Count
+from nestedcages_core.decimation.hull.hull_moves import NEGLIGIBLE_COST, MoveQueue
+from nestedcages_core.decimation.hull.linked_loops import LinkedLoops
+from nestedcages_core.decimation.request import Request
+from nestedcages_core.errors import InvalidMeshError, NestingError
+from nestedcages_core.geometry.loops import Loops
+from nestedcages_core.geometry.mesh import Mesh
+from nestedcages_core.geometry.predicates import orientation_sign
 
 
 class Simplification(ABC):
@@ -35,6 +35,10 @@ class Simplification(ABC):
     @abstractmethod
     def make(self, vertex: int, place: tuple[float, ...]) -> bool:
         """Make the move of a vertex if nothing blocks it, and reconsider its neighbours; whether it was made."""
+
+    def renew(self, vertex: int) -> None:
+        """Discard the moves of a vertex."""
+        self.queue.stamps[vertex] += 1
 
     def run(self, count: int) -> Loops:
         """Remove vertices until `count` are left, or as many as can be removed."""

@@ -18,10 +18,10 @@ from math import hypot, sqrt
 
 import numpy as np
 
-from ...contact.ccd import HIT_DISTANCE, impacts
-from ...contact.pairs import Pairs
-from ...geometry.arrays import TINY, FloatArray, IntArray
-from ...geometry.precision import NEGLIGIBLE
+from nestedcages_core.contact.ccd import HIT_DISTANCE, impacts
+from nestedcages_core.contact.pairs import Pairs
+from nestedcages_core.geometry.arrays import TINY, FloatArray, IntArray
+from nestedcages_core.geometry.precision import NEGLIGIBLE
 
 SEPARATION_RATE = 0.1
 """Fraction of the missing distance by which a pair may separate in a step."""

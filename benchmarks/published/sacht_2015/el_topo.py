@@ -13,14 +13,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...contact.base import ContactOutcome
-from ...contact.ccd import HIT_DISTANCE, impacts
-from ...contact.pairs import Bodies, CandidateList, Pairs
-from ...energies import Area, CageEnergy, Energy
-from ...energies.no_energy import NoEnergy
-from ...geometry.arrays import FloatArray
-from ...parameters import check_count, check_part, check_positive
-from ...tasks import Stage
+from nestedcages_core.contact.base import ContactOutcome
+from nestedcages_core.contact.ccd import HIT_DISTANCE, impacts
+from nestedcages_core.contact.pairs import Bodies, CandidateList, Pairs
+from nestedcages_core.energies import Area, CageEnergy, Energy
+from nestedcages_core.energies.no_energy import NoEnergy
+from nestedcages_core.geometry.arrays import FloatArray
+from nestedcages_core.parameters import check_count, check_part, check_positive
+from nestedcages_core.tasks import Stage
+
 from .impulses import COLLISION_DISTANCE, Impulses, InelasticZones
 
 SMALLEST_TIME = 1e-3

@@ -8,18 +8,19 @@ from heapq import heappop, heappush
 
 import numpy as np
 
-from ...errors import NestingError
-from ...geometry.arrays import FloatArray
-from ...geometry.distance import point_edge
-from ...geometry.loops import Loops
-from ...geometry.mesh import Mesh
-from ...geometry.precision import MOST_STEPS
-from ...geometry.predicates import crossing_pairs
-from ...geometry.vectors import cross, norm
-from ..base import Count
-from ..budget import LEAST_PER_LOOP
-from ..request import Request
-from .simplification import followed
+from nestedcages_core.decimation.base import Count
+from nestedcages_core.decimation.budget import LEAST_PER_LOOP
+from nestedcages_core.decimation.request import Request
+from nestedcages_core.errors import NestingError
+from nestedcages_core.geometry.arrays import FloatArray
+from nestedcages_core.geometry.distance import point_edge
+from nestedcages_core.geometry.loops import Loops
+from nestedcages_core.geometry.mesh import Mesh
+from nestedcages_core.geometry.precision import MOST_STEPS
+from nestedcages_core.geometry.predicates import crossing_pairs
+from nestedcages_core.geometry.vectors import cross, norm
+
+from .greedy import followed
 
 Chord = tuple[int, int, int]
 """Loop, first vertex and last vertex; a last vertex equal to the size of the loop means vertex 0."""

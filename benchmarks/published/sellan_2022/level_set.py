@@ -7,17 +7,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...decimation.base import Count, Decimation
-from ...decimation.budget import checked_budget
-from ...decimation.choices.douglas_peucker import DouglasPeucker
-from ...decimation.choices.edge_collapse import EdgeCollapse
-from ...errors import NestingError
-from ...geometry.arrays import FloatArray, IntArray
-from ...geometry.mesh import Mesh, Nesting
-from ...geometry.predicates import winding_number
-from ...geometry.smallest_gap import smallest_gap
-from ...geometry.vectors import place
-from ...parameters import check_count, check_flag, check_part
+from nestedcages_core.decimation.base import Count, Decimation
+from nestedcages_core.decimation.budget import checked_budget
+from nestedcages_core.errors import NestingError
+from nestedcages_core.geometry.arrays import FloatArray, IntArray
+from nestedcages_core.geometry.mesh import Mesh, Nesting
+from nestedcages_core.geometry.predicates import winding_number
+from nestedcages_core.geometry.smallest_gap import smallest_gap
+from nestedcages_core.geometry.vectors import place
+from nestedcages_core.parameters import check_count, check_flag, check_part
+
+from ..simplification.douglas_peucker import DouglasPeucker
+from ..simplification.edge_collapse import EdgeCollapse
 from .contour import Field
 
 CELLS_PER_VERTEX = 0.5

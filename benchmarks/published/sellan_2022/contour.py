@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from ...geometry.arrays import BoolArray, FloatArray, IntArray
-from ...geometry.mesh import Mesh
-from ...geometry.signed_distance import SignedDistance
+from nestedcages_core.geometry.arrays import BoolArray, FloatArray, IntArray
+from nestedcages_core.geometry.mesh import Mesh
+from nestedcages_core.geometry.signed_distance import SignedDistance
 
 END_MARGIN = 0.01
 """Distance of contour points from the ends of their grid edge, as a fraction of it, so that no two coincide."""
