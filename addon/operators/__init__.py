@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.handlers import persistent
 
 from ..generation.job import end_all
 from ..properties.kinds import registration
 from . import animation, bind, files, generate, pictures, presets, verify
+from .base import last_fault
 
 _ROOMS = (generate, verify, bind, animation, files, pictures, presets)
 CLASSES = [
@@ -17,9 +19,21 @@ CLASSES = [
     if found.__module__ == room.__name__
 ]
 
-register, _unregister = registration(CLASSES)
+_register, _unregister = registration(CLASSES)
+
+
+@persistent  # type: ignore[untyped-decorator]
+def _forget_fault(*_: object) -> None:
+    """The fault is one of the file before."""
+    last_fault.clear()
+
+
+def register() -> None:
+    _register()
+    bpy.app.handlers.load_post.append(_forget_fault)
 
 
 def unregister() -> None:
+    bpy.app.handlers.load_post.remove(_forget_fault)
     end_all(bpy.context)  # Blender drops a running operator whose class is unregistered, without calling cancel
     _unregister()

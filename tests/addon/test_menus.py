@@ -14,7 +14,7 @@ from test_panels import Layout
 
 def test_all_operators_are_in_the_submenu(addon) -> None:
     drawn: list[str] = []
-    addon.ui.preferences.VIEW3D_MT_nested_cages.draw(SimpleNamespace(layout=Layout(drawn)), bpy.context)
+    addon.ui.menus.VIEW3D_MT_nested_cages.draw(SimpleNamespace(layout=Layout(drawn)), bpy.context)
     known = {f"object.{name}" for name in dir(bpy.ops.object) if name.startswith("nested_cages")}
     assert known - set(drawn) == {"object.nested_cages_cancel"}
 

@@ -19,7 +19,7 @@ import manual_pages
 
 @pytest.fixture
 def manual(extension):
-    return sys.modules[f"{extension.__name__}.addon.ui.preferences"]
+    return sys.modules[f"{extension.__name__}.addon.ui.online_manual"]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,84 @@
+"""The menus: one submenu in Object and in the context menu, which F3 searches, and files in File."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+from bpy.types import Context
+
+from ..operators.files import SHAPE_ITEMS
+from ..properties.kinds import registration
+from ..properties.settings import copy_values, settings_of
+
+# Operators of the menu by their names, with their icons: groups after Generate, and what comes last.
+ENTRIES: tuple[dict[str, Any], ...] = (
+    {"select_fault": "VIEWZOOM", "verify": "CHECKMARK"},
+    {"bind": "LINKED", "add_handles": "BONE_DATA", "suggest_bones": "GROUP_BONE", "rig": "ARMATURE_DATA"}
+    | {
+        "follow": "CON_FOLLOWTRACK",
+        "live": "REC",
+        "rebind": "FILE_REFRESH",
+        "unbind": "UNLINKED",
+        "adopt": "COMMUNITY",
+    },
+    {"remove_animation": "X"},
+)
+ON_FILES: dict[str, Any] = {"from_image": "IMAGE_DATA", "cutout": "IMAGE_PLANE", "silhouette": "MOD_SOLIDIFY"}
+ON_FILES |= {"import": "IMPORT", "export": "EXPORT", "report": "TEXT"}
+
+
+class VIEW3D_MT_nested_cages(bpy.types.Menu):
+    """Operators for drawings and their cages"""
+
+    bl_label = "Nested Cages"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        copy_values(settings_of(context), layout.operator("object.nested_cages_generate", icon="MOD_MESHDEFORM"))
+        for group in ENTRIES:
+            for name, icon in group.items():
+                layout.operator(f"object.nested_cages_{name}", icon=icon)
+            layout.separator()
+        for shape, name, _ in SHAPE_ITEMS:
+            convert = layout.operator(
+                "object.nested_cages_to_objects", text=f"Convert Cages to {name}", icon="OUTLINER_OB_MESH"
+            )
+            convert.shape = shape
+        layout.operator("object.nested_cages_pieces", icon="MOD_EXPLODE")
+        layout.separator()
+        for name, icon in ON_FILES.items():
+            layout.operator(f"object.nested_cages_{name}", icon=icon)
+
+
+def _object_menu(self: bpy.types.Menu, _context: Context) -> None:
+    self.layout.separator()
+    self.layout.menu(VIEW3D_MT_nested_cages.__name__, icon="MOD_MESHDEFORM")
+
+
+def _file_menu(name: str, text: str) -> Any:
+    """Draws an operator on files."""
+    return lambda menu, _context: menu.layout.operator(f"object.nested_cages_{name}", text=text)
+
+
+MENUS = (
+    ("VIEW3D_MT_object", _object_menu),
+    ("VIEW3D_MT_object_context_menu", _object_menu),
+    ("TOPBAR_MT_file_import", _file_menu("import", "Outlines for Cages (.svg/.geojson/.json)")),
+    ("TOPBAR_MT_file_export", _file_menu("export", "Nested Cages (.svg/.geojson/.json)")),
+)
+
+
+_register, _unregister = registration((VIEW3D_MT_nested_cages,))
+
+
+def register() -> None:
+    _register()
+    for menu, entries in MENUS:
+        getattr(bpy.types, menu).append(entries)
+
+
+def unregister() -> None:
+    for menu, entries in MENUS:
+        getattr(bpy.types, menu).remove(entries)
+    _unregister()

@@ -1,0 +1,61 @@
+"""The page of the guide, which comes with the add-on, about the item under the pointer: F1 and "Online Manual"."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+from ..properties.groups import ANIMATION, FRAMES, PLACES, RULES, SHAPE
+
+# The folder of the extension, or of the repository.
+ROOT = Path(__file__).resolve().parents[2]
+# The guide in the extension's zip, and in the repository; the first one that exists is shown.
+GUIDES = ((ROOT / "manual" / "docs" / "guide", ".html"), (ROOT / "docs" / "guide", ".md"))
+# Suffixes of operators, prefixes of settings, and the page about each.
+OPERATORS = {
+    **dict.fromkeys(("verify", "report"), "verify"),
+    **dict.fromkeys(("adopt", "bind", "rebind", "unbind", "add_handles"), "bind"),
+    "remove_animation": "animation",
+    **dict.fromkeys(("follow", "live"), "motion"),
+    **dict.fromkeys(("to_objects", "pieces", "export", "import"), "export"),
+    **dict.fromkeys(("from_image", "cutout"), "pictures"),
+    **dict.fromkeys(("rig", "suggest_bones"), "characters"),
+    "select_fault": "messages",
+    "silhouette": "silhouette",
+}
+SETTINGS = {
+    **dict.fromkeys(("level", "clearance", "inside", *SHAPE), "levels"),
+    "use_selected_as_levels": "own_meshes",
+    "together": "cages",
+    **dict.fromkeys((*RULES, *PLACES), "shape"),
+    **dict.fromkeys((*FRAMES, *ANIMATION), "animation"),
+}
+# Blender's names of items, in lower case with wildcards, and the page about them. The first match counts.
+PAGES = (
+    *((f"bpy.ops.object.nested_cages_{name}*", page) for name, page in OPERATORS.items()),
+    *((f"bpy.types.*nested*cages*.{name}*", page) for name, page in SETTINGS.items()),
+    ("bpy.ops.scene.nested_cages_preset*", "levels"),
+    ("bpy.ops.scene.nested_cages_use_preset*", "levels"),
+    ("bpy.types.nestedcagespreferences*", "install"),
+    ("bpy.ops.*.nested_cages*", "cages"),
+    ("bpy.types.*nested_cages*", "cages"),
+    ("bpy.types.*nestedcages*", "cages"),
+)
+
+
+def manual_map() -> tuple[str, tuple[tuple[str, str], ...]]:
+    """The prefix of all pages, and the pages; none without the guide."""
+    found = next((guide for guide in GUIDES if guide[0].is_dir()), None)
+    if found is None:
+        return "", ()
+    folder, ending = found
+    return f"{folder.as_uri()}/", tuple((name, page + ending) for name, page in PAGES)
+
+
+def register() -> None:
+    bpy.utils.register_manual_map(manual_map)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_manual_map(manual_map)
