@@ -229,6 +229,20 @@ def test_addon_imports_the_core_it_carries_through_one_door() -> None:
         assert [item for item in found if isinstance(item, str)] == [] or path == DOOR
 
 
+def test_addon_needs_no_room_that_its_zip_leaves_out() -> None:
+    files = below("addon")
+    left_out = {"batch", "command", *importlib.import_module(CORE)._LATER["batch"].split()}
+    used = {
+        node.attr
+        for source in files.values()
+        for node in nodes(source)
+        if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "core"
+    }
+    door = {str(node.value).partition(".")[0] for node in nodes(files[DOOR]) if isinstance(node, ast.Constant)}
+    assert "nested_cages_many" in left_out and "Mesh" in used and "geometry" in door
+    assert not left_out & (used | door)
+
+
 def test_public_interface() -> None:
     core = importlib.import_module(CORE)
     assert set(PUBLIC.split()) <= set(core.__all__)

@@ -6,6 +6,8 @@ import importlib
 import importlib.util
 import re
 import struct
+import subprocess
+import sys
 import tomllib
 import zipfile
 from pathlib import Path
@@ -121,6 +123,25 @@ def test_a_staged_extension_names_its_wheels(
         assert (source / "manual" / "docs" / "guide" / "README.html").is_file()
         assert not (source / "tests").exists()
     assert reached is None  # every Blender has a zip
+
+
+def test_the_zip_has_what_the_addon_needs_and_no_more(build_extension: ModuleType, tmp_path: Path) -> None:
+    pytest.importorskip("bpy")
+    path = tmp_path / "extension.zip"
+    blender = [sys.executable, str(build_extension.blender_command())]
+    build = ["build", f"--source-dir={ROOT}", f"--output-filepath={path}"]
+    subprocess.run([*blender, *build], check=True, capture_output=True, timeout=60)
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(tmp_path / "nested_cages")
+    core = tmp_path / "nested_cages" / "nestedcages_core"
+    rooms = {entry.name for entry in (ROOT / "nestedcages_core").iterdir()} - {"__pycache__"}
+    assert rooms - {entry.name for entry in core.iterdir()} == {"__main__.py", "batch", "command"}
+    assert not {"benchmarks", "tests", "examples", "packaging"} & {entry.name for entry in core.parent.iterdir()}
+    cage = "import nestedcages_core as core; print(core.nested_cages([(0, 0), (2, 0), (2, 2), (1, 3), (0, 2)], 4)[0])"
+    made = subprocess.run(
+        [sys.executable, "-c", cage], cwd=core.parent, check=True, capture_output=True, text=True, timeout=60
+    )
+    assert made.stdout.startswith("Level(4 vertices")
 
 
 TAGS = (
