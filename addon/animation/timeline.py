@@ -103,7 +103,7 @@ def step_frames(level: Phases, span: Span, timing: Timing) -> FloatArray:
 
 def play_in(collection: Collection, played: Sequence[Span], marker: Mark | None = None) -> Mark:
     """Notes when an output plays, and its marker, one of its own unless several share one; returns the marker."""
-    found, result = record.written(collection), played[-1].end
+    found, result = record.of(collection), played[-1].end
     noted = found.markers.add()
     noted.name, noted.frame = marker or (found.title or collection.name, result)
     found.frames, found.animated = (played[0].flow, result, result), True
@@ -126,7 +126,7 @@ def settle(scene: Scene, dropped: Sequence[Mark], added: Sequence[Mark] = ()) ->
 
 def stop(scene: Scene, collection: Collection) -> list[Mark]:
     """Notes that an output does not play any more; returns its markers."""
-    found = record.written(collection)
+    found = record.of(collection)
     dropped = [(marker.name, marker.frame) for marker in found.markers]
     found.markers.clear()
     found.animated = False
@@ -157,6 +157,5 @@ def _fit_range(scene: Scene) -> None:
 
 def _plays_in(scene: Scene, collection: Collection) -> bool:
     """Whether objects of an output are in the scene."""
-    parts = record.of(collection).levels if collection.nested_cages.version else ()  # type: ignore[attr-defined]
-    found = [part.object for part in parts if part.object is not None]
+    found = [part.object for part in record.of(collection).levels if part.object is not None]
     return any(scene.objects.get(obj.name) == obj for obj in found)

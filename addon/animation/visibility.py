@@ -131,7 +131,7 @@ def enter(collection: Collection) -> None:
     source = ownership.source_of(collection)
     if source is not None and _is_elsewhere(source, fine):
         return
-    found = record.written(collection)
+    found = record.of(collection)
     found.playing = True
     action = shape_keys.new_action(source.name if source is not None else fine.name)
     for part in found.sources:
@@ -152,7 +152,7 @@ def leave(*collections: Collection) -> None:
     actions: list[bpy.types.Action | None] = []
     shown = set()
     for collection in collections:
-        found = record.written(collection)
+        found = record.of(collection)
         for part in found.sources:
             if part.hidden and ownership.exists(part.object):
                 actions.append(detach(part.object).action)
@@ -231,7 +231,7 @@ def remove(scene: Scene, collection: Collection) -> None:
     if not is_animated(collection):
         raise UserError(f"'{collection.name}' has no animation")
     end(scene, collection)
-    record.written(collection).moving = False
+    record.of(collection).moving = False
     record.keep(collection)
 
 
@@ -243,4 +243,4 @@ def end(scene: Scene, collection: Collection) -> None:
         shape_keys.remove_steps(obj)
         always_show(obj)
         for name in ("phases", "frames"):
-            record.described(obj).property_unset(name)
+            record.member(obj).property_unset(name)

@@ -21,35 +21,33 @@ from . import field
 
 def waiting(objects: Iterable[Object]) -> list[Object]:
     """The objects without a set whose drawing one of some objects is, shares, or is a part of."""
-    near = {record.described(obj).of or obj for obj in objects}
+    near = {record.member(obj).of or obj for obj in objects}
     if not near:
         return []
-    found = [each for each in bpy.data.objects if record.described(each).of is not None]
-    found = [each for each in found if record.described(each).kept.version > 0 and each.is_editable]
+    found = [each for each in bpy.data.objects if record.member(each).of is not None]
+    found = [each for each in found if len(record.member(each).kept.levels) and each.is_editable]
     found = [each for each in found if ownership.exists(each) and ownership.home_of_member(each) is None]
     found = [each for each in found if ownership.level_of(each) is not None]
-    drawings = {
-        own.of for own in map(record.described, found) if near & {own.of, *(p.object for p in own.kept.sources)}
-    }
-    return [each for each in found if record.described(each).of in drawings]
+    drawings = {own.of for own in map(record.member, found) if near & {own.of, *(p.object for p in own.kept.sources)}}
+    return [each for each in found if record.member(each).of in drawings]
 
 
 def adopt(scene: Scene, objects: Iterable[Object]) -> list[Collection]:
     """Makes sets of what waits for it with some objects; returns their collections."""
     found: dict[tuple[Object, bool], dict[int, Object]] = {}
     for copy in waiting(objects):
-        own = record.described(copy)
+        own = record.member(copy)
         found.setdefault((own.of, own.kept.inside), {}).setdefault(own.level, copy)
     return [_adopted(scene, drawing, copies) for (drawing, _), copies in found.items()]
 
 
 def _adopted(scene: Scene, drawing: Object, copies: dict[int, Object]) -> Collection:
     """A set of a drawing and the copies of its objects by level."""
-    first = record.described(next(iter(copies.values())))
+    first = record.member(next(iter(copies.values())))
     kept, before, title = first.kept, first.home, drawing.name if ownership.exists(drawing) else "Adopted"
     collection = bpy.data.collections.new(f"{title} {'Inner Cages' if kept.inside else 'Cages'}")
     ownership.home_of(scene, drawing).children.link(collection)
-    found, latest = record.written(collection), kept if before is None else record.written(before)
+    found, latest = record.of(collection), kept if before is None else record.of(before)
     sources = [part["object"] for part in record.values(kept)["sources"]]
     originals = {} if before is None else {part.object: obj for part, obj in zip(latest.sources, sources, strict=False)}
     old = {number: part.object for number, part in enumerate(latest.levels) if part.object is not None}
@@ -62,7 +60,7 @@ def _adopted(scene: Scene, drawing: Object, copies: dict[int, Object]) -> Collec
     record.fill(found.levels, objects)
     found.colours = ownership.colours_of(collection)
     for level, obj in enumerate(objects):
-        own = record.described(obj)
+        own = record.member(obj)
         own.home, own.level, own.of = collection, level, drawing
         _own_data(obj)
         if before is not None:

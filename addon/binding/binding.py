@@ -100,7 +100,7 @@ def take_in(context: Context, collection: Collection) -> Work[Binding]:
         field.follow(part, made, in_place=False)
         if armature is not None:
             placement.attach(part, armature)
-        record.written(collection).sources.add().object = part
+        record.of(collection).sources.add().object = part
     record.keep(collection)
     yield from ()
     return Binding(0.0, f"{_named(parts)} bound, with what is in the cages already")

@@ -99,9 +99,9 @@ def remember(checked: Sequence[Object], findings: Sequence[Finding]) -> None:
 
 
 def _remember(cage: Object, holds: bool, finding: core.Fault, frames: tuple[int, int]) -> None:
-    home, found = ownership.home_of_member(cage), record.described(cage)
+    home, found = ownership.home_of_member(cage), record.member(cage)
     if home is not None:
-        record.written(home)
+        record.of(home)
     found.check, found.checked = record.HOLDS if holds else record.FAULT, frames
     found.judged = record.stamp(cage)
     record.set_check(found, finding)

@@ -40,7 +40,7 @@ class Rollback:
 
     def include(self, collection: Collection) -> None:
         """Notes an output before it is changed."""
-        state = _properties(collection), record.values(record.written(collection))
+        state = _properties(collection), record.values(record.of(collection))
         self._collections.append((collection, collection.name, *state))
         for obj in members(collection):
             self._members[obj] = _Member(obj, [child for child in self._by_vertices if child.parent == obj])
@@ -91,7 +91,7 @@ class Rollback:
         for collection, name, properties, values in self._collections:
             collection.name = name
             _set_properties(collection, properties)
-            record.assign(record.written(collection), values)
+            record.assign(record.of(collection), values)
         scene = self._scene
         scene.frame_start, scene.frame_end, properties, before = self._range
         record.set_range(scene, before)
@@ -123,7 +123,7 @@ class _Member:
         self.hooks = [(hook, tuple(hook.vertex_indices)) for hook in hooks_of(obj)]
         self.children = [(child, tuple(child.parent_vertices)) for child in self.by_vertices]
         self.visibility_values = {name: getattr(obj, name) for name in VISIBILITY}
-        self.properties, self.values = _properties(obj), record.values(record.described(obj))
+        self.properties, self.values = _properties(obj), record.values(record.member(obj))
         self.thickness = {name: display.thickness_of(obj, name) for name in display.THICKNESSES}
         self.visibility: VisibilityAnimation | None = None
 
@@ -146,7 +146,7 @@ class _Member:
             if thickness or not any(self.thickness.values()):
                 display.set_thickness(obj, thickness, name)
         _set_properties(obj, self.properties)
-        record.assign(record.described(obj), self.values)
+        record.assign(record.member(obj), self.values)
 
 
 def _everything() -> Iterator[bpy.types.ID]:

@@ -168,20 +168,8 @@ def write(
             text = exchange.to_geojson(features)
         else:
             options: Any = {"flip_y": 0.0 if flip_y else None, "triangles": triangles, "pieces": pieces}
-            text = _one_document([exchange.to_engine_json(mesh, **options) for mesh in shapes.values()])
+            text = json.dumps(exchange.engine_json.engine_document(list(shapes.values()), **options), allow_nan=False)
         exchange.write_whole(path, text)
-
-
-def _one_document(texts: Sequence[str]) -> str:
-    """All collision outlines in one document."""
-    whole, *others = (json.loads(text) for text in texts)
-    for other in others:
-        before = len(whole.get("points", ()))
-        for name in ("polygons", "points"):
-            whole[name] = whole.get(name, []) + other.get(name, [])
-        for name in {"triangles", "pieces"} & set(other):
-            whole[name] += [[before + index for index in corners] for corners in other[name]]
-    return json.dumps({key: value for key, value in whole.items() if value != []}) if others else texts[0]
 
 
 # Kinds of rigid bodies: static pieces, and one moving body per cage, made of its pieces.

@@ -144,7 +144,7 @@ class OBJECT_OT_nested_cages_live(Operator, bpy.types.Operator):
         collection = collection_of_active(context)
         source = ownership.source_of(collection) if collection is not None else None
         assert collection is not None and source is not None
-        settings = record.written(collection).settings
+        settings = record.of(collection).settings
         options = options_of(settings, scene)
         if visibility.is_animated(collection):
             visibility.remove(scene, collection)

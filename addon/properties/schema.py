@@ -55,7 +55,6 @@ class NestedCagesUsed(bpy.types.PropertyGroup, GenerationProperties):
 class NestedCagesRecord(bpy.types.PropertyGroup):
     """Of a collection of cages, and kept on each of its objects too, for copies and for a collection that is gone."""
 
-    version: whole("Version", "Version of the record; 0 for none")
     sources: CollectionProperty(name="Drawings", description="The drawings in these cages", type=NestedCagesPart)
     title: text("Title", "Name of the drawing when the cages were made")
     levels: CollectionProperty(name="Levels", description="The fine mesh and the cages", type=NestedCagesPart)

@@ -17,8 +17,6 @@ from ..notes import in_scene, sentence
 from .helpers import *  # noqa: F403 - all of these are the room's face
 from .helpers import CAGE, CHECK, FAULT, HOLDS, TOLERANCE
 
-# Version of the schema.
-VERSION = 1
 # What is said of a cage that is not the certified one any more.
 EDITED = "Edited since it was certified: verify it, or generate it again"
 
@@ -28,30 +26,20 @@ def of(collection: Collection) -> Any:
     return collection.nested_cages  # type: ignore[attr-defined]
 
 
-def written(collection: Collection) -> Any:
-    """The record, to be changed."""
-    found: Any = collection.nested_cages  # type: ignore[attr-defined]
-    found.version = VERSION
-    return found
-
-
 def member(obj: Object) -> Any:
     """What an object is in its set."""
     return obj.nested_cages_member  # type: ignore[attr-defined]
 
 
-described = member
-
-
 def keep(collection: Collection) -> None:
     """Keeps the record on each object too: it goes with copies, and is there if the collection is removed."""
     found = of(collection)
-    if not found.version:
+    if not len(found.levels):
         return
     objects = [part.object for part in found.levels if part.object is not None and part.object.is_editable]
     given = values(found)
     for obj in objects:
-        assign(described(obj).kept, given)
+        assign(member(obj).kept, given)
         publish(obj)
     facts = {
         keys.SOURCE: found.sources[0].object if len(found.sources) else None,
@@ -65,7 +53,7 @@ def keep(collection: Collection) -> None:
 
 def bind(collection: Collection, method: str) -> None:
     """Notes by what method a drawing is bound; empty: not at all."""
-    written(collection).bound = method
+    of(collection).bound = method
     keep(collection)
 
 
@@ -165,7 +153,7 @@ def restate(obj: Object, clearance: float, excess: float, given: Iterable[core.F
     """What is certified of a cage that was moved or edited, and noted on it, instead of what was; clearance: in scene
     units. scale: the scene's length of the notes' unit.
     """
-    found = described(obj)
+    found = member(obj)
     found.clearance, found.excess, found.most = clearance, excess, excess
     found.check, found.stamp = "NONE", stamp(obj)
     set_notes(found, given, scale)
@@ -193,7 +181,7 @@ def stamp(obj: Object) -> str:
 
 def publish(obj: Object) -> None:
     """Writes what other programs may want to know of an object as custom properties, which the add-on never reads."""
-    found = described(obj)
+    found = member(obj)
     facts: dict[str, Any] = {keys.LEVEL: found.level, keys.VERTICES: len(obj.data.vertices)}
     if found.role == CAGE:
         said: dict[str, list[str]] = {"need": [], "finding": [], "other": []}
@@ -227,12 +215,12 @@ PUBLISHED = (
 
 def remove(obj: Object) -> None:
     """Makes an object a plain one."""
-    found = described(obj)
+    found = member(obj)
     for prop in found.bl_rna.properties:
         if prop.identifier not in {"rna_type", "kept", "before"}:
             found.property_unset(prop.identifier)
     found.before.mesh = None
-    assign(found.kept, {"version": 0, "sources": [], "levels": [], "markers": []})
+    assign(found.kept, {"sources": [], "levels": [], "markers": []})
     keys.remove(obj, keys.ours(obj))
 
 

@@ -64,9 +64,7 @@ TONES = ((0.85, 1.0), (0.5, 1.0), (0.95, 0.8))
 NAMING = ("NodeSocketObject", "NodeSocketMaterial")
 # Prefix of the names of our modifiers and node groups.
 OURS = "Nested Cages "
-# Types of our modifiers; those of other types, such as of handles, belong to the artist.
-OUR_TYPES = ("NODES", "SURFACE_DEFORM", "MESH_DEFORM")
-THICKNESS, AUTOMATIC_THICKNESS = THICKNESS, "Nested Cages Automatic Thickness"
+AUTOMATIC_THICKNESS = "Nested Cages Automatic Thickness"
 THICKNESSES = (THICKNESS, AUTOMATIC_THICKNESS)
 # Automatic thickness as a fraction of the drawing's size: about five pixels if the drawing fills a picture.
 AUTOMATIC_PART = 0.005
@@ -137,8 +135,8 @@ def render_lines(obj: Object, shown: bool) -> None:
 
 
 def is_ours(modifier: bpy.types.Modifier) -> bool:
-    """Whether a modifier is ours, hence made again with its output."""
-    return modifier.name.startswith(OURS) and modifier.type in OUR_TYPES
+    """Whether a modifier is ours, hence made again with its output; those of handles belong to the artist."""
+    return modifier.name.startswith(OURS) and modifier.type == "NODES"
 
 
 def remove_modifier(obj: Object, modifier: bpy.types.Modifier) -> None:

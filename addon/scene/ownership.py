@@ -46,7 +46,7 @@ def helpers(collection: Collection) -> list[Object]:
 
 def is_output(collection: Collection) -> bool:
     """Whether a collection holds the output of a drawing."""
-    return bool(collection.nested_cages.version)  # type: ignore[attr-defined]
+    return len(record.of(collection).levels) > 0
 
 
 def is_bound(collection: Collection) -> bool:
@@ -118,9 +118,9 @@ def source_of(collection: Collection) -> Object | None:
 def hand_over(collection: Collection, drawing: Object) -> None:
     """Names an output after another one of its drawings; deleted ones leave it."""
     others = [obj for obj in originals(collection) if obj != drawing]
-    record.fill(record.written(collection).sources, [drawing, *others])
+    record.fill(record.of(collection).sources, [drawing, *others])
     for obj in members(collection):
-        record.described(obj).of = drawing
+        record.member(obj).of = drawing
     record.keep(collection)
 
 

@@ -48,15 +48,32 @@ def to_engine_json(
     """
     mesh = meshes_of(shape)[-1]
     check_decimals([mesh], decimals)
-    document: dict[str, Any] = {"format": FORMAT, "version": VERSION, "polygons": _polygons(mesh, flip_y)}
-    turn = 1 if flip_y is None else -1
-    if triangles or pieces is not None:
-        document["points"] = flipped(mesh.vertices, flip_y).tolist()
-    if triangles:
-        document["triangles"] = triangulate(mesh).triangles[:, ::turn].tolist()
-    if pieces is not None:
-        document["pieces"] = [piece[::turn] for piece in piece_vertices(mesh, pieces)]
+    document = engine_document([mesh], flip_y=flip_y, triangles=triangles, pieces=pieces)
     return json.dumps(document, indent=indent, allow_nan=False)
+
+
+def engine_document(
+    meshes: Sequence[Mesh], *, flip_y: float | None, triangles: bool, pieces: int | None
+) -> dict[str, Any]:
+    """What `to_engine_json` writes, of several outlines in one document."""
+    polygons = [polygon for mesh in meshes for polygon in _polygons(mesh, flip_y)]
+    document: dict[str, Any] = {"format": FORMAT, "version": VERSION, "polygons": polygons}
+    turn = 1 if flip_y is None else -1
+    firsts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)]).tolist()
+    numbered = list(zip(firsts, meshes, strict=False))
+    if triangles or pieces is not None:
+        document["points"] = [point for mesh in meshes for point in flipped(mesh.vertices, flip_y).tolist()]
+    if triangles:
+        document["triangles"] = [
+            corners for first, mesh in numbered for corners in (first + triangulate(mesh).triangles[:, ::turn]).tolist()
+        ]
+    if pieces is not None:
+        document["pieces"] = [
+            [first + corner for corner in piece[::turn]]
+            for first, mesh in numbered
+            for piece in piece_vertices(mesh, pieces)
+        ]
+    return document
 
 
 def frames_to_engine_json(

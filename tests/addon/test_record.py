@@ -206,8 +206,8 @@ def test_append_makes_no_objects_of_kept_meshes_and_removes_none_of_before(addon
 def test_copies_of_many_selected_objects_are_looked_for_once(addon, monkeypatch) -> None:
     for k in range(300):
         poly_curve(f"Drawing {k}", [circle(3)])
-    asked, described = [], addon.record.described
-    monkeypatch.setattr(addon.record, "described", lambda obj: (asked.append(obj), described(obj))[1])
+    asked, member = [], addon.record.member
+    monkeypatch.setattr(addon.record, "member", lambda obj: (asked.append(obj), member(obj))[1])
     assert not bpy.ops.object.nested_cages_unbind.poll()
     assert len(asked) <= 10 * len(bpy.data.objects)
 
