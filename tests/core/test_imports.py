@@ -32,7 +32,7 @@ METHOD = (
 )
 """Rooms of the method."""
 
-MAX_NAMED_NUMBERS = 250
+MAX_NAMED_NUMBERS = 248
 """Constants and default parameters of the method with numbers in them: lower it whenever one goes."""
 
 PROGRAM = """
