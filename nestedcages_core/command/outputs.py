@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..errors import invalid_file
 from ..exchange import Feature, frames_to_engine_json, to_engine_json, to_geojson, to_svg, write_whole
-from ..exchange.limits import invalid
 from ..exchange.pictures import corresponding
 from ..geometry.mesh import Mesh
 from ..hierarchy import Level
@@ -37,7 +37,7 @@ def targets(paths: Sequence[str], source: Source, chosen: str | None) -> list[tu
     kinds = [chosen or own if path == STREAM else WRITTEN[Path(path).suffix.lower()] for path in paths]
     several = len(source.shapes) + len(source.failures)
     if "json" in kinds and several > 1:
-        raise invalid(
+        raise invalid_file(
             f"A collision outline is made of one feature, but {Path(source.path).name} has {several}; write "
             ".geojson or .svg instead."
         )
@@ -72,10 +72,10 @@ def frames_of(results: Sequence[Result], *, flip_y: bool) -> str:
     """
     missing = [Path(result.source.path).name for result in results if not result.made]
     if missing:
-        raise invalid(f"not written, since {', '.join(missing)} has no outline.")
+        raise invalid_file(f"not written, since {', '.join(missing)} has no outline.")
     heights = {result.source.height for result in results}
     if flip_y and len(heights) > 1:
-        raise invalid("the pictures differ in height, so their frames cannot be flipped together.")
+        raise invalid_file("the pictures differ in height, so their frames cannot be flipped together.")
     outlines = corresponding([result.made[0].levels[-1].cage for result in results])
     return frames_to_engine_json(outlines, flip_y=heights.pop() if flip_y else None, indent=1)
 
@@ -86,7 +86,7 @@ def put(path: str, text: str) -> None:
         write_whole(path, text)
         return
     if sys.stdout is None or sys.stdout.closed:
-        raise invalid("The standard output is closed; name a file.")
+        raise invalid_file("The standard output is closed; name a file.")
     sys.stdout.buffer.write(text.encode("utf-8"))
     sys.stdout.buffer.flush()
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..errors import invalid_file
 from ..exchange import Frame, Limits, from_engine_json, is_engine_json, read_map, read_whole, svg_drawing
-from ..exchange.limits import invalid
 from ..exchange.pictures import decode_png
 from ..geometry.arrays import AnyArray
 from ..geometry.mesh import Mesh
@@ -63,7 +63,7 @@ def expanded(patterns: Sequence[str]) -> list[str]:
             continue
         matches = sorted(path for path in glob.glob(pattern, recursive=True) if kind_of(path))
         if not matches:
-            raise invalid(f"{pattern}: no file that can be read has such a name.")
+            raise invalid_file(f"{pattern}: no file that can be read has such a name.")
         found.extend(matches)
     return list(dict.fromkeys(found))
 
@@ -90,7 +90,7 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
         return Source(path, "outline", [Shape("drawing", from_engine_json(data, limits=limits))])
     found = read_map(data, limits, options["tolerance"], clean=True)
     if not found.features and not found.refused:
-        raise invalid("There are no polygons; give a map with Polygon or MultiPolygon features.")
+        raise invalid_file("There are no polygons; give a map with Polygon or MultiPolygon features.")
     notes = [f"{note[0].upper()}{note[1:]}" for note in found.notes]
     if found.without_polygons:
         notes.append(f"Features without polygons, left out: {found.without_polygons}.")
@@ -106,10 +106,10 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
 def _streamed(limits: Limits) -> tuple[bytes, str]:
     """The standard input and its kind by the first bytes. Raises NestedCagesError."""
     if sys.stdin is None or sys.stdin.closed:
-        raise invalid("The standard input is closed; name a file.")
+        raise invalid_file("The standard input is closed; name a file.")
     data = sys.stdin.buffer.read(limits.bytes + 1)
     limits.check("bytes", len(data))
     for start, kind in BEGINNINGS.items():
         if data[:64].lstrip(b"\xef\xbb\xbf \t\r\n").startswith(start):
             return data, kind
-    raise invalid("The standard input is neither SVG, GeoJSON, a collision outline nor PNG.")
+    raise invalid_file("The standard input is neither SVG, GeoJSON, a collision outline nor PNG.")

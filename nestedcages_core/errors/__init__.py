@@ -172,4 +172,7 @@ class NestedCagesWarning(UserWarning):
 
 invalid_setting = functools.partial(NestedCagesError, code="setting.invalid")
 unreadable = functools.partial(InvalidMeshError, code="mesh.unreadable")
-"""The errors, with a sentence, for a parameter that no method has, and for what is no shape."""
+invalid_file = functools.partial(NestedCagesError, code="file.invalid")
+no_outline = functools.partial(InvalidMeshError, code="file.invalid")
+"""The errors, with a sentence, for a parameter that no method has, for what is no shape, for what is not as a reader or
+a writer needs it, and for a file without a valid outline."""

@@ -10,14 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import invalid_file
 from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh, MeshLike
+from ..geometry.mesh.geo_interface import polygons_of, shown
 from ..geometry.triangulation import piece_vertices, triangulate
 from .files import check_decimals, subtracted, write_whole
 from .geojson import loaded_json
-from .limits import Budget, Limits, invalid
-from .rings import meshes_of, polygons_of, shown
+from .limits import Budget, Limits
+from .meshes import meshes_of
 
 FORMAT = "nested-cages outline"
 FRAMES = "nested-cages frames"
@@ -91,10 +93,10 @@ def frames_to_engine_json(
     """
     check_decimals(outlines, decimals)
     if not outlines:
-        raise invalid("There are no frames to write.")
+        raise invalid_file("There are no frames to write.")
     moments = np.arange(len(outlines), dtype=float) if times is None else np.asarray(times, dtype=float)
     if moments.shape != (len(outlines),) or not np.isfinite(moments).all():
-        raise invalid(f"The times must be {len(outlines)} finite numbers, one per frame.")
+        raise invalid_file(f"The times must be {len(outlines)} finite numbers, one per frame.")
     frames = [
         {"time": time, "polygons": _polygons(outline, flip_y)}
         for time, outline in zip(moments.tolist(), outlines, strict=True)
@@ -125,10 +127,10 @@ def from_engine_json(text: str | bytes, *, flip_y: float | None = None, limits: 
     limits = limits or Limits()
     document, _ = loaded_json(text, "a collision outline", limits)
     if not isinstance(document, Mapping) or document.get("format") != FORMAT:
-        raise invalid(f'This is not a collision outline: its format is not "{FORMAT}".')
+        raise invalid_file(f'This is not a collision outline: its format is not "{FORMAT}".')
     version = document.get("version")
     if type(version) is not int or version != VERSION:
-        raise invalid(
+        raise invalid_file(
             f"The collision outline is of version {shown(version)}, but version {VERSION} is read; export it again."
         )
     return _mesh_of(document, flip_y, Budget(limits))
@@ -152,12 +154,12 @@ def _mesh_of(document: Mapping[str, Any], flip_y: float | None, budget: Budget) 
     """The mesh of the polygons of a document."""
     parts = document.get("polygons")
     if not isinstance(parts, list):
-        raise invalid(f"The collision outline has {shown(parts)} where its list of polygons belongs.")
+        raise invalid_file(f"The collision outline has {shown(parts)} where its list of polygons belongs.")
     budget.spend("elements", len(parts))
     rings = []
     for k, part in enumerate(parts):
         if not isinstance(part, Mapping) or not isinstance(part.get("holes", []), list) or "outer" not in part:
-            raise invalid(f"Polygon {k} of the collision outline is not an object with outer and holes.")
+            raise invalid_file(f"Polygon {k} of the collision outline is not an object with outer and holes.")
         rings.append([part["outer"], *part.get("holes", [])])
     polygons = polygons_of({"type": "MultiPolygon", "coordinates": rings})
     budget.spend("points", sum(len(ring) for polygon in polygons for ring in polygon))

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import NestedCagesError
+from ..errors import NestedCagesError, invalid_file
 from ..geometry.arrays import FloatArray
 from ..geometry.lattice import Grid
 from ..geometry.mesh import Mesh
 from ..geometry.vectors import place
-from .limits import Limits, invalid
+from .limits import Limits
 
 DEFAULT_MODE = 0o666
 """Permissions of a new file before the user's umask."""
@@ -48,7 +48,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
         data = content.encode("utf-8") if isinstance(content, str) else content
     except UnicodeEncodeError as error:
         character = error.object[error.start]
-        raise invalid(
+        raise invalid_file(
             f"{given.name} cannot be written: the text has {character!a}, which is half a character; correct the name."
         ) from error
     target = Path(os.path.realpath(given))  # keep links
@@ -84,7 +84,7 @@ def check_decimals(meshes: Iterable[Mesh], decimals: int | None) -> None:
     if decimals is None:
         return
     if isinstance(decimals, bool) or not isinstance(decimals, int | np.integer) or not 0 <= decimals <= MAX_DECIMALS:
-        raise invalid(f"The decimals must be a whole number from 0 to {MAX_DECIMALS}, not {decimals!r}.")
+        raise invalid_file(f"The decimals must be a whole number from 0 to {MAX_DECIMALS}, not {decimals!r}.")
     grid = Grid.of_decimals(int(decimals))
     for mesh in meshes:
         off = (grid.points(grid.places(mesh.vertices)) != mesh.vertices).any(axis=1)

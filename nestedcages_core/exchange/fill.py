@@ -10,13 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidMeshError
+from ..errors import InvalidMeshError, invalid_file, no_outline
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.loops import enclosing_pairs, extreme_places
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import ON_BOUNDARY, winding_number
+from .crossings import edges_in, spend_crossings
 from .hairlines import MARGIN, comes_close, has_hairlines, without_hairlines, without_short_edges
-from .limits import Budget, edges_in, invalid, load_shapely, no_outline, spend_crossings
+from .libraries import load_shapely
+from .limits import Budget
 
 GRIDS = (0.0, 2.0**-38, 2.0**-30, 2.0**-24)
 """Spacings, in diagonals rounded up to a power of two, of the grids that a union is rounded to, tried in turn: none,
@@ -263,7 +265,7 @@ def joined(mesh: Mesh, distance: float) -> Mesh:
     Raises NestedCagesError for a distance that is not positive.
     """
     if not 0.0 < distance < math.inf:
-        raise invalid(f"The distance must be a positive length, not {distance!r}.")
+        raise invalid_file(f"The distance must be a positive length, not {distance!r}.")
     shapely = load_shapely("parts that nearly touch")
     (solid,) = regions(shapely, [Painted([mesh.vertices[loop] for loop in mesh.loops])])
     found = without_hairlines(shapely, solid, gap=distance)

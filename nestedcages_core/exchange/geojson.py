@@ -12,13 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidMeshError, NestedCagesError, NestedCagesWarning
+from ..errors import InvalidMeshError, NestedCagesError, NestedCagesWarning, invalid_file, no_outline
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh, MeshLike
+from ..geometry.mesh.geo_interface import polygons_of, shown
 from .files import check_decimals, read_whole, write_whole
-from .limits import Budget, LimitError, Limits, invalid, no_outline
+from .limits import Budget, LimitError, Limits
+from .meridian import across
+from .meshes import meshes_of
 from .repair import mesh_of
-from .rings import across, meshes_of, polygons_of, shown
 
 GEOGRAPHIC = ("CRS84", "4326", "4269", "4258")
 """Substrings of the names of common coordinate reference systems in degrees."""
@@ -85,7 +87,7 @@ def read_map(source: Any, limits: Limits | None = None, tolerance: float | None 
     document, has_nan = _loaded(source, limits)
     members: Any = document.get("features") if document["type"] == "FeatureCollection" else [document]
     if isinstance(members, str | bytes | Mapping) or not hasattr(members, "__iter__"):
-        raise invalid(f"The FeatureCollection has {shown(members)} where its list of features belongs.")
+        raise invalid_file(f"The FeatureCollection has {shown(members)} where its list of features belongs.")
     degrees = _may_be_degrees(document)
     features, refused, without, budget = [], [], 0, Budget(limits)
     for number, member in enumerate(members):
@@ -94,7 +96,7 @@ def read_map(source: Any, limits: Limits | None = None, tolerance: float | None 
         try:
             geometry, properties, identity, lost = _parts(member, has_nan)
             name = _name(number, properties, identity)
-            polygons = [] if geometry is None else polygons_of(geometry)
+            polygons = [] if geometry is None else polygons_of(geometry, lines=True)
         except InvalidMeshError as error:
             refused.append(f"{name}: {error}")
             continue
@@ -131,7 +133,7 @@ def from_geojson(source: Any, *, limits: Limits | None = None, tolerance: float 
     """
     features = _said(read_map(source, limits, tolerance)).features
     if not features:
-        raise invalid("The document has no polygons; give Polygon or MultiPolygon geometries.")
+        raise invalid_file("The document has no polygons; give Polygon or MultiPolygon geometries.")
     if len(features) == 1:
         return features[0].mesh
     polygons = [polygon for feature in features for polygon in polygons_of(feature.mesh)]
@@ -165,7 +167,7 @@ def to_geojson(
     listed = isinstance(shapes, str | Mapping | list | tuple)
     given: Any = [shapes] if isinstance(shapes, Feature) else shapes if listed else meshes_of(shapes)
     if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
-        raise invalid("GeoJSON is written from meshes and features; give a list of these.")
+        raise invalid_file("GeoJSON is written from meshes and features; give a list of these.")
     features = [item if isinstance(item, Feature) else Feature(item) for item in given]
     check_decimals([item.mesh for item in features], decimals)
     collection = {"type": "FeatureCollection", **({} if crs is None else {"crs": crs})}
@@ -173,7 +175,7 @@ def to_geojson(
     try:
         return json.dumps(collection, indent=indent, allow_nan=False, default=_plain)
     except (TypeError, ValueError, RecursionError) as error:
-        raise invalid(f"The properties cannot be written as JSON: {error}.") from error
+        raise invalid_file(f"The properties cannot be written as JSON: {error}.") from error
 
 
 def write_geojson(
@@ -186,7 +188,7 @@ def write_geojson(
 def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
     """A JSON document, and whether it has NaN or Infinity somewhere. Raises NestedCagesError."""
     if not isinstance(text, str | bytes | bytearray):
-        raise invalid(f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}.")
+        raise invalid_file(f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}.")
     limits.check("bytes", len(text))
     constants: list[str] = []
 
@@ -197,7 +199,7 @@ def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
     try:
         document = json.loads(text, parse_constant=constant)
     except (ValueError, RecursionError) as error:
-        raise invalid(f"This is not {what}: {error}.") from error
+        raise invalid_file(f"This is not {what}: {error}.") from error
     return document, bool(constants)
 
 
@@ -207,9 +209,9 @@ def _loaded(source: Any, limits: Limits) -> tuple[Mapping[str, Any], bool]:
     if not isinstance(document, Mapping):
         document, has_nan = loaded_json(source, "GeoJSON", limits)
     if not isinstance(document, Mapping) or not isinstance(document.get("type"), str):
-        raise invalid("This is not GeoJSON: the document is not an object with a type.")
+        raise invalid_file("This is not GeoJSON: the document is not an object with a type.")
     if document["type"] == "Topology":
-        raise invalid("This is TopoJSON; convert it with topojson.Topology(…).to_geojson() in Python, or topo2geo.")
+        raise invalid_file("This is TopoJSON; convert it with topojson.Topology(…).to_geojson() or topo2geo.")
     return document, has_nan
 
 

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import Fault, InvalidMeshError, NestedCagesError, note
+from ..errors import Fault, InvalidMeshError, NestedCagesError, invalid_file, note
 from ..geometry.mesh import Mesh
+from ..geometry.mesh.geo_interface import polygons_of
 from ..hierarchy import Settings, Within, nested_cages
 from ..level.settings import DEFAULT_CLEARANCE
 from ..verification import verify
 from .fill import united
-from .limits import invalid, load_shapely
+from .libraries import load_shapely
 from .repair import shape_of
-from .rings import polygons_of
 
 NEEDED_FOR = "regions that share borders"
 
@@ -79,9 +79,9 @@ def cut_at_borders(
     """
     inside = regions if inner is None else inner
     if not len(cages) == len(regions) == len(inside):
-        raise invalid(f"There are {len(cages)} cages, but {len(regions)} regions; give one cage for each.")
+        raise invalid_file(f"There are {len(cages)} cages, but {len(regions)} regions; give one cage for each.")
     if clearance is not None and not 0.0 < clearance < np.inf:
-        raise invalid(f"The clearance must be a positive length, not {clearance!r}.")
+        raise invalid_file(f"The clearance must be a positive length, not {clearance!r}.")
     shapely = load_shapely(NEEDED_FOR)
     shapes = [_shape(region) for region in regions]
     tree = shapely.STRtree(shapes)

@@ -7,15 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidMeshError
+from ..errors import InvalidMeshError, no_outline
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..geometry.mesh.geo_interface import Polygon
 from ..geometry.predicates import orientation
 from ..geometry.vectors import place
+from .crossings import edges_in, spend_crossings
 from .fill import united
 from .hairlines import has_hairlines
-from .limits import Budget, edges_in, load_shapely, no_outline, spend_crossings
-from .rings import Polygon
+from .libraries import load_shapely
+from .limits import Budget
 
 NEEDED_FOR = "polygons that touch or cross"
 

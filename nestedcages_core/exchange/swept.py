@@ -12,7 +12,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..motion.poses import read_poses
 from .fill import Painted, regions, united
-from .limits import load_shapely
+from .libraries import load_shapely
 
 PARTS_PER_POSE = 4
 """Number of parts of the motion between two poses. In each, an edge is assumed to sweep the convex hull of its two

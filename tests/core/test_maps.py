@@ -178,7 +178,7 @@ def test_what_is_no_polygon_is_said_with_its_place_by_every_reader(name: str, tm
         ('{"type": "FeatureCollection"}', "has None where its list"),
         ('{"type": "FeatureCollection", "features": "all"}', "has 'all' where its list"),
         ('{"type": "Topology", "objects": {}}', "TopoJSON; convert it"),
-        ('{"type": "Polygn", "coordinates": []}', "type 'Polygn' is not known"),
+        ('{"type": "Polygn", "coordinates": []}', "type 'Polygn' has no inside"),
         ('{"type": "Point", "coordinates": [0, 0]}', "no polygons"),
         ('{"type": "Polygon"}', "Polygon 0 is None, not a list"),
         ('{"type": "Polygon", "coordinates": {"a": 1}}', "not a list"),

@@ -282,17 +282,20 @@ def test_every_kind_of_geometry_is_read() -> None:
 @pytest.mark.parametrize(
     ("geometry", "sentence"),
     [
-        (shapely.LineString([(0, 0), (1, 1)]), "A geometry of type LineString has no inside"),
+        (shapely.LineString([(0, 0), (1, 1)]), "A geometry of type 'LineString' has no inside"),
         (shapely.Polygon(), "The geometry is empty"),
         (shapely.MultiPolygon(), "The geometry is empty"),
-        (7, "A int does not describe a geometry"),
-        (None, "A NoneType does not describe a geometry"),
+        (7, "The geometry is 7, not an object with a type; give an object with __geo_interface__"),
+        (None, "The geometry is None, not an object with a type"),
         ({}, "A geometry of type None has no inside"),
-        ({"type": "Polygon"}, "The coordinates of a Polygon are a list of rings of points"),
-        ({"type": "Polygon", "coordinates": [[1, 2, 3]]}, "The coordinates of a Polygon are a list of rings of points"),
-        ({"type": "Polygon", "coordinates": [[(0, 0), (1, 0), (1,)]]}, "The loops cannot be read as arrays ("),
-        ({"type": "MultiPolygon"}, "The MultiPolygon has no list of coordinates"),
-        ({"type": "FeatureCollection", "features": 3}, "The FeatureCollection has no list of features"),
+        ({"type": "Polygon"}, "Polygon 0 is None, not a list."),
+        ({"type": "Polygon", "coordinates": [[1, 2, 3]]}, "Point 0 of ring 0 of polygon 0 is 1, not two numbers."),
+        (
+            {"type": "Polygon", "coordinates": [[(0, 0), (1, 0), (1,)]]},
+            "Point 2 of ring 0 of polygon 0 is (1,), not two numbers.",
+        ),
+        ({"type": "MultiPolygon"}, "The list of polygons is None, not a list."),
+        ({"type": "FeatureCollection", "features": 3}, "The list of features is 3, not a list."),
         (
             shapely.GeometryCollection([shapely.Polygon(ring(5, 9.0)), shapely.Polygon(ring(5, 1.0))]),
             "Polygon 1 near (1, 0) lies inside another polygon",
@@ -313,7 +316,7 @@ def test_geometries_that_are_refused(geometry: Any, sentence: str) -> None:
 def test_a_collection_that_contains_itself_is_refused() -> None:
     loop: dict[str, Any] = {"type": "GeometryCollection"}
     loop["geometries"] = [loop]
-    with pytest.raises(InvalidMeshError, match="does not describe a geometry"):
+    with pytest.raises(InvalidMeshError, match="collections within collections, more than 64 deep"):
         Mesh.from_geometry(loop)
 
 

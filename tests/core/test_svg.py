@@ -193,6 +193,11 @@ def test_opacity_counts_from_a_threshold() -> None:
 # Gradients
 
 
+def test_a_line_that_fades_has_no_inside() -> None:
+    fade = '<linearGradient id="g"><stop/><stop offset="1" stop-opacity="0"/></linearGradient>'
+    assert area(f'{fade}<path d="M0 0L5 5L0 0" fill="url(#g)"/>{SQUARE}') == 100.0
+
+
 def test_a_linear_gradient_ends_where_it_fades() -> None:
     stops = '<stop stop-color="red"/><stop offset="1" stop-opacity="0"/>'
     linear = f'<linearGradient id="g">{stops}</linearGradient><rect width="10" height="4" fill="url(#g)"/>'

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ...errors import NestedCagesError
+from ...errors import NestedCagesError, invalid_file, no_outline
 from ...geometry.arrays import AnyArray, BoolArray, FloatArray
 from ...geometry.loops import trace_loops
 from ...geometry.mesh import Mesh
 from ...hierarchy import Hierarchy, NestedCagesRun, Progress, Settings, Within
 from ...tasks import drain
-from ..limits import Limits, invalid, no_outline
+from ..limits import Limits
 
 Levels = Sequence[int | Mesh | Within] | Callable[[Mesh], Sequence[int | Mesh | Within]]
 
@@ -36,7 +36,7 @@ def alpha_channel(picture: AnyArray) -> FloatArray:
     if given.ndim == 3 and given.shape[2] in (2, 4):
         given = given[:, :, -1]
     if given.ndim != 2 or given.dtype.kind not in "buif":
-        raise invalid(
+        raise invalid_file(
             f"A picture of shape {given.shape} and type {given.dtype} has no alpha channel; give (H, W, 4), or (H, W) "
             "opacities."
         )
@@ -82,7 +82,7 @@ def picture_cages_run(
 ) -> Generator[Progress, None, Hierarchy]:
     """`picture_cages` as a generator of its progress that returns the cages; closing it cancels."""
     if not padding >= 0.0 or not np.isfinite(padding):
-        raise invalid(f"The padding must be a length of at least 0 pixels, not {padding!r}.")
+        raise invalid_file(f"The padding must be a length of at least 0 pixels, not {padding!r}.")
     opaque = alpha_channel(picture) > threshold
     chosen = settings if settings is not None else Settings()
 

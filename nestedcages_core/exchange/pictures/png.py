@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import invalid_file
 from ..files import read_whole
-from ..limits import Limits, invalid, load_pictures
+from ..libraries import load_pictures
+from ..limits import Limits
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
@@ -37,12 +39,12 @@ def decode_png(data: bytes, *, limits: Limits | None = None) -> Pixels:
     Raises NestedCagesError for what is not one, or has more pixels than the limits allow, and where Pillow is missing.
     """
     if not isinstance(data, bytes | bytearray | memoryview):
-        raise invalid(f"A PNG is read from bytes, not from a {type(data).__name__}; see read_png for files.")
+        raise invalid_file(f"A PNG is read from bytes, not from a {type(data).__name__}; see read_png for files.")
     limits = limits or Limits()
     data = bytes(data)
     limits.check("bytes", len(data))
     if not data.startswith(SIGNATURE):
-        raise invalid("This is not a PNG picture; save it as PNG.")
+        raise invalid_file("This is not a PNG picture; save it as PNG.")
     if len(data) >= SIZE.stop:  # before Pillow allocates memory
         width, height = struct.unpack(">II", data[SIZE])
         limits.check("pixels", width * height)
@@ -54,7 +56,7 @@ def decode_png(data: bytes, *, limits: Limits | None = None) -> Pixels:
             with picture(io.BytesIO(data), formats=["PNG"]) as image:
                 return _rgba(image)
     except Exception as error:  # Pillow raises what it meets: OSError, SyntaxError, ValueError, zlib.error …
-        raise invalid(f"The PNG is damaged ({error}); save it again.") from error
+        raise invalid_file(f"The PNG is damaged ({error}); save it again.") from error
 
 
 def _rgba(image: Any) -> Pixels:

@@ -8,10 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import invalid_file
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh.validation import MAX_COORDINATE
+from ..crossings import edges_in, spend_crossings
 from ..fill import Area, Painted, bounds_of, thickness, union_of
-from ..limits import Budget, edges_in, invalid, load_shapely, spend_crossings
+from ..libraries import load_shapely
+from ..limits import Budget
 from .lengths import moved, scaling, translation
 from .nodes import Clip, Group, Shape
 from .options import SvgOptions
@@ -101,7 +104,7 @@ class Areas:
     def _flat(self, path: Subpath, matrix: FloatArray, tolerance: float) -> FloatArray:
         points = moved(path.points, matrix)
         if not np.abs(points).max() < MAX_COORDINATE:
-            raise invalid("The drawing has coordinates that are not finite, or too large; correct them.")
+            raise invalid_file("The drawing has coordinates that are not finite, or too large; correct them.")
         points = flattened(points, path.degrees, tolerance)
         self.budget.spend("points", len(points))
         return points
@@ -113,6 +116,8 @@ class Areas:
             return areas if seen.all() else []
         shapely = load_shapely("gradients that fade away")
         whole = union_of(shapely, areas, self.budget)
+        if whole.is_empty:
+            return []
         matrix = outer @ shape.matrix
         box = _box(self._outline(replace(shape, matrix=np.eye(3)), np.eye(3)))
         gradient, faintest = paint.gradient, self.options.faintest

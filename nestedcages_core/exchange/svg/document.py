@@ -7,9 +7,9 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from ...errors import NestedCagesError
+from ...errors import NestedCagesError, invalid_file
 from ...geometry.arrays import FloatArray
-from ..limits import Budget, Limits, invalid
+from ..limits import Budget, Limits
 from .lengths import Faults, Viewport, fitted, link_of, name_of, quoted, read_transform, view_box_of
 from .outlines import OUTLINED
 
@@ -63,14 +63,16 @@ class Document:
 
     def __init__(self, text: str | bytes, limits: Limits) -> None:
         if not isinstance(text, str | bytes | bytearray):
-            raise invalid(f"An SVG document is read from text or bytes, not from {type(text).__name__}.")
+            raise invalid_file(f"An SVG document is read from text or bytes, not from {type(text).__name__}.")
         limits.check("bytes", len(text))
         try:
             self.root = ET.fromstring(text)
         except (ET.ParseError, ValueError, LookupError) as error:
-            raise invalid(f"This is not an SVG document: {error}.") from error
+            raise invalid_file(f"This is not an SVG document: {error}.") from error
         if name_of(self.root) != "svg":
-            raise invalid(f"This is not an SVG document: its root element is '{name_of(self.root)[:60]}', not 'svg'.")
+            raise invalid_file(
+                f"This is not an SVG document: its root element is '{name_of(self.root)[:60]}', not 'svg'."
+            )
         self.strokes_count = self.root.get(OUTLINES) != DECORATION
         self.by_id: dict[str, ET.Element] = {}
         room = str(self.root.tag).rpartition("}")[0]

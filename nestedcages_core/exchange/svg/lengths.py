@@ -13,8 +13,8 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from ...errors import invalid_file
 from ...geometry.arrays import FloatArray
-from ..limits import invalid
 
 UNITS_OF_LENGTH = {
     "": 1.0,
@@ -235,7 +235,7 @@ def read_transform(text: str) -> FloatArray:
             product = product @ MATRICES[found[1] if found and whole else ""](*values)
             place = found.end() if found else place
         except (KeyError, TypeError, ValueError):  # another name, or a wrong number of values
-            raise invalid(
+            raise invalid_file(
                 f"The transform '{text[:MAX_TRANSFORM_SHOWN]}' cannot be read; use matrix, translate, scale, "
                 "rotate, skewX and skewY with finite numbers."
             ) from None

@@ -8,8 +8,8 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from ...errors import invalid_file
 from ...geometry.arrays import FloatArray
-from ..limits import invalid
 from .document import Document
 from .lengths import Faults, Viewport, measure, measured_box, name_of, quoted
 from .options import SvgOptions
@@ -124,12 +124,12 @@ def check_names(document: Document, options: SvgOptions) -> None:
     element = options.element
     if element is not None and element not in document.by_id:
         known = ", ".join(sorted(filter(None, document.by_id))[:12]) or "none"
-        raise invalid(f"The drawing has no element with the id {quoted(element)}; its ids: {known}.")
+        raise invalid_file(f"The drawing has no element with the id {quoted(element)}; its ids: {known}.")
     labels = [name for item in document.root if name_of(item) == "g" for name in layer_names(item)]
     for layer in options.layers:
         if layer not in labels:
             known = ", ".join(labels[:12]) or "none"
-            raise invalid(f"The drawing has no layer {quoted(layer)}; its layers: {known}.")
+            raise invalid_file(f"The drawing has no layer {quoted(layer)}; its layers: {known}.")
 
 
 def origin_of(style: Style, viewport: Viewport, title: str, faults: Faults) -> tuple[float, float]:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...errors import invalid_file
 from ...parameters import check_positive
-from ..limits import Limits, invalid
+from ..limits import Limits
 
 FAINTEST = 0.5 / 255.0
 """Opacity that rounds to 0 with 8 bits per channel."""
@@ -39,7 +40,7 @@ class SvgOptions:
         if self.tolerance is not None:
             check_positive(self, "tolerance")
         if not 0.0 <= self.opacity <= 1.0:
-            raise invalid(f"The opacity must be from 0 to 1, not {self.opacity!r}.")
+            raise invalid_file(f"The opacity must be from 0 to 1, not {self.opacity!r}.")
 
     @property
     def faintest(self) -> float:

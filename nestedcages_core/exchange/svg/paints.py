@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from ...geometry.arrays import FloatArray
-from ..limits import load_css
+from ..libraries import load_css
 from .document import Document
 from .lengths import link_of, measure, moved, name_of, scaling, share, translation
 from .style import Style, Styles

@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import InvalidMeshError
 from ...geometry.mesh import Mesh
 from ..fill import Area, union_of
-from ..limits import load_shapely
+from ..libraries import load_shapely
 from .areas import Areas
 from .document import Box
 from .nodes import Group, Shape

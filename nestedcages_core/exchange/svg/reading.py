@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InvalidMeshError, NestedCagesError
+from ...errors import InvalidMeshError, NestedCagesError, invalid_file
 from ...geometry.mesh import Mesh
 from ..files import read_whole
 from ..fill import Area, bounds_of, solid, union_of
-from ..limits import Budget, invalid, load_shapely
+from ..libraries import load_shapely
+from ..limits import Budget
 from ..repair import HAIRLINE_PART
 from .areas import Areas
 from .document import Box, Document, Frame
@@ -105,7 +106,7 @@ class Reading:
             page = None
         tolerance = self.options.tolerance or DEFAULT_TOLERANCE * _size(root, page)
         if not tolerance > 0.0:
-            raise invalid("All points of the drawing coincide; draw closed paths with an inside.")
+            raise invalid_file("All points of the drawing coincide; draw closed paths with an inside.")
         try:
             return work(root, Areas(self.options, tolerance, self.document.pixel), page)
         except InvalidMeshError as error:
@@ -114,7 +115,7 @@ class Reading:
             if type(error).__module__.partition(".")[0] != "shapely":
                 raise
             problem = "The drawing's coordinates are too large or too close together to unite its shapes"
-            raise invalid(f"{problem} ({error}); scale the drawing, or simplify it.") from error
+            raise invalid_file(f"{problem} ({error}); scale the drawing, or simplify it.") from error
 
     def whole(self, root: Group, reading: Areas, page: Box | None) -> Mesh:
         """Everything as one."""

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ...geometry.arrays import FloatArray
-from ..limits import Budget, Limits, edges_in, spend_crossings
+from ..crossings import edges_in, spend_crossings
+from ..limits import Budget, Limits
 from .lengths import Viewport, measure, numbers, quoted
 
 MAX_ARC_SEGMENTS = 64

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import invalid_file
 from ...geometry.drawable import Drawable
 from ...geometry.mesh import Mesh, MeshLike
 from ...geometry.picture import CAGE_OPACITY, COLOURS, DRAWING_OPACITY, path_data
 from ..files import check_decimals, write_whole
-from ..limits import invalid
-from ..rings import meshes_of
+from ..meshes import meshes_of
 from .document import DECORATION, OUTLINES, Frame
 
 PAGE_MARGIN = 0.02
@@ -56,10 +56,10 @@ def to_svg(
     """
     named = _named(shapes)
     if not named:
-        raise invalid("There is nothing to write; give at least one mesh.")
+        raise invalid_file("There is nothing to write; give at least one mesh.")
     level_of = list(range(len(named)) if levels is None else levels)
     if len(level_of) != len(named):
-        raise invalid(f"There are {len(level_of)} levels for {len(named)} shapes; give one for each.")
+        raise invalid_file(f"There are {len(level_of)} levels for {len(named)} shapes; give one for each.")
     cages = [mesh for level, mesh in zip(level_of, named.values(), strict=True) if level != 0]
     check_decimals(cages or named.values(), decimals)
     points = np.concatenate([mesh.vertices for mesh in named.values()]) * (1.0, -1.0 if y_up else 1.0)

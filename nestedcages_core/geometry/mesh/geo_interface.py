@@ -2,73 +2,128 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Mapping, Sequence
+from decimal import Decimal
+from numbers import Real
 from typing import Any
 
+import numpy as np
+
 from ...errors import InvalidMeshError, unreadable
-from ..arrays import IntArray
+from ..arrays import FloatArray, IntArray
 from ..vectors import place
+from .validation import MAX_COORDINATE
+
+Polygon = list[FloatArray]
+"""An outer ring and its holes, each (k, 2)."""
 
 MAX_NESTING_DEPTH = 64
 """Maximum nesting depth of collections; a deeper one is assumed to contain itself."""
 
+MAX_SHOWN = 40
+"""Maximum length of a value quoted in a message."""
 
-def rings_of(geometry: Any) -> list[list[Any]]:
-    """The polygons of a geometry, each a list of rings, the outer one first; empty polygons are left out.
+WITHOUT_INSIDE = ("Point", "MultiPoint", "LineString", "MultiLineString")
+"""Types of geometries without an inside."""
+
+
+def polygons_of(geometry: Any, *, lines: bool = False, depth: int = 0) -> list[Polygon]:
+    """The polygons of a geometry.
 
     geometry: anything with `__geo_interface__`, or such a mapping: Polygon, MultiPolygon, Feature,
-    FeatureCollection, GeometryCollection. Raises InvalidMeshError for anything else.
+    FeatureCollection, GeometryCollection. lines: leave out points and lines instead of rejecting them.
+
+    Raises InvalidMeshError for anything else, with the place of invalid coordinates.
     """
-    polygons: list[list[Any]] = []
-    _collect(geometry, polygons, 0)
-    if not polygons:
-        raise InvalidMeshError("The geometry is empty; give at least one polygon.", code="mesh.empty")
-    return polygons
-
-
-def _collect(geometry: Any, polygons: list[list[Any]], depth: int) -> None:
     mapping = getattr(geometry, "__geo_interface__", geometry)
-    if not isinstance(mapping, Mapping) or depth > MAX_NESTING_DEPTH:
+    if not isinstance(mapping, Mapping):
         raise unreadable(
-            f"A {type(geometry).__name__} does not describe a geometry; give an object with __geo_interface__, "
+            f"The geometry is {shown(geometry)}, not an object with a type; give an object with __geo_interface__, "
             "such as a shapely Polygon."
+        )
+    if depth > MAX_NESTING_DEPTH:
+        raise InvalidMeshError(
+            f"The geometry has collections within collections, more than {MAX_NESTING_DEPTH} deep.",
+            code="limit.exceeded",
         )
     kind = mapping.get("type")
     if kind == "Polygon":
-        _add(mapping.get("coordinates"), polygons)
-    elif kind == "MultiPolygon":
-        for rings in _items(mapping, "coordinates"):
-            _add(rings, polygons)
-    elif kind == "Feature":
-        if mapping.get("geometry") is not None:
-            _collect(mapping["geometry"], polygons, depth + 1)
+        return [rings] if (rings := _rings(mapping.get("coordinates"), 0)) else []
+    if kind == "MultiPolygon":
+        parts = _items(mapping.get("coordinates"), "The list of polygons")
+        return [rings for number, part in enumerate(parts) if (rings := _rings(part, number))]
+    if kind == "Feature":
+        members = [] if mapping.get("geometry") is None else [mapping["geometry"]]
     elif kind == "FeatureCollection":
-        for feature in _items(mapping, "features"):
-            _collect(feature, polygons, depth + 1)
+        members = _items(mapping.get("features"), "The list of features")
     elif kind == "GeometryCollection":
-        for member in _items(mapping, "geometries"):
-            _collect(member, polygons, depth + 1)
+        members = _items(mapping.get("geometries"), "The list of geometries")
+    elif lines and kind in WITHOUT_INSIDE:
+        return []
     else:
-        raise unreadable(f"A geometry of type {kind} has no inside; give Polygon or MultiPolygon geometries.")
+        raise unreadable(f"A geometry of type {shown(kind)} has no inside; give Polygon or MultiPolygon geometries.")
+    return [polygon for member in members for polygon in polygons_of(member, lines=lines, depth=depth + 1)]
 
 
-def _items(mapping: Mapping[str, Any], key: str) -> list[Any]:
+def _rings(polygon: Any, number: int) -> Polygon:
+    rings = _items(polygon, f"Polygon {number}")
+    return [_ring(ring, f"ring {k} of polygon {number}") for k, ring in enumerate(rings)]
+
+
+def _items(value: Any, what: str) -> list[Any]:
+    """The items of anything iterable but texts and mappings. Raises InvalidMeshError for these."""
     try:
-        return list(mapping[key])
-    except Exception as error:
-        raise unreadable(f"The {mapping['type']} has no list of {key}; give one.") from error
+        if not isinstance(value, str | bytes | Mapping):
+            return list(value)
+    except Exception as error:  # user-defined objects may raise anything
+        raise unreadable(f"{what} is {shown(value)}, not a list.") from error
+    raise unreadable(f"{what} is {shown(value)}, not a list.")
 
 
-def _add(rings: Any, polygons: list[list[Any]]) -> None:
-    """Append the rings of one polygon, heights left out."""
+def _ring(points: Any, where: str) -> FloatArray:
+    """(k, 2) coordinates of a ring, heights left out. Raises InvalidMeshError for all but finite real numbers."""
+    if isinstance(points, np.ndarray) and points.ndim == 2 and points.shape[1] >= 2 and points.dtype.kind in "iuf":
+        ring = points[:, :2].astype(np.float64)
+    else:
+        rows = [_point(point, k, where) for k, point in enumerate(_items(points, where.capitalize()))]
+        ring = np.reshape(rows, (-1, 2))
+    far = np.flatnonzero(~(np.abs(ring) < MAX_COORDINATE).all(axis=1))
+    if len(far):
+        x, y = ring[far[0]].tolist()
+        raise InvalidMeshError(
+            f"Point {far[0]} of {where} is ({x:.6g}, {y:.6g}); finite numbers below {MAX_COORDINATE:g} are read.",
+            code="mesh.out_of_range" if np.isfinite(ring[far[0]]).all() else "mesh.not_finite",
+        )
+    return ring
+
+
+def _point(point: Any, k: int, where: str) -> tuple[float, float]:
     try:
-        polygon = [[tuple(point)[:2] for point in ring] for ring in rings]
-    except TypeError as error:
-        raise unreadable(
-            "The coordinates of a Polygon are a list of rings of points; these are something else."
+        x, y = point[0], point[1]
+        if _is_number(x) and _is_number(y):
+            return float(x), float(y)
+    except OverflowError as error:
+        raise InvalidMeshError(
+            f"Point {k} of {where} is out of range for floating-point numbers.", code="mesh.out_of_range"
         ) from error
-    if any(polygon):
-        polygons.append(polygon)
+    except Exception as error:  # user-defined objects may raise anything
+        raise unreadable(f"Point {k} of {where} is {shown(point)}, not two numbers.") from error
+    raise unreadable(f"Point {k} of {where} is {shown(point)}, not two numbers.")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, float | int | Real | Decimal) and type(value) is not bool
+
+
+def shown(value: Any) -> str:
+    """A value, shortened for messages."""
+    try:
+        text = reprlib.repr(value)
+    except Exception:  # from integers with thousands of digits, or from user-defined objects
+        return f"a {type(value).__name__}"
+    text = ascii(text)[1:-1] if not text.isascii() else text
+    return text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}…"
 
 
 def to_geo_interface(polygons: Sequence[Sequence[Sequence[Sequence[float]]]]) -> dict[str, Any]:
@@ -81,7 +136,7 @@ def to_geo_interface(polygons: Sequence[Sequence[Sequence[Sequence[float]]]]) ->
     return {"type": "MultiPolygon", "coordinates": closed}
 
 
-def check_roles(polygons: list[list[Any]], signs: IntArray, components: IntArray) -> None:
+def check_roles(polygons: Sequence[Polygon], signs: IntArray, components: IntArray) -> None:
     """Check that in the mesh of all rings, in order, each polygon is one component. Raises InvalidMeshError."""
     first = 0
     for k, polygon in enumerate(polygons):

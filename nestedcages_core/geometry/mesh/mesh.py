@@ -115,9 +115,11 @@ class Mesh(Drawable):
 
         Raises InvalidMeshError also where a polygon lies inside another one, or a hole outside its polygon.
         """
-        from .geo_interface import check_roles, rings_of
+        from .geo_interface import check_roles, polygons_of
 
-        polygons = rings_of(geometry)
+        polygons = [polygon for polygon in polygons_of(geometry) if any(map(len, polygon))]
+        if not polygons:
+            raise InvalidMeshError("The geometry is empty; give at least one polygon.", code="mesh.empty")
         mesh = cls.from_loops([ring for polygon in polygons for ring in polygon])
         check_roles(polygons, mesh.loop_signs, mesh.component_of_loop)
         return mesh

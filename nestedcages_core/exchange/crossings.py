@@ -1,0 +1,52 @@
+"""Crossings of outlines, counted before they are united: GEOS takes time by their number."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.predicates import BoxTree, orientation
+from .limits import Budget
+
+Edges = tuple[FloatArray, FloatArray]
+"""Starts and ends, (E, 2) each."""
+
+
+def edges_in(shapely: Any, geometries: Any) -> Edges:
+    """All edges of polygons, lines and collections of these."""
+    parts = shapely.get_parts(shapely.get_parts(np.asarray(geometries, dtype=object)))
+    lines = np.concatenate([shapely.get_rings(parts), parts[shapely.get_dimensions(parts) == 1]])
+    points, line = shapely.get_coordinates(lines, return_index=True)
+    follows = line[1:] == line[:-1]
+    return points[:-1][follows], points[1:][follows]
+
+
+def spend_crossings(edges: Edges, budget: Budget | None, *, own: bool = False) -> None:
+    """Count the pairs of edges that cross or overlap, but not those that meet at ends.
+
+    budget: none if None; own: whether the edges are those of one outline.
+
+    Raises NestedCagesError where uniting them would take longer than the budget allows.
+    """
+    if budget is None:
+        return
+    long = (edges[0] != edges[1]).any(axis=1)
+    starts, ends = edges[0][long], edges[1][long]
+    tree = BoxTree(starts, ends)
+    for i, j in tree.blocks(slim=True):
+        budget.spend_crossings(int(_cross(starts[i], ends[i], starts[j], ends[j]).sum()), own=own)
+
+
+def _cross(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> BoolArray:
+    """(K,) whether segments a-b and c-d have more than an end in common, and are not the same."""
+    first = orientation(a, b, c) * orientation(a, b, d)
+    crossing = (first < 0) & (orientation(c, d, a) * orientation(c, d, b) < 0)
+    flat: IntArray = np.flatnonzero((orientation(a, b, c) == 0) & (orientation(a, b, d) == 0))
+    low, high = np.minimum(a, b)[flat], np.maximum(a, b)[flat]
+    other_low, other_high = np.minimum(c, d)[flat], np.maximum(c, d)[flat]
+    together = (np.maximum(low, other_low) < np.minimum(high, other_high)).any(axis=1)
+    same = ((low == other_low) & (high == other_high)).all(axis=1)
+    crossing[flat] = together & ~same
+    return np.asarray(crossing)

@@ -1,0 +1,45 @@
+"""Optional libraries of the readers, imported when they are needed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from ..errors import NestedCagesError
+
+INSTALL = "install it with 'pip install nested-cages[formats]'"
+"""Advice about a missing library; the Blender extension includes all but Pillow, since Blender reads
+pictures itself."""
+
+
+@contextmanager
+def _needed(name: str, purpose: str) -> Iterator[None]:
+    """Raises NestedCagesError where the library is missing; purpose: a plural such as "overlapping shapes"."""
+    try:
+        yield
+    except ImportError as error:
+        problem = f"Reading {purpose} needs {name}; {INSTALL}."
+        raise NestedCagesError(problem, code="dependency.missing", library=name) from error
+
+
+def load_shapely(purpose: str) -> Any:
+    """shapely (GEOS)."""
+    with _needed("shapely", purpose):
+        import shapely
+    return shapely
+
+
+def load_css() -> tuple[Any, Any]:
+    """tinycss2, with its colours, and cssselect2."""
+    with _needed("tinycss2 and cssselect2", "styles and colours by function or in masks"):
+        import cssselect2
+        import tinycss2.color4
+    return tinycss2, cssselect2
+
+
+def load_pictures() -> Any:
+    """The pictures of Pillow."""
+    with _needed("Pillow", "PNG"):
+        from PIL import Image
+    return Image
