@@ -15,12 +15,12 @@ from ..crossings import edges_in, spend_crossings
 from ..fill import Area, Painted, bounds_of, thickness, union_of
 from ..libraries import load_shapely
 from ..limits import Budget
-from .lengths import moved, scaling, translation
 from .nodes import Clip, Group, Shape
 from .options import SvgOptions
 from .paints import Paint, visible
 from .path_data import Subpath, flattened
 from .strokes import Polyline, Stroke, stroked
+from .transforms import moved, scaling, translation
 
 STROKE_FINENESS = 0.25
 """Tolerance of the centre line of a stroke, relative to that of its outline."""

@@ -10,8 +10,11 @@ import numpy as np
 from ...errors import NestedCagesError, invalid_file
 from ...geometry.arrays import FloatArray
 from ..limits import Budget, Limits
-from .lengths import Faults, Viewport, fitted, link_of, name_of, quoted, read_transform, view_box_of
+from .elements import link_of, name_of
+from .faults import Faults, quoted
+from .lengths import Viewport
 from .outlines import OUTLINED
+from .transforms import fitted, read_transform, view_box_of
 
 OUTLINES, DECORATION = "data-outlines", "decoration"
 """Attribute of the root of our own documents, whose strokes only mark the edges of filled shapes."""

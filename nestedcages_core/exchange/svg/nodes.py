@@ -11,7 +11,9 @@ import numpy as np
 from ...errors import invalid_file
 from ...geometry.arrays import FloatArray
 from .document import Document
-from .lengths import Faults, Viewport, measure, measured_box, name_of, quoted
+from .elements import name_of
+from .faults import Faults, quoted
+from .lengths import Viewport, measure
 from .options import SvgOptions
 from .outlines import through
 from .paints import Paint
@@ -90,11 +92,14 @@ def rectangular_clip(x: float, y: float, width: float, height: float, matrix: Fl
 
 
 def mask_region(item: ET.Element, around: Viewport, matrix: FloatArray) -> Clip:
-    """The rectangle outside which a mask hides everything."""
+    """The rectangle outside which a mask hides everything; by default a tenth wider than what it belongs to."""
     of_box = item.get("maskUnits", "objectBoundingBox") == "objectBoundingBox"
-    corners = measured_box(item, around.sized(1.0, 1.0) if of_box else around, "mask")
-    x, y, right, bottom = corners.ravel().tolist()
-    return replace(rectangular_clip(x, y, right - x, bottom - y, matrix), of_box=of_box)
+    viewport = around.sized(1.0, 1.0) if of_box else around
+    x, y, width, height = (
+        measure(item.get(key) or default, key, f"{key} of the mask", viewport)
+        for key, default in (("x", "-10%"), ("y", "-10%"), ("width", "120%"), ("height", "120%"))
+    )
+    return replace(rectangular_clip(x, y, width, height, matrix), of_box=of_box)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..limits import Budget, Limits
-from .lengths import NUMBER, Viewport, attribute, name_of, quoted, title_of
+from .elements import name_of, title_of
+from .faults import quoted
+from .lengths import NUMBER, Viewport, attribute
 from .path_data import CUBIC, LINE, PathReader, Subpath, ellipse
 
 OUTLINED = frozenset(("path", "rect", "circle", "ellipse", "line", "polyline", "polygon"))

@@ -13,8 +13,10 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ..libraries import load_css
 from .document import Document
-from .lengths import link_of, measure, moved, name_of, scaling, share, translation
+from .elements import link_of, name_of
+from .lengths import measure, share
 from .style import Style, Styles
+from .transforms import moved, scaling, translation
 
 URL = re.compile(r"url\(\s*['\"]?\s*(#[^'\")\s]*)\s*['\"]?\s*\)\s*(.*)", re.DOTALL)
 OPAQUE = re.compile(r"#(?:[0-9a-fA-F]{3}){1,2}")

@@ -18,12 +18,12 @@ from ..limits import Budget
 from ..repair import HAIRLINE_PART
 from .areas import Areas
 from .document import Box, Document, Frame
-from .lengths import moved
 from .nodes import Group, Shape
 from .options import SvgOptions
 from .paints import Paint
 from .path_data import flattened
 from .scene import Scene
+from .transforms import moved
 
 DEFAULT_TOLERANCE = 5e-4
 """Default for the largest distance of chords from curves, as a fraction of the drawing's diagonal."""

@@ -13,20 +13,9 @@ from ...errors import NestedCagesError
 from ...geometry.mesh.validation import MAX_COORDINATE
 from ..limits import Budget
 from .document import Document
-from .lengths import (
-    Viewport,
-    attribute,
-    fitted,
-    link_of,
-    measure,
-    moved,
-    name_of,
-    quoted,
-    share,
-    title_of,
-    translation,
-    view_box_of,
-)
+from .elements import link_of, name_of, title_of
+from .faults import quoted
+from .lengths import Viewport, attribute, measure, share
 from .nodes import (
     CLIP,
     MASK,
@@ -49,6 +38,7 @@ from .paints import Paint, Paints, link_in
 from .path_data import Subpath, length_of
 from .strokes import stroke_of
 from .style import MARKERS, Style, Styles
+from .transforms import fitted, moved, translation, view_box_of
 
 GROUPS = frozenset(("svg", "g", "a", "switch"))
 """Elements that draw their children."""

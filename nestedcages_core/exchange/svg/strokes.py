@@ -12,7 +12,8 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ..crossings import edges_in, spend_crossings
 from ..limits import Budget, Limits
-from .lengths import Viewport, measure, numbers, quoted
+from .faults import quoted
+from .lengths import Viewport, measure, numbers
 
 MAX_ARC_SEGMENTS = 64
 """Maximum number of chords of a quarter circle at a cap or join."""

@@ -12,7 +12,7 @@ from xml.etree import ElementTree as ET
 from ...errors import NestedCagesError
 from ..libraries import load_css
 from .document import Document
-from .lengths import name_of
+from .elements import name_of
 
 MARKERS = ("marker", "marker-start", "marker-mid", "marker-end")
 
