@@ -106,9 +106,9 @@ class ContactResponse:
         length = np.hypot(fine_motion[:, 0], fine_motion[:, 1])
         longest = float(length.max())
         farthest = self.distances.largest + gap
-        radii = np.full(m, radius)
-        farthest_motion = np.concatenate([np.sqrt(2.0) * radii, length])
-        reach = float(np.sqrt(2.0)) * radius + longest  # of a cage vertex along both its axes, and a fine one
+        farthest_cage = float(np.sqrt(2.0)) * radius  # along both axes
+        farthest_motion = np.concatenate([np.full(m, farthest_cage), length])
+        reach = farthest_cage + longest
         all_pairs = self.candidates.meeting(x, farthest, farthest_motion, farthest + reach, SKIN * reach)
         all_contacts = measure(all_pairs, x)
 
@@ -122,7 +122,7 @@ class ContactResponse:
             self._proximal,
             rows,
             room,
-            radii,
+            np.full(m, radius),
             local_axes(self.bodies, x),
             softness=softness,
             scale=max(longest, SMALLEST_SCALE * gap),

@@ -125,28 +125,19 @@ class Pairs(NamedTuple):
         )  # fmt: skip
 
 
-def find_pairs(bodies: Bodies, x: FloatArray, radius: float | FloatArray) -> Pairs:
+def find_pairs(bodies: Bodies, x: FloatArray, radius: float) -> Pairs:
     """All pairs closer than ``radius`` at the positions x = (C; F), family C-C up to twice that; F-C by cage edge.
 
-    radius: a length, or one per cage vertex (m,) with few different values; an edge has the larger one of its ends.
     Both sides of a pair C-C may move: with twice the radius a `CandidateList` lasts as long as for the others.
     """
     m = bodies.m
     cage, fine = x[:m], x[m:]
     cage_end, fine_end = cage[bodies.cage.successor], fine[bodies.fine.successor]
-    of_vertex = np.broadcast_to(np.asarray(radius, float), m)
-    of_edge = np.maximum(of_vertex, of_vertex[bodies.cage.successor])
-    groups = _groups(of_edge)
-    found = [near_pairs(fine, cage[k], cage_end[k], r) for r, k in groups]
-    fine_vertex = np.concatenate([i for i, _ in found])
-    cage_edge = np.concatenate([k[j] for (_, j), (_, k) in zip(found, groups, strict=True)])
+    fine_vertex, cage_edge = near_pairs(fine, cage, cage_end, radius)
     order = np.argsort(cage_edge, kind="stable")
     fine_vertex, cage_edge = fine_vertex[order], cage_edge[order]
-    groups = _groups(of_vertex)
-    found = [near_pairs(cage[k], fine, fine_end, r) for r, k in groups]
-    cage_vertex = np.concatenate([k[i] for (i, _), (_, k) in zip(found, groups, strict=True)])
-    fine_edge = np.concatenate([j for _, j in found])
-    own_vertex, own_edge = near_pairs(cage, cage, cage_end, 2.0 * float(of_vertex.max()))
+    cage_vertex, fine_edge = near_pairs(cage, fine, fine_end, radius)
+    own_vertex, own_edge = near_pairs(cage, cage, cage_end, 2.0 * radius)
     foreign = (own_vertex != own_edge) & (own_vertex != bodies.cage.successor[own_edge])
     own_vertex, own_edge = own_vertex[foreign], own_edge[foreign]
     first = len(fine_vertex)
@@ -163,11 +154,6 @@ def find_pairs(bodies: Bodies, x: FloatArray, radius: float | FloatArray) -> Pai
     )
 
 
-def _groups(radius: FloatArray) -> list[tuple[float, IntArray]]:
-    """The different radii, each with its indices."""
-    return [(float(value), np.flatnonzero(radius == value)) for value in np.unique(radius)]
-
-
 class CandidateList:
     """The pairs closer than a reach, found with a skin so that the list stays complete for a while (a Verlet list).
 
@@ -178,40 +164,34 @@ class CandidateList:
     def __init__(self, bodies: Bodies, thinnest_skin: float = 0.0) -> None:
         self.bodies, self.thinnest_skin = bodies, thinnest_skin
         self.builds = 0
-        self._radius: float | FloatArray = 0.0
+        self._radius = 0.0
         self._x = self._moved = self._distance = np.zeros(0)
         self._pairs: Pairs | None = None
 
-    def within(self, x: FloatArray, reach: float | FloatArray, skin: float | FloatArray) -> Pairs:
-        """A superset of the pairs closer than ``reach`` at x; if rebuilt, the list covers ``skin`` on top.
-
-        Both are lengths, or one per cage vertex (m,).
-        """
-        skin = np.maximum(skin, self.thinnest_skin)
+    def within(self, x: FloatArray, reach: float, skin: float) -> Pairs:
+        """A superset of the pairs closer than ``reach`` at x; if rebuilt, the list covers ``skin`` on top."""
         if self._pairs is not None:
             moved = x - self._x
             self._moved = np.sqrt(moved[:, 0] * moved[:, 0] + moved[:, 1] * moved[:, 1])
             if self._covers(reach):
                 return self._pairs
-        self._radius = reach + skin
+        self._radius = reach + max(skin, self.thinnest_skin)
         self._x, self._moved = x.copy(), np.zeros(len(x))
         self._pairs = find_pairs(self.bodies, x, self._radius)
         self._distance = self._pairs.measure(x).distance
         self.builds += 1
         return self._pairs
 
-    def meeting(
-        self, x: FloatArray, distance: float, motion: FloatArray, reach: float | FloatArray, skin: float | FloatArray
-    ) -> Pairs:
+    def meeting(self, x: FloatArray, distance: float, motion: FloatArray, reach: float, skin: float) -> Pairs:
         """The pairs of :meth:`within` that may come closer than ``distance`` when no vertex moves farther than
         ``motion`` (m + n,)."""
         pairs = self.within(x, reach, skin)
         return pairs.take(np.flatnonzero(self._distance - distance <= pairs.approach(self._moved + motion)))
 
-    def _covers(self, reach: float | FloatArray) -> bool:
+    def _covers(self, reach: float) -> bool:
         """Whether the skin is wider than any pair of cage and fine mesh has come closer since the list was built."""
         m = self.bodies.m
-        return float(np.min(self._radius - reach)) >= float(self._moved[:m].max()) + float(self._moved[m:].max())
+        return self._radius - reach >= float(self._moved[:m].max()) + float(self._moved[m:].max())
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from ..contact.pruning import not_implied
 from ..energies import Blocks, CageEnergy
 from ..geometry.arrays import FloatArray
 from ..solver.quadratic_program import QPSolution, QuadraticProgram
-from .trust_region import Surroundings, TrustRegion
+from .trust_region import Surroundings
 
 LONGEST_MOTION = 1.5
 """Longest motion of a vertex in one step, restoration included, in radii; √2 without restoration."""
@@ -36,8 +36,7 @@ class QuadraticModel:
 
     def loads(self, solution: QPSolution) -> EdgeLoads:
         """Loads of the edges in the solution of the program."""
-        m = len(self.program.radius)
-        return EdgeLoads.of(self._rows, self._row_contacts, solution.multipliers, m)
+        return EdgeLoads.of(self._rows, self._row_contacts, solution.multipliers, len(solution.step))
 
 
 def model_at(
@@ -46,12 +45,12 @@ def model_at(
     candidates: CandidateList,
     energy: CageEnergy,
     wanted: WantedDistances,
-    region: TrustRegion,
+    radius: float,
     loads: EdgeLoads,
 ) -> QuadraticModel:
-    """The model at x (m + n, 2), with the curvature of the contacts under the ``loads``."""
+    """The model at x (m + n, 2), with the curvature of the contacts under the ``loads``; radius: Δ."""
     m = bodies.m
-    longest = LONGEST_MOTION * float(region.radius.max())
+    longest = LONGEST_MOTION * radius
     farthest_motion = np.zeros(len(x))
     farthest_motion[:m] = longest
     pairs = candidates.meeting(x, wanted.largest, farthest_motion, wanted.largest + longest, 2.0 * longest)
@@ -59,7 +58,7 @@ def model_at(
     required = wanted.of(pairs)
 
     reach = np.zeros(len(x))
-    reach[:m] = region.radius * np.sqrt(2.0)
+    reach[:m] = radius * np.sqrt(2.0)
     near = np.flatnonzero(contacts.distance - required < pairs.approach(reach))
     some, contact = resolve_corners(bodies, pairs.take(near), contacts.take(near), x, wanted.clearance)
     room = contact.distance - wanted.of(some)
@@ -67,13 +66,13 @@ def model_at(
     some, contact = some.take(keep), contact.take(keep)
 
     cage, successor = x[:m], bodies.coarse.successor
-    curvature = contact_curvature(bodies, cage, loads, region.radius)
+    curvature = contact_curvature(bodies, cage, loads, radius)
     program = QuadraticProgram(
         energy.gradient(cage, successor),
         Blocks.sum([(1.0, energy.hessian(cage, successor)), (1.0, curvature)]),
         constraint_rows(some, contact),
         np.maximum(room[keep], 0.0),
-        region.radius,
+        np.full(m, radius),
         local_axes(bodies, x),
     )
     around = Surroundings(pairs, contacts.distance, contacts.side, required, farthest_motion)
@@ -115,11 +114,11 @@ class EdgeLoads(NamedTuple):
         return cls(*(load.astype(np.float64, copy=False) for load in loads))  # bincount of nothing is int
 
 
-def contact_curvature(bodies: Bodies, cage: FloatArray, loads: EdgeLoads, radius: FloatArray) -> Blocks:
+def contact_curvature(bodies: Bodies, cage: FloatArray, loads: EdgeLoads, radius: float) -> Blocks:
     """-Σ z ∂²d of the contacts on the inner side of the cage (m, 2), three blocks per edge.
 
-    radius: (m,) largest motion of each vertex. Edges count as at least that long, since the second-order term holds for
-    shorter motions only.
+    radius: largest motion of a vertex. Edges count as at least that long, since the second-order term holds for shorter
+    motions only.
     """
     after = bodies.cage.successor
     columns = np.ascontiguousarray(cage.T)
@@ -132,7 +131,7 @@ def contact_curvature(bodies: Bodies, cage: FloatArray, loads: EdgeLoads, radius
     nt = normal[:, None] * tangent
     tn = nt.transpose(1, 0, 2)
     both = nt + tn
-    length = np.maximum(length, np.maximum(radius, radius.take(after)))
+    length = np.maximum(length, radius)
     at_start = (loads.force - loads.moment) / length
     at_end = loads.moment / length
     nn = normal[:, None] * normal * (loads.gap / length**2)

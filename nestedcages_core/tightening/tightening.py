@@ -4,9 +4,9 @@ In every iteration the energy and the distances are modelled at the current cage
 keeps all its distances:
 
     minimise   ∇E·D + ½ Dᵀ (∇²E - Σ z ∇²d) D
-    subject to d - clearance + ∂d·D ≥ 0,   |D_i| ≤ Δ_i,
+    subject to d - clearance + ∂d·D ≥ 0,   |D_i| ≤ Δ,
 
-with the multipliers z of the iteration before and a radius Δ of its own for every vertex. The step is restored to the
+with the multipliers z of the iteration before and a radius Δ. The step is restored to the
 wanted distances, checked over its whole length for collisions, and accepted if the energy falls. The model's predicted
 decrease says how far the cage is from a local optimum.
 """
@@ -68,7 +68,7 @@ class Tightening:
     iterations: int = MOST_STEPS
     """Cap on the steps."""
     first_radius: float = 0.05
-    """First Δ of every vertex."""
+    """First Δ."""
     largest_radius: float = 0.1
     """Largest Δ: steps of a whole L converge in fewer iterations, but to worse optima."""
     tolerance: float = NEGLIGIBLE
@@ -129,7 +129,7 @@ class _Run:
         settings, energy, successor = self.settings, self.energy, self.bodies.coarse.successor
         unit = self.bodies.cage_edge_length
         first = settings.first_radius * unit
-        region = TrustRegion(first, first, settings.largest_radius * unit, unit, self.m)
+        region = TrustRegion(first, first, settings.largest_radius * unit, unit)
         value = first_value = energy.value(self.x[: self.m], successor)
         negligible = settings.tolerance * abs(signed_area(self.x[: self.m], successor))
         slope = float(np.abs(energy.gradient(self.x[: self.m], successor)).sum())
@@ -140,7 +140,7 @@ class _Run:
         previous = 0.0
         for iteration in range(1, settings.iterations + 1):
             threshold = max(negligible, settings.share * (first_value - value))
-            model = model_at(self.x, self.bodies, self.candidates, energy, self.wanted, region, loads)
+            model = model_at(self.x, self.bodies, self.candidates, energy, self.wanted, region.radius, loads)
             solved = settings.solver.complementarity * negligible
             solution = self.bodies.solved(settings.solver, model.program, solved, self.order)
             self.order = solution.order

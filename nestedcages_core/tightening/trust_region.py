@@ -36,9 +36,9 @@ steps of its neighbours."""
 
 @dataclass(eq=False)
 class TrustRegion:
-    """The radius Δ, updated by every step; lengths."""
+    """The radius Δ of all vertices, updated by every step; lengths."""
 
-    largest_step: float
+    radius: float
     """Δ."""
     first: float
     """First Δ."""
@@ -46,31 +46,24 @@ class TrustRegion:
     """Largest Δ allowed."""
     unit: float
     """Mean coarse edge length."""
-    m: int
-    """Number of vertices."""
-
-    @property
-    def radius(self) -> FloatArray:
-        """(m,) Δ of each vertex."""
-        return np.full(self.m, self.largest_step)
 
     def reset(self) -> None:
         """Raise the radius to the first one at least."""
-        self.largest_step = max(self.largest_step, self.first)
+        self.radius = max(self.radius, self.first)
 
     @property
     def collapsed(self) -> bool:
         """Whether the radius is too small for any progress."""
-        return self.largest_step < NEGLIGIBLE * self.unit
+        return self.radius < NEGLIGIBLE * self.unit
 
     def update(self, solution: QPSolution, trial: Trial, value: float) -> None:
         """Update after a trial; value: the energy before it."""
         longest = float(np.hypot(solution.step[:, 0], solution.step[:, 1]).max())
         gain = (value - trial.value) / max(solution.decrease, TINY)
         if not trial.accepted or gain < POOR_GAIN:
-            self.largest_step = min(self.largest_step, STEP_REDUCTION * longest)
+            self.radius = min(self.radius, STEP_REDUCTION * longest)
         elif gain > FAIR_GAIN:
-            self.largest_step = max(self.largest_step, min(GROWTH * longest, self.largest))
+            self.radius = max(self.radius, min(GROWTH * longest, self.largest))
 
 
 class Trial(NamedTuple):

@@ -360,7 +360,7 @@ def test_a_start_that_the_flow_entered_is_preferred_by_a_little() -> None:
 
 @pytest.mark.parametrize(("gain", "growth"), [(1.0, 2.5), (0.4, 1.0)])
 def test_radii_grow_after_good_steps(gain: float, growth: float) -> None:
-    region = TrustRegion(0.1, 0.1, 1.0, 1.0, 3)
+    region = TrustRegion(0.1, 0.1, 1.0, 1.0)
     step, cage = np.full((3, 2), (0.1, 0.0)), np.zeros((3, 2))
     trial = Trial(cage + step, np.ones(3), -gain, accepted=True)
     region.update(QPSolution(step, np.zeros(0), 1.0, 5, True, None), trial, 0.0)  # type: ignore[arg-type]
