@@ -249,13 +249,12 @@ def factorised(band: FloatArray) -> Solve | None:
 
     OpenBLAS uses several threads for larger matrices. Ours are too small to gain from that: it would take longer, and
     the last digits would depend on the number of threads. So only single-threaded methods are used: Cholesky
-    factorisation within a narrow band, or of two blocks that are as narrow, which takes a fifth of the time of sparse
-    LU, the last choice.
+    factorisation within a narrow band, and sparse LU.
 
     band: (size, height), entry [j, i] stands at row j + i and column j of the lower triangle; 0 below the last row.
     """
     if band.shape[1] <= WIDEST_BAND:
         return within_band(band)
-    from .wide_band import in_two_blocks, sparse  # few cages need these
+    from .sparse_lu import by_sparse_lu  # few cages need it
 
-    return in_two_blocks(band) if len(band) <= 2 * WIDEST_BAND else sparse(band)
+    return by_sparse_lu(band)

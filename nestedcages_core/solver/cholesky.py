@@ -13,13 +13,9 @@ Solve = Callable[[FloatArray], FloatArray]
 """From a right side (size,) to the solution (size,)."""
 
 
-def cholesky(band: FloatArray) -> FloatArray | None:
-    """The factor as LAPACK stores it; None if the matrix is not positive definite."""
-    factor, failure = dpbtrf(band.T, lower=1)
-    return None if failure or not np.isfinite(factor[0]).all() else factor  # LAPACK lets NaN pass
-
-
 def within_band(band: FloatArray) -> Solve | None:
-    """Solver of the system; None likewise."""
-    factor = cholesky(band)
-    return None if factor is None else lambda right: np.asarray(dpbtrs(factor, right, lower=1)[0])
+    """Solver of the system; None if the matrix is not positive definite."""
+    factor, failure = dpbtrf(band.T, lower=1)
+    if failure or not np.isfinite(factor[0]).all():  # LAPACK lets NaN pass
+        return None
+    return lambda right: np.asarray(dpbtrs(factor, right, lower=1)[0])
