@@ -7,8 +7,7 @@ interpolation, so the evaluated mesh is the step on its frame and the linear ble
 from __future__ import annotations
 
 import re
-from collections.abc import Generator, Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import bpy
@@ -215,9 +214,9 @@ def remove_mesh(mesh: Mesh) -> None:
         bpy.data.meshes.remove(mesh)
 
 
-def discarding(
+def discard(
     objects: Iterable[bpy.types.Object], meshes: Iterable[bpy.types.Mesh], actions: Iterable[bpy.types.Action | None]
-) -> Generator[None]:
+) -> None:
     """Removes objects, and then the meshes and actions that nothing uses any more, also those of their animation.
 
     Each in one pass over the file; removing blocks one by one takes as many.
@@ -225,22 +224,15 @@ def discarding(
     gone = list(objects)
     played = {*actions, *map(action_of, gone)}
     bpy.data.batch_remove(gone)
-    yield
     unused = _unused(meshes)
     played |= {action_of(owner) for mesh in unused for owner in (mesh, mesh.shape_keys)}
     bpy.data.batch_remove(unused)
-    yield
     bpy.data.batch_remove(_unused(played))
 
 
 def _unused(blocks: Iterable[Any]) -> list[Any]:
-    """Those without users, of blocks that may have been removed meanwhile."""
-    found = []
-    for block in set(blocks) - {None}:
-        with suppress(ReferenceError):
-            if block.users == 0:
-                found.append(block)
-    return found
+    """Those without users."""
+    return [block for block in set(blocks) - {None} if not block.users]
 
 
 def _runs_of_equal(steps: NDArray[np.float32]) -> list[tuple[int, int]]:

@@ -7,18 +7,15 @@ the drawing's own materials. Whether the animation of how cages form plays, and 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import bpy
 from bpy.types import Collection, Mesh, Object, Scene
 
 from .. import record
-from ..core import tasks
 from ..errors import UserError
 from ..scene import display, ownership
 from ..scene.display import add_nodes_modifier
-from ..scene.filling import stored
 from ..scene.ownership import check_free
 from . import shape_keys, timeline
 
@@ -58,62 +55,31 @@ def mute(obj: Object, muted: bool) -> None:
             curve.mute = muted
 
 
-@dataclass(frozen=True)
-class VisibilityAnimation:
-    """The animation that `hide_until` made: the action and its slot, keyframes by data path, whether the object has
-    kept the action for other curves in it, and whether the keyframes were muted.
-    """
-
-    action: bpy.types.Action | None
-    slot: Any
-    curves: tuple[tuple[str, tuple[float, ...]], ...]
-    kept: bool
-    muted: bool = False
-
-    def restore(self, obj: Object) -> None:
-        """Restores the animation."""
-        if self.action is None:
-            return
-        data = obj.animation_data or obj.animation_data_create()
-        data.action = self.action
-        if self.slot is not None:
-            data.action_slot = self.slot
-        if not self.kept:
-            return
-        for curve in [curve for curve in shape_keys.curves_of(obj) if curve.data_path in VISIBILITY]:
-            shape_keys.curves_of(obj).remove(curve)
-        shape_keys.animate(obj, self.curves, shape_keys.CONSTANT, self.action.name)
-        mute(obj, self.muted)
-
-
-def detach(obj: Object) -> VisibilityAnimation:
-    """Undoes `hide_until`. An action with nothing else in it is kept for `restore`; other animation stays."""
+def detach(obj: Object) -> bpy.types.Action | None:
+    """Undoes `hide_until`. Returns the action that has left the object; with other animation in it, it stays."""
     data, action = obj.animation_data, shape_keys.action_of(obj)
     for name in VISIBILITY:
         if getattr(obj, name):  # setting it makes Blender go through all objects
             setattr(obj, name, False)
     if action is None:
-        return VisibilityAnimation(None, None, (), False)
+        return None
     curves = shape_keys.curves_of(obj)
     ours = [curve for curve in curves if curve.data_path in VISIBILITY]
-    keyframes = tuple((each.data_path, tuple(stored(each.keyframe_points, "co", 2).ravel().tolist())) for each in ours)
-    slot, muted = getattr(data, "action_slot", None), any(curve.mute for curve in ours)
-    found = VisibilityAnimation(action, slot, keyframes, len(ours) < len(curves), muted)
-    if found.kept:
+    if len(ours) < len(curves):
         for curve in ours:
             curves.remove(curve)
-        return found
+        return None
     data.action = None
     if not len(data.drivers) and not len(data.nla_tracks):
         obj.animation_data_clear()
-    return found
+    return action
 
 
 def always_show(obj: Object) -> None:
     """Undoes `hide_until` permanently."""
-    found = detach(obj)
-    if found.action is not None and found.action.users == 0:
-        bpy.data.actions.remove(found.action)
+    action = detach(obj)
+    if action is not None and action.users == 0:
+        bpy.data.actions.remove(action)
 
 
 def enter(collection: Collection) -> None:
@@ -155,7 +121,7 @@ def leave(*collections: Collection) -> None:
         found = record.of(collection)
         for part in found.sources:
             if part.hidden and ownership.exists(part.object):
-                actions.append(detach(part.object).action)
+                actions.append(detach(part.object))
             part.hidden = False
         found.playing = False
         shown.add(ownership.member(collection, 0))
@@ -165,7 +131,7 @@ def leave(*collections: Collection) -> None:
         for modifier in list(copy.modifiers):
             display.remove_modifier(copy, modifier)
     meshes = [copy.data for copy in copies if isinstance(copy.data, Mesh)]
-    tasks.drain(shape_keys.discarding(copies, meshes, actions))
+    shape_keys.discard(copies, meshes, actions)
 
 
 def make_copy(collection: Collection, fine: Object, source: Object | None) -> Object:

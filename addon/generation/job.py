@@ -1,8 +1,8 @@
 """The driver of all work in slices, while Blender stays usable; the panel shows the job that ``running()`` returns.
 
-Work is a generator of `Progress` that returns its result. It computes first and writes last; a ``finally`` undoes what
-a cancelled job must undo. One timer goes on with all jobs: those of operators first, whose `modal` only shows progress,
-and what goes on in the background while no other job is at work.
+Work is a generator of `Progress` that returns its result. It computes first and writes last, in one slice; a
+``finally`` undoes what a cancelled job must undo. One timer goes on with all jobs: those of operators first, whose
+`modal` only shows progress, and what goes on in the background while no other job is at work.
 """
 
 from __future__ import annotations

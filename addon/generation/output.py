@@ -4,7 +4,7 @@ output.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import astuple
 
 import bpy
@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 from .. import record
 from ..animation import shape_keys, timeline, visibility
 from ..animation.timeline import Phases, Span, Timing
-from ..core import core, tasks
+from ..core import core
 from ..rigging.rig import Rig, is_rigged
 from ..scene import display, ownership, placement
 from ..scene.ownership import check_free, colours_of, level_of, member, members
 from .generate import Result
-from .job import Progress, Work
-from .rollback import Rollback
+from .replaced import Replaced
 
 
 def length(collection: Collection, timing: Timing) -> int | None:
@@ -35,76 +34,57 @@ def length(collection: Collection, timing: Timing) -> int | None:
 
 # The collections of a run, and sentences about the artist's work on earlier output that could not be transferred.
 Written = tuple[list[Collection], list[str]]
-# Work that removes what was replaced, and may be ended at any time: what is left has no users, and is not saved.
-Rest = Work[None]
 
 
 def write(
     scene: Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0, *, still: bool = False
 ) -> Written:
-    """Writes the output of each drawing at once; see `writing`. still: without the animation of its steps."""
-    collections, lost, rest = tasks.drain(writing(scene, results, timing, thickness))
-    tasks.drain(rest)
+    """Writes the output of each drawing. still: without the animation of its steps. Raises: UserError, before anything
+    is changed, if earlier output cannot be replaced.
+    """
+    earlier = earlier_outputs(scene, results)
+    for collection in filter(None, earlier):
+        check_free(members(collection))
+    try:
+        collections, lost = _write(scene, results, earlier, timing, thickness)
+    except Exception:
+        bpy.ops.ed.undo_push(message="Unfinished Nested Cages")  # so that Blender's undo takes back this alone
+        raise
     for collection in collections if still else ():
         visibility.end(scene, collection)
         record.keep(collection)
     return collections, lost
 
 
-def writing(
-    scene: Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0
-) -> Work[tuple[list[Collection], list[str], Rest]]:
-    """Writes the output of each drawing, one by one; closing it restores the scene. Raises: UserError, before anything
-    is changed, if earlier output cannot be replaced.
-    """
-    earlier = earlier_outputs(scene, results)
-    replaced = [found for found in earlier if found is not None]
-    for collection in replaced:
-        check_free(members(collection))
-    rollback = Rollback(scene)
-    staged: list[Collection] = []
-    try:
-        for collection in replaced:
-            yield Progress(0.0, f"{collection.name}, reading")
-            rollback.include(collection)
-        staged = replaced
-        visibility.leave(*staged)
-        home = _home(scene, [result for result, before in zip(results, earlier, strict=True) if before is None])
-        all_played = [timeline.spans(list(map(Phases.of, result.levels)), timing) for result in results]
-        # Several play together: one marker, on the last result.
-        end = max(played[-1].end for played in all_played)
-        marker = (f"{len(results)} Drawings", end) if len(results) > 1 else None
-        dropped: list[timeline.Mark] = []
-        added: list[timeline.Mark] = []
-        collections = []
-        for number, (result, played, before) in enumerate(zip(results, all_played, earlier, strict=True)):
-            yield Progress(number / len(results), f"{result.drawing.name}, writing")
-            collection = before or _new_collection(home, result)
-            dropped += timeline.stop(scene, collection)
-            _write_one(result, timing, played, collection, rollback)
-            added.append(timeline.play_in(collection, played, marker))
-            record.keep(collection)
-            collections.append(collection)
-        timeline.settle(scene, dropped, added)
-        for result, collection in zip(results, collections, strict=True):
-            _set_thickness(collection, result, thickness)
-        for collection in collections:
-            yield Progress(1.0, f"{collection.name}, writing")
-            if not any(scene.objects.get(obj.name) == obj for obj in members(collection)):  # made in another scene
-                ownership.home_of(scene, ownership.source_of(collection)).children.link(collection)
-            visibility.enter(collection)
-    except BaseException:
-        rollback.restore()
-        for collection in staged:
-            visibility.enter(collection)
-        raise
-    lost, unused = rollback.finish()
-    return collections, lost, _removing(unused)
-
-
-def _removing(unused: Iterator[None]) -> Rest:
-    for _ in unused:
-        yield Progress(1.0, "removing what was replaced")
+def _write(
+    scene: Scene, results: Sequence[Result], earlier: Sequence[Collection | None], timing: Timing, thickness: float
+) -> Written:
+    """The same with the output that each result replaces, if there is one."""
+    visibility.leave(*filter(None, earlier))
+    home = _home(scene, [result for result, before in zip(results, earlier, strict=True) if before is None])
+    all_played = [timeline.spans(list(map(Phases.of, result.levels)), timing) for result in results]
+    # Several play together: one marker, on the last result.
+    end = max(played[-1].end for played in all_played)
+    marker = (f"{len(results)} Drawings", end) if len(results) > 1 else None
+    dropped: list[timeline.Mark] = []
+    added: list[timeline.Mark] = []
+    collections, replaced = [], Replaced()
+    for result, played, before in zip(results, all_played, earlier, strict=True):
+        collection = before or _new_collection(home, result)
+        dropped += timeline.stop(scene, collection)
+        _write_one(result, timing, played, collection, replaced)
+        added.append(timeline.play_in(collection, played, marker))
+        record.keep(collection)
+        collections.append(collection)
+    timeline.settle(scene, dropped, added)
+    for result, collection in zip(results, collections, strict=True):
+        _set_thickness(collection, result, thickness)
+    for collection in collections:
+        if not any(scene.objects.get(obj.name) == obj for obj in members(collection)):  # made in another scene
+            ownership.home_of(scene, ownership.source_of(collection)).children.link(collection)
+        visibility.enter(collection)
+    replaced.remove()
+    return collections, replaced.lost
 
 
 def _home(scene: Scene, results: Sequence[Result]) -> Collection:
@@ -148,7 +128,7 @@ def earlier_outputs(scene: Scene, results: Sequence[Result]) -> list[Collection 
 
 
 def _write_one(
-    result: Result, timing: Timing, played: Sequence[Span], collection: Collection, rollback: Rollback
+    result: Result, timing: Timing, played: Sequence[Span], collection: Collection, replaced: Replaced
 ) -> None:
     """Writes one output into its collection."""
     source, first = result.drawing.source, result.levels[0]
@@ -157,15 +137,15 @@ def _write_one(
     found.colours = colours_of(collection)
     before = members(collection)
     for obj in before:
-        rollback.set_aside(obj)
+        replaced.set_aside(obj)
     _rename(collection, name)
 
     inner, action = "Inner " if result.inside else "", shape_keys.new_action(collection.name)
-    fine = _member_with_mesh(collection, 0, f"{name} {inner}Fine", first.fine, result, rollback)
+    fine = _member_with_mesh(collection, 0, f"{name} {inner}Fine", first.fine, result, replaced)
     _play(fine, _fine_steps(first), first, played, timing, 1, action)
     made = [fine]
     for number, (level, span) in enumerate(zip(result.levels, played, strict=True), 1):
-        cage = _member_with_mesh(collection, number, f"{name} {inner}Cage {number}", level.cage, result, rollback)
+        cage = _member_with_mesh(collection, number, f"{name} {inner}Cage {number}", level.cage, result, replaced)
         _play(cage, _cage_steps(level), level, played, timing, number, action)
         if number < len(result.levels):
             following = result.levels[number]
@@ -176,7 +156,7 @@ def _write_one(
     if action is not None and not action.users:  # all have actions of the artist's
         bpy.data.actions.remove(action)
     for surplus in [obj for obj in before if obj not in made]:
-        (rollback.kept if is_rigged(surplus) else rollback.surplus).append(surplus)
+        (replaced.kept if is_rigged(surplus) else replaced.surplus).append(surplus)
 
     record.fill(found.sources, filter(None, (source, *(part.source for part in result.drawing.others))))
     record.fill(found.levels, made)
@@ -219,7 +199,7 @@ def _play(
 
 
 def _member_with_mesh(
-    collection: Collection, level: int, name: str, shape: core.Mesh, result: Result, rollback: Rollback
+    collection: Collection, level: int, name: str, shape: core.Mesh, result: Result, replaced: Replaced
 ) -> Object:
     """An object of a level with a new mesh, in the drawing's place; an existing one with the artist's work on it."""
     mesh = bpy.data.meshes.new(name)
@@ -237,7 +217,7 @@ def _member_with_mesh(
     else:
         rig = Rig.of(obj)
         obj.data = mesh
-        rollback.lose(obj, rig.give(obj))
+        replaced.lose(obj, rig.give(obj))
     placement.place(obj, result.drawing.source, result.drawing.frame)
     return obj
 

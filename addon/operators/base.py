@@ -105,8 +105,6 @@ class JobOperator(Operator):
 
     # Whether the work changes the scene before it is done, which blocks all other changes.
     exclusive = False
-    # Whether all is done but what may be left undone: stopping the work does not cancel it any more.
-    complete = False
     # A setting of the 3D view that shows the result, by its part and name: its default, and what is better.
     shown_by: tuple[str, str, object, object] | None = None
 
@@ -142,10 +140,9 @@ class JobOperator(Operator):
         job = self._job
         if job is None:
             return {"CANCELLED"}
-        stopped = job.cancelled or _asks_to_cancel(context, event)
-        if job.done or (stopped and self.complete):
+        if job.done:
             return self._ended(context, job)
-        if stopped:
+        if job.cancelled or _asks_to_cancel(context, event):
             self.cancel(context)
             self.report({"INFO"}, "Nested Cages: cancelled, nothing was changed")
             return {"CANCELLED"}

@@ -21,7 +21,7 @@ from ..following import claims
 from ..generation import output
 from ..generation.generate import Generation, Request, Result
 from ..generation.generate import part as percentage
-from ..generation.job import Progress, Work, part, running
+from ..generation.job import Progress, Work, running
 from ..generation.levels import OWN
 from ..generation.rules import Places
 from ..notes import in_scene, note
@@ -35,8 +35,6 @@ from .base import JobOperator, Operator
 
 # Weight in a vertex group from which on a vertex is pinned.
 PINNED = 0.5
-# Fraction of the work after which only writing is left.
-COMPUTED = 0.9
 
 
 class DrawingsOperator(JobOperator, OperatorProperties):
@@ -79,17 +77,16 @@ class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
             asked, problems = requests(context, self)
             generation = Generation(asked, options)
         read = time.perf_counter()
-        yield from part(iter(generation), 0, 1, end=COMPUTED)
+        yield from generation
+        yield Progress(1.0, "writing")
         problems += generation.problems
         scene = scene_again(name)
         used = all_values(self)
-        self.exclusive, edited = True, claims.changed_since(read)
-        rest = yield from self._write(scene, [replace(result, used=used) for result in generation.results], edited)
+        edited = claims.changed_since(read)
+        self._write(scene, [replace(result, used=used) for result in generation.results], edited)
         self.tell_skipped(problems)
-        self.complete = True
-        yield from rest
 
-    def _write(self, scene: Scene, results: Sequence[Result], edited: set[str]) -> Work[output.Rest]:
+    def _write(self, scene: Scene, results: Sequence[Result], edited: set[str]) -> None:
         """Puts the results into the scene; edited: outputs whose drawing has changed since. Raises: UserError."""
         gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
         if gone is not None:
@@ -100,11 +97,9 @@ class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
         adopt(scene, [result.drawing.source for result in results if result.drawing.source is not None])
         poses = {}
         for found in filter(None, output.earlier_outputs(scene, results)):
-            yield Progress(COMPUTED, f"{found.name}, reading")
             source = ownership.source_of(found)
             poses[found] = {ownership.level_of(obj): Pose.of(obj, source) for obj in ownership.members(found)}
-        writing = output.writing(scene, results, filled(Timing, self), self.thickness)
-        collections, lost, rest = yield from part(writing, 0, 1, begin=COMPUTED)
+        collections, lost = output.write(scene, results, filled(Timing, self), self.thickness)
         bound = {collection: binding.forget(collection) for collection in collections}
         if self.show_result:
             scene.frame_set(max(record.of(collection).frames[1] for collection in collections))
@@ -128,7 +123,6 @@ class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
             shown = f"{percentage(min(sizes))} to {percentage(max(sizes))}"
         kind, measure = ("certified inner cage", "less area") if results[0].inside else ("certified cage", "excess")
         self.report({"INFO"}, f"{counted(len(cages), kind)}{around}; {measure} {shown}")
-        return rest
 
     def _bind_again(self, collection: Collection, method: str) -> None:
         """Binds again what was bound before, by the same method; if that fails, the cages stay and the user is told."""

@@ -243,7 +243,9 @@ def test_in_a_window_cancelling_leaves_the_scene(addon, modal, monkeypatch, tick
     assert snapshot() == before
 
 
-def test_cancelling_while_several_drawings_are_written_leaves_the_scene(addon, modal, monkeypatch) -> None:
+@pytest.mark.parametrize("cancel", [False, True])
+def test_several_drawings_are_written_at_once(addon, modal, monkeypatch, cancel) -> None:
+    """No slice shows a scene that is half written, so there is nothing to take back."""
     monkeypatch.setattr(addon.generation.job, "SLICE", 0.0)
     for name in ("One", "Two", "Three"):
         poly_curve(name, [star()])
@@ -254,27 +256,19 @@ def test_cancelling_while_several_drawings_are_written_leaves_the_scene(addon, m
     assert len(bpy.context.scene.timeline_markers) == 1
     operator, context = modal.operator, on_selection(modal)
     operator.invoke(context, None)
-    while operator._job.message != "Two, writing":
-        outcome = tick(addon, operator, context)
-    assert outcome == operator.modal(context, OTHER) == {"RUNNING_MODAL"}  # nothing else may change the scene
-    assert operator.modal(context, ESCAPE) == {"CANCELLED"}
-    bpy.context.view_layer.update()
-    assert snapshot() == before
-
-
-def test_escape_while_what_was_replaced_is_removed_keeps_the_new_cages(addon, modal, monkeypatch) -> None:
-    monkeypatch.setattr(addon.generation.job, "SLICE", 0.0)
-    source = poly_curve("Drawing", [star()])
-    bpy.ops.object.nested_cages_generate(levels="12, 6")
-    operator, context = modal.operator, on_selection(modal)
-    operator.invoke(context, None)
-    while operator._job.message != "removing what was replaced":
+    while operator._job.message != "writing":
         tick(addon, operator, context)
-    unused = [action for action in bpy.data.actions if not action.users]
-    assert unused and operator.modal(context, ESCAPE) == {"FINISHED"} and addon.generation.job.running() is None
+        assert snapshot() == before
+    if cancel:
+        assert operator.modal(context, ESCAPE) == {"CANCELLED"}
+        assert snapshot() == before
+        return
+    assert tick(addon, operator, context) == {"FINISHED"} and addon.generation.job.running() is None
     ownership = addon.scene.ownership
-    made = ownership.members(ownership.collection_of(bpy.context.scene, source))
-    assert [len(obj.data.vertices) for obj in made] == [60, 20, 10]
+    for name in ("One", "Two", "Three"):
+        made = ownership.members(ownership.collection_of(bpy.context.scene, bpy.data.objects[name]))
+        assert [len(obj.data.vertices) for obj in made] == [60, 20, 10]
+    assert len(bpy.data.meshes) == 12 and all(block.users for block in (*bpy.data.meshes, *bpy.data.actions))
 
 
 def test_a_drawing_that_is_deleted_meanwhile_ends_in_a_sentence(addon, modal) -> None:

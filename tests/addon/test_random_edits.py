@@ -230,7 +230,7 @@ class Artist:
         levels = self.random.choice(["12", "20, 10", "4", "50%", "8, 9", "x", "", "1e9"])
         self.tell(f"generate {levels!r}")
         operator, context = self.modal.operator, on_selection(self.modal)
-        operator.levels, operator.exclusive, operator.complete = levels, False, False
+        operator.levels = levels
         context.view_layer = bpy.context.view_layer
         before = repr(snapshot())
         self.modal.log.clear()
@@ -239,9 +239,9 @@ class Artist:
         while outcome in ({"RUNNING_MODAL"}, {"PASS_THROUGH"}):
             chance = self.random.random()
             if chance < 0.02:
-                self.stop(operator, context, None if edited or operator.complete else before)
+                self.stop(operator, context, None if edited else before)
                 return
-            if chance < 0.1 and not operator.exclusive:  # else it gets no event of an edit
+            if chance < 0.1:
                 edited, self.opened = True, False
                 self.edit()
                 self.object_mode()
@@ -249,8 +249,7 @@ class Artist:
                     operator.cancel(context)
                     return
             if chance < 0.2:
-                passed = {"RUNNING_MODAL"} if operator.exclusive else {"PASS_THROUGH"}
-                assert operator.modal(context, OTHER) == passed
+                assert operator.modal(context, OTHER) == {"PASS_THROUGH"}
             for name in ("mode", "view_layer", "scene", "collection"):
                 setattr(context, name, getattr(bpy.context, name))
             outcome = tick(self.addon, operator, context)
@@ -262,15 +261,14 @@ class Artist:
             assert try_operator(bpy.ops.object.nested_cages_verify) in ({"FINISHED"}, {"CANCELLED"})
 
     def stop(self, operator: Any, context: Any, before: str | None) -> None:
-        """Stop the job in any way; where nothing was edited or complete, nothing has changed."""
+        """Stop the job in any way; where nothing was edited, nothing has changed."""
         how = self.random.choice(WAYS_TO_STOP)
-        ended = {"FINISHED"} if operator.complete else {"CANCELLED"}
         self.tell(f"stop by {how}")
         if how == "escape":
-            assert operator.modal(context, ESCAPE) == ended
+            assert operator.modal(context, ESCAPE) == {"CANCELLED"}
         elif how == "button":
             bpy.ops.object.nested_cages_cancel()
-            assert operator.modal(context, TIMER) == ended
+            assert operator.modal(context, TIMER) == {"CANCELLED"}
         elif how == "Blender":
             operator.cancel(context)
         elif how == "quit":

@@ -204,34 +204,36 @@ def test_what_cannot_be_carried_over_is_named(addon, monkeypatch) -> None:
     cage = generate(source, "12")[-1]
     cage.data.attributes.new("crease", "FLOAT", "EDGE")
     said = []
-    rollback = addon.generation.rollback.Rollback
-    finish = rollback.finish
+    replaced = addon.generation.replaced.Replaced
+    remove = replaced.remove
 
     def noting(self):
-        lost, rest = finish(self)
-        said.extend(lost)
-        return lost, rest
+        remove(self)
+        said.extend(self.lost)
 
-    monkeypatch.setattr(rollback, "finish", noting)
+    monkeypatch.setattr(replaced, "remove", noting)
     generate(source, "14")
     assert said == [f"'{cage.name}': the attribute 'crease' could not be kept"]
 
 
-def test_work_is_back_after_a_failure(addon, monkeypatch) -> None:
+def test_undo_brings_work_back_after_a_failure(addon, monkeypatch) -> None:
     source = poly_curve("Drawing", [star() * 2.0])
     cage = rigged(generate(source)[-1])
     bpy.context.scene.frame_set(11)
+    choose(source)
+    name = cage.name
+    bpy.ops.ed.undo_push(message="before")
     before = snapshot()
 
     def fails(*_) -> None:
         raise RuntimeError("Injected")
 
     monkeypatch.setattr(addon.generation.output.timeline, "settle", fails)
-    choose(source)
     with pytest.raises(RuntimeError, match="Injected"):
         bpy.ops.object.nested_cages_generate(levels="20, 10")
     monkeypatch.undo()
-    bpy.context.view_layer.update()
+    bpy.ops.ed.undo()
+    cage = bpy.data.objects[name]
     after = snapshot()
     for kind in ("objects", "meshes", "actions", "shape_keys", "matrices", "properties"):
         assert after[kind] == before[kind], kind
