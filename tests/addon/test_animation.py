@@ -89,14 +89,6 @@ def test_two_levels_on_one_object_do_not_mix(addon, level) -> None:
         np.testing.assert_array_equal(first, second)
 
 
-def test_an_object_is_hidden_until_its_frame(addon) -> None:
-    obj = wire("Object", [circle(5)])
-    addon.animation.visibility.hide_until(obj, 20)
-    for frame, hidden in ((1, True), (19, True), (19.5, True), (20, False), (300, False)):
-        at_frame(frame)
-        assert obj.hide_viewport is hidden and obj.hide_render is hidden
-
-
 def test_markers_are_taken_back_once_each(addon) -> None:
     scene = bpy.context.scene
     mine = ("Drawing", 30)

@@ -108,16 +108,6 @@ def test_an_svg_has_its_size_in_the_unit_of_the_scene(cages, tmp_path, unit, sca
     assert "width" not in ET.fromstring(path.read_text()).attrib
 
 
-def test_geojson_comes_back_certified(cages, core, tmp_path) -> None:
-    source, _, _ = cages
-    choose(source)
-    path = tmp_path / "cages.geojson"
-    assert bpy.ops.object.nested_cages_export(filepath=str(path), kind="GEOJSON") == {"FINISHED"}
-    fine, inner, outer = (f.mesh for f in core.exchange.features_from_geojson(path.read_bytes()))
-    assert core.verify(inner, fine).holds
-    assert core.verify(outer, inner).holds
-
-
 def test_the_engine_gets_the_outermost(cages, core, tmp_path) -> None:
     source, _, both = cages
     choose(source)

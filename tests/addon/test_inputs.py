@@ -191,13 +191,6 @@ def outline(obj):
     return found
 
 
-def test_a_hidden_drawing_is_not_touched() -> None:
-    obj = wire("Drawing", [star()])
-    obj.hide_set(True)
-    with pytest.raises(RuntimeError, match="'Drawing' is hidden: show it"):
-        bpy.ops.object.nested_cages_generate(levels="12")
-
-
 @pytest.mark.parametrize("hide", [lambda obj: obj.hide_set(True), lambda obj: setattr(obj, "hide_viewport", True)])
 @pytest.mark.parametrize("kind", ["mesh", "curve"])
 def test_a_hidden_own_level_counts_with_its_modifiers(hide, kind) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 from types import SimpleNamespace
 
 import bpy
@@ -94,23 +93,6 @@ def test_a_fault_in_the_background_ends_its_job_alone(addon, capsys) -> None:
 
 
 STAGES = ("decimation", "flow", "reinflation", "tightening", "verification")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("level", [1, 2])
-@pytest.mark.parametrize("stage", STAGES)
-def test_a_job_that_is_dropped_at_any_stage_leaves_the_scene(addon, stage, level) -> None:
-    work = job(addon)
-    bpy.context.view_layer.update()
-    before = snapshot()
-    work.start()
-    wanted = f"Drawing, level {level}: {addon.generation.generate.STAGES[stage]}"
-    while work.message != wanted:
-        assert not work.advance(0.0), "the stage was never shown"
-    work.stop()
-    assert snapshot() == before
-    assert work.advance(0.0)
-    assert not [thread for thread in threading.enumerate() if thread.name == "nested-cages"]
 
 
 def test_a_slice_ends_by_time_and_not_by_stage(addon) -> None:

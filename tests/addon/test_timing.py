@@ -8,14 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, circle, evaluated, lines, poly_curve, star, wire
-
-FLOW_END, TIGHTENING, LAST, PER_STEP = 3, 7, 12, 4
-
-
-@pytest.fixture
-def level(addon):
-    return addon.animation.timeline.Phases(FLOW_END, TIGHTENING, LAST)
+from drawings import at_frame, evaluated, lines, poly_curve, star
 
 
 def generate(**properties):
@@ -23,31 +16,6 @@ def generate(**properties):
     collection = bpy.data.collections["Drawing Cages"]
     fine, *cages = sorted(collection.objects, key=lambda obj: obj["nested_cages_level"])
     return collection, fine, cages
-
-
-def test_steps_are_on_their_frames_and_linear_between(addon, level) -> None:
-    timing = addon.animation.timeline.Timing(1, PER_STEP)
-    (span,) = addon.animation.timeline.spans([level], timing)
-    frames = addon.animation.timeline.step_frames(level, span, timing)
-    rng = np.random.default_rng(2)
-    steps = (circle(12)[None] * rng.uniform(0.5, 1.5, (LAST + 1, 1, 1))).astype(np.float32)
-    obj = wire("Object", [steps[-1]])
-    addon.animation.shape_keys.add_steps(obj, steps, frames, "Level 1")
-    # Frames are float32 and so is what is between them; steps differ by up to one unit per tenth of a frame.
-    for frame in np.linspace(1.0, frames[-1], 70):
-        expected = [np.interp(frame, frames, steps[:, i, j]) for i in range(12) for j in range(2)]
-        np.testing.assert_allclose(evaluated(obj, at_frame(frame))[:, :2].ravel(), expected, atol=2e-5)
-
-
-def test_nothing_crosses_on_the_way() -> None:
-    poly_curve("Drawing", [star()])
-    collection, fine, cages = generate(frames_per_step=2, decimation="ARC_LENGTH")
-    end = collection["nested_cages_end"]
-    cage = cages[-1]
-    for half in range(2 * cage["nested_cages_reinflation_start"], 2 * end + 1):
-        depsgraph = at_frame(half / 2)
-        assert not lines(cages[0], depsgraph).intersects(lines(cage, depsgraph)), half / 2
-    np.testing.assert_array_equal(evaluated(fine, at_frame(end)), evaluated(fine, at_frame(end + 2)))
 
 
 def test_a_cage_stays_home_until_its_own_flow_begins_out_of_sight() -> None:
