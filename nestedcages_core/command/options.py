@@ -14,7 +14,7 @@ from typing import Any
 
 from ..errors import NestedCagesError
 from ..exchange import DRAWING_LIMITS, Limits
-from ..exchange.files import MAX_DECIMALS
+from ..exchange.decimals import MAX_DECIMALS
 from ..geometry.lattice import Grid
 from ..hierarchy import level_words, parse_level
 from ..needs.symmetry import Found, Mirror, Rotation

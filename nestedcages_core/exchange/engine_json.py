@@ -16,7 +16,8 @@ from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.mesh.geo_interface import polygons_of, shown
 from ..geometry.triangulation import piece_vertices, triangulate
-from .files import check_decimals, subtracted, write_whole
+from .decimals import check_decimals, subtracted
+from .files import write_whole
 from .geojson import loaded_json
 from .limits import Budget, Limits
 from .meshes import meshes_of
@@ -111,6 +112,8 @@ def write_engine_json(path: str | os.PathLike[str], shape: Drawable, **options: 
 
 def is_engine_json(text: str | bytes) -> bool:
     """Whether a text is a collision outline rather than another kind of JSON."""
+    if (FORMAT if isinstance(text, str) else FORMAT.encode()) not in text:  # type: ignore[operator]
+        return False
     try:
         document = json.loads(text)
     except (ValueError, RecursionError):

@@ -1,32 +1,18 @@
-"""Files: read within limits, written whole or not at all, with few decimals exactly as certified or not at all."""
+"""Files: read within limits, written whole or not at all."""
 
 from __future__ import annotations
 
 import os
 import stat
 import tempfile
-from collections.abc import Iterable
 from contextlib import suppress
-from decimal import Context, Decimal
 from pathlib import Path
 
-import numpy as np
-
-from ..errors import NestedCagesError, invalid_file
-from ..geometry.arrays import FloatArray
-from ..geometry.lattice import Grid
-from ..geometry.mesh import Mesh
-from ..geometry.vectors import place
+from ..errors import invalid_file
 from .limits import Limits
 
 DEFAULT_MODE = 0o666
 """Permissions of a new file before the user's umask."""
-
-MAX_DECIMALS = 15
-"""Maximum number of decimals that every double can have."""
-
-ENOUGH_DIGITS = Context(prec=60)
-"""Digits for sums of decimals: enough for two doubles of comparable size."""
 
 
 def read_whole(path: str | os.PathLike[str], limits: Limits) -> bytes:
@@ -77,29 +63,3 @@ def _umask() -> int:
     current = os.umask(0)
     os.umask(current)
     return current
-
-
-def check_decimals(meshes: Iterable[Mesh], decimals: int | None) -> None:
-    """Raise NestedCagesError if a vertex has more decimals, since rounding would invalidate the certificate."""
-    if decimals is None:
-        return
-    if isinstance(decimals, bool) or not isinstance(decimals, int | np.integer) or not 0 <= decimals <= MAX_DECIMALS:
-        raise invalid_file(f"The decimals must be a whole number from 0 to {MAX_DECIMALS}, not {decimals!r}.")
-    grid = Grid.of_decimals(int(decimals))
-    for mesh in meshes:
-        off = (grid.points(grid.places(mesh.vertices)) != mesh.vertices).any(axis=1)
-        if off.any() or not grid.resolves(mesh.vertices):
-            vertex = int(off.argmax())
-            raise NestedCagesError(
-                f"Vertex {vertex} at {place(mesh.vertices[vertex])} has more than {decimals} decimals, and rounding "
-                f"would undo what is certified; make the cage with Settings(grid={grid.spacing:g}).",
-                code="numbers.unresolved",
-                vertex=vertex,
-                place=mesh.vertices[vertex],
-            )
-
-
-def subtracted(whole: float, numbers: FloatArray) -> FloatArray:
-    """(n,) whole - numbers (n,) in decimal arithmetic, rounded once to doubles, so that few decimals stay few."""
-    minuend = Decimal(repr(float(whole)))
-    return np.array([float(ENOUGH_DIGITS.subtract(minuend, Decimal(repr(number)))) for number in numbers.tolist()])

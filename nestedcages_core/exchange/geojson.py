@@ -16,7 +16,8 @@ from ..errors import InvalidMeshError, NestedCagesError, NestedCagesWarning, inv
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.mesh.geo_interface import polygons_of, shown
-from .files import check_decimals, read_whole, write_whole
+from .decimals import check_decimals
+from .files import read_whole, write_whole
 from .limits import Budget, LimitError, Limits
 from .meridian import across
 from .meshes import meshes_of

@@ -10,13 +10,11 @@ import numpy as np
 
 from ..errors import Fault, InvalidMeshError, NestedCagesError, invalid_file, note
 from ..geometry.mesh import Mesh
-from ..geometry.mesh.geo_interface import polygons_of
 from ..hierarchy import Settings, Within, nested_cages
 from ..level.settings import DEFAULT_CLEARANCE
 from ..verification import verify
 from .fill import united
 from .libraries import load_shapely
-from .repair import shape_of
 
 NEEDED_FOR = "regions that share borders"
 
@@ -130,4 +128,4 @@ def _simplified(inner: Mesh, least: float, width: float) -> Any:
 
 
 def _shape(mesh: Mesh) -> Any:
-    return shape_of(polygons_of(mesh))
+    return load_shapely(NEEDED_FOR).geometry.shape(mesh)

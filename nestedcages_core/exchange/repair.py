@@ -52,7 +52,7 @@ def mesh_of(
     least = width if clean or tolerance is not None else LEAST_HAIRLINE * diagonal
     mesh, fault = None, ""
     try:
-        mesh = strict(kept)
+        mesh = Mesh.from_geometry({"type": "MultiPolygon", "coordinates": kept})
         if not has_hairlines(mesh, least):
             return mesh, notes
         width = least
@@ -60,7 +60,7 @@ def mesh_of(
         fault = _first(error)
     touching = [f"parts that touch are joined: {fault}"] if fault else []
     shapely = load_shapely(NEEDED_FOR)
-    shape = shape_of(kept)
+    shape = shapely.multipolygons([shapely.Polygon(outer, holes) for outer, *holes in kept])
     narrow: list[str] = []
     try:
         if mesh is None:
@@ -72,17 +72,6 @@ def mesh_of(
     except shapely.errors.GEOSException as error:
         raise no_outline(f"{fault or 'narrow places'}, which cannot be repaired ({error}).") from error
     return mesh if mesh is not None and not narrow else mended, [*notes, *touching, *narrow]
-
-
-def strict(polygons: list[Polygon]) -> Mesh:
-    """The mesh of rings that need no repair. Raises InvalidMeshError, also for holes outside of polygons."""
-    return Mesh.from_geometry({"type": "MultiPolygon", "coordinates": polygons})
-
-
-def shape_of(polygons: list[Polygon]) -> Any:
-    """The same polygons for shapely, valid or not."""
-    shapely = load_shapely(NEEDED_FOR)
-    return shapely.multipolygons([shapely.Polygon(outer, holes) for outer, *holes in polygons])
 
 
 def _faults(shapely: Any, shape: Any) -> list[str]:

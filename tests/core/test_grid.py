@@ -32,7 +32,7 @@ from nestedcages_core import (
     verify,
 )
 from nestedcages_core.command import main
-from nestedcages_core.exchange.files import subtracted
+from nestedcages_core.exchange.decimals import subtracted
 from nestedcages_core.geometry.lattice import Grid
 from nestedcages_core.geometry.shortest_cycle import shortest_cycle
 from shapes import annulus, comb, islands, letter_a, polygon, ring, star

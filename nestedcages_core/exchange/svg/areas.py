@@ -15,9 +15,10 @@ from ..crossings import edges_in, spend_crossings
 from ..fill import Area, Painted, bounds_of, thickness, union_of
 from ..libraries import load_shapely
 from ..limits import Budget
+from .fading import visible
 from .nodes import Clip, Group, Shape
 from .options import SvgOptions
-from .paints import Paint, visible
+from .paints import Paint
 from .path_data import Subpath, flattened
 from .strokes import Polyline, Stroke, stroked
 from .transforms import moved, scaling, translation

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -16,7 +15,6 @@ from .document import Document
 from .elements import link_of, name_of
 from .lengths import measure, share
 from .style import Style, Styles
-from .transforms import moved, scaling, translation
 
 URL = re.compile(r"url\(\s*['\"]?\s*(#[^'\")\s]*)\s*['\"]?\s*\)\s*(.*)", re.DOTALL)
 OPAQUE = re.compile(r"#(?:[0-9a-fA-F]{3}){1,2}")
@@ -27,9 +25,6 @@ LUMINANCE = (0.2125, 0.7154, 0.0721)
 GRADIENTS = ("linearGradient", "radialGradient")
 MAX_LINKS = 16
 """Maximum length of a chain of gradients that refer to each other."""
-
-GRADIENT_SEGMENTS = 32
-"""Chords of a quarter circle."""
 
 
 @dataclass(frozen=True)
@@ -210,83 +205,3 @@ class Paints:
             before = stops[-1].offset if stops else 0.0
             stops.append(Stop(max(share(child.get("offset"), 0.0), before), replace(colour, alpha=alpha)))
         return stops
-
-
-def visible(
-    shapely: Any,
-    gradient: Gradient,
-    alphas: FloatArray,
-    faintest: float,
-    box: tuple[FloatArray, FloatArray],
-    matrix: FloatArray,
-    bounds: FloatArray,
-) -> Any:
-    """The region within `bounds`, (x, y, x, y) of the document, where a gradient is more opaque than `faintest`.
-
-    alphas: (S,) of the stops; box: corners of what is painted, in its own units; matrix: from these to the document.
-    """
-    everywhere = shapely.box(*bounds)
-    low, high = box
-    to_document = matrix
-    if gradient.of_box:
-        to_document = to_document @ translation(*low) @ scaling(*(high - low))
-    to_document = to_document @ gradient.matrix
-    if gradient.repeats or not abs(np.linalg.det(to_document[:2, :2])) > 0.0:
-        return everywhere
-    corners = shapely.get_coordinates(everywhere)
-    here = moved(corners, np.asarray(np.linalg.inv(to_document), np.float64))
-    parts = []
-    for start, end in intervals_above(gradient.stops, alphas, faintest):
-        part = (_disc_between if gradient.radial else _strip)(shapely, gradient.numbers, start, end, here)
-        parts.append(shapely.transform(part, lambda points: moved(points, to_document)))
-    return shapely.intersection(shapely.union_all(parts), everywhere)
-
-
-def _strip(shapely: Any, numbers: tuple[float, ...], start: float, end: float, here: FloatArray) -> Any:
-    """The region between two parameters of a linear gradient. here: (k, 2) points around the relevant area."""
-    origin, along = np.array(numbers[:2]), np.array(numbers[2:]) - numbers[:2]
-    length = float(along @ along)
-    if not length > 0.0:  # painted in the last colour
-        return shapely.MultiPoint(here).convex_hull if end == np.inf else shapely.Polygon()
-    across = np.array([-along[1], along[0]])
-    t, s = (here - origin) @ along / length, (here - origin) @ across / length
-    t0, t1 = max(start, t.min() - 1.0), min(end, t.max() + 1.0)
-    if t0 >= t1:
-        return shapely.Polygon()
-    ends = [(t0, s.min() - 1.0), (t1, s.min() - 1.0), (t1, s.max() + 1.0), (t0, s.max() + 1.0)]
-    return shapely.Polygon([origin + t * along + s * across for t, s in ends])
-
-
-def _disc_between(shapely: Any, numbers: tuple[float, ...], start: float, end: float, here: FloatArray) -> Any:
-    """The region between two parameters of a radial gradient."""
-    cx, cy, radius, fx, fy = numbers
-
-    def disc(t: float) -> Any:
-        if not np.isfinite(t):
-            return shapely.MultiPoint(here).convex_hull
-        middle = shapely.Point(fx + (cx - fx) * t, fy + (cy - fy) * t)
-        return middle.buffer(max(radius * t, 0.0), quad_segs=GRADIENT_SEGMENTS)
-
-    outer = disc(end)
-    return outer if start <= 0.0 else shapely.difference(outer, disc(start))
-
-
-def intervals_above(stops: tuple[Stop, ...], alphas: FloatArray, faintest: float) -> list[tuple[float, float]]:
-    """Intervals of a gradient's parameter where it is more opaque than `faintest`; ends may be infinite.
-
-    alphas: (S,) of the stops, linear between them.
-    """
-    offsets = np.array([stop.offset for stop in stops])
-    t = np.concatenate(([-np.inf], offsets, [np.inf]))
-    w = np.concatenate((alphas[:1], alphas, alphas[-1:])) - faintest
-    found: list[tuple[float, float]] = []
-    for a, b, u, v in zip(t[:-1], t[1:], w[:-1], w[1:], strict=True):
-        if a == b or (u <= 0.0 and v <= 0.0):
-            continue
-        crossing = a + (b - a) * u / (u - v) if u != v else a
-        low, high = (a if u > 0.0 else crossing), (b if v > 0.0 else crossing)
-        if found and found[-1][1] >= low:
-            found[-1] = (found[-1][0], high)
-        else:
-            found.append((low, high))
-    return found

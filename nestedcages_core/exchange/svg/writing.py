@@ -16,7 +16,8 @@ from ...errors import invalid_file
 from ...geometry.drawable import Drawable
 from ...geometry.mesh import Mesh, MeshLike
 from ...geometry.picture import CAGE_OPACITY, COLOURS, DRAWING_OPACITY, path_data
-from ..files import check_decimals, write_whole
+from ..decimals import check_decimals
+from ..files import write_whole
 from ..meshes import meshes_of
 from .document import DECORATION, OUTLINES, Frame
 
