@@ -3,7 +3,7 @@
     python benchmarks/stress.py --count 10000 --seed 0 --jobs 2
 
 Per case: a random shape (kind, size, gaps), one to three levels of random vertex counts, started from the outer hull,
-line cycles or coarse meshes on the curve. A count that is refused because the loops need more is replaced by the one
+line cycles, the curve or a simplification. A count that is refused because the loops need more is replaced by the one
 that the refusal names, and told apart. Prints each failure with its seed (repeat it with --seed SEED --count 1), and at
 the end tables of cages, counts replaced, and refusals by their sentence. A sample is checked by shapely as well. Exit
 status 1 when anything failed.
