@@ -100,7 +100,7 @@ def _word(level: Level) -> str:
 def _shown(context: Context, objects: Sequence[Object]) -> Iterator[None]:
     """Temporarily shows drawings that the animation of earlier cages hides."""
     outputs = [output for obj in objects for output in ownership.outputs_of(scene_of(context), obj)]
-    hiding = [found for found in outputs if record.of(found).playing]
+    hiding = [each for each in outputs if record.of(each).playing]
     for collection in hiding:
         visibility.leave(collection)
     context.view_layer.update()

@@ -70,14 +70,14 @@ def set_of(objects: Sequence[Object]) -> Collection | None:
     fields = [field.followed(obj) for obj in objects]
     cages = [record.shown(made, record.FIELD) for made in fields if made is not None]
     homes = [ownership.home_of_member(cage) for cage in cages if cage is not None]
-    found = Counter(home for home in homes if home is not None).most_common(1)
-    return found[0][0] if found else None
+    common = Counter(home for home in homes if home is not None).most_common(1)
+    return common[0][0] if common else None
 
 
 def bones_of(armature: Object, frame: Frame) -> tuple[core.Bone, ...]:
     """The deforming bones of an armature at rest, seen in a drawing's frame, parents first. Raises: UserError."""
     matrix = world_matrix(armature)
-    found: list[core.Bone] = []
+    bones: list[core.Bone] = []
     numbers: dict[str, int] = {}
     for bone in armature.data.bones:
         # What Blender poses: children of bones nearly along -Y are beside their head_local, 2.5e-4 of a length at most.
@@ -89,11 +89,11 @@ def bones_of(armature: Object, frame: Frame) -> tuple[core.Bone, ...]:
         if not bone.use_deform or not seen > SHORTEST * length:
             continue
         above = next((numbers[each.name] for each in bone.parent_recursive if each.name in numbers), None)
-        numbers[bone.name] = len(found)
-        found.append(core.Bone((head[0], head[1]), (tail[0], tail[1]), above, bone.name))
-    if not found:
+        numbers[bone.name] = len(bones)
+        bones.append(core.Bone((head[0], head[1]), (tail[0], tail[1]), above, bone.name))
+    if not bones:
         raise UserError(f"'{armature.name}' has no bone with 'Deform' that lies in the plane of the drawing")
-    return tuple(found)
+    return tuple(bones)
 
 
 def add_bones(context: Context, name: str, frame: Frame, bones: Sequence[core.Bone]) -> Object:
@@ -188,11 +188,11 @@ def json_of(context: Context, collection: Collection, *, flip_y: bool, frames: b
         raise UserError(f"Vertex {lost[0]} of '{cage.name}' follows no bone of '{armature.name}': paint weights there")
     shape, around = filling.outline(fine), filling.outline(cage)
     with blamed(f"'{fine.name}'"):
-        found = core.cage_coordinates(shape, around)
+        coordinates = core.cage_coordinates(shape, around)
     triangles = triangulation.triangulate(shape).triangles
     weights /= weights.sum(axis=1, keepdims=True)
     poses = tuple(_poses(context, fine, cage)) if frames else ()
-    character = core.character.Character(shape, around, bones, weights, found, triangles, poses)
+    character = core.character.Character(shape, around, bones, weights, coordinates, triangles, poses)
     return core.exchange.character_to_engine_json(character, flip_y=0.0 if flip_y else None)
 
 

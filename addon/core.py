@@ -40,8 +40,8 @@ else:
                     "install the zip for your operating system and Blender version"
                 ) from error
             room = nestedcages_core.__name__
-            found = nestedcages_core if self.__name__ == "core" else import_module(f"{room}.{self.__name__}")
-            return getattr(found, name)
+            module = nestedcages_core if self.__name__ == "core" else import_module(f"{room}.{self.__name__}")
+            return getattr(module, name)
 
     core, broad_phase = map(_LazyModule, ("core", "geometry.broad_phase"))
     distance, memory = map(_LazyModule, ("geometry.distance", "cache"))

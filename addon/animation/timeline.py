@@ -49,7 +49,7 @@ class Phases:
     @classmethod
     def stored(cls, cage: Object) -> Phases | None:
         """The phases of an animated cage; None if there are none, or invalid ones."""
-        found = tuple(record.member(cage).phases)
+        found = tuple(record.node_of(cage).phases)
         return cls(*found) if 0 <= found[0] <= found[1] <= found[2] else None
 
 

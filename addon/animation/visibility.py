@@ -209,4 +209,4 @@ def end(scene: Scene, collection: Collection) -> None:
         shape_keys.remove_steps(obj)
         always_show(obj)
         for name in ("phases", "frames"):
-            record.member(obj).property_unset(name)
+            record.node_of(obj).property_unset(name)

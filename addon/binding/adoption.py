@@ -21,33 +21,33 @@ from . import field
 
 def waiting(objects: Iterable[Object]) -> list[Object]:
     """The objects without a set whose drawing one of some objects is, shares, or is a part of."""
-    near = {record.member(obj).of or obj for obj in objects}
+    near = {record.node_of(obj).of or obj for obj in objects}
     if not near:
         return []
-    found = [each for each in bpy.data.objects if record.member(each).of is not None]
-    found = [each for each in found if len(record.member(each).kept.levels) and each.is_editable]
-    found = [each for each in found if ownership.exists(each) and ownership.home_of_member(each) is None]
-    found = [each for each in found if ownership.level_of(each) is not None]
-    drawings = {own.of for own in map(record.member, found) if near & {own.of, *(p.object for p in own.kept.sources)}}
-    return [each for each in found if record.member(each).of in drawings]
+    copies = [each for each in bpy.data.objects if record.node_of(each).of is not None]
+    copies = [each for each in copies if len(record.node_of(each).kept.levels) and each.is_editable]
+    copies = [each for each in copies if ownership.exists(each) and ownership.home_of_member(each) is None]
+    copies = [each for each in copies if ownership.level_of(each) is not None]
+    drawings = {own.of for own in map(record.node_of, copies) if near & {own.of, *(p.object for p in own.kept.sources)}}
+    return [each for each in copies if record.node_of(each).of in drawings]
 
 
 def adopt(scene: Scene, objects: Iterable[Object]) -> list[Collection]:
     """Makes sets of what waits for it with some objects; returns their collections."""
-    found: dict[tuple[Object, bool], dict[int, Object]] = {}
+    sets: dict[tuple[Object, bool], dict[int, Object]] = {}
     for copy in waiting(objects):
-        own = record.member(copy)
-        found.setdefault((own.of, own.kept.inside), {}).setdefault(own.level, copy)
-    return [_adopted(scene, drawing, copies) for (drawing, _), copies in found.items()]
+        own = record.node_of(copy)
+        sets.setdefault((own.of, own.kept.inside), {}).setdefault(own.level, copy)
+    return [_adopted(scene, drawing, copies) for (drawing, _), copies in sets.items()]
 
 
 def _adopted(scene: Scene, drawing: Object, copies: dict[int, Object]) -> Collection:
     """A set of a drawing and the copies of its objects by level."""
-    first = record.member(next(iter(copies.values())))
+    first = record.node_of(next(iter(copies.values())))
     kept, before, title = first.kept, first.home, drawing.name if ownership.exists(drawing) else "Adopted"
     collection = bpy.data.collections.new(f"{title} {'Inner Cages' if kept.inside else 'Cages'}")
     ownership.home_of(scene, drawing).children.link(collection)
-    found, latest = record.of(collection), kept if before is None else record.of(before)
+    cage_set, latest = record.of(collection), kept if before is None else record.of(before)
     sources = [part["object"] for part in record.values(kept)["sources"]]
     originals = {} if before is None else {part.object: obj for part, obj in zip(latest.sources, sources, strict=False)}
     old = {number: part.object for number, part in enumerate(latest.levels) if part.object is not None}
@@ -55,16 +55,16 @@ def _adopted(scene: Scene, drawing: Object, copies: dict[int, Object]) -> Collec
         if level not in copies and before is not None:
             copies[level] = _copied(obj, originals)
     objects = [copies[level] for level in sorted(copies)]
-    record.assign(found, {**record.values(latest), "colours": -1, "markers": [], "title": title})
-    record.fill(found.sources, sources)
-    record.fill(found.levels, objects)
-    found.colours = ownership.colours_of(collection)
+    record.assign(cage_set, {**record.values(latest), "colours": -1, "markers": [], "title": title})
+    record.fill(cage_set.sources, sources)
+    record.fill(cage_set.levels, objects)
+    cage_set.colours = ownership.colours_of(collection)
     for level, obj in enumerate(objects):
-        own = record.member(obj)
+        own = record.node_of(obj)
         own.home, own.level, own.of = collection, level, drawing
         _own_data(obj)
         if before is not None:
-            display.apply_display(obj, level, found.colours)
+            display.apply_display(obj, level, cage_set.colours)
             for home in obj.users_collection:
                 if home == before:
                     home.objects.unlink(obj)
@@ -73,9 +73,9 @@ def _adopted(scene: Scene, drawing: Object, copies: dict[int, Object]) -> Collec
     if before is not None:
         cages = {old[level]: obj for level, obj in copies.items() if level in old}
         _own_fields(collection, cages, [*objects, *sources], originals)
-        for part, earlier in zip(found.sources, latest.sources, strict=False):
+        for part, earlier in zip(cage_set.sources, latest.sources, strict=False):
             part.hidden = earlier.hidden
-        if found.playing:
+        if cage_set.playing:
             visibility.enter(collection)
     record.keep(collection)
     return collection
@@ -136,7 +136,7 @@ def _on_import(context: Any) -> None:
     """Removes the objects that *Append* makes of meshes that bound objects keep for later."""
     came = {item.id for item in context.import_items}
     parked = {mesh for obj in bpy.data.objects if (mesh := record.before(obj).mesh) in came and mesh is not None}
-    for stray in [obj for obj in bpy.data.objects if obj.data in parked and record.member(obj).role == "NONE"]:
+    for stray in [obj for obj in bpy.data.objects if obj.data in parked and record.node_of(obj).role == "NONE"]:
         bpy.data.objects.remove(stray)
 
 

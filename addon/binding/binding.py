@@ -170,9 +170,9 @@ def _connect(context: Context, collection: Collection, levels: list[Object], met
     record.bind(collection, kind)
     context.view_layer.update()
     for inner, cage in pairwise(levels):
-        certificate, found = _check_enclosed(inner, cage), record.member(cage)
+        certificate, node = _check_enclosed(inner, cage), record.node_of(cage)
         clearance, excess = float(certificate.clearance) * scale_of(inner), float(certificate.excess)
-        if record.is_edited(cage) or not math.isclose(clearance, found.clearance, rel_tol=CHANGED):
+        if record.is_edited(cage) or not math.isclose(clearance, node.clearance, rel_tol=CHANGED):
             record.restate(cage, clearance, excess)
     originals = ownership.originals(collection)
     space = next((obj for obj in originals if obj in context.view_layer.objects[:]), levels[0])

@@ -49,13 +49,13 @@ def chain_of(context: Context, objects: Sequence[Object]) -> Chain:
         or any(shape_keys.is_step_shown(obj) for obj in objects if ownership.level_of(obj) is not None)
     ):
         return Chain(objects, folding=_folding(objects))
-    found = [
+    visible = [
         original for original in ownership.originals(collection) if original not in objects and original.visible_get()
     ]
     place = objects.index(fine)
     if not ownership.is_bound(collection):
-        return Chain(objects, [each for each in found if _is_readable(context, collection, each)], place)
-    originals = [original for original in found if field.followed(original) is not None]
+        return Chain(objects, [each for each in visible if _is_readable(context, collection, each)], place)
+    originals = [original for original in visible if field.followed(original) is not None]
     return Chain(objects, originals, place, bool(originals), _displayed, _folding(objects))
 
 
@@ -70,8 +70,10 @@ def _is_readable(context: Context, collection: Collection, obj: Object) -> bool:
     try:
         convert.read(context, obj)
     except UserError:
-        found = record.of(collection)
-        return found.known and not found.settings.close_open and any(part.object == obj for part in found.sources)
+        cage_set = record.of(collection)
+        return (
+            cage_set.known and not cage_set.settings.close_open and any(part.object == obj for part in cage_set.sources)
+        )
     return True
 
 
@@ -99,12 +101,12 @@ def remember(checked: Sequence[Object], findings: Sequence[Finding]) -> None:
 
 
 def _remember(cage: Object, holds: bool, finding: core.Fault, frames: tuple[int, int]) -> None:
-    home, found = ownership.home_of_member(cage), record.member(cage)
+    home, node = ownership.home_of_member(cage), record.node_of(cage)
     if home is not None:
         record.of(home)
-    found.check, found.checked = record.HOLDS if holds else record.FAULT, frames
-    found.judged = record.stamp(cage)
-    record.set_check(found, finding)
+    node.check, node.checked = record.HOLDS if holds else record.FAULT, frames
+    node.judged = record.stamp(cage)
+    record.set_check(node, finding)
     record.publish(cage)
 
 
@@ -115,8 +117,8 @@ def _on_update(_scene: Scene, depsgraph: bpy.types.Depsgraph) -> None:
     if not touched:
         return
     for collection in bpy.data.collections:
-        found: Any = collection.nested_cages  # type: ignore[attr-defined]
-        theirs = [part.object for part in found.sources if part.object is not None]
+        cage_set: Any = collection.nested_cages  # type: ignore[attr-defined]
+        theirs = [part.object for part in cage_set.sources if part.object is not None]
         if not theirs:
             continue
         ids = [
@@ -172,8 +174,8 @@ def _checking() -> Work[None]:
         while _changed:
             yield Progress(0.0, "", live.REST)
             yield from check_changed(live.REST)
-            found = bpy.context.window_manager.windows
-            shown = {each.scene for each in found} or {bpy.context.scene}
+            windows = bpy.context.window_manager.windows
+            shown = {each.scene for each in windows} or {bpy.context.scene}
             for name in list(_changed):
                 collection = bpy.data.collections.get(name)
                 source = ownership.source_of(collection) if collection is not None else None
@@ -189,8 +191,8 @@ def check_changed(rested: float = 0.0) -> Work[None]:
     """
     now = time.perf_counter()
     for name in [name for name, when in _changed.items() if now - when >= rested]:
-        found = bpy.context.window_manager.windows
-        for window in {each.scene: each for each in found}.values() if len(found) else (None,):
+        windows = bpy.context.window_manager.windows
+        for window in {each.scene: each for each in windows}.values() if len(windows) else (None,):
             with in_window(window):
                 _check_changed(bpy.context, name)
         yield Progress(0.0, "", LOOK_INTERVAL)
@@ -228,11 +230,11 @@ def certified(collections: Sequence[Collection], edited: set[str]) -> None:
 
 def _check(context: Context, collection: Collection) -> None:
     fine, cage = ownership.members(collection)[:2]
-    known = record.member(cage).check != "NONE"
+    known = record.node_of(cage).check != "NONE"
     try:
         chain = chain_of(context, sorted([fine, cage], key=ownership.depth_of))
         named = {original.name for original in chain.originals}
-        findings = [found for found in check(context, [chain]) if named & {found.fine, found.cage}]
+        findings = [each for each in check(context, [chain]) if named & {each.fine, each.cage}]
     except UserError as error:
         frame = context.scene.frame_current
         _remember(cage, False, note("check.invalid", text=str(error), when=""), (frame, frame))

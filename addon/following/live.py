@@ -69,12 +69,12 @@ class Live:
 
     def work(self) -> Work[None]:
         """Keeps the cages up to date, as long as they can follow."""
-        while (found := self._followed()) is not None:
+        while (followed := self._followed()) is not None:
             before = (self.behind, self.problem)
             shown = scene_of(bpy.context).name == self.scene
             if self._dirty and shown and time.perf_counter() - self._since >= self.seconds:
                 try:
-                    yield from self._follow(*found)
+                    yield from self._follow(*followed)
                 except UserError as error:
                     self._dirty, self.behind, self.problem = False, True, str(error)
             if (self.behind, self.problem) != before:
@@ -126,14 +126,16 @@ class Live:
         moved, certificates, met = [after], [], []
         for cage, tolerance in zip(cages, wanted_of, strict=True):
             wanted = self._clearance(after, unit)
-            found = core.followed(cage, before, moved[-1], wanted, settings)
-            if found is None or (tolerance is not None and not tolerance.is_met(found, after)):
+            moved_cage = core.followed(cage, before, moved[-1], wanted, settings)
+            if moved_cage is None or (tolerance is not None and not tolerance.is_met(moved_cage, after)):
                 return False
-            certificates.append(core.verify(found, moved[-1], wanted))
+            certificates.append(core.verify(moved_cage, moved[-1], wanted))
             met.append(
-                () if tolerance is None else (tolerance.note(len(found.vertices), tolerance.measured(found, after)),)
+                ()
+                if tolerance is None
+                else (tolerance.note(len(moved_cage.vertices), tolerance.measured(moved_cage, after)),)
             )
-            before, moved = cage, [*moved, found]
+            before, moved = cage, [*moved, moved_cage]
         for obj, mesh in zip(objects, moved, strict=True):
             data, points = filling.mesh_of(obj), drawing.frame.points(mesh.vertices).astype(np.float32).ravel()
             data.vertices.foreach_set("co", points)
@@ -152,8 +154,8 @@ class Live:
     def _tolerances(self, name: str, fine: core.Mesh, scale: float, count: int) -> list[core.Within | None]:
         """The distance or excess that each cage keeps, in the drawing's units; None for a number of vertices."""
         levels = [level if isinstance(level, core.Within) else 3 for level in self.options.levels]
-        found = wanted_levels(levels, fine, (), name, scale) if len(levels) == count else ()
-        return [each.level if isinstance(each.level, core.Within) else None for each in found] or [None] * count
+        wanted = wanted_levels(levels, fine, (), name, scale) if len(levels) == count else ()
+        return [each.level if isinstance(each.level, core.Within) else None for each in wanted] or [None] * count
 
     def _again(self, collection: Collection, drawing: Drawing, unit: float) -> Work[None]:
         """Makes cages again, within the same tolerance or with the same vertex counts as far as possible."""

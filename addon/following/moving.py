@@ -44,7 +44,7 @@ def read_poses(context: Context, obj: Object, frames: Sequence[int], options: Re
     All frames from the first to the last are visited, as simulations require.
     """
     scene, wanted = scene_of(context), set(frames)
-    found: list[Drawing] = []
+    drawings: list[Drawing] = []
     scale = 1.0
     with same_frame(scene):
         for frame in range(frames[0], frames[-1] + 1):
@@ -54,16 +54,16 @@ def read_poses(context: Context, obj: Object, frames: Sequence[int], options: Re
                 continue
             try:
                 outline = read(context, obj, options)
-                if not found:
+                if not drawings:
                     scale = float(np.linalg.norm(outline.matrix[:3, :3], axis=0).mean())
                 own = in_own_space(outline)
-                drawing = _posed(found[0], own, options) if found else fine_drawing(own, options)
+                drawing = _posed(drawings[0], own, options) if drawings else fine_drawing(own, options)
                 drawing.mesh()
-                found.append(drawing)
+                drawings.append(drawing)
             except UserError as error:
                 raise UserError(f"Frame {frame}: {error}") from error
-    points = np.stack([np.concatenate(drawing.loops) for drawing in found])
-    return Poses(found[0], np.array(frames, dtype=np.float64), points, scale)
+    points = np.stack([np.concatenate(drawing.loops) for drawing in drawings])
+    return Poses(drawings[0], np.array(frames, dtype=np.float64), points, scale)
 
 
 def in_own_space(outline: Outline) -> Outline:
@@ -104,11 +104,11 @@ def _outline(context: Context, obj: Object, options: ReadingOptions) -> Outline:
     try:
         copy.data = data
         context.scene.collection.objects.link(copy)
-        found = read(context, copy, options)
+        outline = read(context, copy, options)
     finally:
         bpy.data.objects.remove(copy)
         bpy.data.meshes.remove(data)
-    return replace(found, name=obj.name, identity=obj.session_uid)
+    return replace(outline, name=obj.name, identity=obj.session_uid)
 
 
 @dataclass(frozen=True)

@@ -86,13 +86,13 @@ def _play(collection: Collection, result: Moving) -> None:
     shape_keys.add_steps(fine, poses.points.astype(np.float32), poses.frames, "Level 1", action=action)
     for number, (obj, cage) in enumerate(zip(cages, result.cages, strict=True), 1):
         shape_keys.add_steps(obj, cage.cage_steps.astype(np.float32), cage.times, f"Level {number}", action=action)
-        noted, (clearance, excess) = record.member(obj), _measures(cage)
+        noted, (clearance, excess) = record.node_of(obj), _measures(cage)
         noted.clearance, noted.certified = clearance * poses.scale, {"MOTION"}
         noted.excess, noted.most = float(np.median(excess)), float(excess.max())
         noted.frames = (round(float(poses.frames[0])), -1, -1, round(float(poses.frames[-1])))
-    found = record.of(collection)
+    cage_set = record.of(collection)
     first, last = round(float(poses.frames[0])), round(float(poses.frames[-1]))
-    found.moving, found.frames = True, (first, last, last)
+    cage_set.moving, cage_set.frames = True, (first, last, last)
     record.keep(collection)
 
 

@@ -165,7 +165,7 @@ def _write_one(
     if result.used is not None:
         record.assign(found.settings, result.used)
     for number, obj in enumerate(made):
-        member_of_it = record.member(obj)
+        member_of_it = record.node_of(obj)
         member_of_it.level, member_of_it.of, member_of_it.home = number, source, collection
 
 
@@ -211,7 +211,7 @@ def _member_with_mesh(
     obj = member(collection, level)
     if obj is None:
         obj = bpy.data.objects.new(name, mesh)
-        record.member(obj).role = record.CAGE if level else record.FINE
+        record.node_of(obj).role = record.CAGE if level else record.FINE
         collection.objects.link(obj)
         display.apply_display(obj, level, record.of(collection).colours)
     else:
@@ -224,7 +224,7 @@ def _member_with_mesh(
 
 def _describe(obj: Object, result: Result, level: core.Level, span: Span) -> None:
     """What is certified of a cage, how it came about and when it plays; lengths in scene units."""
-    found, report = record.member(obj), level.report
+    found, report = record.node_of(obj), level.report
     found.inside = level.inside
     found.clearance, found.excess = report.clearance * result.drawing.frame.scale, report.excess
     found.most, found.start, found.seconds = report.excess, str(report.start), float(sum(report.seconds.values()))

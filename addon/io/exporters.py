@@ -112,15 +112,15 @@ def meshes(
     outlines = [convert.read(context, obj) for obj in objects]
     first = convert.fine_drawing(outlines[0])
     seen = _seen(first) if world else None
-    found = {}
+    by_name = {}
     for obj, outline in zip(objects, outlines, strict=True):
         drawing = first if outline is outlines[0] else convert.drawing_in(first.frame, outline)
         mesh = drawing.mesh()
         if seen is not None or scale != 1.0:
             points = mesh.vertices if seen is None else first.frame.to_world(mesh.vertices)[:, seen]
             mesh = core.Mesh.from_loops([scale * points[loop] for loop in mesh.loops])
-        found[obj.name] = mesh
-    return found
+        by_name[obj.name] = mesh
+    return by_name
 
 
 def _seen(drawing: convert.Drawing) -> list[int]:

@@ -47,9 +47,9 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], tuple[st
     content = content_of(path)
     with blamed(f"'{path.name}' cannot be read"):
         if ending in SVG:
-            found = exchange.svg_drawing(content, each=EACH[outlines])
-            scale = EXPORTED if found.written else PIXEL
-            return [Shape(name or path.stem, mesh, True, scale) for name, mesh in found.shapes], found.notes
+            drawing = exchange.svg_drawing(content, each=EACH[outlines])
+            scale = EXPORTED if drawing.written else PIXEL
+            return [Shape(name or path.stem, mesh, True, scale) for name, mesh in drawing.shapes], drawing.notes
         if exchange.is_engine_json(content):
             return [Shape(path.stem, exchange.from_engine_json(content), True, EXPORTED)], ()
         table = exchange.read_map(content)
@@ -90,13 +90,13 @@ def place(context: Context, shapes: list[Shape], *, y_down: bool | None, scale: 
         points = shape.mesh.vertices * (unit, -unit if turned else unit)
         middle = middle_of(points)
         made.append((shape.name, stored_mesh(shape.name, [points[loop] - middle for loop in shape.mesh.loops]), middle))
-    found = []
+    placed = []
     for name, mesh, middle in made:
         obj = bpy.data.objects.new(name, filling.new_mesh(name, mesh.vertices, mesh.edges))
         obj.location = (*middle.tolist(), 0.0)
         context.collection.objects.link(obj)
-        found.append(obj)
-    return found
+        placed.append(obj)
+    return placed
 
 
 def middle_of(points: FloatArray) -> FloatArray:

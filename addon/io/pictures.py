@@ -119,11 +119,11 @@ def _on_faces(obj: Object, matrix: FloatArray) -> Canvas:
     uv = filling.stored(mesh.uv_layers.active.data, "uv", 2)
     points = filling.points_of(mesh)[filling.stored(mesh.loops, "vertex_index", 1, np.int32).ravel()]
     parts = np.column_stack([uv, np.ones(len(uv))]).astype(np.float64)
-    found, _, rank, _ = np.linalg.lstsq(parts, points, rcond=None)
-    if rank < 3 or np.abs(parts @ found - points).max() > PLANARITY * np.ptp(points, axis=0).max():
+    affine, _, rank, _ = np.linalg.lstsq(parts, points, rcond=None)
+    if rank < 3 or np.abs(parts @ affine - points).max() > PLANARITY * np.ptp(points, axis=0).max():
         raise UserError(f"'{obj.name}' is not a flat picture: its texture coordinates do not fit one plane")
     axes = matrix[:3, :3]
-    return Canvas(matrix[:3, 3] + axes @ found[2], axes @ found[0], axes @ found[1])
+    return Canvas(matrix[:3, 3] + axes @ affine[2], axes @ affine[0], axes @ affine[1])
 
 
 def filled(name: str, outline: core.Mesh, canvas: Canvas, image: bpy.types.Image) -> Mesh:
@@ -197,9 +197,9 @@ class Picture:
                 pictures.picture_cages_run(self.alpha, [vertices], **options),
                 lambda step: Progress(step.fraction, f"'{self.name}': {STAGES[step.stage]}"),
             )
-            found = made.cages[0]
-            traced = core.Mesh(found.vertices * (1.0, -1.0) + (0.0, self.size[1]), found.edges)
-        known().put(key, traced, found.vertices.nbytes)
+            cage = made.cages[0]
+            traced = core.Mesh(cage.vertices * (1.0, -1.0) + (0.0, self.size[1]), cage.edges)
+        known().put(key, traced, cage.vertices.nbytes)
         return traced
 
 

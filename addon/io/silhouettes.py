@@ -67,8 +67,8 @@ def painted_loops(
     for done, obj in enumerate(objects):
         yield Progress(0.5 * done / len(objects), f"reading '{obj.name}'")
         try:
-            found = areas_of(context, obj, frame, strokes=strokes, closed=closed)
-            areas += [area for area in found if any(map(_has_room, area.loops))]
+            painted = areas_of(context, obj, frame, strokes=strokes, closed=closed)
+            areas += [area for area in painted if any(map(_has_room, area.loops))]
         except UserError as error:
             problems.append(error)
     name = objects[0].name
@@ -107,5 +107,5 @@ def place_silhouette(
         obj.data.materials.append(active.active_material)
     ownership.home_of(scene_of(context), active).objects.link(obj)
     obj.matrix_world = Matrix(frame.matrix.tolist())
-    record.fill(record.member(obj).parts, parts)
+    record.fill(record.node_of(obj).parts, parts)
     return obj

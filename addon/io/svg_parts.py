@@ -60,14 +60,14 @@ def place(
     context.collection.children.link(home)
     groups: dict[tuple[str, ...], Collection] = {(): home}
     materials: Materials = {}
-    found = []
+    placed = []
     for number, (part, middle, paints) in enumerate(made):
         obj = bpy.data.objects.new(part.name, _faces(part.name, paints, materials))
         obj.location = (*middle.tolist(), DEPTH * extent * number)
         obj.color = obj.data.materials[0].diffuse_color
         _group(groups, part.groups).objects.link(obj)
-        found.append(obj)
-    return found
+        placed.append(obj)
+    return placed
 
 
 def _group(known: dict[tuple[str, ...], Collection], groups: tuple[str, ...]) -> Collection:

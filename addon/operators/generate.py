@@ -164,7 +164,7 @@ def sources(context: Context, *, as_selected: bool = False) -> list[Object]:
     if not context.selected_objects and active is not None and convert.readable(active):
         return [active] if ownership.outputs_of(scene_of(context), active) else []
     if as_selected:
-        return [obj for obj in selected if record.member(obj).of not in selected]
+        return [obj for obj in selected if record.node_of(obj).of not in selected]
     return list(dict.fromkeys(found for obj in selected for found in _drawings_of(obj, selected)))
 
 
@@ -187,7 +187,7 @@ def _drawings_of(obj: Object, selected: Sequence[Object]) -> list[Object]:
         return []
     if ownership.level_of(obj) is None:
         return [obj]
-    home, found = ownership.home_of_member(obj), record.member(obj)
+    home, found = ownership.home_of_member(obj), record.node_of(obj)
     if found.of in selected:
         return []
     if home is None:

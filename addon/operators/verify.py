@@ -185,7 +185,7 @@ def lines(collection: Collection) -> Iterator[str]:
     """The lines of the report, level by level."""
     yield collection.name
     for obj in ownership.members(collection):
-        found = record.member(obj)
+        found = record.node_of(obj)
         numbers: dict[str, float] = {"vertices": len(obj.data.vertices)}
         if found.role == record.CAGE:
             numbers |= {"excess": found.excess, "clearance": found.clearance, "seconds": found.seconds}

@@ -16,49 +16,50 @@ TOLERANCE, CHECK = "note.tolerance", "check."
 FIELD, LINES, PROXY, FILL, HANDLES = "FIELD", "LINES", "PROXY", "FILL", "HANDLES"
 
 
-def _group(obj: Object) -> Any:
+def node_of(obj: Object) -> Any:
+    """What an object is in its set."""
     return obj.nested_cages_member  # type: ignore[attr-defined]
 
 
 def make_helper(obj: Object, role: str, shows: Object, thickness: float = 0.0) -> None:
     """Notes what an object shows, fills or moves."""
-    found = _group(obj)
-    found.role, found.shows, found.thickness = role, shows, thickness
+    node = node_of(obj)
+    node.role, node.shows, node.thickness = role, shows, thickness
 
 
 def shown(obj: Object, *roles: str) -> Object | None:
     """What a helper of some roles shows, fills or moves; None if it is none, or if that is gone."""
-    found = _group(obj)
-    return found.shows if found.role in roles else None
+    node = node_of(obj)
+    return node.shows if node.role in roles else None
 
 
 def is_helper(obj: Object, *roles: str) -> bool:
     """Whether an object has one of some roles, whatever became of what it shows."""
-    return _group(obj).role in roles
+    return node_of(obj).role in roles
 
 
 def lines_of(helper: Object) -> tuple[Object | None, float]:
     """The object whose lines a helper shows, and their thickness."""
-    return shown(helper, LINES), float(_group(helper).thickness)
+    return shown(helper, LINES), float(node_of(helper).thickness)
 
 
 def shown_in(silhouette: Object) -> list[Object]:
     """The objects that a silhouette shows."""
-    return [part.object for part in _group(silhouette).parts if part.object is not None]
+    return [part.object for part in node_of(silhouette).parts if part.object is not None]
 
 
 def range_of(scene: Scene) -> tuple[int, int, int, int] | None:
     """First and last frame of a scene before the animation, and as it set them; None if it did not."""
-    found: Any = scene.nested_cages_playing  # type: ignore[attr-defined]
-    return (*found.before, *found.ours) if found.known else None
+    playing: Any = scene.nested_cages_playing  # type: ignore[attr-defined]
+    return (*playing.before, *playing.ours) if playing.known else None
 
 
 def set_range(scene: Scene, given: tuple[int, int, int, int] | None) -> None:
     """Notes the frames of a scene before the animation and as it set them; None: it does not any more."""
-    found: Any = scene.nested_cages_playing  # type: ignore[attr-defined]
-    found.known = given is not None
+    playing: Any = scene.nested_cages_playing  # type: ignore[attr-defined]
+    playing.known = given is not None
     if given is not None:
-        found.before, found.ours = given[:2], given[2:]
+        playing.before, playing.ours = given[:2], given[2:]
 
 
 class Before(NamedTuple):
@@ -71,26 +72,26 @@ class Before(NamedTuple):
 
 def before(obj: Object) -> Before:
     """The object before it was bound; nothing if it is not."""
-    found = _group(obj).before
-    if found.mesh is None:
+    stored = node_of(obj).before
+    if stored.mesh is None:
         return Before()
-    return Before(found.mesh, Matrix(np.reshape(found.matrix[:], (4, 4)).tolist()), tuple(found.hidden))
+    return Before(stored.mesh, Matrix(np.reshape(stored.matrix[:], (4, 4)).tolist()), tuple(stored.hidden))
 
 
 def set_before(obj: Object, given: Before) -> None:
     """Notes how an object is before it is bound; without a mesh it is not bound any more."""
-    found, matrix = _group(obj).before, given.matrix if given.matrix is not None else Matrix()
-    found.mesh, found.matrix = given.mesh, np.ravel(np.array(matrix)).tolist()
-    found.hidden = (*given.hidden, False, False, False)[:3]
+    stored, matrix = node_of(obj).before, given.matrix if given.matrix is not None else Matrix()
+    stored.mesh, stored.matrix = given.mesh, np.ravel(np.array(matrix)).tolist()
+    stored.hidden = (*given.hidden, False, False, False)[:3]
 
 
 def link(obj: Object) -> tuple[str, float]:
     """The method that an object follows its cage by, empty if it does not, and its error at rest."""
-    found = _group(obj)
-    return found.link, found.link_error
+    node = node_of(obj)
+    return node.link, node.link_error
 
 
 def set_link(obj: Object, method: str, error: float) -> None:
     """Notes the method that an object follows its cage by; empty: none."""
-    found = _group(obj)
-    found.link, found.link_error = method, error
+    node = node_of(obj)
+    node.link, node.link_error = method, error

@@ -36,8 +36,8 @@ class OutlineMap:
     def of(self, values: NDArray[Any]) -> FloatArray:
         """Values (n, ...) of the old vertices at the new ones, (m, ...)."""
         part = self.part.reshape(-1, *(1 for _ in values.shape[1:]))
-        found: FloatArray = (1.0 - part) * values[self.first] + part * values[self.second]
-        return found
+        mixed: FloatArray = (1.0 - part) * values[self.first] + part * values[self.second]
+        return mixed
 
     def nearest(self, points: FloatArray, old: int) -> int:
         """The new vertex nearest to an old one along the old outline with vertices (n, 3)."""
@@ -83,8 +83,8 @@ class Outline:
     def directions(self) -> FloatArray:
         """Unit directions (m, 2) of the edges."""
         along = self.points[self.edges[:, 1], :2] - self.points[self.edges[:, 0], :2]
-        found: FloatArray = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), np.finfo(float).tiny)
-        return found
+        units: FloatArray = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), np.finfo(float).tiny)
+        return units
 
 
 def outline_map(old: Outline, new: Outline) -> OutlineMap:
@@ -108,8 +108,8 @@ def outline_map(old: Outline, new: Outline) -> OutlineMap:
         if partner is not None:
             among = old.loop[old.edges[:, 0]] == partner
             points = _into(points, new.box(number), old.box(partner))
-        found = _nearest(old, among, points, tangents[chosen])
-        first[chosen], second[chosen], part[chosen] = found.first, found.second, found.part
+        nearest = _nearest(old, among, points, tangents[chosen])
+        first[chosen], second[chosen], part[chosen] = nearest.first, nearest.second, nearest.part
     return OutlineMap(first, second, part)
 
 
@@ -127,14 +127,14 @@ def _matched(old: Outline, new: Outline) -> list[int | None]:
             for i in range(count)
         ]
     )
-    found: list[int | None] = [None] * count
+    matched: list[int | None] = [None] * count
     for _ in range(count):
         i, j = np.unravel_index(np.argmin(distances), distances.shape)
         if not np.isfinite(distances[i, j]):
             break
-        found[int(i)] = int(j)
+        matched[int(i)] = int(j)
         distances[i], distances[:, j] = np.inf, np.inf
-    return found
+    return matched
 
 
 def _into(points: FloatArray, box: FloatArray, other: FloatArray) -> FloatArray:

@@ -216,17 +216,17 @@ def outline_of(mesh: Mesh) -> Outline:
 
 def artists_keys(block: bpy.types.Key | None) -> list[bpy.types.ShapeKey]:
     """The shape keys of a mesh that are neither its basis nor steps of our animation."""
-    found = block.key_blocks if block is not None else ()
-    return [key for key in found if key != block.reference_key and not shape_keys.STEP.fullmatch(key.name)]
+    blocks = block.key_blocks if block is not None else ()
+    return [key for key in blocks if key != block.reference_key and not shape_keys.STEP.fullmatch(key.name)]
 
 
 def _shape_keys(block: bpy.types.Key | None) -> tuple[ShapeKey, ...]:
     """The artist's keys; if there are any, after the basis with its name."""
-    found = artists_keys(block)
-    if block is None or not found:
+    own = artists_keys(block)
+    if block is None or not own:
         return ()
     keys = [ShapeKey(block.reference_key.name, np.empty((0, 3)), "", {})]
-    for key in found:
+    for key in own:
         values = {name: getattr(key, name) for name in KEY_VALUES if hasattr(key, name)}
         offsets = points_of(key) - points_of(key.relative_key)
         keys.append(ShapeKey(key.name, offsets, key.relative_key.name, values))
@@ -235,7 +235,7 @@ def _shape_keys(block: bpy.types.Key | None) -> tuple[ShapeKey, ...]:
 
 def _attributes(mesh: Mesh) -> tuple[dict[str, tuple[str, FloatArray]], list[str]]:
     """The artist's point attributes, and what else there is, in words."""
-    found: dict[str, tuple[str, FloatArray]] = {}
+    kept: dict[str, tuple[str, FloatArray]] = {}
     others: list[str] = []
     attributes: Any = mesh.attributes
     for attribute in attributes:
@@ -244,7 +244,7 @@ def _attributes(mesh: Mesh) -> tuple[dict[str, tuple[str, FloatArray]], list[str
             continue
         if attribute.domain == "POINT" and kind in WIDTHS:
             values = stored(attribute.data, PROPERTY_OF.get(kind, "color"), WIDTHS[kind])
-            found[name] = (kind, values.astype(np.float64))
+            kept[name] = (kind, values.astype(np.float64))
         else:
             others.append(f"the attribute '{name}'")
-    return found, others
+    return kept, others

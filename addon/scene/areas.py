@@ -35,26 +35,26 @@ def areas_of(
     strokes: with the width of Grease Pencil strokes; closed: closed strokes are areas too, even if not filled.
     """
     if obj.type == "GREASEPENCIL":
-        found = list(_drawn(context, obj, frame, strokes, closed or not strokes))
+        areas = list(_drawn(context, obj, frame, strokes, closed or not strokes))
     else:
-        found, depsgraph = list[core.exchange.Painted](), context.evaluated_depsgraph_get()
+        areas, depsgraph = list[core.exchange.Painted](), context.evaluated_depsgraph_get()
         if obj.type in SOLID:  # faces, those of instances included, and the inside of closed lines
-            found += _faces(obj.evaluated_get(depsgraph), world_matrix(obj), frame)
+            areas += _faces(obj.evaluated_get(depsgraph), world_matrix(obj), frame)
             if has_nodes(obj):
                 with temporary() as blocks:
                     shape = realized(context, obj, 0, blocks)
                     depsgraph = context.evaluated_depsgraph_get()
-                    found += _faces(shape.evaluated_get(depsgraph), world_matrix(obj), frame)
-        found += _instances(context, obj, frame)
+                    areas += _faces(shape.evaluated_get(depsgraph), world_matrix(obj), frame)
+        areas += _instances(context, obj, frame)
         if obj.type in {"FONT", "CURVES"}:  # hair, and texts, whose faces may omit overlaps
             outline = read(context, obj)
             world = (transform(outline.matrix, loop.astype(np.float64)) for loop in outline.loops)
-            found.append(core.exchange.Painted([_seen(frame, loop) for loop in world], obj.type != "FONT"))
-    if not found:
+            areas.append(core.exchange.Painted([_seen(frame, loop) for loop in world], obj.type != "FONT"))
+    if not areas:
         raise UserError(
             f"'{obj.name}' has no silhouette: it has neither faces nor closed lines nor strokes with a width"
         )
-    return found
+    return areas
 
 
 def paints(obj: Object) -> bool:
@@ -74,12 +74,12 @@ def _seen(frame: Frame, points: FloatArray) -> FloatArray:
 
 def _instances(context: Context, obj: Object, frame: Frame) -> Iterator[core.exchange.Painted]:
     """The areas of what an object instances: a collection, or its children on its vertices or faces."""
-    for found in context.evaluated_depsgraph_get().object_instances if obj.instance_type != "NONE" else ():
-        if found.is_instance and found.parent is not None and found.parent.original == obj:
-            shown = found.object
+    for instance in context.evaluated_depsgraph_get().object_instances if obj.instance_type != "NONE" else ():
+        if instance.is_instance and instance.parent is not None and instance.parent.original == obj:
+            shown = instance.object
             # Wires, such as cages, are no part of what a collection paints.
             if shown is not None and shown.type in SOLID and shown.display_type not in {"WIRE", "BOUNDS"}:
-                yield from _faces(shown, np.array(found.matrix_world, dtype=np.float64), frame)
+                yield from _faces(shown, np.array(instance.matrix_world, dtype=np.float64), frame)
 
 
 def _faces(evaluated: Object, matrix: FloatArray, frame: Frame) -> Iterator[core.exchange.Painted]:
@@ -135,8 +135,8 @@ def _smooth(values: FloatArray, cyclic: bool) -> FloatArray:
     before, start, end, after = (padded[i : len(padded) - 3 + i, None] for i in range(4))
     t = np.arange(SEGMENTS)[None, :, None] / SEGMENTS
     slope, bend, twist = end - before, 2 * before - 5 * start + 4 * end - after, 3 * (start - end) + after - before
-    found = (start + 0.5 * t * (slope + t * (bend + t * twist))).reshape(-1, values.shape[1])
-    return found if cyclic else np.concatenate([found, values[-1:]])
+    smooth = (start + 0.5 * t * (slope + t * (bend + t * twist))).reshape(-1, values.shape[1])
+    return smooth if cyclic else np.concatenate([smooth, values[-1:]])
 
 
 def _stroke(stroke: FloatArray, radii: FloatArray) -> list[FloatArray]:
@@ -170,9 +170,9 @@ def painted(
     places, values = [], []
     for obj in objects:
         if obj.type == "MESH":
-            found, weights = _weights(context, obj, group)
+            vertices, weights = _weights(context, obj, group)
             matrix = np.array(obj.matrix_world, dtype=np.float64)
-            places.append(frame.from_world(transform(matrix, found))[0])
+            places.append(frame.from_world(transform(matrix, vertices))[0])
             values.append(weights)
     if not any(weights is not None for weights in values):
         return None

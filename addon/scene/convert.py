@@ -83,13 +83,13 @@ class Drawing:
             sentence = with_names(error.fault, self._parts)
             raise UserError(f"'{self.name}': {sentence}", self.fault(error.fault)) from error
 
-    def fault(self, found: core.Fault) -> Fault | None:
+    def fault(self, problem: core.Fault) -> Fault | None:
         """The ends of the edges at the place that a message of the core names, of the closest object; None without a
         place.
         """
-        if found.data.get("place") is None:
+        if problem.data.get("place") is None:
             return None
-        place = np.array(found.data["place"], dtype=np.float64)
+        place = np.array(problem.data["place"], dtype=np.float64)
         reach = NEAR * size(np.concatenate(self.loops))
         closest = min(self._parts, key=lambda part: min(_distances(loop, place).min() for loop in part.loops))
         near = [_distances(loop, place) <= reach for loop in closest.loops]
@@ -109,18 +109,18 @@ class Drawing:
         return [replace(self, loops=self.loops[:own], others=()), *self.others]
 
 
-def with_names(found: core.Fault, parts: Sequence[Drawing]) -> str:
+def with_names(problem: core.Fault, parts: Sequence[Drawing]) -> str:
     """A message of the core, and which objects its loops belong to, for a drawing of several objects."""
     owners = [(part, number) for part in parts for number in range(len(part.loops))]
-    loops = [loop for loop in found.data.get("loops", ()) if loop < len(owners)]
+    loops = [loop for loop in problem.data.get("loops", ()) if loop < len(owners)]
     if len(parts) < 2 or not loops:
-        return str(found)
+        return str(problem)
     names = []
     for loop in loops:
         part, own = owners[loop]
         of_it = f"loop {own} of " if len(part.loops) > 1 else ""
         names.append(f"loop {loop} is {of_it}'{part.name}'")
-    return f"{found} Here {' and '.join(names)}."
+    return f"{problem} Here {' and '.join(names)}."
 
 
 def _distances(loop: FloatArray, place: FloatArray) -> FloatArray:
@@ -214,19 +214,19 @@ def _closed_loops(
     obj: Object, vertices: NDArray[np.float32], edges: NDArray[np.int64], options: ReadingOptions
 ) -> tuple[NDArray[np.float32], ...]:
     """The loops (k, 3) that the edges make, doubled points merged. Raises: UserError."""
-    found = chains(edges, len(vertices))
-    if len(found.branching):
+    lines = chains(edges, len(vertices))
+    if len(lines.branching):
         raise UserError(
-            f"'{obj.name}' branches at ({_place(vertices[found.branching[0]])}): at each point of an outline two edges "
+            f"'{obj.name}' branches at ({_place(vertices[lines.branching[0]])}): at each point of an outline two edges "
             "meet, so separate or delete the others",
-            _fault(obj, vertices[found.branching[:1]]),
+            _fault(obj, vertices[lines.branching[:1]]),
         )
     # A cyclic spline of two points evaluates to a single edge.
     all_cyclic = obj.type == "CURVE" and all(spline.use_cyclic_u for spline in obj.data.splines)
-    opened = [vertices[line] for line in found.opened if len(line) >= SMALLEST_LOOP or not all_cyclic]
+    opened = [vertices[line] for line in lines.opened if len(line) >= SMALLEST_LOOP or not all_cyclic]
     if opened and not options.close_open:
         raise _open_error(obj, opened)
-    loops = [vertices[line] for line in (*found.closed, *found.opened)]
+    loops = [vertices[line] for line in (*lines.closed, *lines.opened)]
     if not loops and len(vertices) and not len(edges):
         raise UserError(f"'{obj.name}' is a solid and has no outline: select a flat drawing, or delete faces")
     if not loops and obj.type == "FONT" and not obj.data.body.strip():

@@ -44,11 +44,11 @@ def _appended(kind: str, name: str) -> Any:
     before = set(libraries)
     with libraries.load(str(FILE), link=False) as (_, here):
         getattr(here, kind).append(name)
-    (found,) = getattr(here, kind)
-    found.use_fake_user = False
+    (block,) = getattr(here, kind)
+    block.use_fake_user = False
     for library in set(libraries) - before:
         libraries.remove(library)  # what was appended is local
-    return found
+    return block
 
 
 # The fine mesh is nearly white. The cages' hues go once around the colour circle from yellow to red, without the orange
@@ -154,13 +154,13 @@ def unmodified(objects: Iterable[Object], name: str = "") -> Iterator[None]:
 
     They are found again by name: one that was removed meanwhile is memory that must not be written to.
     """
-    found = [(obj, m.name) for obj in objects for m in obj.modifiers if m.show_viewport and name in {"", m.name}]
-    for obj, each in found:
+    shown = [(obj, m.name) for obj in objects for m in obj.modifiers if m.show_viewport and name in {"", m.name}]
+    for obj, each in shown:
         obj.modifiers[each].show_viewport = False
     try:
         yield
     finally:
-        for obj, each in found:
+        for obj, each in shown:
             if each in obj.modifiers:
                 obj.modifiers[each].show_viewport = True
 

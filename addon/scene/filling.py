@@ -28,9 +28,9 @@ def mesh_of(obj: Object) -> Mesh:
 
 def stored(items: Any, name: str, width: int, kind: type[Any] = np.float32) -> NDArray[Any]:
     """A property (n, width) of all n items of a collection of Blender's, such as the coordinates of vertices."""
-    found = np.empty((len(items), width), kind)
-    items.foreach_get(name, found.ravel())
-    return found
+    values = np.empty((len(items), width), kind)
+    items.foreach_get(name, values.ravel())
+    return values
 
 
 def points_of(owner: Mesh | bpy.types.ShapeKey) -> FloatArray:
@@ -41,12 +41,12 @@ def points_of(owner: Mesh | bpy.types.ShapeKey) -> FloatArray:
 
 def weights_of(mesh: Mesh, groups: int) -> FloatArray:
     """Weights (groups, n) of vertices in vertex groups, by their numbers; nan for vertices that are not in a group."""
-    found = np.full((groups, len(mesh.vertices)), np.nan)
+    weights = np.full((groups, len(mesh.vertices)), np.nan)
     for vertex in mesh.vertices if groups else ():
         for element in vertex.groups:
             if element.group < groups:
-                found[element.group, vertex.index] = element.weight
-    return found
+                weights[element.group, vertex.index] = element.weight
+    return weights
 
 
 def loop_edges(mesh: Mesh, most: int = 1) -> NDArray[np.int64]:

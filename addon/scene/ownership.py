@@ -16,24 +16,24 @@ from ..errors import UserError
 def depth_of(obj: Object) -> int:
     """The place of an object in its nest, from the inside out: inner cages below 0, 0 for the drawing, cages above."""
     level = level_of(obj) or 0
-    return -level if record.member(obj).inside else level
+    return -level if record.node_of(obj).inside else level
 
 
 def level_of(obj: Object) -> int | None:
     """The level of an output object, 0 for the fine mesh; None for other objects, and for a copy of one alone."""
     if obj.type != "MESH":
         return None
-    found = record.member(obj)
-    if found.role == "NONE":
+    node = record.node_of(obj)
+    if node.role == "NONE":
         return None
     # Without a set, a cage was copied with its drawing, or has lost its collection.
-    went_along = found.of is not None and (found.home is None or found.of != source_of(found.home))
-    return int(found.level) if home_of_member(obj) is not None or went_along else None
+    went_along = node.of is not None and (node.home is None or node.of != source_of(node.home))
+    return int(node.level) if home_of_member(obj) is not None or went_along else None
 
 
 def home_of_member(obj: Object) -> Collection | None:
     """The collection of the set that an output object belongs to; None for a copy that has no set yet."""
-    home: Collection | None = record.member(obj).home
+    home: Collection | None = record.node_of(obj).home
     return home if home is not None and any(part.object == obj for part in record.of(home).levels) else None
 
 
@@ -71,16 +71,16 @@ def exists(obj: Object | None) -> bool:
 
 def outputs_of(scene: Scene, *drawings: Object) -> list[Collection]:
     """The collections that hold the output of objects: of the cages around them, and then of those inside."""
-    found, wanted = [], set(drawings)
+    outputs, wanted = [], set(drawings)
     for collection in bpy.data.collections:
         if is_output(collection):
             sources = record.of(collection).sources
             if len(sources) and sources[0].object in wanted and members(collection):
-                found.append(collection)
-    if len(found) > 1:
+                outputs.append(collection)
+    if len(outputs) > 1:
         here = set(scene.collection.children_recursive)
-        found.sort(key=lambda each: (is_inside(each), each not in here))
-    return found
+        outputs.sort(key=lambda each: (is_inside(each), each not in here))
+    return outputs
 
 
 def collection_of(scene: Scene, source: Object, *, inside: bool = False) -> Collection | None:
@@ -93,9 +93,9 @@ def outputs_about(scene: Scene, obj: Object) -> list[Collection]:
     if level_of(obj) is not None:
         home = home_of_member(obj)
         return [home] if home is not None else []
-    found = outputs_of(scene, obj)
-    if found:
-        return found
+    own = outputs_of(scene, obj)
+    if own:
+        return own
     sets = [c for c in bpy.data.collections if is_output(c) and members(c)]
     shared = [c for c in sets if obj in originals(c)]
     if shared or (obj.type not in {"ARMATURE", "EMPTY"} and not record.is_helper(obj, record.HANDLES)):
@@ -110,8 +110,8 @@ def collection_about(scene: Scene, obj: Object) -> Collection | None:
 
 def source_of(collection: Collection) -> Object | None:
     """The source object of an output; None if it was deleted, even if the collection still refers to it."""
-    found = record.of(collection).sources
-    source: Object | None = found[0].object if len(found) else None
+    sources = record.of(collection).sources
+    source: Object | None = sources[0].object if len(sources) else None
     return source if exists(source) else None
 
 
@@ -120,15 +120,15 @@ def hand_over(collection: Collection, drawing: Object) -> None:
     others = [obj for obj in originals(collection) if obj != drawing]
     record.fill(record.of(collection).sources, [drawing, *others])
     for obj in members(collection):
-        record.member(obj).of = drawing
+        record.node_of(obj).of = drawing
     record.keep(collection)
 
 
 def originals(collection: Collection) -> list[Object]:
     """The source objects of an output, and what a silhouette among them shows; without deleted ones."""
-    found = [part.object for part in record.of(collection).sources if exists(part.object)]
-    found += [obj for obj in (record.shown_in(found[0]) if found else ()) if exists(obj)]
-    return list(dict.fromkeys(found))
+    drawings = [part.object for part in record.of(collection).sources if exists(part.object)]
+    drawings += [obj for obj in (record.shown_in(drawings[0]) if drawings else ()) if exists(obj)]
+    return list(dict.fromkeys(drawings))
 
 
 def colours_of(collection: Collection) -> int:
@@ -142,7 +142,7 @@ def colours_of(collection: Collection) -> int:
 
 def member(collection: Collection, level: int) -> Object | None:
     """The object of a level of an output; level 0 is the fine mesh."""
-    return next((obj for obj in members(collection) if record.member(obj).level == level), None)
+    return next((obj for obj in members(collection) if record.node_of(obj).level == level), None)
 
 
 def members(collection: Collection) -> list[Object]:
@@ -165,10 +165,10 @@ def scene_of(context: Context) -> Scene:
 
 def scene_again(name: str) -> Scene:
     """The scene of that name after a job. Raises: UserError if it is gone."""
-    found = bpy.data.scenes.get(name)
-    if found is None:
+    scene = bpy.data.scenes.get(name)
+    if scene is None:
         raise UserError("The scene of the drawing is gone, so its cages were discarded")
-    return found
+    return scene
 
 
 def check_free(objects: Iterable[Object]) -> None:
@@ -204,9 +204,9 @@ def chosen(context: Context) -> list[Object]:
 
 def outputs_of_chosen(context: Context, *, both: bool = True) -> list[Collection]:
     """The outputs of all these; of a drawing with cages around it and inside `both`, or the former."""
-    found = [outputs_about(scene_of(context), obj) for obj in chosen(context)]
+    per_object = [outputs_about(scene_of(context), obj) for obj in chosen(context)]
     moved = [obj.type in {"ARMATURE", "EMPTY"} for obj in chosen(context)]
-    few = [outputs if both or many else outputs[:1] for outputs, many in zip(found, moved, strict=True)]
+    few = [outputs if both or many else outputs[:1] for outputs, many in zip(per_object, moved, strict=True)]
     return list(dict.fromkeys(output for outputs in few for output in outputs))
 
 

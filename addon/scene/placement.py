@@ -99,8 +99,8 @@ def _displaces(parent: Object) -> bool:
 
 def constraint_of(obj: Object) -> bpy.types.ChildOfConstraint | None:
     """The constraint by which a drawing carries an object, if a parent does not."""
-    found = obj.constraints.get(CARRIED)
-    return found if isinstance(found, bpy.types.ChildOfConstraint) else None
+    constraint = obj.constraints.get(CARRIED)
+    return constraint if isinstance(constraint, bpy.types.ChildOfConstraint) else None
 
 
 def carrier_of(obj: Object) -> tuple[Object | None, Matrix]:
@@ -147,7 +147,7 @@ def _inverse(matrix: Matrix) -> Matrix | None:
 
 def _line_of(obj: Object) -> list[Object]:
     """An object and what carries it."""
-    found = [obj]
-    while (carrier := carrier_of(found[-1])[0]) is not None and carrier not in found:
-        found.append(carrier)
-    return found
+    line = [obj]
+    while (carrier := carrier_of(line[-1])[0]) is not None and carrier not in line:
+        line.append(carrier)
+    return line

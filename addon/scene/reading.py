@@ -58,23 +58,23 @@ def unseen(obj: Object) -> dict[Any, list[int]]:
         if layer.use_masks and any(not mask.hide for mask in layer.mask_layers):
             raise UserError(f"layer '{layer.name}' of '{obj.name}' has masks: switch them off, or cut the strokes")
     drawn = {layer: frame.drawing for layer in layers if (frame := layer.current_frame()) is not None}
-    found = {layer: list(drawing.strokes) for layer, drawing in drawn.items() if drawing is not None}
+    by_layer = {layer: list(drawing.strokes) for layer, drawing in drawn.items() if drawing is not None}
     # Strokes made by scripts have no opacity unless it is set, and are meant to be seen.
-    opaque = any(_has_opacity(stroke) for strokes in found.values() for stroke in strokes)
+    opaque = any(_has_opacity(stroke) for strokes in by_layer.values() for stroke in strokes)
     return {
         layer: [
             number
             for number, stroke in enumerate(strokes)
             if (opaque and not _has_opacity(stroke)) or getattr(style_of(obj, stroke), "hide", False)
         ]
-        for layer, strokes in found.items()
+        for layer, strokes in by_layer.items()
     }
 
 
 def hides(obj: Object) -> bool:
     """Whether anything of an object is not displayed. Raises: UserError for masks."""
-    found = unseen(obj)
-    return any(found.values()) or not all(map(is_shown, obj.data.layers))
+    numbers = unseen(obj)
+    return any(numbers.values()) or not all(map(is_shown, obj.data.layers))
 
 
 def remove_hidden(obj: Object) -> None:
@@ -253,10 +253,10 @@ def realized(context: Context, obj: Object, resolution: int, blocks: list[Any]) 
 
 def _with_lines(context: Context, obj: Object, resolution: int, blocks: list[Any]) -> Object:
     """An object, maybe a temporary one, whose evaluated mesh has the lines of another one."""
-    found = READERS[obj.type](context, obj, resolution, blocks)
+    shown = READERS[obj.type](context, obj, resolution, blocks)
     if obj.type in {"CURVES", "GREASEPENCIL"} or has_nodes(obj):
-        return realized(context, found, resolution, blocks)
-    return found
+        return realized(context, shown, resolution, blocks)
+    return shown
 
 
 def has_nodes(obj: Object) -> bool:

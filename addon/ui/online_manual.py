@@ -46,10 +46,10 @@ PAGES = (
 
 def manual_map() -> tuple[str, tuple[tuple[str, str], ...]]:
     """The prefix of all pages, and the pages; none without the guide."""
-    found = next((guide for guide in GUIDES if guide[0].is_dir()), None)
-    if found is None:
+    shown = next((guide for guide in GUIDES if guide[0].is_dir()), None)
+    if shown is None:
         return "", ()
-    folder, ending = found
+    folder, ending = shown
     return f"{folder.as_uri()}/", tuple((name, page + ending) for name, page in PAGES)
 
 

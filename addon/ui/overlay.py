@@ -50,13 +50,13 @@ def looks(context: Context) -> Iterator[tuple[Object, Look]]:
     wide = WIDTH if chosen is None else chosen.line_width
     view = {"viewport": context.space_data} if isinstance(context.space_data, bpy.types.SpaceView3D) else {}
     for collection in filter(ownership.is_output, bpy.data.collections):
-        found = record.of(collection)
-        cages = [part.object for part in found.levels][1:]
+        cage_set = record.of(collection)
+        cages = [part.object for part in cage_set.levels][1:]
         for obj in cages:
             if obj is not None and obj.mode == "OBJECT" and obj.visible_get(**view):
                 selected = obj.select_get()
                 r, g, b = (part + LIGHTER * (1.0 - part) if selected else part for part in obj.color[:3])
-                handles = bool(found.bound) and obj == cages[-1]
+                handles = bool(cage_set.bound) and obj == cages[-1]
                 yield obj, Look(obj.name_full, (r, g, b, 1.0), wide + MORE * selected, handles)
 
 
@@ -70,12 +70,12 @@ def strokes(context: Context) -> Iterator[Strokes]:
         yield Strokes(ends, points if look.handles else points[:0], look.colour, look.width)
 
 
-def together(found: Iterable[Strokes]) -> Iterator[tuple[str, float, NDArray[np.float32], NDArray[np.float32]]]:
+def together(drawn: Iterable[Strokes]) -> Iterator[tuple[str, float, NDArray[np.float32], NDArray[np.float32]]]:
     """What is drawn in one go, which takes as long as a single cage: its kind, width or size, points (n, 3) and their
     colours (n, 4).
     """
     parts: dict[tuple[str, float], list[tuple[NDArray[np.float32], NDArray[np.float32]]]] = {}
-    for each in found:
+    for each in drawn:
         for kind, size, points in (("LINES", each.width, each.ends), ("POINTS", HANDLE, each.handles)):
             colours = np.tile(np.array(each.colour, np.float32), (len(points), 1))
             parts.setdefault((kind, size), []).append((points, colours))

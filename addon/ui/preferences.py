@@ -42,6 +42,6 @@ _register, unregister = registration((NestedCagesPreferences,))
 
 def register() -> None:
     _register()
-    found = groups.preferences()
-    if found is not None:
-        panels.move_to(found.category)
+    chosen = groups.preferences()
+    if chosen is not None:
+        panels.move_to(chosen.category)

@@ -28,10 +28,10 @@ def draw(layout: bpy.types.UILayout, collection: Collection) -> None:
 
 def _in_short(obj: Object) -> str:
     """The most important facts about an output object; all numbers are in the report."""
-    found = record.member(obj)
+    node = record.node_of(obj)
     parts = [f"{len(obj.data.vertices)} vertices"]
-    if found.role == record.CAGE:
-        parts.append(f"{100.0 * abs(found.excess):.3g} % {'smaller' if found.excess < 0.0 else 'larger'}")
+    if node.role == record.CAGE:
+        parts.append(f"{100.0 * abs(node.excess):.3g} % {'smaller' if node.excess < 0.0 else 'larger'}")
     return ", ".join(parts)
 
 
@@ -39,12 +39,12 @@ def _notes(obj: Object) -> list[str]:
     """Lines of the notes about an output object."""
     method, _ = record.link(obj)
     follows = f"Follows by {method}" if method else ""
-    found = record.member(obj)
-    wrong = " ".join(record.sentences(found, checks=True, others=False)) if found.check == record.FAULT else ""
-    sentences = [follows, record.verdict(found), wrong, *record.sentences(found)]
+    node = record.node_of(obj)
+    wrong = " ".join(record.sentences(node, checks=True, others=False)) if node.check == record.FAULT else ""
+    sentences = [follows, record.verdict(node), wrong, *record.sentences(node)]
     home = ownership.home_of_member(obj)
     if (home is None or not ownership.is_bound(home)) and record.is_edited(obj):
-        sentences = [record.verdict(found), wrong] if record.is_judged(obj) else [record.EDITED]
+        sentences = [record.verdict(node), wrong] if record.is_judged(obj) else [record.EDITED]
     return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]
 
 

@@ -314,7 +314,7 @@ def test_a_cage_keeps_the_promises_that_it_was_made_with(addon, core, live, tick
         tick()
         assert not live.current().behind and holds(core, addon, collection, obj)
         fine, *cages = (core.Mesh(evaluated(o)[:, :2].astype(float), edges_of(o)) for o in collection.objects)
-        member = addon.record.member(addon.scene.ownership.members(collection)[-1])
+        member = addon.record.node_of(addon.scene.ownership.members(collection)[-1])
         promise = dict(addon.record.notes(member)).get("note.tolerance", {})
         if levels == "0.05u":
             assert core.Within(distance=0.05).is_met(cages[0], fine) and promise["taken"] <= 0.05

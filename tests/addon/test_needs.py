@@ -24,7 +24,7 @@ def made(collection):
 
 def taken(addon, cage):
     """What is noted of the distance or excess of a cage."""
-    return dict(addon.record.notes(addon.record.member(cage))).get("note.tolerance")
+    return dict(addon.record.notes(addon.record.node_of(cage))).get("note.tolerance")
 
 
 def farthest(cage, fine):

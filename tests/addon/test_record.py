@@ -84,7 +84,7 @@ def test_a_saved_file_works_as_before(addon, bound, tmp_path) -> None:
     assert source.hide_viewport  # its moving copy plays
     scene.frame_set(collection["nested_cages_end"])
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    assert record.member(members[1]).check == record.HOLDS
+    assert record.node_of(members[1]).check == record.HOLDS
     markers = len(scene.timeline_markers)
     assert bpy.ops.object.nested_cages_generate(levels="16") == {"FINISHED"}
     assert len(ownership.members(collection)) == 2 and len(scene.timeline_markers) == markers
@@ -116,7 +116,7 @@ def test_a_set_is_known_by_its_objects_wherever_they_are(addon) -> None:
         vertex.co /= 1.5
     choose(source)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    assert all(addon.record.member(cage).check == addon.record.HOLDS for cage in (finer, coarsest))
+    assert all(addon.record.node_of(cage).check == addon.record.HOLDS for cage in (finer, coarsest))
     bpy.ops.object.nested_cages_generate(levels="20, 10")
     assert ownership.members(collection) == [fine, finer, coarsest] and len(coarsest.data.vertices) == 10
     assert len(bpy.data.collections) == 2
@@ -161,7 +161,7 @@ def test_a_copy_is_a_character_of_its_own(addon, kind, how, tmp_path) -> None:
         choose(instance)
         bpy.ops.object.duplicates_make_real(use_base_parent=True, use_hierarchy=True)
         bpy.context.scene.collection.children.link(home)
-    members = [addon.record.member(obj) for obj in set(bpy.data.objects) - before]
+    members = [addon.record.node_of(obj) for obj in set(bpy.data.objects) - before]
     (copy,) = {member.of for member in members if member.role == "CAGE"}
     assert copy not in before
     choose(copy)
@@ -206,8 +206,8 @@ def test_append_makes_no_objects_of_kept_meshes_and_removes_none_of_before(addon
 def test_copies_of_many_selected_objects_are_looked_for_once(addon, monkeypatch) -> None:
     for k in range(300):
         poly_curve(f"Drawing {k}", [circle(3)])
-    asked, member = [], addon.record.member
-    monkeypatch.setattr(addon.record, "member", lambda obj: (asked.append(obj), member(obj))[1])
+    asked, node_of = [], addon.record.node_of
+    monkeypatch.setattr(addon.record, "node_of", lambda obj: (asked.append(obj), node_of(obj))[1])
     assert not bpy.ops.object.nested_cages_unbind.poll()
     assert len(asked) <= 10 * len(bpy.data.objects)
 
@@ -238,7 +238,7 @@ def test_several_drawings_are_rigged_in_three_actions(addon) -> None:
     assert [value > 0.1 for value in change] == [False, False, True, False]
     # A pose is checked where it is made.
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"} and bpy.context.mode == "POSE"
-    assert all(addon.record.member(ownership.members(output)[1]).check == "HOLDS" for output in outputs)
+    assert all(addon.record.node_of(ownership.members(output)[1]).check == "HOLDS" for output in outputs)
     assert bpy.ops.object.nested_cages_report() == {"FINISHED"}
     said = bpy.data.texts["Nested Cages Report"].as_string()
     assert all(f"Part {k} Cages" in said for k in range(4))
@@ -288,11 +288,11 @@ def test_what_an_edit_makes_untrue_is_not_said(addon) -> None:
     bpy.context.scene.frame_set(bpy.context.scene.frame_end)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     said = " ".join(addon.ui.results._notes(cage))
-    assert said.startswith(record.verdict(record.member(cage))) and record.EDITED not in said and "0.05" not in said
+    assert said.startswith(record.verdict(record.node_of(cage))) and record.EDITED not in said and "0.05" not in said
     stretch(cage)
     assert " ".join(addon.ui.results._notes(cage)) == record.EDITED
     assert bpy.ops.object.nested_cages_bind(method="LINEAR") == {"FINISHED"}
-    member = record.member(cage)
+    member = record.node_of(cage)
     assert not record.notes(member) and member.excess > 0.3 and not record.is_edited(cage)
     assert cage["nested_cages_excess"] == pytest.approx(member.excess) and not cage["nested_cages_need"]
     assert bpy.ops.object.nested_cages_rebind() == {"FINISHED"}

@@ -26,7 +26,7 @@ def cages(name="Drawing"):
 
 def noted(addon):
     """Codes of the notes on the first cage, and what each is on."""
-    found = addon.record.notes(addon.record.member(cages()[0]))
+    found = addon.record.notes(addon.record.node_of(cages()[0]))
     return [(code, data.get("on", "")) for code, data in found]
 
 

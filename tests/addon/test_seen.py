@@ -204,7 +204,7 @@ def test_the_largest_clearance_is_known_before_the_work_begins(addon, core, monk
 def test_a_loose_cage_says_why_and_what_number_would_do(addon) -> None:
     poly_curve("Drawing", [star(120, 0.4, 7)])
     generate(levels="5")
-    note = dict(addon.record.notes(addon.record.member(bpy.data.objects["Drawing Cage 1"])))["loose.enough"]
+    note = dict(addon.record.notes(addon.record.node_of(bpy.data.objects["Drawing Cage 1"])))["loose.enough"]
     assert note["count"] == 5 and note["excess"] > 0.5
     generate(levels=str(note["better"]))
     cage = bpy.data.objects["Drawing Cage 1"]
