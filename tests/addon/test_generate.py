@@ -91,14 +91,6 @@ def test_levels_rise_where_loops_are_in_each_others_way(addon, levels) -> None:
     assert ("note.count", given) in [(note.code, note.data) for note in level.report.notes]
 
 
-def test_a_drawing_that_crosses_itself_is_refused_by_name(addon) -> None:
-    eight = np.array([(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])
-    with pytest.raises(addon.errors.UserError, match=r"^'Eight': "):
-        addon.generation.generate.Generation(
-            [request(addon, [eight], "Eight")], addon.generation.generate.Options(levels=(3,))
-        )
-
-
 def test_without_levels_there_is_nothing_to_do(addon) -> None:
     with pytest.raises(addon.errors.UserError, match="vertex count for at least one level"):
         addon.generation.generate.Generation([request(addon, [circle(48)])], addon.generation.generate.Options())
