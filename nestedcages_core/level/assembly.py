@@ -25,7 +25,7 @@ from .units import SolverUnits
 
 if TYPE_CHECKING:
     from .attempts import Attempt
-    from .settling import Alike
+    from .symmetrised_start import Alike
 
 
 @dataclass(frozen=True, eq=False)

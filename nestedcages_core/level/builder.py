@@ -30,7 +30,8 @@ from .settings import LevelSettings
 from .units import SolverUnits
 
 if TYPE_CHECKING:
-    from .settling import Alike, Settling
+    from .settling import Settling
+    from .symmetrised_start import Alike
 
 logger = logging.getLogger(__name__)
 
@@ -245,7 +246,7 @@ class LevelBuilder:
         return found
 
     def _alike(self, start: Start, group: Symmetry) -> Alike:
-        from .settling import made_alike
+        from .symmetrised_start import made_alike
 
         return made_alike(start, group, self.plan.side)
 
@@ -301,14 +302,14 @@ class LevelBuilder:
             if not is_only_too_close(certificate, clearance):
                 break
         if not certificate.holds:
-            from .tightest_place import failed
+            from .failures import failed
 
             raise NestingError(failed(certificate, self.plan, clearance, wanted))
         motion_check = certifying(Bodies.of(result, self.fine), list(reinflation.cage_steps), reinflation.fine_path)
         motion = yield from self.progress.follow(motion_check, lambda done: (done, "verification"))
         if not motion:
             assert motion.step is not None
-            from .tightest_place import collides
+            from .failures import collides
 
             raise NestingError(collides(motion.step, self.plan))
         notes = (*notes, *deviations(self.plan, result, clearance, wanted))

@@ -1,30 +1,28 @@
-"""A level with its cage on the numbers of its plan, made from one on any numbers, and starts with exact symmetry."""
+"""A level with its cage on the numbers of its plan, made from one on any numbers."""
 
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
-from ..decimation import Start
 from ..energies import Area, Energy
 from ..energies.area import LostArea
 from ..errors import Fault, NestingError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
-from ..geometry.group import Orbits, Symmetry
+from ..geometry.group import Orbits
 from ..geometry.mesh import Mesh
-from ..geometry.precision import NEGLIGIBLE
-from ..solver.reduction import Tie
 from ..tasks import Stage
 from ..tightening.reach_clearance import shift_edges
 from ..verification.motion import certify_motion
 from .plan import EdgeCost, Numbers, Plan
 from .report import Level, LevelProgress, Progress
 from .settings import LevelSettings
+from .symmetrised_start import orbits_of
 from .units import SolverUnits
 
 logger = logging.getLogger(__name__)
@@ -207,42 +205,3 @@ def _path(level: Level, vertices: FloatArray, spacing: float) -> Reinflation | N
             kept = np.concatenate([path.cage_steps[: number + 1], vertices[None]])
             return Reinflation(path.moving_steps, kept, path.iterations)
     return None
-
-
-@dataclass(frozen=True, eq=False)
-class Alike:
-    """A coarse mesh with exact symmetry, and the ties of its vertices."""
-
-    start: Start
-    orbits: Orbits
-    tie: Tie
-
-    def symmetrised(self, steps: FloatArray) -> FloatArray:
-        """Steps (K, m, 2) of the cage in the input's units with exact symmetry."""
-        return np.stack([self.orbits.symmetrised(step) for step in steps])
-
-
-def orbits_of(mesh: Mesh, symmetry: Symmetry) -> Orbits | None:
-    """The orbits of a mesh; None if it is not symmetric, vertex by vertex."""
-    return Orbits.of(mesh.vertices, mesh.successor, symmetry, NEGLIGIBLE * mesh.diagonal)
-
-
-def made_alike(start: Start, symmetry: Symmetry, side: int) -> Alike:
-    """A start with exact symmetry, for a cage on a side of the fine mesh. Raises NestingError."""
-    coarse = start.coarse
-    orbits = orbits_of(coarse, symmetry)
-    if orbits is None:
-        raise NestingError(
-            f"The coarse mesh does not have {symmetry}; give a mesh whose vertices are images of each other, or a "
-            "vertex count.",
-            code="symmetry.not_found",
-        )
-    on_curve = start.on_curve
-    if on_curve is not None and orbits_of(on_curve, symmetry) is None:
-        on_curve = None
-    exact = coarse.moved(orbits.symmetrised(coarse.vertices)).validated()
-    return Alike(
-        start._replace(coarse=exact, on_curve=on_curve),
-        orbits,
-        Tie.of(orbits, coarse.loop_order.walked(side).successor),
-    )

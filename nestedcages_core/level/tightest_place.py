@@ -1,4 +1,4 @@
-"""Why the cage of a level was rejected, and where the fine mesh is too narrow for a clearance."""
+"""Where a mesh is too narrow for a clearance."""
 
 from __future__ import annotations
 
@@ -14,9 +14,6 @@ from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE
 from ..geometry.signed_distance import EdgeSearch
 from ..geometry.vectors import place
-from ..verification import Certificate
-from .assembly import is_only_too_close
-from .plan import Plan
 
 
 @dataclass(frozen=True)
@@ -103,34 +100,4 @@ def _within(fine: Mesh, hole: int) -> Bound:
         "fill the hole",
         (hole,),
         (float(circle.centre[0]), float(circle.centre[1])),
-    )
-
-
-def failed(certificate: Certificate, plan: Plan, tried: float, wanted: float) -> Fault:
-    """Why a cage was rejected; tried: the last clearance asked for."""
-    if not is_only_too_close(certificate, tried):
-        said = "The cage could not be certified: "
-        if plan.side < 0:
-            said = (
-                "The inner cage could not be certified; in the words of verify(fine, cage), which takes the fine mesh "
-                "for the cage: "
-            )
-        return Fault(said + " ".join(certificate.problems), "certificate.failed", problems=certificate.problems)
-    return (None if plan.side < 0 else too_narrow(plan.fine, wanted)) or Fault(
-        f"No {'inner ' * (plan.side < 0)}cage with this few vertices was found that keeps the clearance of "
-        f"{wanted:.6g}: the best one comes as close as {certificate.clearance:.6g}; ask for less clearance or "
-        "use more vertices.",
-        "clearance.no_room",
-        wanted=wanted,
-        largest=certificate.clearance,
-    )
-
-
-def collides(step: int, plan: Plan) -> Fault:
-    """Why a motion was rejected after a step."""
-    return Fault(
-        f"The motion from step {step} to the next could not be certified free of collisions; "
-        f"use more cage vertices{'' if plan.side < 0 else ', or a coarse mesh closer to the fine one'}.",
-        "motion.collides",
-        step=step,
     )

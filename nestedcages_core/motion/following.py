@@ -20,7 +20,8 @@ from ..geometry.arrays import FloatArray
 from ..geometry.group import Orbits
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings
-from ..level.settling import orbits_of, placements
+from ..level.settling import placements
+from ..level.symmetrised_start import orbits_of
 from ..level.units import SolverUnits
 from ..solver.reduction import Tie
 from ..tasks import drain

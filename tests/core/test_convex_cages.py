@@ -28,7 +28,7 @@ from nestedcages_core import (
     verify,
 )
 from nestedcages_core.command import main
-from nestedcages_core.level.settling import orbits_of
+from nestedcages_core.level.symmetrised_start import orbits_of
 from nestedcages_core.needs.convex.hull import Hull, convex_hull
 from nestedcages_core.needs.convex.least_polygon import least_polygon
 from nestedcages_core.needs.convex.need import is_convex

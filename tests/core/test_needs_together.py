@@ -40,8 +40,8 @@ from nestedcages_core import (
     verify_motion,
 )
 from nestedcages_core.errors import CODES
-from nestedcages_core.level.settling import orbits_of
 from nestedcages_core.level.steps import with_stored_steps
+from nestedcages_core.level.symmetrised_start import orbits_of
 from nestedcages_core.needs.convex.need import is_convex
 from nestedcages_core.tolerance.reach import reach
 from shapes import annulus, islands, letter_a, ring, star

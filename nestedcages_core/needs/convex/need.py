@@ -18,7 +18,7 @@ from ...geometry.predicates import BoxTree, crossing_pairs, orientation, winding
 from ...geometry.vectors import norm
 from ...level.plan import Need, Plan, Solution
 from ...level.report import LevelProgress, Progress
-from ...level.settling import orbits_of
+from ...level.symmetrised_start import orbits_of
 from ...level.units import SolverUnits
 from ...tasks import Stage
 from ...verification import Certificate, verify

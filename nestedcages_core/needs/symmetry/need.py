@@ -18,7 +18,7 @@ from ...geometry.vectors import rotated_right
 from ...level.attempts import default_contact
 from ...level.plan import Need, Numbers, Plan
 from ...level.settings import LevelSettings
-from ...level.settling import orbits_of
+from ...level.symmetrised_start import orbits_of
 from ...verification.certificate import loops_in_words
 from ..solids import overlay
 from .detection import Found

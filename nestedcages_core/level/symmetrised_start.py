@@ -1,0 +1,54 @@
+"""Starts with exact symmetry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..decimation import Start
+from ..errors import NestingError
+from ..geometry.arrays import FloatArray
+from ..geometry.group import Orbits, Symmetry
+from ..geometry.mesh import Mesh
+from ..geometry.precision import NEGLIGIBLE
+from ..solver.reduction import Tie
+
+
+@dataclass(frozen=True, eq=False)
+class Alike:
+    """A coarse mesh with exact symmetry, and the ties of its vertices."""
+
+    start: Start
+    orbits: Orbits
+    tie: Tie
+
+    def symmetrised(self, steps: FloatArray) -> FloatArray:
+        """Steps (K, m, 2) of the cage in the input's units with exact symmetry."""
+        return np.stack([self.orbits.symmetrised(step) for step in steps])
+
+
+def orbits_of(mesh: Mesh, symmetry: Symmetry) -> Orbits | None:
+    """The orbits of a mesh; None if it is not symmetric, vertex by vertex."""
+    return Orbits.of(mesh.vertices, mesh.successor, symmetry, NEGLIGIBLE * mesh.diagonal)
+
+
+def made_alike(start: Start, symmetry: Symmetry, side: int) -> Alike:
+    """A start with exact symmetry, for a cage on a side of the fine mesh. Raises NestingError."""
+    coarse = start.coarse
+    orbits = orbits_of(coarse, symmetry)
+    if orbits is None:
+        raise NestingError(
+            f"The coarse mesh does not have {symmetry}; give a mesh whose vertices are images of each other, or a "
+            "vertex count.",
+            code="symmetry.not_found",
+        )
+    on_curve = start.on_curve
+    if on_curve is not None and orbits_of(on_curve, symmetry) is None:
+        on_curve = None
+    exact = coarse.moved(orbits.symmetrised(coarse.vertices)).validated()
+    return Alike(
+        start._replace(coarse=exact, on_curve=on_curve),
+        orbits,
+        Tie.of(orbits, coarse.loop_order.walked(side).successor),
+    )
