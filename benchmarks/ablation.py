@@ -301,7 +301,9 @@ def _shown(row: str) -> str:
 STAYS = """\
 What shows no gain here and stays: gaps and details at round-off scale, which random shapes do not have and hostile ones
 do; counts per loop shared out again, since the alternative is an error; and what helps IPC, the paper's contact, which
-comes second to sequential quadratic programs.
+comes second to sequential quadratic programs. Of 2,500 random cages with settings of all kinds, 4 are lost without
+further ways to clear crossings and 18 are looser, by up to 73 % of their area; 2 are lost without room in small holes,
+and one of three levels without levels made again with room between their loops.
 """
 """Why some rows that show no gain are there."""
 

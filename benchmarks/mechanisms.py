@@ -13,7 +13,6 @@ from nestedcages_core import (
     IPC,
     ArcLength,
     LineCycles,
-    NestingError,
     OuterHull,
     SequentialQP,
     Settings,
@@ -57,12 +56,6 @@ def no_stage(*_: Any, **__: Any) -> Iterator[Any]:
     yield
 
 
-def no_level(*_: Any, **__: Any) -> Iterator[Any]:
-    """A stage that fails."""
-    raise NestingError("It is switched off.")
-    yield
-
-
 def all_kept(pairs: Any, *_: Any, **__: Any) -> Any:
     """Every pair of a mask."""
     return np.ones(len(pairs), bool)
@@ -78,7 +71,7 @@ MECHANISMS: dict[str, Mechanism] = {
     "the hull as fallback": Mechanism("hierarchy", partial(Settings, fallback=None)),
     "untightened cage as last resort": Mechanism(
         "hierarchy",
-        patches={"level.assembly:Assembly.untightened": no_level},
+        patches={"level.assembly:Assembly.untightened": no_stage},
     ),
     "line cycles (places by arc length)": Mechanism("decimation", partial(Settings, decimation=ArcLength())),
     "line cycles (outer hull)": Mechanism("decimation", partial(Settings, decimation=OuterHull())),

@@ -175,7 +175,7 @@ def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measu
             steps = drain(mapped(units.method(settings.flow).run(home, coarse), in_time)).steps
         result.flow_steps, result.shrunk = len(steps) - 1, home.moved(steps[-1])
         enter("reinflation")
-        contacts = [units.method(contact) for contact in contacts_for(settings)]
+        contacts = [units.method(contact) for contact in contacts_for(settings, own=True)]
         recorded = [Recorded(contact, states) for contact in contacts]
         way = drain(mapped(reinflate(home, coarse, steps, contacts=recorded, clearance=CLEARANCE), in_time))
         enter("tightening")

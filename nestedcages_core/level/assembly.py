@@ -12,7 +12,7 @@ import numpy as np
 from ..contact.reinflation import Reinflation
 from ..decimation import Decimation, Start
 from ..energies import CageEnergy
-from ..errors import Fault, NestingError, note
+from ..errors import Fault, note
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
@@ -24,7 +24,6 @@ from .report import Level, LevelProgress, NestingReport, Progress
 from .units import SolverUnits
 
 if TYPE_CHECKING:
-    from .attempts import Attempt
     from .symmetrised_start import Alike
 
 
@@ -100,25 +99,22 @@ class Assembly:
         return Level(self.fine, coarse, cage, *way, report, side=self.plan.side)
 
     def untightened(
-        self, attempt: Attempt, starts: Sequence[Start], notes: tuple[Fault, ...]
-    ) -> Stage[Progress, Level]:
-        """The level of the first coarse mesh that already is a cage.
+        self, starts: Sequence[Start], clearances: tuple[float, ...], notes: tuple[Fault, ...]
+    ) -> Stage[Progress, Level | None]:
+        """The level of the first coarse mesh that already is a cage; None if none is.
 
-        Details that are tiny relative to the whole may be resolved in input units only, near the origin. See
-        docs/ablation.md: untightened cage as last resort.
+        Holes like round-off may be resolved in input units only, near the origin. See docs/ablation.md: untightened
+        cage as last resort.
         """
         yield from self.progress.begin("verification")
-        may_be_less, wanted = len(attempt.clearances) > 1, attempt.clearances[0]
-        hulls_count = attempt.may_fall_back or all(start.on_curve is None for start in starts)
-        for start in starts if hulls_count else ():
+        for start in starts:
             certificate = self.plan.verify(start.coarse, 0.0)
-            clearance = min(wanted, certificate.clearance) if may_be_less else wanted
+            clearance = min(clearances[0], certificate.clearance) if len(clearances) > 1 else clearances[0]
             if certificate.holds and certificate.clearance >= clearance:
-                counts = {"flow": 0, "reinflation": 0}
-                resting = self.resting(start.coarse.vertices[None])
+                resting, counts = self.resting(start.coarse.vertices[None]), {"flow": 0, "reinflation": 0}
                 mesh, every = start.coarse, (note("note.untightened"), *notes)
                 return self.level(mesh, mesh, resting, certificate, clearance, start.source, counts, every)
-        raise NestingError("None of the coarse meshes is a cage.", code="certificate.failed")
+        return None
 
     def in_input_units(self, cage: CageInProgress) -> tuple[FlowResult, Reinflation]:
         """Flow and reinflation in input units; input coordinates are restored exactly."""

@@ -60,8 +60,6 @@ class Attempt:
     """Whether to try something else if flow or reinflation fails."""
     seeks_area: bool = False
     """Whether the cage of least area is sought, so that the areas of coarse meshes are bounds."""
-    tightened: bool = True
-    """False: use the previous coarse meshes as cages, for shapes with details too small for the solvers."""
 
     def again(self, excess: float) -> Attempt | None:
         """The same with the next contact, where a cage from a user's own coarse mesh is loose."""
@@ -83,17 +81,14 @@ def attempts(
         yield from _attempts_inside(settings, fine, wanted, clearances)
         return
     size = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
-    flow = settings.flow
+    flow, contacts = settings.flow, contacts_for(settings, own=isinstance(wanted, Mesh))
     if isinstance(wanted, Mesh):
-        contacts = contacts_for(settings)
         last = Attempt(wanted, size, flow, contacts, clearances)
     else:
         decimation = settings.decimation
         may_fall_back = settings.fallback is not None
-        # hulls need neither flow nor contact and lead to cages as tight: give up on these early
-        quick = may_fall_back and settings.contact is None
-        contacts = (default_contact(),) if quick else contacts_for(settings)
         if may_fall_back and _prefers_curve(decimation):
+            # hulls need no flow and lead to cages as tight: give up on it early
             flow = getattr(flow, "quick", flow)
         last = Attempt(decimation, wanted, flow, contacts, clearances, may_fall_back=may_fall_back)
     last = replace(last, seeks_area=getattr(settings.energy, "is_area", False))
@@ -105,8 +100,6 @@ def attempts(
         if isinstance(wanted, Mesh) and around != settings.fallback:  # line cycles: tighter, where there are any
             yield replace(last, source=around)
         yield last
-    if not isinstance(last.source, Mesh):
-        yield replace(last, tightened=False)
 
 
 def _attempts_inside(
@@ -125,7 +118,6 @@ def _attempts_inside(
         count = [len(loop) for loop in wanted.loops] if alike else max(len(wanted.vertices), 3 * len(fine.loops))
         last = replace(last, count=count, fallback=True)
     yield last
-    yield replace(last, tightened=False)
 
 
 def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[Start, float, None]:
@@ -145,8 +137,8 @@ def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[
         yield start
 
 
-def contacts_for(settings: LevelSettings) -> tuple[Contact, ...]:
-    """The contacts to try in turn: the user's, or sequential QPs, which take less time, and IPC.
+def contacts_for(settings: LevelSettings, *, own: bool = False) -> tuple[Contact, ...]:
+    """The contacts to try in turn: the user's, or sequential QPs; from an own coarse mesh also IPC, which takes longer.
 
     See docs/ablation.md: sequential QPs first; sequential QPs; IPC behind sequential QPs.
     """
@@ -154,14 +146,11 @@ def contacts_for(settings: LevelSettings) -> tuple[Contact, ...]:
         return tuple(settings.contact)
     if settings.contact is not None:
         return (settings.contact,)
+    if not own:
+        return (SequentialQP(),)
     from ..contact.ipc import IPC
 
-    return default_contact(), IPC(energy=settings.energy, max_pairs=MAX_IPC_PAIRS)
-
-
-def default_contact() -> Contact:
-    """The contact that is tried first."""
-    return SequentialQP()
+    return SequentialQP(), IPC(energy=settings.energy, max_pairs=MAX_IPC_PAIRS)
 
 
 def _prefers_curve(source: Mesh | Decimation) -> bool:

@@ -95,28 +95,29 @@ class LevelBuilder:
         if not isinstance(wanted, Mesh):
             wanted, replaced = self.plan.possible(wanted)
             clamping += replaced
+        notes = clamping
         for attempt in attempts(self.settings, self.outline, wanted, clearances, self.plan.side):
             try:
-                if attempt.tightened:
-                    self.starts = []
-                    starts = yield from self._coarse_meshes(attempt)
-                    self.starts = starts if self.symmetry is None else self._symmetric(starts, self.symmetry)
+                self.starts = []
+                starts = yield from self._coarse_meshes(attempt)
+                self.starts = starts if self.symmetry is None else self._symmetric(starts, self.symmetry)
                 notes = clamping
-                if attempt.fallback and self.starts:
+                if attempt.fallback:
                     start = self.starts[0]
                     reason = note("note.start", on="fallback", source=start.source, text=str(failures[0]))
                     notes = (*notes, reason, *shared_anew(attempt.count, start.coarse))
-                work = self._tightest(attempt, notes)
-                if not attempt.tightened:
-                    work = self.assembly.untightened(attempt, self.starts, notes)
-                level = yield from work
+                level = yield from self._tightest(attempt, notes)
                 again = attempt.again(level.report.excess)
                 return level if again is None else (yield from self._tighter(level, again, notes))
             except FAILURES as error:
                 logger.debug("attempt from %s failed: %s", attempt.source, error)
-                if attempt.tightened:
-                    failures.append(error)
-                    started += [error] if self.starts and hasattr(attempt.source, "outside") else []
+                failures.append(error)
+                started += [error] if self.starts and hasattr(attempt.source, "outside") else []
+        hulls_count = attempt.may_fall_back or all(start.on_curve is None for start in self.starts)
+        if hulls_count and not isinstance(attempt.source, Mesh):
+            standing = yield from self.assembly.untightened(self.starts, clearances, notes)
+            if standing is not None:
+                return standing
         if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.side < 0:
             raise (started or failures)[-1]
         from .counts import with_least  # for the message

@@ -46,7 +46,7 @@ class LevelSettings:
     """What the cage minimises during tightening."""
     contact: Contact | Sequence[Contact] | None = None
     """Resolves contact during reinflation; of several, each starts over where the one before is blocked. None:
-    sequential QPs; then IPC, where there is no fallback or the coarse mesh is the user's own."""
+    sequential QPs; then IPC, where the coarse mesh is the user's own."""
     tightening: Tightening = field(default_factory=Tightening)
     """Brings the cage to its optimum once the fine mesh is back."""
 

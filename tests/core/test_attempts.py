@@ -43,37 +43,26 @@ def tried(settings: Settings, wanted: int | Mesh, fine: Mesh | None = None) -> l
     return list(attempts(settings, annulus(24) if fine is None else fine, wanted, CLEARANCES))
 
 
-def kinds(found: list[Attempt]) -> list[tuple[str, bool, bool]]:
-    """Source, whether it is a fallback, and whether it is tightened."""
-    return [(type(attempt.source).__name__, attempt.fallback, attempt.tightened) for attempt in found]
+def kinds(found: list[Attempt]) -> list[tuple[str, bool]]:
+    """Source, and whether it is a fallback."""
+    return [(type(attempt.source).__name__, attempt.fallback) for attempt in found]
 
 
 class TestOrder:
     def test_line_cycles_are_followed_by_the_hull(self) -> None:
-        assert kinds(tried(Settings(), 12)) == [
-            ("LineCycles", False, True),
-            ("OuterHull", True, True),
-            ("OuterHull", True, False),
-        ]
+        assert kinds(tried(Settings(), 12)) == [("LineCycles", False), ("OuterHull", True)]
 
-    def test_another_decimation_is_followed_by_the_fallback_and_that_untightened(self) -> None:
+    def test_another_decimation_is_followed_by_the_fallback(self) -> None:
         found = tried(Settings(decimation=ArcLength()), 12)
-        assert kinds(found) == [
-            ("ArcLength", False, True),
-            ("OuterHull", True, True),
-            ("OuterHull", True, False),
-        ]
-        assert [attempt.count for attempt in found] == [12, 12, 12]
+        assert kinds(found) == [("ArcLength", False), ("OuterHull", True)]
+        assert [attempt.count for attempt in found] == [12, 12]
 
     def test_a_fallback_that_is_the_decimation_is_left_out(self) -> None:
-        assert kinds(tried(Settings(decimation=OuterHull()), 12)) == [
-            ("OuterHull", False, True),
-            ("OuterHull", False, False),
-        ]
+        assert kinds(tried(Settings(decimation=OuterHull()), 12)) == [("OuterHull", False)]
 
     def test_without_a_fallback_nothing_else_is_tried(self) -> None:
         found = tried(Settings(decimation=ArcLength(), fallback=None), 12)
-        assert kinds(found) == [("ArcLength", False, True), ("ArcLength", False, False)]
+        assert kinds(found) == [("ArcLength", False)]
         assert not any(attempt.may_fall_back for attempt in found)
 
     def test_all_have_the_same_clearances(self) -> None:
@@ -85,7 +74,7 @@ class TestOwnMeshes:
     def test_they_are_tried_once_then_the_fallback_with_as_many_vertices_per_loop(self) -> None:
         own = Mesh.from_loops([ring(9, 1.2), 0.4 * ring(4)])
         found = tried(Settings(), own)
-        assert [attempt.source for attempt in found] == [own, LineCycles(on_curve=False), *2 * [OuterHull()]]
+        assert [attempt.source for attempt in found] == [own, LineCycles(on_curve=False), OuterHull()]
         assert found[0].flow == TwoSidedFlow()
         assert list(found[1].count) == [9, 4]  # type: ignore[arg-type]
 
@@ -103,21 +92,21 @@ class TestOwnMeshes:
 
 
 class TestFlowAndContact:
-    def test_where_hulls_compete_flow_and_contact_are_given_up_early(self) -> None:
-        quick, untightened = tried(Settings(fallback=OuterHull()), 12)[:2]
+    def test_where_hulls_compete_the_flow_is_given_up_early(self) -> None:
+        quick, hull = tried(Settings(fallback=OuterHull()), 12)
         assert isinstance(quick.flow, TwoSidedFlow)
         assert quick.flow.limit < TwoSidedFlow().limit
-        assert len(quick.contacts) == 1 and untightened.flow == quick.flow
+        assert quick.contacts == (SequentialQP(),) and hull.flow == quick.flow
 
-    def test_of_other_coarse_meshes_only_the_contact_is_given_up_early(self) -> None:
-        first = tried(Settings(decimation=ArcLength()), 12)[0]
-        assert first.flow == TwoSidedFlow() and len(first.contacts) == 1
+    def test_of_other_coarse_meshes_and_without_a_fallback_it_is_as_it_was_chosen(self) -> None:
+        for settings in (Settings(decimation=ArcLength()), Settings(fallback=None)):
+            first = tried(settings, 12)[0]
+            assert first.flow == TwoSidedFlow() and first.contacts == (SequentialQP(),)
 
-    def test_without_a_fallback_or_from_own_meshes_they_are_as_they_were_chosen(self) -> None:
-        own = Mesh.from_loops([ring(9, 1.2), 0.4 * ring(4)])
-        for first in (tried(Settings(fallback=None), 12)[0], tried(Settings(), own)[0]):
-            assert first.flow == TwoSidedFlow() and len(first.contacts) == 2
-            assert first.contacts[0] == SequentialQP()
+    def test_from_own_meshes_there_is_a_second_contact(self) -> None:
+        first = tried(Settings(), Mesh.from_loops([ring(9, 1.2), 0.4 * ring(4)]))[0]
+        assert first.flow == TwoSidedFlow() and len(first.contacts) == 2
+        assert first.contacts[0] == SequentialQP()
 
     def test_a_chosen_flow_and_contact_are_not_changed(self) -> None:
         contacts = (SequentialQP(), IPC())
@@ -125,7 +114,7 @@ class TestFlowAndContact:
         assert first.flow == SignedDistanceFlow() and first.contacts == contacts
 
     def test_ipc_backs_sequential_programs(self) -> None:
-        first, second = contacts_for(Settings(energy=InitialDisplacement()))
+        first, second = contacts_for(Settings(energy=InitialDisplacement()), own=True)
         assert first == SequentialQP()
         assert isinstance(second, IPC) and second.energy == InitialDisplacement() and second.max_pairs is not None
 

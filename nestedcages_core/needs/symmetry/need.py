@@ -15,7 +15,7 @@ from ...geometry.mesh import Mesh
 from ...geometry.precision import NEGLIGIBLE
 from ...geometry.predicates import winding_number
 from ...geometry.vectors import rotated_right
-from ...level.attempts import default_contact
+from ...level.attempts import contacts_for
 from ...level.plan import Need, Numbers, Plan
 from ...level.settings import LevelSettings
 from ...level.symmetrised_start import orbits_of
@@ -93,11 +93,11 @@ def found_for(symmetry: Symmetry | Found, fine: Mesh) -> tuple[Symmetry | None, 
 
 def keeping(choices: Chosen, symmetry: Symmetry) -> Chosen:
     """The methods, told to keep a symmetry. Raises NestingError for methods that cannot."""
-    contact, decimation = choices.contact or default_contact(), choices.decimation
-    several = tuple(contact) if isinstance(contact, Sequence) else (contact,)
-    if not all(getattr(each, "keeps_ties", False) for each in several):
+    contacts, decimation = contacts_for(choices), choices.decimation
+    if not all(getattr(each, "keeps_ties", False) for each in contacts):
         raise NestingError(
-            f"Symmetric cages need contact=SequentialQP(), not {contact!r}; leave it out.", code="setting.conflict"
+            f"Symmetric cages need contact=SequentialQP(), not {choices.contact!r}; leave it out.",
+            code="setting.conflict",
         )
     if not hasattr(decimation, "keeping"):
         raise NestingError(
@@ -106,7 +106,7 @@ def keeping(choices: Chosen, symmetry: Symmetry) -> Chosen:
     kept = decimation.keeping(symmetry)
     return replace(
         choices,
-        contact=several,
+        contact=contacts,
         decimation=kept,
         fallback=None if choices.fallback is None else kept.outside,
     )
