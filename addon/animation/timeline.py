@@ -49,8 +49,8 @@ class Phases:
     @classmethod
     def stored(cls, cage: Object) -> Phases | None:
         """The phases of an animated cage; None if there are none, or invalid ones."""
-        found = tuple(record.node_of(cage).phases)
-        return cls(*found) if 0 <= found[0] <= found[1] <= found[2] else None
+        phases = tuple(record.node_of(cage).phases)
+        return cls(*phases) if 0 <= phases[0] <= phases[1] <= phases[2] else None
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Span:
 
 def spans(levels: Sequence[Phases], timing: Timing) -> tuple[Span, ...]:
     """When each level plays: one after the other, with a pause of one step between them."""
-    found: list[Span] = []
+    played: list[Span] = []
     start, per_step = float(timing.start_frame), _frames_per_step(levels, timing)
     for level in levels:
         skipped = 0 if timing.show_flow else level.flow_end
@@ -75,9 +75,9 @@ def spans(levels: Sequence[Phases], timing: Timing) -> tuple[Span, ...]:
         for before, after in pairwise((skipped, level.flow_end, level.tightening, level.last)):
             # A phase with steps takes at least one frame.
             frames.append(max(round(start + (after - skipped) * per_step), frames[-1] + (after > before)))
-        found.append(Span(*frames))
+        played.append(Span(*frames))
         start = max(start + (level.last - skipped + 1) * per_step, frames[-1] + 1.0)
-    return tuple(found)
+    return tuple(played)
 
 
 def _frames_per_step(levels: Sequence[Phases], timing: Timing) -> float:
@@ -103,10 +103,10 @@ def step_frames(level: Phases, span: Span, timing: Timing) -> FloatArray:
 
 def play_in(collection: Collection, played: Sequence[Span], marker: Mark | None = None) -> Mark:
     """Notes when an output plays, and its marker, one of its own unless several share one; returns the marker."""
-    found, result = record.of(collection), played[-1].end
-    noted = found.markers.add()
-    noted.name, noted.frame = marker or (found.title or collection.name, result)
-    found.frames, found.animated = (played[0].flow, result, result), True
+    cage_set, result = record.of(collection), played[-1].end
+    noted = cage_set.markers.add()
+    noted.name, noted.frame = marker or (cage_set.title or collection.name, result)
+    cage_set.frames, cage_set.animated = (played[0].flow, result, result), True
     return noted.name, noted.frame
 
 
@@ -126,17 +126,17 @@ def settle(scene: Scene, dropped: Sequence[Mark], added: Sequence[Mark] = ()) ->
 
 def stop(scene: Scene, collection: Collection) -> list[Mark]:
     """Notes that an output does not play any more; returns its markers."""
-    found = record.of(collection)
-    dropped = [(marker.name, marker.frame) for marker in found.markers]
-    found.markers.clear()
-    found.animated = False
+    cage_set = record.of(collection)
+    dropped = [(marker.name, marker.frame) for marker in cage_set.markers]
+    cage_set.markers.clear()
+    cage_set.animated = False
     return dropped
 
 
 def frames_of(collection: Collection) -> tuple[int, int, int] | None:
     """First frame of an output's animation, frame of its result, and last frame; None if it has no animation."""
-    found = record.of(collection)
-    return tuple(found.frames) if found.animated else None
+    cage_set = record.of(collection)
+    return tuple(cage_set.frames) if cage_set.animated else None
 
 
 def _fit_range(scene: Scene) -> None:
@@ -157,5 +157,5 @@ def _fit_range(scene: Scene) -> None:
 
 def _plays_in(scene: Scene, collection: Collection) -> bool:
     """Whether objects of an output are in the scene."""
-    found = [part.object for part in record.of(collection).levels if part.object is not None]
-    return any(scene.objects.get(obj.name) == obj for obj in found)
+    objects = [part.object for part in record.of(collection).levels if part.object is not None]
+    return any(scene.objects.get(obj.name) == obj for obj in objects)

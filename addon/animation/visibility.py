@@ -97,10 +97,10 @@ def enter(collection: Collection) -> None:
     source = ownership.source_of(collection)
     if source is not None and _is_elsewhere(source, fine):
         return
-    found = record.of(collection)
-    found.playing = True
+    cage_set = record.of(collection)
+    cage_set.playing = True
     action = shape_keys.new_action(source.name if source is not None else fine.name)
-    for part in found.sources:
+    for part in cage_set.sources:
         if ownership.exists(part.object) and is_free(part.object):
             part.hidden = True
             switch(part.object, playing, action)
@@ -118,12 +118,12 @@ def leave(*collections: Collection) -> None:
     actions: list[bpy.types.Action | None] = []
     shown = set()
     for collection in collections:
-        found = record.of(collection)
-        for part in found.sources:
+        cage_set = record.of(collection)
+        for part in cage_set.sources:
             if part.hidden and ownership.exists(part.object):
                 actions.append(detach(part.object))
             part.hidden = False
-        found.playing = False
+        cage_set.playing = False
         shown.add(ownership.member(collection, 0))
     shown.discard(None)
     copies = [obj for obj in bpy.data.objects if obj.parent in shown and record.shown(obj, record.FILL) == obj.parent]
@@ -160,24 +160,24 @@ def main_material(source: Object) -> bpy.types.Material | None:
         for polygon in source.data.polygons:
             counts[min(polygon.material_index, len(slots) - 1)] += 1
         return slots[counts.index(max(counts))]
-    found = source.active_material or next((material for material in slots if material is not None), None)
-    return _of_strokes(found) if found is not None and getattr(found, "is_grease_pencil", False) else found
+    own = source.active_material or next((material for material in slots if material is not None), None)
+    return _of_strokes(own) if own is not None and getattr(own, "is_grease_pencil", False) else own
 
 
 def _of_strokes(material: bpy.types.Material) -> bpy.types.Material:
     """A material for faces in the colour of a Grease Pencil material, which faces cannot have; one per file."""
     name = f"{material.name} Fill"
-    found = bpy.data.materials.get(name)
-    if found is None:
-        found = bpy.data.materials.new(name)
+    fill = bpy.data.materials.get(name)
+    if fill is None:
+        fill = bpy.data.materials.new(name)
         style: Any = material.grease_pencil
-        found.diffuse_color = style.fill_color if style.show_fill else style.color
-        if found.node_tree is None:  # always there since Blender 5.0
-            found.use_nodes = True
-        shader = next((node for node in found.node_tree.nodes if "Base Color" in node.inputs), None)
+        fill.diffuse_color = style.fill_color if style.show_fill else style.color
+        if fill.node_tree is None:  # always there since Blender 5.0
+            fill.use_nodes = True
+        shader = next((node for node in fill.node_tree.nodes if "Base Color" in node.inputs), None)
         if shader is not None:
-            shader.inputs["Base Color"].default_value = found.diffuse_color
-    return found
+            shader.inputs["Base Color"].default_value = fill.diffuse_color
+    return fill
 
 
 def is_animated(collection: Collection) -> bool:

@@ -137,16 +137,16 @@ def wanted_levels(
         sizes = [sum(sizes) // int((fine.parent_of_loop < 0).sum())]
     elif merges:  # loops may share one
         sizes = [sum(sizes)]
-    meshes, found = iter(own), []
+    meshes, wanted = iter(own), []
     for level in levels:
         if isinstance(level, str):
-            found.append(Wanted(next(meshes)))
+            wanted.append(Wanted(next(meshes)))
         elif isinstance(level, core.Within):
             distance = None if level.distance is None else level.distance / scale
-            found.append(Wanted(replace(level, distance=distance)))
+            wanted.append(Wanted(replace(level, distance=distance)))
         else:
-            found.append(_in_order(counted(level, sizes), found))
-    return tuple(found)
+            wanted.append(_in_order(counted(level, sizes), wanted))
+    return tuple(wanted)
 
 
 def _in_order(wanted: Wanted, before: Sequence[Wanted]) -> Wanted:
@@ -170,12 +170,12 @@ def meanings(levels: Sequence[Level], sizes: Sequence[int], size: float, unit: t
     its length.
     """
     name, length = unit
-    found = []
+    lines = []
     for level in levels:
         if isinstance(level, core.hierarchy.Share):
-            found.append(f"{100.0 * level.fraction:.4g} % = {level.of(sizes)} vertices")
+            lines.append(f"{100.0 * level.fraction:.4g} % = {level.of(sizes)} vertices")
         elif isinstance(level, core.Within) and level.excess is not None:
-            found.append(f"+{100.0 * level.excess:.4g} % = {1.0 + level.excess:.4g} times the area")
+            lines.append(f"+{100.0 * level.excess:.4g} % = {1.0 + level.excess:.4g} times the area")
         elif isinstance(level, core.Within) and size > 0.0:
-            found.append(f"{level.limit / length:.4g} {name} = {100.0 * level.limit / size:.3g} % of the size")
-    return found or [f"of {sum(sizes)} vertices"]
+            lines.append(f"{level.limit / length:.4g} {name} = {100.0 * level.limit / size:.3g} % of the size")
+    return lines or [f"of {sum(sizes)} vertices"]

@@ -26,7 +26,7 @@ from .replaced import Replaced
 def length(collection: Collection, timing: Timing) -> int | None:
     """Frames that the steps of an output would take with other timing; None if it has no steps."""
     stored = [Phases.stored(cage) for cage in members(collection)[1:]]
-    phases = [found for found in stored if found is not None]
+    phases = [each for each in stored if each is not None]
     if not stored or len(phases) < len(stored):
         return None
     return timeline.spans(phases, timing)[-1].end - timing.start_frame + 1
@@ -121,10 +121,10 @@ def _set_thickness(collection: Collection, result: Result, thickness: float) -> 
 def earlier_outputs(scene: Scene, results: Sequence[Result]) -> list[Collection | None]:
     """The output that each result will replace, if there is one."""
     drawings = [result.drawing.source for result in results]
-    found: dict[object, Collection] = {}
+    outputs: dict[object, Collection] = {}
     for output in ownership.outputs_of(scene, *filter(None, drawings)):
-        found.setdefault((record.of(output).sources[0].object, ownership.is_inside(output)), output)
-    return [found.get((drawing, result.inside)) for drawing, result in zip(drawings, results, strict=True)]
+        outputs.setdefault((record.of(output).sources[0].object, ownership.is_inside(output)), output)
+    return [outputs.get((drawing, result.inside)) for drawing, result in zip(drawings, results, strict=True)]
 
 
 def _write_one(
@@ -133,8 +133,8 @@ def _write_one(
     """Writes one output into its collection."""
     source, first = result.drawing.source, result.levels[0]
     name = source.name if source is not None else result.drawing.name
-    found = record.of(collection)
-    found.colours = colours_of(collection)
+    cage_set = record.of(collection)
+    cage_set.colours = colours_of(collection)
     before = members(collection)
     for obj in before:
         replaced.set_aside(obj)
@@ -158,12 +158,17 @@ def _write_one(
     for surplus in [obj for obj in before if obj not in made]:
         (replaced.kept if is_rigged(surplus) else replaced.surplus).append(surplus)
 
-    record.fill(found.sources, filter(None, (source, *(part.source for part in result.drawing.others))))
-    record.fill(found.levels, made)
-    found.title, found.inside, found.kinds, found.moving = name, result.inside, ", ".join(result.kinds), False
-    found.known = result.used is not None
+    record.fill(cage_set.sources, filter(None, (source, *(part.source for part in result.drawing.others))))
+    record.fill(cage_set.levels, made)
+    cage_set.title, cage_set.inside, cage_set.kinds, cage_set.moving = (
+        name,
+        result.inside,
+        ", ".join(result.kinds),
+        False,
+    )
+    cage_set.known = result.used is not None
     if result.used is not None:
-        record.assign(found.settings, result.used)
+        record.assign(cage_set.settings, result.used)
     for number, obj in enumerate(made):
         member_of_it = record.node_of(obj)
         member_of_it.level, member_of_it.of, member_of_it.home = number, source, collection
@@ -224,15 +229,15 @@ def _member_with_mesh(
 
 def _describe(obj: Object, result: Result, level: core.Level, span: Span) -> None:
     """What is certified of a cage, how it came about and when it plays; lengths in scene units."""
-    found, report = record.node_of(obj), level.report
-    found.inside = level.inside
-    found.clearance, found.excess = report.clearance * result.drawing.frame.scale, report.excess
-    found.most, found.start, found.seconds = report.excess, str(report.start), float(sum(report.seconds.values()))
-    found.certified = {"LOOPS"} if level.cage.has_loops_like(level.fine) else set()
-    found.frames = (span.flow, span.reinflation, span.tightening, span.end)
-    found.phases = astuple(Phases.of(level))
-    found.check, found.stamp = "NONE", record.stamp(obj)
-    record.set_notes(found, report.notes, result.drawing.frame.scale)
+    node, report = record.node_of(obj), level.report
+    node.inside = level.inside
+    node.clearance, node.excess = report.clearance * result.drawing.frame.scale, report.excess
+    node.most, node.start, node.seconds = report.excess, str(report.start), float(sum(report.seconds.values()))
+    node.certified = {"LOOPS"} if level.cage.has_loops_like(level.fine) else set()
+    node.frames = (span.flow, span.reinflation, span.tightening, span.end)
+    node.phases = astuple(Phases.of(level))
+    node.check, node.stamp = "NONE", record.stamp(obj)
+    record.set_notes(node, report.notes, result.drawing.frame.scale)
 
 
 def _rename(collection: Collection, name: str) -> None:

@@ -149,21 +149,21 @@ def _enclosures(context: Context, chains: Sequence[Chain]) -> list[Finding]:
 
 
 def _folds(context: Context, chains: Sequence[Chain]) -> list[Finding]:
-    return [found for chain in chains for each in chain.folding if (found := each.now(context)) is not None]
+    return [folds for chain in chains for each in chain.folding if (folds := each.now(context)) is not None]
 
 
 def _pairs(context: Context, chain: Chain) -> Iterator[tuple[Outline, Drawing, Outline, Drawing]]:
     """What is inside and what is around it, in the plane of the first object. Raises: UserError."""
     outlines = [read(context, obj) for obj in chain.objects]
     frame = fine_drawing(outlines[0]).frame
-    found = [(outline, drawing_in(frame, outline)) for outline in outlines]
+    drawings = [(outline, drawing_in(frame, outline)) for outline in outlines]
     for original in chain.originals:
         copied = chain.seen(context, original, frame)
         if chain.fine > 0:
-            yield (*found[chain.fine - 1], *copied)
-        if chain.fine < len(found) - 1:
-            yield (*copied, *found[chain.fine + 1])
-    for place, (inner, outer) in enumerate(pairwise(found)):
+            yield (*drawings[chain.fine - 1], *copied)
+        if chain.fine < len(drawings) - 1:
+            yield (*copied, *drawings[chain.fine + 1])
+    for place, (inner, outer) in enumerate(pairwise(drawings)):
         if not (chain.instead and chain.fine in (place, place + 1)):
             yield (*inner, *outer)
 
@@ -178,14 +178,16 @@ def check_animation(context: Context, chains: Sequence[Chain]) -> Work[list[Find
         yield Progress((frame - first) / (last + 1 - first), "checking frames")
         scene.frame_set(frame)
         try:
-            found = _enclosures(context, chains)
+            enclosures = _enclosures(context, chains)
         except UserError as error:
             raise UserError(f"Frame {frame}: {error}") from error
         for fold in _folds(context, chains):
             folds.setdefault((fold.cage, fold.fine), []).append(fold)
-        if not all(finding.holds for finding in found):
-            return _largest(folds, first) + [_on(finding, first, frame) for finding in found]
-        findings = [min(pair, key=attrgetter("clearance")) for pair in zip(findings or found, found, strict=True)]
+        if not all(finding.holds for finding in enclosures):
+            return _largest(folds, first) + [_on(finding, first, frame) for finding in enclosures]
+        findings = [
+            min(pair, key=attrgetter("clearance")) for pair in zip(findings or enclosures, enclosures, strict=True)
+        ]
     said = [note("check.frames", **finding.note.data, first=first, last=last) for finding in findings]
     whole = [replace(each, frames=(first, last), note=text) for each, text in zip(findings, said, strict=True)]
     return _largest(folds, first) + whole
@@ -193,13 +195,13 @@ def check_animation(context: Context, chains: Sequence[Chain]) -> Work[list[Find
 
 def _largest(folds: dict[tuple[str, str], list[Finding]], first: int) -> list[Finding]:
     """The largest fold of each drawing, with the number of frames that have one."""
-    found = []
+    largest = []
     for on in folds.values():
         worst, frames = max(on, key=lambda each: each.note.data["share"]), [each.frames[1] for each in on]
         more = f"; {len(on)} frames from {frames[0]} to {frames[-1]} have folds" if len(on) > 1 else ""
         said = note(worst.note.code, **{**worst.note.data, "more": more})
-        found.append(_on(replace(worst, note=said), first, worst.frames[1]))
-    return found
+        largest.append(_on(replace(worst, note=said), first, worst.frames[1]))
+    return largest
 
 
 def _on(finding: Finding, first: int, frame: int) -> Finding:

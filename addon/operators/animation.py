@@ -45,12 +45,12 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
         """Takes what is not given from the cages that the active drawing has, or else from the panel."""
         self._set_range(scene_of(context))
         collection = collection_of_active(context)
-        found = record.of(collection) if collection is not None else None
-        if collection is None or found is None or not found.known or found.inside:
+        cage_set = record.of(collection) if collection is not None else None
+        if collection is None or cage_set is None or not cage_set.known or cage_set.inside:
             self.take_from_panel(context, groups.NOT_MOVING)
             return
         given = self.properties.is_property_set("levels")
-        self.take_from_panel(context, groups.NOT_MOVING, found.settings)
+        self.take_from_panel(context, groups.NOT_MOVING, cage_set.settings)
         levels = parse_levels(self.levels, lengths(scene_of(context)))
         if not given and (OWN in levels or not are_counts(levels)):
             self.levels = ", ".join(str(len(cage.data.vertices)) for cage in ownership.members(collection)[1:])
@@ -88,15 +88,15 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
         self.exclusive = True  # reading changes the frame
         objects, read = sources(context), []
         for number, obj in enumerate(objects):
-            found = yield from part(
+            poses = yield from part(
                 moving.read_poses(context, obj, frames, reading), number, len(objects), end=READING_PART
             )
-            read.append(found)
+            read.append(poses)
         self.exclusive = False
         results = []
-        for number, found in enumerate(read):
-            asked = replace(options, clearance=options.clearance / found.scale)
-            work = moving.stand_still(found, asked) if self.still else moving.follow(found, asked, cyclic=self.cyclic)
+        for number, poses in enumerate(read):
+            asked = replace(options, clearance=options.clearance / poses.scale)
+            work = moving.stand_still(poses, asked) if self.still else moving.follow(poses, asked, cyclic=self.cyclic)
             result = yield from part(work, number, len(read), READING_PART)
             results.append(result)
         for sentence in writing.write(scene_again(name), results, self.thickness, all_values(self)):

@@ -193,10 +193,10 @@ class OutputOperator(JobOperator):
 
     @classmethod
     def unavailable(cls, context: Context) -> str:
-        found = outputs_of_chosen(context, both=cls.both)
-        if not found:
+        outputs = outputs_of_chosen(context, both=cls.both)
+        if not outputs:
             return "" if waiting(chosen(context)) else NOTHING
-        reasons = [cls._why_not(collection) for collection in found]
+        reasons = [cls._why_not(collection) for collection in outputs]
         return "" if "" in reasons else reasons[0]
 
     @classmethod
@@ -212,10 +212,10 @@ class OutputOperator(JobOperator):
 
     def work(self, context: Context) -> Work[None]:
         adopt(scene_of(context), chosen(context))
-        found = outputs_of_chosen(context, both=self.both)
-        suitable = [collection for collection in found if not self._why_not(collection)]
+        outputs = outputs_of_chosen(context, both=self.both)
+        suitable = [collection for collection in outputs if not self._why_not(collection)]
         if not suitable:
-            raise UserError(self._why_not(found[0]) if found else NOTHING)
+            raise UserError(self._why_not(outputs[0]) if outputs else NOTHING)
         done, problems = [], []
         for number, collection in enumerate(suitable):
             try:

@@ -218,13 +218,13 @@ class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
         whole, problems = self.united(context, _drawings(context))
         yield Progress(0.0, "uniting painted areas")
         skeleton = core.character.Skeleton(self.protrudes, self.bends, self.longest)
-        found = core.suggest_bones(whole.mesh(), skeleton)
-        if not found:
+        suggested = core.suggest_bones(whole.mesh(), skeleton)
+        if not suggested:
             raise UserError(f"'{whole.name}' has no limbs: it is round; draw a bone yourself")
-        armature = characters.add_bones(context, f"{whole.name} Bones", whole.frame, found)
+        armature = characters.add_bones(context, f"{whole.name} Bones", whole.frame, suggested)
         select(context, *(obj for part in parts if (obj := found_object(part)) is not None), armature)
         self.tell_skipped(problems, "object")
-        self.report({"INFO"}, f"{counted(len(found), 'bone')}: edit them, then press Rig with Armature")
+        self.report({"INFO"}, f"{counted(len(suggested), 'bone')}: edit them, then press Rig with Armature")
 
 
 def _drawings(context: Context) -> Sequence[Object]:
@@ -235,5 +235,5 @@ def _drawings(context: Context) -> Sequence[Object]:
 def _armature(context: Context) -> Object | None:
     """The selected armature, of several the active one."""
     active = context.view_layer.objects.active
-    found = [obj for obj in context.selected_objects if obj.type == "ARMATURE"]
-    return active if active in found else next(iter(found), None)
+    armatures = [obj for obj in context.selected_objects if obj.type == "ARMATURE"]
+    return active if active in armatures else next(iter(armatures), None)

@@ -94,8 +94,8 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
                 parts, notes = svg_parts.read(path)
                 layered_files.append((path.stem, parts))
             else:
-                found, notes = importers.shapes_in(path, self.outlines)
-                shapes += found
+                of_file, notes = importers.shapes_in(path, self.outlines)
+                shapes += of_file
             for note in notes:
                 self.report({"WARNING"}, f"'{path.name}': {note}")
         made = yield from importers.place(context, shapes, y_down=Y_DOWN[self.y], scale=self.scale)
@@ -231,36 +231,36 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
 
     def _character(self, context: Context, path: Path) -> None:
         """Writes the rigged drawing of the selection. Raises: UserError."""
-        found = outputs_of_chosen(context)
-        if len(found) != 1:
+        outputs = outputs_of_chosen(context)
+        if len(outputs) != 1:
             raise UserError("Select one rigged drawing, or its cage: a file has one character")
-        text = characters.json_of(context, found[0], flip_y=self.flip_y, frames=self.frames)
+        text = characters.json_of(context, outputs[0], flip_y=self.flip_y, frames=self.frames)
         with blamed(f"'{path.name}' cannot be written"):
             core.exchange.write_whole(path, text)
-        self.report({"INFO"}, f"'{found[0].name}' written to {path.name}")
+        self.report({"INFO"}, f"'{outputs[0].name}' written to {path.name}")
 
 
 def outlines(context: Context) -> list[Object]:
     """The selected outlines, and all of what has cages or moves them; drawing by drawing, the coarsest last."""
-    found: list[Object] = []
+    outlined: list[Object] = []
     selected = list(context.selected_objects or chosen(context)[:1])
     for obj in sorted(selected, key=lambda obj: (ownership.level_of(obj) or 0, obj.name)):
         about = ownership.outputs_about(scene_of(context), obj) if ownership.level_of(obj) is None else []
         members = [ownership.members(output) for output in about]
         if about:
             # Around it and inside: one copy of the drawing is enough.
-            found += sorted(members[0] + [cage for more in members[1:] for cage in more[1:]], key=ownership.depth_of)
+            outlined += sorted(members[0] + [cage for more in members[1:] for cage in more[1:]], key=ownership.depth_of)
         elif convert.readable(obj):
-            found.append(obj)
-    return list(dict.fromkeys(found))
+            outlined.append(obj)
+    return list(dict.fromkeys(outlined))
 
 
 def coarsest(context: Context) -> list[Object]:
     """Of these, the coarsest cage of each drawing, and other selected outlines."""
-    found, selected = outlines(context), context.selected_objects
-    sets = [[obj for obj in ownership.members(each) if obj in found] for each in outputs_of_chosen(context)]
+    outlined, selected = outlines(context), context.selected_objects
+    sets = [[obj for obj in ownership.members(each) if obj in outlined] for each in outputs_of_chosen(context)]
     finer = {obj for objects in sets for obj in objects[:-1] if obj not in selected}
-    return [obj for obj in found if obj not in finer]
+    return [obj for obj in outlined if obj not in finer]
 
 
 BODY_ITEMS = (

@@ -96,9 +96,9 @@ class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
             bpy.ops.object.mode_set(mode="OBJECT")
         adopt(scene, [result.drawing.source for result in results if result.drawing.source is not None])
         poses = {}
-        for found in filter(None, output.earlier_outputs(scene, results)):
-            source = ownership.source_of(found)
-            poses[found] = {ownership.level_of(obj): Pose.of(obj, source) for obj in ownership.members(found)}
+        for earlier in filter(None, output.earlier_outputs(scene, results)):
+            source = ownership.source_of(earlier)
+            poses[earlier] = {ownership.level_of(obj): Pose.of(obj, source) for obj in ownership.members(earlier)}
         collections, lost = output.write(scene, results, filled(Timing, self), self.thickness)
         bound = {collection: binding.forget(collection) for collection in collections}
         if self.show_result:
@@ -165,7 +165,7 @@ def sources(context: Context, *, as_selected: bool = False) -> list[Object]:
         return [active] if ownership.outputs_of(scene_of(context), active) else []
     if as_selected:
         return [obj for obj in selected if record.node_of(obj).of not in selected]
-    return list(dict.fromkeys(found for obj in selected for found in _drawings_of(obj, selected)))
+    return list(dict.fromkeys(drawing for obj in selected for drawing in _drawings_of(obj, selected)))
 
 
 def why_nothing(context: Context) -> str:
@@ -187,11 +187,11 @@ def _drawings_of(obj: Object, selected: Sequence[Object]) -> list[Object]:
         return []
     if ownership.level_of(obj) is None:
         return [obj]
-    home, found = ownership.home_of_member(obj), record.node_of(obj)
-    if found.of in selected:
+    home, node = ownership.home_of_member(obj), record.node_of(obj)
+    if node.of in selected:
         return []
     if home is None:
-        return [found.of] if found.kept.bound and ownership.exists(found.of) else [obj]
+        return [node.of] if node.kept.bound and ownership.exists(node.of) else [obj]
     return (ownership.originals(home) if ownership.is_bound(home) else []) or [obj]
 
 
@@ -215,16 +215,16 @@ def requests(context: Context, values: GenerationProperties) -> tuple[list[Reque
         drawings = [alone] if values.together else [[obj] for obj in alone]
         if not alone:
             raise UserError("Select the drawing too: all that is selected is one of its levels")
-    found, problems = [], []
+    asked, problems = [], []
     lines = lines_of_all(context, [*itertools.chain(*drawings), *own], values.resolution)
     for objects in drawings:
         try:
-            found.append(_request(context, objects, own, lines, values))
+            asked.append(_request(context, objects, own, lines, values))
         except UserError as error:
             problems.append(error)
-    if problems and not found:
+    if problems and not asked:
         raise problems[0]
-    return found, problems
+    return asked, problems
 
 
 def _request(
@@ -250,13 +250,13 @@ def _request(
 def _places(context: Context, objects: Sequence[Object], fine: convert.Drawing, values: GenerationProperties) -> Places:
     """Where it matters in a drawing. Raises: UserError."""
     points, missing = np.concatenate(fine.loops), []
-    found = {}
+    places = {}
     for group in filter(None, (values.weight_group, values.pin_group)):
         weights = areas.painted(context, objects, fine.frame, group, points)
         if weights is None or not weights.any():
             missing.append(note("places.empty", name=fine.name, group=group))
         else:
-            found[group] = weights
+            places[group] = weights
     joints: list[list[float]] = []
     if values.joint_armature:
         armature = context.scene.objects.get(values.joint_armature)
@@ -264,8 +264,8 @@ def _places(context: Context, objects: Sequence[Object], fine: convert.Drawing, 
             raise UserError(f"'{values.joint_armature}' is not an armature in the scene: choose one for 'Joints'")
         joints = areas.bone_ends(armature, fine.frame).tolist()
     return Places(
-        weights=tuple(found[values.weight_group].tolist()) if values.weight_group in found else (),
-        pins=tuple(np.flatnonzero(found[values.pin_group] > PINNED).tolist()) if values.pin_group in found else (),
+        weights=tuple(places[values.weight_group].tolist()) if values.weight_group in places else (),
+        pins=tuple(np.flatnonzero(places[values.pin_group] > PINNED).tolist()) if values.pin_group in places else (),
         joints=tuple((x, y) for x, y in joints),
         notes=tuple(missing),
     )

@@ -101,10 +101,10 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         for part in parts:
             try:
                 frame, shown = part.canvas.frame(), Picture.of(part.image)
-                found = yield from shown.outline(self.vertices, **values(self))
-                points = part.canvas.placed(np.asarray(found.vertices) / shown.size)
+                outline = yield from shown.outline(self.vertices, **values(self))
+                points = part.canvas.placed(np.asarray(outline.vertices) / shown.size)
                 name = Path(part.image.name).stem or part.image.name
-                drawing = Drawing(name, frame, tuple(points[loop] for loop in found.loops))
+                drawing = Drawing(name, frame, tuple(points[loop] for loop in outline.loops))
                 drawing.mesh()
             except UserError as error:
                 problems.append(error)
@@ -189,8 +189,8 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
 def _shown(context: Context) -> list[Object]:
     """The selected objects that show a picture and are not cutouts, the active one first."""
     active = context.view_layer.objects.active
-    found = [obj for obj in context.selected_objects if pictures.image_on(obj) is not None]
-    return sorted(found, key=lambda obj: (obj is not active, obj.name))
+    shown = [obj for obj in context.selected_objects if pictures.image_on(obj) is not None]
+    return sorted(shown, key=lambda obj: (obj is not active, obj.name))
 
 
 class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bpy.types.Operator):
@@ -205,9 +205,9 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bp
     missing = "Load an image with an alpha channel, or drag one into the 3D view"
 
     def prepare(self, context: Context) -> None:
-        found = pictures.image_of(context)
-        if not self.image and found is not None:
-            self.image = found.name
+        image = pictures.image_of(context)
+        if not self.image and image is not None:
+            self.image = image.name
 
     def draw(self, _context: Context) -> None:
         self.layout.use_property_split = True

@@ -58,7 +58,7 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
         findings.sort(key=lambda finding: not finding.holds)
         claims.remember(checked, findings)
         names = {original.name for original in originals}
-        shown = [found for found in findings if not found.holds or names.isdisjoint((found.fine, found.cage))]
+        shown = [each for each in findings if not each.holds or names.isdisjoint((each.fine, each.cage))]
         for holds, sentence in dict.fromkeys((finding.holds, finding.note) for finding in shown):
             self.report({"INFO"} if holds else {"WARNING"}, sentence)
         if at_fault and context.mode == "OBJECT":
@@ -80,14 +80,14 @@ def _check_not_stepping(scene: Scene, objects: Sequence[Object]) -> None:
 
 def _select_faults(context: Context, objects: Sequence[Object], findings: Sequence[Finding]) -> list[Object]:
     """Selects the vertices that are at fault on this frame; returns the objects that have any."""
-    found = []
+    faults = []
     for obj in objects:
         points = [finding.cage_faults for finding in findings if finding.cage == obj.name]
         points += [finding.fine_faults for finding in findings if finding.fine == obj.name]
         editable = obj.type == "MESH" and obj.data.is_editable
         if editable and select_points(context, obj, np.concatenate([np.empty((0, 3), np.float32), *points])):
-            found.append(obj)
-    return found
+            faults.append(obj)
+    return faults
 
 
 def _nested(context: Context, hidden: bool = False) -> list[list[Object]]:
@@ -102,11 +102,11 @@ def _nested(context: Context, hidden: bool = False) -> list[list[Object]]:
     drawings = {ownership.source_of(output) for output in outputs}
     if len(selected) > 1 and (not outputs or (len(drawings) == 1 and (plain or len(mine) > 1))):
         return [sorted(selected, key=lambda obj: (ownership.depth_of(obj), obj.dimensions.length))]
-    found = [
+    nested = [
         sorted((obj for obj in ownership.members(output) if hidden or not obj.hide_viewport), key=ownership.depth_of)
         for output in outputs
     ]
-    return [objects for objects in found if len(objects) > 1]
+    return [objects for objects in nested if len(objects) > 1]
 
 
 class OBJECT_OT_nested_cages_select_fault(Operator, bpy.types.Operator):
@@ -185,20 +185,20 @@ def lines(collection: Collection) -> Iterator[str]:
     """The lines of the report, level by level."""
     yield collection.name
     for obj in ownership.members(collection):
-        found = record.node_of(obj)
+        node = record.node_of(obj)
         numbers: dict[str, float] = {"vertices": len(obj.data.vertices)}
-        if found.role == record.CAGE:
-            numbers |= {"excess": found.excess, "clearance": found.clearance, "seconds": found.seconds}
-            numbers |= {name: frame for name, frame in zip(FRAMES, found.frames, strict=True) if frame >= 0}
+        if node.role == record.CAGE:
+            numbers |= {"excess": node.excess, "clearance": node.clearance, "seconds": node.seconds}
+            numbers |= {name: frame for name, frame in zip(FRAMES, node.frames, strict=True) if frame >= 0}
         yield ""
         yield obj.name
         for label, value in numbers.items():
             yield f"    {label}: {value:.6g}"
         edited = not ownership.is_bound(collection) and record.is_edited(obj)
         unknown = "" if edited and record.is_judged(obj) else record.EDITED
-        certificate = unknown if edited else record.certificate(found)
+        certificate = unknown if edited else record.certificate(node)
         method, error = record.link(obj)
         follows = f"{method}, error {error:.1e} at rest" if method else ""
-        said = (found.start, certificate, follows, *record.sentences(found, checks=True))
+        said = (node.start, certificate, follows, *record.sentences(node, checks=True))
         for sentence in filter(None, said):
             yield f"    {sentence}"

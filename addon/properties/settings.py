@@ -187,5 +187,5 @@ def all_values(values: GenerationProperties) -> dict[str, Any]:
 
 def filled(kind: type[Filled], values: GenerationProperties) -> Filled:
     """How to read objects, when to play steps, the methods, or what cages must be: the fields are named as settings."""
-    found: dict[str, Any] = {field.name: getattr(values, field.name) for field in fields(kind)}
-    return kind(**found)
+    given: dict[str, Any] = {field.name: getattr(values, field.name) for field in fields(kind)}
+    return kind(**given)

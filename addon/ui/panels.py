@@ -102,12 +102,12 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: Context) -> None:
         layout: Any = self.layout
-        found = outputs_of_active(context)
-        for collection in found:
+        outputs = outputs_of_active(context)
+        for collection in outputs:
             results.draw(layout, collection)
         column = layout.column(align=True)
         column.operator("object.nested_cages_verify", icon="CHECKMARK")
-        if any(ownership.is_bound(each) or record.of(each).moving for each in found):
+        if any(ownership.is_bound(each) or record.of(each).moving for each in outputs):
             column.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
         column.operator("object.nested_cages_report", icon="TEXT")
         results.draw_live(column)
