@@ -28,7 +28,7 @@ from .io import silhouettes
 from .scene import filling, ownership, placement
 from .scene.convert import Drawing
 from .scene.ownership import scene_of, select
-from .scene.plane import Frame, divided, outline_of, scale_of, size, stored, transform, world_matrix
+from .scene.plane import Frame, divided, scale_of, size, stored, transform, united_loops, world_matrix
 
 # Longest edge of the outline as a fraction of its size: straight limbs bend, and few corners don't limit the cage.
 LONGEST_EDGE = 0.01
@@ -60,7 +60,7 @@ def united(context: Context, objects: Sequence[Object], gap: float) -> Work[tupl
     loops, problems = yield from silhouettes.painted_loops(context, ordered, frame, gap=gap, closed=True)
     longest = LONGEST_EDGE * size(np.concatenate(loops))
     # United again where rounding has closed a gap between new points.
-    shorter = outline_of(first.name, [stored(divided(loop, longest)) for loop in loops], evenodd=True)
+    shorter = united_loops(first.name, [stored(divided(loop, longest)) for loop in loops], evenodd=True)
     others = tuple(Drawing(obj.name, frame, (), obj.session_uid) for obj in ordered[1:])
     return Drawing(first.name, frame, shorter, first.session_uid, others, united=True), problems
 
@@ -157,7 +157,7 @@ def _jointed(result: Result, bones: Sequence[core.Bone]) -> Result:
 def _weigh(cage: Object, armature: Object, bones: Sequence[core.Bone]) -> None:
     """Gives a cage the weights of bones in its plane, in place of earlier ones, and the modifier. Raises: UserError."""
     with blamed(f"'{cage.name}'"):
-        weights = core.bone_weights(filling.outline(cage), bones)
+        weights = core.bone_weights(filling.shape_of(cage), bones)
     for bone, column in zip(bones, weights.T, strict=True):
         group = cage.vertex_groups.get(bone.name) or cage.vertex_groups.new(name=bone.name)
         group.remove(range(len(column)))
@@ -186,7 +186,7 @@ def json_of(context: Context, collection: Collection, *, flip_y: bool, frames: b
     lost = np.flatnonzero(weights.sum(axis=1) <= 0.0)
     if len(lost):
         raise UserError(f"Vertex {lost[0]} of '{cage.name}' follows no bone of '{armature.name}': paint weights there")
-    shape, around = filling.outline(fine), filling.outline(cage)
+    shape, around = filling.shape_of(fine), filling.shape_of(cage)
     with blamed(f"'{fine.name}'"):
         coordinates = core.cage_coordinates(shape, around)
     triangles = triangulation.triangulate(shape).triangles

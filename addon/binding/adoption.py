@@ -56,8 +56,8 @@ def _adopted(scene: Scene, drawing: Object, copies: dict[int, Object]) -> Collec
             copies[level] = _copied(obj, originals)
     objects = [copies[level] for level in sorted(copies)]
     record.assign(cage_set, {**record.values(latest), "colours": -1, "markers": [], "title": title})
-    record.fill(cage_set.sources, sources)
-    record.fill(cage_set.levels, objects)
+    record.refer(cage_set.sources, sources)
+    record.refer(cage_set.levels, objects)
     cage_set.colours = ownership.colours_of(collection)
     for level, obj in enumerate(objects):
         own = record.node_of(obj)

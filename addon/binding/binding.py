@@ -154,7 +154,7 @@ def _check_enclosed(inner: Object, cage: Object) -> core.Certificate:
         )
     with blamed(f"'{inner.name}'"):
         fine = core.Mesh(points[:, :2], filling.loop_edges(drawing))
-    certificate = core.verify(filling.outline(cage), fine)
+    certificate = core.verify(filling.shape_of(cage), fine)
     if not certificate.holds:
         raise UserError(
             f"'{cage.name}' does not enclose '{inner.name}' as it is now ({'; '.join(certificate.problems)}): "

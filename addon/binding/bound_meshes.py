@@ -48,7 +48,7 @@ def unpark(obj: Object) -> list[str]:
 def fill(levels: list[Object]) -> None:
     """Gives the cages triangles inside their outlines. Raises: UserError."""
     for cage in levels[1:]:
-        old, shape, rig = filling.mesh_of(cage), filling.outline(cage), Rig.of(cage)
+        old, shape, rig = filling.mesh_of(cage), filling.shape_of(cage), Rig.of(cage)
         name = old.name
         cage.data = filling.filled(name, filling.points_of(old), shape)
         rig.give(cage, same_vertices=True)

@@ -38,7 +38,7 @@ def make(cage: Object, space: Object, method: str) -> Object:
 
     Where weights would be too many, it is the cage's own triangles alone.
     """
-    outline, corners = filling.outline(cage), filling.points_of(filling.mesh_of(cage))
+    outline, corners = filling.shape_of(cage), filling.points_of(filling.mesh_of(cage))
     name, sampling = f"{cage.name} Field", None if method == LINEAR else core.coordinates.field.INSIDE
     field = remembered(
         lambda: core.coordinates.field_of(outline, sampling),

@@ -34,7 +34,7 @@ def names(cage: Object) -> list[str]:
 
 def _outward(cage: Object) -> FloatArray:
     """Directions (n, 2) out of the cage at its corners."""
-    outline = filling.outline(cage)
+    outline = filling.shape_of(cage)
     along = outline.edge_ends - outline.vertices
     tangent = along / np.linalg.norm(along, axis=1)[:, None]
     tangent = tangent + tangent[outline.predecessor]

@@ -116,7 +116,7 @@ class Live:
         objects = ownership.members(collection)
         if len(objects) < 2 or any(obj.mode != "OBJECT" for obj in objects):
             return False
-        before, *cages = (filling.outline(obj) for obj in objects)
+        before, *cages = (filling.shape_of(obj) for obj in objects)
         if not np.array_equal(before.edges, after.edges):
             return False
         if np.array_equal(before.vertices, after.vertices):

@@ -60,7 +60,7 @@ def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: flo
     return (note("loose.enough", **facts, better=better, good=GOOD) if better else note("loose.count", **facts),)
 
 
-def part(excess: float) -> str:
+def percentage(excess: float) -> str:
     """An excess in percent or, from `MANY_TIMES` on, in times."""
     return f"{100.0 * excess:.2f} %" if excess < MANY_TIMES else f"{excess:,.0f} times"
 

@@ -86,7 +86,7 @@ class Job:
             self._work.close()
 
 
-def part(work: Work[Result], number: int, count: int, begin: float = 0.0, end: float = 1.0) -> Work[Result]:
+def share(work: Work[Result], number: int, count: int, begin: float = 0.0, end: float = 1.0) -> Work[Result]:
     """Work on one of several things, with its progress scaled to that of all, which goes from `begin` to `end`."""
 
     def scaled(step: Progress) -> Progress:

@@ -158,8 +158,8 @@ def _write_one(
     for surplus in [obj for obj in before if obj not in made]:
         (replaced.kept if is_rigged(surplus) else replaced.surplus).append(surplus)
 
-    record.fill(cage_set.sources, filter(None, (source, *(part.source for part in result.drawing.others))))
-    record.fill(cage_set.levels, made)
+    record.refer(cage_set.sources, filter(None, (source, *(part.source for part in result.drawing.others))))
+    record.refer(cage_set.levels, made)
     cage_set.title, cage_set.inside, cage_set.kinds, cage_set.moving = (
         name,
         result.inside,

@@ -45,7 +45,7 @@ class Folding:
     @classmethod
     def of(cls, cage: Object, inner: Object, shows: Object) -> Folding:
         """The field of a cage, and an inner object that follows it. Raises: UserError."""
-        outline, data = filling.outline(inner), filling.mesh_of(shows)
+        outline, data = filling.shape_of(inner), filling.mesh_of(shows)
         rest, corners = filling.points_of(data), filling.stored(data.polygons, "vertices", 3, np.int32)
         places = np.column_stack([outline.vertices, np.zeros(len(outline.vertices))])
         shape = outline.moved(transform(space_to_space(shows, inner), places)[:, :2])

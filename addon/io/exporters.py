@@ -83,7 +83,7 @@ def make_animated(objects: Sequence[Object]) -> list[Object]:
     for obj in objects:
         if ownership.level_of(obj) is None or obj.data.shape_keys is None:
             raise UserError(f"'{obj.name}' is not an animated cage: choose faces instead")
-    outlines = [filling.outline(obj) for obj in objects]
+    outlines = [filling.shape_of(obj) for obj in objects]
     made = []
     for obj, outline in zip(objects, outlines, strict=True):
         new = obj.copy()

@@ -15,7 +15,7 @@ from ..errors import FloatArray, UserError
 from ..generation.job import Progress, Work
 from ..scene import filling
 from ..scene.chains import without_doubles
-from ..scene.plane import outline_of, size
+from ..scene.plane import size, united_loops
 
 SVG, MAPS = (".svg",), (".geojson", ".json")
 
@@ -111,4 +111,4 @@ def stored_mesh(name: str, loops: list[FloatArray]) -> core.Mesh:
     """
     extent = size(np.concatenate(loops))
     rounded = [without_doubles(loop.astype(np.float32), extent).astype(np.float64) for loop in loops]
-    return core.Mesh.from_loops(outline_of(name, rounded, evenodd=True))
+    return core.Mesh.from_loops(united_loops(name, rounded, evenodd=True))

@@ -178,7 +178,7 @@ class Picture:
         height, width = self.alpha.shape
         return width, height
 
-    def outline(self, vertices: int, *, tile: bool = False, **options: Any) -> Work[core.Mesh]:
+    def trace(self, vertices: int, *, tile: bool = False, **options: Any) -> Work[core.Mesh]:
         """A mesh around all opaque pixels, in pixels with y upwards from the bottom. Raises: UserError.
 
         tile: whether a picture that is opaque as a whole gets its own edge, without padding. options: padding,

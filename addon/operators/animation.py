@@ -12,7 +12,7 @@ from ..animation import visibility
 from ..binding.adoption import adopt
 from ..errors import UserError, counted
 from ..following import live, moving, writing
-from ..generation.job import Work, part
+from ..generation.job import Work, share
 from ..generation.levels import OWN, are_counts, lengths, parse_levels
 from ..properties import groups
 from ..properties.kinds import flag, whole
@@ -88,7 +88,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
         self.exclusive = True  # reading changes the frame
         objects, read = sources(context), []
         for number, obj in enumerate(objects):
-            poses = yield from part(
+            poses = yield from share(
                 moving.read_poses(context, obj, frames, reading), number, len(objects), end=READING_PART
             )
             read.append(poses)
@@ -97,7 +97,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
         for number, poses in enumerate(read):
             asked = replace(options, clearance=options.clearance / poses.scale)
             work = moving.stand_still(poses, asked) if self.still else moving.follow(poses, asked, cyclic=self.cyclic)
-            result = yield from part(work, number, len(read), READING_PART)
+            result = yield from share(work, number, len(read), READING_PART)
             results.append(result)
         for sentence in writing.write(scene_again(name), results, self.thickness, all_values(self)):
             self.report({"WARNING"}, sentence)

@@ -12,7 +12,7 @@ from .. import record
 from ..binding.adoption import adopt, waiting
 from ..core import tasks
 from ..errors import Fault, UserError, counted
-from ..generation.job import SLICE, Job, Work, part, running
+from ..generation.job import SLICE, Job, Work, running, share
 from ..properties.kinds import flag
 from ..scene import ownership
 from ..scene.ownership import chosen, outputs_of_chosen, scene_of
@@ -219,7 +219,7 @@ class OutputOperator(JobOperator):
         done, problems = [], []
         for number, collection in enumerate(suitable):
             try:
-                result = yield from part(self.each(context, collection), number, len(suitable))
+                result = yield from share(self.each(context, collection), number, len(suitable))
                 done.append((collection, result))
             except UserError as error:
                 problems.append(error)

@@ -19,8 +19,7 @@ from ..core import tasks
 from ..errors import UserError, counted
 from ..following import claims
 from ..generation import output
-from ..generation.generate import Generation, Request, Result
-from ..generation.generate import part as percentage
+from ..generation.generate import Generation, Request, Result, percentage
 from ..generation.job import Progress, Work, running
 from ..generation.levels import OWN
 from ..generation.rules import Places
@@ -65,7 +64,7 @@ class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
         if OWN in self.levels:
             layout.prop(self, "level_objects")
         groups.draw(layout.column(), self, groups.SPACE)
-        for title, names in groups.PARTS.items():
+        for title, names in groups.SECTIONS.items():
             header, body = layout.panel(f"nested_cages_{title}", default_closed=title != "Animation")
             header.label(text=title)
             if body is not None:

@@ -101,7 +101,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         for part in parts:
             try:
                 frame, shown = part.canvas.frame(), Picture.of(part.image)
-                outline = yield from shown.outline(self.vertices, **values(self))
+                outline = yield from shown.trace(self.vertices, **values(self))
                 points = part.canvas.placed(np.asarray(outline.vertices) / shown.size)
                 name = Path(part.image.name).stem or part.image.name
                 drawing = Drawing(name, frame, tuple(points[loop] for loop in outline.loops))
@@ -221,7 +221,7 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bp
         active = context.view_layer.objects.active
         shows_it = active is not None and active.type == "EMPTY" and active.data == image
         shown, target = Picture.of(image), active.session_uid if shows_it else None
-        mesh = yield from shown.outline(self.vertices, **values(self))
+        mesh = yield from shown.trace(self.vertices, **values(self))
         obj = pictures.place_outline(context, shown, mesh, found_object(target))
         select(context, obj)
         self.report({"INFO"}, f"{len(mesh.vertices)} vertices around all opaque pixels of '{shown.name}'")

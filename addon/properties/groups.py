@@ -61,7 +61,7 @@ def preferences() -> Any:
 # The title of what cages must be, apart from tight.
 SHAPE_TITLE = "Shape of Cages"
 # The settings in each part of the panels.
-PARTS = {
+SECTIONS = {
     "Animation": (*FRAMES, *ANIMATION),
     SHAPE_TITLE: (*RULES, *PLACES),
     "Drawing and Cages": (*WHICH, *READING, *SHAPE, *LOOKS),

@@ -33,7 +33,7 @@ class NestedCagesMarker(bpy.types.PropertyGroup):
     frame: whole("Frame", "Frame of the marker")
 
 
-class NestedCagesPart(bpy.types.PropertyGroup):
+class NestedCagesReference(bpy.types.PropertyGroup):
     """An object of the set: a drawing, or the object of a level."""
 
     object: PointerProperty(name="Object", description="The object", type=Object)
@@ -55,9 +55,9 @@ class NestedCagesUsed(bpy.types.PropertyGroup, GenerationProperties):
 class NestedCagesRecord(bpy.types.PropertyGroup):
     """Of a collection of cages, and kept on each of its objects too, for copies and for a collection that is gone."""
 
-    sources: CollectionProperty(name="Drawings", description="The drawings in these cages", type=NestedCagesPart)
+    sources: CollectionProperty(name="Drawings", description="The drawings in these cages", type=NestedCagesReference)
     title: text("Title", "Name of the drawing when the cages were made")
-    levels: CollectionProperty(name="Levels", description="The fine mesh and the cages", type=NestedCagesPart)
+    levels: CollectionProperty(name="Levels", description="The fine mesh and the cages", type=NestedCagesReference)
     inside: flag("Inside", "Whether the cages lie inside the drawing")
     moving: flag("Moving", "Whether the cages follow the drawing's own animation")
     known: flag("Known", "Whether the settings are those that the cages were made with")
@@ -108,14 +108,14 @@ class NestedCagesMember(bpy.types.PropertyGroup):
     checked: IntVectorProperty(name="Checked", description="First and last frame of the check", size=2)
     judged: text("Judged", "Digest of the coordinates that Verify Cages judged")
     notes: CollectionProperty(name="Notes", description="Notes on the run", type=NestedCagesNote)
-    parts: CollectionProperty(name="Parts", description="What a silhouette shows", type=NestedCagesPart)
+    parts: CollectionProperty(name="Parts", description="What a silhouette shows", type=NestedCagesReference)
 
 
 CLASSES = (
     NestedCagesSettings,
     NestedCagesNote,
     NestedCagesMarker,
-    NestedCagesPart,
+    NestedCagesReference,
     NestedCagesRange,
     NestedCagesUsed,
     NestedCagesRecord,

@@ -84,7 +84,7 @@ def assign(group: Any, given: dict[str, Any]) -> None:
             setattr(group, name, value)
 
 
-def fill(items: Any, objects: Any) -> None:
+def refer(items: Any, objects: Any) -> None:
     """Makes a list of parts refer to objects."""
     items.clear()
     for obj in objects:

@@ -19,7 +19,7 @@ from ..scene import display, placement
 from ..scene.filling import mesh_of, points_of, stored
 from ..scene.plane import size
 from .outline_map import Outline, outline_map
-from .rig import outline_of, rest_points
+from .rig import mesh_outline, rest_points
 
 # All properties of a placement, in the order in which they are set.
 PLACEMENT = (*placement.PARENTING, *placement.TRANSFORM)
@@ -68,7 +68,7 @@ class Pose:
             obj.parent is not None and obj.parent != source,
             record.before(obj).matrix,
             obj.matrix_basis.copy(),
-            outline_of(mesh),
+            mesh_outline(mesh),
             points_of(mesh) - rest_points(mesh),
         )
 
@@ -89,7 +89,7 @@ class Pose:
             obj.matrix_basis = self.rest.inverted_safe() @ self.basis
         if bound and self.bends:
             mesh = mesh_of(obj)
-            move(mesh, outline_map(self.outline, outline_of(mesh)).of(self.offsets))
+            move(mesh, outline_map(self.outline, mesh_outline(mesh)).of(self.offsets))
 
 
 def move(mesh: Mesh, offsets: FloatArray) -> None:

@@ -76,7 +76,7 @@ class Rig:
             left_behind.append("NLA tracks of its shape keys")
         active, key = obj.vertex_groups.active, obj.active_shape_key
         return cls(
-            outline_of(mesh),
+            mesh_outline(mesh),
             tuple(
                 Group(group.name, group.lock_weight, np.nan_to_num(own), ~np.isnan(own))
                 for group, own in zip(obj.vertex_groups, weights_of(mesh, len(obj.vertex_groups)), strict=True)
@@ -99,7 +99,7 @@ class Rig:
         same_vertices: vertices keep their numbers if there are as many as before, wherever they are.
         """
         mesh = mesh_of(obj)
-        new = outline_of(mesh)
+        new = mesh_outline(mesh)
         if (same_vertices and len(new.points) == len(self.outline.points)) or np.array_equal(
             new.points, self.outline.points
         ):
@@ -209,7 +209,7 @@ def rest_points(mesh: Mesh) -> FloatArray:
     return points_of(mesh if mesh.shape_keys is None else mesh.shape_keys.reference_key)
 
 
-def outline_of(mesh: Mesh) -> Outline:
+def mesh_outline(mesh: Mesh) -> Outline:
     """The outline of a mesh at rest."""
     return Outline.of(rest_points(mesh), loop_edges(mesh))
 

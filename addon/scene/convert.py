@@ -13,7 +13,7 @@ from .. import keys
 from ..core import broad_phase, core, distance
 from ..errors import Fault, FloatArray, UserError
 from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
-from .plane import PLANARITY, Frame, fitted_frame, outline_of, own_frame, size, transform, united, world_matrix
+from .plane import PLANARITY, Frame, fitted_frame, own_frame, size, transform, united, united_loops, world_matrix
 from .reading import READERS, Lines, has_nodes, lines_of
 
 # Smallest part of the area of several drawings that is missing from their sum if one lies in another.
@@ -190,7 +190,7 @@ def drawing_in(
 
 def _drawing(outline: Outline, frame: Frame, loops: Sequence[FloatArray]) -> Drawing:
     """Letters that overlap or touch are united."""
-    kept = outline_of(outline.name, loops) if outline.letters else tuple(loops)
+    kept = united_loops(outline.name, loops) if outline.letters else tuple(loops)
     return Drawing(outline.name, frame, kept, outline.identity, filled=outline.filled)
 
 

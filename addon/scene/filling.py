@@ -67,7 +67,7 @@ def evaluated_mesh(evaluated: Object) -> Iterator[Mesh | None]:
             evaluated.to_mesh_clear()
 
 
-def outline(obj: Object) -> core.Mesh:
+def shape_of(obj: Object) -> core.Mesh:
     """The core's ``Mesh`` of a mesh object's own x and y, unposed. Raises: UserError."""
     with blamed(f"'{obj.name}'"):
         return core.Mesh(points_of(mesh_of(obj))[:, :2], loop_edges(mesh_of(obj)))

@@ -118,7 +118,7 @@ def source_of(collection: Collection) -> Object | None:
 def hand_over(collection: Collection, drawing: Object) -> None:
     """Names an output after another one of its drawings; deleted ones leave it."""
     others = [obj for obj in originals(collection) if obj != drawing]
-    record.fill(record.of(collection).sources, [drawing, *others])
+    record.refer(record.of(collection).sources, [drawing, *others])
     for obj in members(collection):
         record.node_of(obj).of = drawing
     record.keep(collection)

@@ -141,7 +141,7 @@ Loops = tuple[FloatArray, ...]
 CLOSED_GAP = 1e-5
 
 
-def outline_of(name: str, loops: Sequence[FloatArray], *, evenodd: bool = False) -> Loops:
+def united_loops(name: str, loops: Sequence[FloatArray], *, evenodd: bool = False) -> Loops:
     """The outline of one area given by loops (k, 2), in float32; unchanged unless they cross or touch.
 
     evenodd: the rule that decides what is inside, instead of non-zero winding. Raises: UserError.

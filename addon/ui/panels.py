@@ -55,7 +55,7 @@ class PartPanel(SidebarPanel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
-        groups.draw(_split(self.layout).column(), settings_of(context), groups.PARTS[self.bl_label])
+        groups.draw(_split(self.layout).column(), settings_of(context), groups.SECTIONS[self.bl_label])
 
 
 class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
