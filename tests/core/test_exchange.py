@@ -23,6 +23,7 @@ from nestedcages_core.exchange import (
     features_from_geojson,
     from_engine_json,
     from_svg,
+    is_engine_json,
     read_geojson,
     read_svg,
     solid,
@@ -577,6 +578,14 @@ def test_convex_pieces_are_written(flip: float | None, tmp_path: Path) -> None:
         assert 3 <= len(found) <= 5
         assert shapely.LinearRing(found).is_ccw
         assert np.array_equal(found, piece) if flip is None else np.allclose(found, piece, atol=1e-12)
+
+
+def test_outlines_are_told_from_other_json() -> None:
+    text = to_engine_json(annulus(6))
+    assert is_engine_json(text)
+    assert is_engine_json(text.encode())
+    others = ("", "[1]", to_geojson(annulus(6)), '{"name": "nested-cages outline"}', text[:-1])
+    assert not any(map(is_engine_json, others))
 
 
 def test_pieces_have_three_vertices_at_least() -> None:

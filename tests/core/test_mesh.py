@@ -7,6 +7,7 @@ import dataclasses
 import itertools
 import math
 import pickle
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -274,6 +275,13 @@ def test_every_kind_of_geometry_is_read() -> None:
         (Carrier(feature), square.area),
         (Carrier({"type": "FeatureCollection", "features": [feature, nothing, Carrier(mapping(other))]}), both),
         (shapely.Polygon([(x, y, 7.0) for x, y in SQUARE]), 16.0),
+        (
+            {
+                "type": "Polygon",
+                "coordinates": iter([[(Decimal(x), Fraction(y)) for x, y in np.array(SQUARE).tolist()]]),
+            },
+            16.0,
+        ),
     ]
     for geometry, area in cases:
         assert Mesh.from_geometry(geometry).area == pytest.approx(area, rel=1e-14)
@@ -293,6 +301,17 @@ def test_every_kind_of_geometry_is_read() -> None:
         (
             {"type": "Polygon", "coordinates": [[(0, 0), (1, 0), (1,)]]},
             "Point 2 of ring 0 of polygon 0 is (1,), not two numbers.",
+        ),
+        ({"type": "Polygon", "coordinates": np.array(5)}, "Polygon 0 is array(5), not a list."),
+        ({"type": "Polygon", "coordinates": "rings"}, "Polygon 0 is 'rings', not a list."),
+        (
+            {"type": "Polygon", "coordinates": [[(True, 0)]]},
+            "Point 0 of ring 0 of polygon 0 is (True, 0), not two numbers.",
+        ),
+        ({"type": "Polygon", "coordinates": [[(10**400, 0)]]}, "Point 0 of ring 0 of polygon 0 is out of range"),
+        (
+            {"type": "Polygon", "coordinates": [[(0, np.nan)]]},
+            "Point 0 of ring 0 of polygon 0 is (0, nan); finite numbers",
         ),
         ({"type": "MultiPolygon"}, "The list of polygons is None, not a list."),
         ({"type": "FeatureCollection", "features": 3}, "The list of features is 3, not a list."),
