@@ -255,6 +255,15 @@ def stretched():
     return source
 
 
+def in_collection(source):
+    """A new collection of the scene that the drawing moves to."""
+    character = bpy.data.collections.new("Character")
+    bpy.context.scene.collection.children.link(character)
+    character.objects.link(source)
+    bpy.context.scene.collection.objects.unlink(source)
+    return character
+
+
 def world(obj):
     return in_world(obj, evaluated(obj))
 
@@ -308,10 +317,7 @@ def test_a_copy_of_a_bound_drawing_shows_the_same_where_it_is(kind, linked) -> N
 
 def test_an_instance_shows_the_pose_where_it_is() -> None:
     source = wire("Drawing", [star() * 2.0])
-    character = bpy.data.collections.new("Character")
-    bpy.context.scene.collection.children.link(character)
-    character.objects.link(source)
-    bpy.context.scene.collection.objects.unlink(source)
+    character = in_collection(source)
     *_, cage = generate(source, "12")
     bpy.ops.object.nested_cages_bind()
     cage.location.x += 0.25
@@ -330,10 +336,7 @@ def test_an_instance_shows_the_pose_where_it_is() -> None:
 
 def test_cages_are_in_the_collection_of_their_drawing() -> None:
     source = poly_curve("Drawing", [star()])
-    character = bpy.data.collections.new("Character")
-    bpy.context.scene.collection.children.link(character)
-    character.objects.link(source)
-    bpy.context.scene.collection.objects.unlink(source)
+    character = in_collection(source)
     generate(source, "12")
     assert [child.name for child in character.children] == ["Drawing Cages"]
 
@@ -369,10 +372,7 @@ def test_verify_looks_at_the_drawing_as_it_is_seen() -> None:
 def saved(tmp_path):
     """A file with a bound and posed drawing in a collection of its own, and how the drawing is seen."""
     source = wire("Drawing", [star() * 2.0])
-    character = bpy.data.collections.new("Character")
-    bpy.context.scene.collection.children.link(character)
-    character.objects.link(source)
-    bpy.context.scene.collection.objects.unlink(source)
+    in_collection(source)
     *_, cage = generate(source, "12")
     bpy.ops.object.nested_cages_bind()
     rigged(cage)
