@@ -19,7 +19,6 @@ NOTES: Mapping[str, str] = {
     "start curve": "Started from the {source}: with its vertices on the curve it would cross itself.",
     "clearance gaps": "The gaps of the fine mesh leave room for a clearance of {given:.3g}, not {wanted:.3g}.",
     "clearance inside": "The fine mesh is narrow: there is room for a clearance of {given:.3g}, not {wanted:.3g}.",
-    "clearance parts": "The parts leave room for a clearance of {given:.3g}, not {wanted:.3g}.",
     "loops": "The cage has {given}, but the mesh in it has {wanted}.",
     "loops merge": "Keeping all {wanted} loops makes the cage {excess_percent:.0f} % larger than the shape; "
     "merge={distance:.3g} would make it about {better_percent:.0f} % larger, with {given}.",

@@ -29,6 +29,10 @@ def needs_of(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tup
     about: the mesh that weights, pins and a symmetry to be found refer to. Discrete facts come first: numbers, then the
     group, whose place may depend on them.
     """
+    if settings.convex:
+        from ..needs.convex.need import around_hulls
+
+        settings = around_hulls(settings)
     needs: list[Need] = []
     group: Symmetry | None = None
     remarks: tuple[Fault, ...] = ()
@@ -46,7 +50,7 @@ def needs_of(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tup
             remarks += moved
         if group is not None:
             settings = keeping(settings, group)
-    elif not settings.has_priorities and numbers is None:
+    elif not (settings.has_priorities or settings.convex) and numbers is None:
         settings = _preferring_symmetry(settings, about)
     if settings.has_priorities:
         from ..needs.priorities.need import Priorities

@@ -223,6 +223,10 @@ def _checked(
         if isinstance(level, Within):
             checked.append(level)
         elif is_mesh_like(level):
+            if convex:
+                raise NestingError(
+                    "A convex cage needs a number of vertices, not a coarse mesh.", code="setting.conflict"
+                )
             mesh = Mesh.of(level).validated()
             loops = len(mesh.loops)
             checked.append(mesh)

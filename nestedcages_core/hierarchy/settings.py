@@ -47,7 +47,7 @@ class Settings(LevelSettings):
     loop of the fine mesh."""
     convex: bool = False
     """Convex cages: around each part of the mesh the convex polygon of least area with as many vertices as the level
-    says; holes are filled. Of the other settings only `clearance` and `grid` matter then."""
+    says; holes are filled. Not with `merge`, pins, joints and limits; `energy` and `fallback` do not matter then."""
     symmetry: Symmetry | Found | None = None
     """A symmetry that the cages have exactly: `Mirror`, `Rotation`, or `Found` for that of the drawing. Needs shapely
     where the drawing does not have it."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,14 +12,14 @@ import numpy as np
 from ..contact.reinflation import Reinflation
 from ..decimation import Decimation, Start
 from ..energies import CageEnergy
-from ..errors import Fault, note
+from ..errors import Fault, NestingError, note
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
-from ..verification import Certificate
+from ..verification import Certificate, verify
 from ..verification.certificate import loops_in_words
-from .plan import ExactSolver, Plan
+from .plan import Plan
 from .report import Level, LevelProgress, NestingReport, Progress
 from .units import SolverUnits
 
@@ -59,13 +59,23 @@ class Assembly:
     def __init__(self, plan: Plan, progress: LevelProgress, units: SolverUnits) -> None:
         self.plan, self.progress, self.units, self.fine = plan, progress, units, plan.fine
 
-    def exact(self, solver: ExactSolver, wanted: int | Mesh, clearances: tuple[float, ...]) -> Stage[Progress, Level]:
-        """The level of a solver of its own."""
-        found = yield from solver(self.plan, wanted, clearances, self.progress)
-        counts = {"flow": 0, "reinflation": 0, "tightening": len(found.steps) - 1}
-        coarse, way = found.cage.moved(found.steps[0]).validated(), self.resting(found.steps)
-        notes = (*self.plan.remarks, *found.notes)
-        return self.level(coarse, found.cage, way, found.certificate, found.clearance, found.source, counts, notes)
+    def around(self, inner: Mesh, level: Level) -> Level:
+        """The level of a mesh that rests in the one that was solved for. Raises NestingError."""
+        mended = self.plan.mended(level.cage)
+        if mended is not None:
+            level = level.standing(*mended)
+            if self.plan.mended(level.cage) is not None:
+                raise NestingError("The cage is not convex.", code="convex.missed")
+        cage, rest = level.cage, inner.vertices[None]
+        certificate = verify(cage, inner, level.report.wanted_clearance, same_loops=False)
+        if not certificate:
+            raise NestingError(certificate.problems[0])
+        report = replace(level.report, clearance=certificate.clearance, excess=cage.area / inner.area - 1.0)
+        if not cage.has_loops_like(inner):
+            loops = note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(inner))
+            report = replace(report, notes=(loops, *report.notes))
+        path = replace(level.reinflation, moving_steps=rest)
+        return replace(level, fine=inner, flow=FlowResult(rest, 0, "inside"), reinflation=path, report=report)
 
     def resting(self, steps: FloatArray) -> tuple[FlowResult, Reinflation]:
         """The motion of a cage with steps (K + 1, m, 2) while the fine mesh rests."""

@@ -74,7 +74,7 @@ class Attempt:
 
 
 def attempts(
-    settings: LevelSettings, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...], side: int = 1
+    settings: LevelSettings, fine: Mesh, wanted: Count | Mesh, clearances: tuple[float, ...], side: int = 1
 ) -> Iterator[Attempt]:
     """The attempts for the level around ``fine``, or inside it, with a vertex count or the user's own coarse mesh."""
     if side < 0:
@@ -103,7 +103,7 @@ def attempts(
 
 
 def _attempts_inside(
-    settings: LevelSettings, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...]
+    settings: LevelSettings, fine: Mesh, wanted: Count | Mesh, clearances: tuple[float, ...]
 ) -> Iterator[Attempt]:
     """The same for a cage inside ``fine``: hulls rest inside it, so nothing flows."""
     hull = OuterHull(side=-1)
@@ -184,7 +184,7 @@ def clearances_for(settings: LevelSettings, fine: Mesh) -> tuple[float, ...]:
     return (wanted,)
 
 
-def _counts(fine: Mesh, wanted: int | Mesh) -> Count:
+def _counts(fine: Mesh, wanted: Count | Mesh) -> Count:
     """For the fallback: the vertices of each loop of the coarse mesh, or their total where its loops are others."""
     if not isinstance(wanted, Mesh):
         return wanted

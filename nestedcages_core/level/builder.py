@@ -10,7 +10,7 @@ import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
-from ..decimation import SeveralStarts, Start
+from ..decimation import Count, SeveralStarts, Start
 from ..decimation.budget import shared_anew
 from ..decimation.hull.outer_hull import SOURCE as HULL
 from ..energies import signed_area
@@ -65,6 +65,11 @@ class LevelBuilder:
 
     def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
         """The level for a vertex count or the user's own coarse mesh. Raises NestedCagesError."""
+        level = yield from self._on_numbers(wanted)
+        return level if self.plan.inner is None else self.assembly.around(self.plan.inner, level)
+
+    def _on_numbers(self, wanted: int | Mesh) -> Stage[Progress, Level]:
+        """The level on the numbers of the plan, around what is solved for."""
         level = yield from self._solved(wanted, self.clearances)
         if self.settling is None:
             return level
@@ -87,16 +92,15 @@ class LevelBuilder:
     def _solved(self, wanted: int | Mesh, clearances: tuple[float, ...]) -> Stage[Progress, Level]:
         """The level on any numbers, of the first attempt that succeeds. Raises the error of line cycles that led
         nowhere, since others need as many vertices, or of the last attempt."""
-        if self.plan.exact is not None:
-            return (yield from self.assembly.exact(self.plan.exact, wanted, clearances))
         started: list[NestedCagesError] = []
         failures: list[NestedCagesError] = []
         clamping = self.plan.remarks
+        source: Count | Mesh = wanted
         if not isinstance(wanted, Mesh):
-            wanted, replaced = self.plan.possible(wanted)
+            source, replaced = self.plan.possible(wanted)
             clamping += replaced
         notes = clamping
-        for attempt in attempts(self.settings, self.outline, wanted, clearances, self.plan.side):
+        for attempt in attempts(self.settings, self.outline, source, clearances, self.plan.side):
             try:
                 self.starts = []
                 starts = yield from self._coarse_meshes(attempt)
@@ -195,7 +199,7 @@ class LevelBuilder:
         alike = None if self.symmetry is None else self._alike(start, self.symmetry)
         start = start if alike is None else alike.start
         unit_coarse = self.units.from_input(start.coarse)
-        if self.plan.side < 0:  # it rests inside the fine mesh: nothing flows
+        if self.plan.side < 0 or self.plan.inner is not None:  # both rest: nothing flows
             flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
             resting = Reinflation(self.unit_fine.vertices[None], unit_coarse.vertices[None], 0)
             return self._bound(attempt, CageInProgress(start, unit_coarse, flow, resting, alike))

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
+from ..decimation import Count
 from ..decimation.budget import clamped
 from ..energies import CageEnergy
 from ..errors import Fault
@@ -16,7 +17,6 @@ from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh, by_side
 from ..tasks import Stage
 from ..verification import Certificate, verify
-from .report import LevelProgress, Progress
 from .units import SolverUnits
 
 EdgeCost: TypeAlias = Callable[[int, FloatArray, FloatArray], FloatArray]
@@ -58,24 +58,6 @@ class Numbers(Protocol):
 
     def finer(self) -> Iterator[Numbers]:
         """Finer numbers, tried for the message where these have no cage."""
-
-
-class Solution(NamedTuple):
-    """A cage from a solver of its own, without flow and contact."""
-
-    cage: Mesh
-    steps: FloatArray
-    """(K + 1, m, 2) motion to the cage, free of collisions."""
-    certificate: Certificate
-    clearance: float
-    """The one that is kept, of those asked for."""
-    source: str
-    """Name of the start in the report."""
-    notes: tuple[Fault, ...]
-
-
-ExactSolver: TypeAlias = "Callable[[Plan, int | Mesh, tuple[float, ...], LevelProgress], Stage[Progress, Solution]]"
-"""Solves a level of a plan for a count, and clearances to try in turn."""
 
 
 class Need:
@@ -130,10 +112,10 @@ class Plan:
     """What coordinates may be; None: all doubles."""
     group: Symmetry | None = None
     """Symmetries that cages have exactly."""
-    weight_at: Callable[[FloatArray], FloatArray] | None = None
-    """Weights (P,) of the area next to points (P, 2) in input units; None: equal ones."""
-    exact: ExactSolver | None = None
-    """Used instead of starts and tightening."""
+    inner: Mesh | None = None
+    """The mesh that levels are about, where the fine one stands for it, resting and around it; None: the fine one."""
+    per_loop: bool = False
+    """Whether a number of vertices is that of each loop of the outline, not of all together."""
     remarks: tuple[Fault, ...] = ()
     """Notes of the report."""
 
@@ -149,9 +131,20 @@ class Plan:
         """The certificate of a cage of this plan; its excess is that of the outer mesh."""
         return verify(*by_side(cage, self.fine, self.side), clearance, same_loops=same_loops)
 
-    def possible(self, wanted: int) -> tuple[int, tuple[Fault, ...]]:
-        """A number of vertices that the outline and all needs allow, and a note for each replacement."""
-        count, notes = clamped(wanted, self.outline)
+    def possible(self, wanted: int) -> tuple[Count, tuple[Fault, ...]]:
+        """A number of vertices that the outline and all needs allow, or one per loop; and notes, of the least one."""
+        if not self.per_loop:
+            return self._agreed(*clamped(wanted, self.outline))
+        loops = [Mesh.from_loops([self.outline.vertices[loop]]) for loop in self.outline.loops]
+        agreed = [replace(self, outline=loop)._agreed(wanted, ()) for loop in loops]
+        return [count for count, _ in agreed], min(agreed, key=lambda each: each[0])[1]
+
+    def number(self, mesh: Mesh) -> int:
+        """The number of vertices that a mesh around the outline counts as."""
+        return max(len(loop) for loop in mesh.loops) if self.per_loop else len(mesh.vertices)
+
+    def _agreed(self, count: int, notes: tuple[Fault, ...]) -> tuple[int, tuple[Fault, ...]]:
+        """A number of vertices that all needs allow."""
         tried: set[int] = set()
         while count not in tried:
             tried.add(count)

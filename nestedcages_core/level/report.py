@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import overload
 
@@ -104,6 +104,14 @@ class Level(Drawable):
     def excess(self) -> float:
         """area(cage) / area(fine) - 1; negative for inner cages."""
         return self.report.excess
+
+    def standing(self, cage: Mesh, note: Fault) -> Level:
+        """The level with another cage, from where it does not move, and a note instead of that on the grid."""
+        rest = self.fine.vertices[None]
+        kept = [other for other in self.report.notes if other.data.get("on") != "grid"]
+        report = replace(self.report, notes=(*kept, note))
+        flow, resting = FlowResult(rest, 0, "inside"), Reinflation(rest, cage.vertices[None], 0)
+        return replace(self, coarse=cage, cage=cage, flow=flow, reinflation=resting, report=report)
 
     @property
     def meshes(self) -> tuple[Mesh, ...]:

@@ -12,7 +12,6 @@ from ..contact.reinflation import Reinflation
 from ..energies import Area, Energy
 from ..energies.area import LostArea
 from ..errors import Fault, NestingError
-from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Orbits
 from ..geometry.mesh import Mesh
@@ -101,7 +100,7 @@ class Settling:
             cage = level.coarse.moved(points)
             mended = plan.mended(cage)
             if mended is not None:
-                return (yield from self._moved(_standing(level, *mended), numbers))
+                return (yield from self._moved(level.standing(*mended), numbers))
             certificate = plan.verify(cage, wanted, same_loops=same_loops)
             path = _path(level, points, numbers.spacing) if certificate and plan.fault(cage) is None else None
             if path is None:
@@ -163,15 +162,6 @@ def _edge_cost(plan: Plan, energy: Energy, cage: Mesh, units: SolverUnits, wante
         return area * at_cage.on_edge(vertex, units.points(start), units.points(end))
 
     return cost
-
-
-def _standing(level: Level, cage: Mesh, note: Fault) -> Level:
-    """The level with another cage, from where it does not move."""
-    flow = FlowResult(level.fine.vertices[None], 0, "inside")
-    resting = Reinflation(level.fine.vertices[None], cage.vertices[None], 0)
-    kept = [other for other in level.report.notes if other.data.get("on") != "grid"]
-    report = replace(level.report, notes=(*kept, note))
-    return replace(level, coarse=cage, cage=cage, flow=flow, reinflation=resting, report=report)
 
 
 def _from_sector(points: FloatArray, orbits: Orbits, k: int) -> FloatArray:

@@ -54,34 +54,16 @@ def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) 
     strictly: a clearance that every cage keeps, for the bound. Raises NestingError if not even the vertex count of the
     mesh inside is enough.
     """
-    if builder.plan.exact is not None:
-        return (yield from _fewest_exact(need, fine, builder))
     search = _Search(need, fine, builder)
     yield from search.try_walks(strictly)
     yield from search.try_counts()
     level = search.best
     if level is None:
         raise search.failure()
-    bound = search.bound if need.distance is not None and builder.plan.side > 0 else None
+    bounded = need.distance is not None and builder.plan.side > 0 and not builder.plan.per_loop
+    bound = search.bound if bounded else None
     told = need.note(len(level.cage.vertices), search.taken_by(level.cage), bound)
     return replace(level, report=replace(level.report, fewest=bound, notes=(*level.report.notes, told)))
-
-
-def _fewest_exact(need: Within, fine: Mesh, builder: LevelBuilder) -> Stage[Progress, Level]:
-    """The level of the fewest vertices around each part, where every count has its best cage. Raises NestingError."""
-    most, step = len(builder.fine.vertices), 1 if builder.symmetry is None else builder.symmetry.order
-    for count in range(LEAST_PER_LOOP, most + 1):
-        level = yield from builder.build(count)
-        if need.is_met(level.cage, fine):
-            told = need.note(len(level.cage.vertices), need.measured(level.cage, fine))
-            return replace(level, report=replace(level.report, notes=(*level.report.notes, told)))
-        if len(level.cage.vertices) <= count - step:  # the whole hull
-            break
-    raise NestingError(
-        f"No convex cage {need} was found: even the hull goes beyond it; ask for more, or not for convex.",
-        code="tolerance.unreachable",
-        limit=need.limit,
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,8 +103,8 @@ class _Search:
 
     def __init__(self, need: Within, fine: Mesh, builder: LevelBuilder) -> None:
         self.need, self.fine, self.builder = need, fine, builder
-        self.inner, self.side = builder.fine, builder.plan.side
-        self.bound = LEAST_PER_LOOP * len(fine.loops)
+        self.inner, self.side, self.number = builder.fine, builder.plan.side, builder.plan.number
+        self.bound = LEAST_PER_LOOP * (1 if builder.plan.per_loop else len(fine.loops))
         self.best: Level | None = None
         self.taken = np.inf
         self.error: NestedCagesError | None = None
@@ -132,12 +114,12 @@ class _Search:
     @property
     def count(self) -> int:
         """Vertices of the best level; one more than allowed if there is none."""
-        return len(self.best.cage.vertices) if self.best is not None else len(self.inner.vertices) + 1
+        return self.number(self.inner) + 1 if self.best is None else self.number(self.best.cage)
 
     def try_walks(self, strictly: float) -> Stage[Progress, None]:
         """Compute the bound, and try polygons of longest edges as starts."""
         distance = self.need.distance
-        if distance is None or self.side < 0:
+        if distance is None or self.side < 0 or self.builder.plan.per_loop:
             return
         yield from self.builder.progress.begin("decimation")
         bands = [Band(self.fine, k, distance) for k in range(len(self.fine.loops))]
@@ -174,7 +156,7 @@ class _Search:
 
     def try_counts(self) -> Stage[Progress, None]:
         """Try vertex counts below the best one; if there is none yet, upwards from the bound, then by bisection."""
-        least, most = self.bound, len(self.inner.vertices)
+        least, most = self.bound, self.number(self.inner)
         low = least - 1
         if self.best is None or self.inner is not self.fine:
             count = min((yield from self._guess()) or least, most)
@@ -232,9 +214,13 @@ class _Search:
         if self.error is not None and not np.isfinite(self.taken):
             return self.error
         taken = f"{self.taken:.6g}" if self.need.distance is not None else f"{100.0 * self.taken:.6g} %"
+        if self.builder.plan.per_loop:
+            kind, remedy = "convex cage", "leave out convex"
+        else:
+            kind, remedy = "cage", "for less clearance"
         return NestingError(
-            f"No cage {self.need} was found with at most the {len(self.inner.vertices)} vertices of the mesh inside: "
-            f"the best one takes {taken}; ask for more, or for less clearance.",
+            f"No {kind} {self.need} was found with at most the {self.number(self.inner)} vertices of the mesh inside: "
+            f"the best one takes {taken}; ask for more, or {remedy}.",
             code="tolerance.unreachable",
             limit=self.need.limit,
             taken=float(self.taken),
@@ -276,7 +262,7 @@ class _Search:
         except NestedCagesError as error:
             self.error = error
             return False
-        if len(level.cage.vertices) >= self.count:
+        if self.number(level.cage) >= self.count:
             return False
         met = self.is_met(level.cage)
         if met:

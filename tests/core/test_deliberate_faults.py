@@ -237,14 +237,15 @@ def test_limits_are_kept_to_the_digit() -> None:
 
 def test_a_polygon_that_is_not_convex_is_no_convex_cage(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(convex, "is_convex", lambda mesh: False)
-    with pytest.raises(NestingError, match="no convex cage"):
+    with pytest.raises(NestingError, match="not convex"):
         nested_cages(star(5, 40), [8], Settings(convex=True))
 
 
-def test_parts_too_close_for_a_wall_have_none() -> None:
-    squares = [np.array([[x, 0], [x + 1, 0], [x + 1, 1], [x, 1]], float) for x in (0.0, 1.1)]
-    assert convex._between(*(convex.Hull.of(square, 0.04) for square in squares)) is not None
-    assert convex._between(*(convex.Hull.of(square, 0.06) for square in squares)) is None
+def test_hulls_that_touch_have_no_convex_cages() -> None:
+    squares = [np.array([[x, 0], [x + 1, 0], [x + 1, 1], [x, 1]], float) for x in (0.0, 0.9, 1.0, 1.1)]
+    assert [convex._overlap(squares[0], other) for other in squares] == [True, True, True, False]
+    assert convex._overlap(4.0 * squares[0], 1.0 + squares[0])
+    assert convex._overlap(1.0 + squares[0], 4.0 * squares[0])
 
 
 def test_every_option_of_the_command_reaches_the_settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

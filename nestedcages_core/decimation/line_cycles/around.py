@@ -55,7 +55,6 @@ MOST_OF_ALL = 0.5
 FEW_LINES = 12
 """Number of lines of each of several loops that is sought in any case, to know the least."""
 
-
 MAX_EXCESS_OF_SYMMETRY = 0.008
 """Fraction of the area beyond the fine mesh that a preferred symmetry may cost."""
 
@@ -213,7 +212,7 @@ class Around:
             # long edges deserve few places, but a line each
             deserved_lines = USUAL_SHARE * target * max(share, chain.length / length)
             expected = max(float(LEAST_PER_LOOP), min(len(at) / PLACES_PER_VERTEX, deserved_lines))
-            lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, shift)
+            lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, shift, corners=self._is_thorough(chain))
             yield
             found.append((lines.shifted(shift), at, expected, deserved_lines))
         obstacles = Obstacles(self.outline.split(), self.request.regions)
@@ -280,7 +279,12 @@ class Around:
 
             return MirrorSearch(chain, lines, free, width=width, sizes=sizes, halves=halves)
         likely = (self.request.target if len(self.chains) == 1 else expected) / parts
-        return LoopSearch(chain, lines, free, width=width, sizes=sizes, expected=likely, parts=parts)
+        usual, thorough = {"width": width, "parts": parts}, self._is_thorough(chain)
+        return LoopSearch(chain, lines, free, sizes=sizes, expected=likely, thorough=thorough, **usual)
+
+    def _is_thorough(self, chain: Chain) -> bool:
+        """Whether a search around a loop may take long: convex, with one number of lines to seek."""
+        return self.request.per_loop is not None and chain.is_convex
 
     def _sizes(self, loop: int, deserved: float, lines: int, copies: int, parts: int) -> range:
         """The possible numbers of lines of a part of a loop, and of as many others like it."""

@@ -22,16 +22,22 @@ TILTS = tuple(0.5 * 3.0**-k for k in range(9))
 TIP = 2.0
 """Turn of a corner, in radians, from which it is a tip."""
 
+MOST_AT_CORNERS = 60
+"""Lines through the corners of a convex loop, at most."""
+
 BLOCK_EDGES = 16
 """Consecutive edges that rays look at together."""
 
 
-def candidates(chain: Chain, at: IntArray, longest: float, shift: float) -> Lines:
+def candidates(chain: Chain, at: IntArray, longest: float, shift: float, *, corners: bool = False) -> Lines:
     """The candidate lines of a chain with places at some vertices (N,), in order.
 
     longest: of the stretches, in places. shift: distance that lines will keep from the chain.
+    corners: whether the chain is convex, and lines through its corners are wanted.
     """
     parts = [*_along_edges(chain, len(at)), *_over_pockets(chain, at), *_about_tips(chain, at, shift)]
+    if corners:
+        parts.append(_at_corners(chain, at))
     if len(chain.pins):
         parts.append(_through_pins(chain, at))
     for stretch in STRETCHES:
@@ -111,6 +117,16 @@ def _about_tips(chain: Chain, at: IntArray, shift: float) -> list[Lines]:
             direction = np.stack((np.cos(angle), np.sin(angle)), axis=1)
             parts.append(Lines.of(chain.vertices[at[some]], at[some].astype(np.float64), direction))
     return parts
+
+
+def _at_corners(chain: Chain, at: IntArray) -> Lines:
+    """Lines through corners of a convex chain, turned between their edges."""
+    turn = chain.turned(at, chain.edges[at])
+    parts = (np.arange(MOST_AT_CORNERS // len(at)) + 0.5) / max(1, MOST_AT_CORNERS // len(at))
+    angle = (chain.angles[at - 1][:, None] + parts * turn[:, None]).ravel()
+    corner = np.repeat(at, len(parts))
+    direction = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    return Lines.of(chain.vertices[corner], corner.astype(np.float64), direction)
 
 
 def _through_pins(chain: Chain, at: IntArray) -> Lines:

@@ -45,6 +45,11 @@ class Chain:
             self._weighed = np.concatenate(([0.0], np.cumsum(self.edge_weights * self.lengths)))
             self._along = np.concatenate(([0.0], np.cumsum(self.lengths)))
 
+    @property
+    def is_convex(self) -> bool:
+        """Whether the loop is a convex polygon."""
+        return self.swept[-1] > 0.0 and bool((cross(np.roll(self.edges, 1, axis=0), self.edges) >= 0.0).all())
+
     def turned(self, place: FloatArray | IntArray, direction: FloatArray) -> FloatArray:
         """(K,) angles in [-π, π) from the edge before each place to a direction (K, 2)."""
         before = self.angles[np.ceil(place).astype(np.int64) - 1]

@@ -31,8 +31,9 @@ MAX_ACROSS, MAX_MORE = 4, 6
 """Number of searches through the opposite line of the best cycle, and through lines between two lines of it
 (docs/ablation.md: line cycles: searches through other lines)."""
 
-MAX_MORE_IN_PARTS = 60
-"""The same where rotations leave few lines to each part, so that the first one decides."""
+MAX_MORE_IF_THOROUGH = 60
+"""The same where rotations leave few lines to each part, so that the first one decides, and around convex loops: one of
+the lines between two of a cycle is in the best one (Aggarwal, Chang & Yap 1985)."""
 
 IMPROVED = 1e-3
 """Relative gain from which a search counts as one that improved something."""
@@ -59,14 +60,25 @@ class LoopSearch:
     """The best cycles around one loop: `totals`, the least area for each number of lines, and which lines they are."""
 
     def __init__(
-        self, chain: Chain, lines: Lines, free: FloatArray, *, width: int, sizes: range, expected: float, parts: int = 1
+        self,
+        chain: Chain,
+        lines: Lines,
+        free: FloatArray,
+        *,
+        width: int,
+        sizes: range,
+        expected: float,
+        parts: int = 1,
+        thorough: bool = False,
     ) -> None:
         """free: (2, K) what is free of each line. sizes: the possible numbers of lines. expected: the likely one.
 
         parts: of the loop that rotations take to each other; lines are counted and sought in the first one.
+        thorough: whether cycles are sought through all lines between two of a cycle, as far as these are few.
         """
         self.chain, self.lines, self.free, self.sizes, self.expected = chain, lines, free, sizes, expected
         self.parts, self.count = parts, len(lines) // parts
+        self.thorough = thorough or parts > 1
         self.turns: Turns = turns(chain, lines, free, width)
         if parts > 1:
             self.turns = self.turns.of_part(self.count, len(lines))
@@ -91,7 +103,7 @@ class LoopSearch:
         for _ in range(min(int(spare), MAX_ACROSS)):
             if not (yield from self._search(self._across(self._usual()))):
                 break
-        more = MAX_MORE_IN_PARTS if self.parts > 1 else min(int(spare), MAX_MORE)
+        more = MAX_MORE_IF_THOROUGH if self.thorough else min(int(spare), MAX_MORE)
         if more:
             cycle = self._part(self._usual())
             gaps = np.mod(np.roll(cycle, -1) - cycle - 1, self.count) + 1

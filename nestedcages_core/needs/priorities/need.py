@@ -86,10 +86,6 @@ class Priorities(Importance, Need):
         """How often the pull of the area is multiplied at most."""
         return 1.0 if self.weights is None else float(self.relative.max())
 
-    def fill(self, plan: Plan) -> Plan:
-        """The weights."""
-        return plan if self.weights is None else replace(plan, weight_at=self.at)
-
     def applied(self, settings: Chosen) -> Chosen:
         """The settings with line cycles that respect the priorities."""
         respecting = getattr(settings.decimation, "respecting", None)
