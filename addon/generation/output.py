@@ -32,34 +32,17 @@ def length(collection: Collection, timing: Timing) -> int | None:
     return timeline.spans(phases, timing)[-1].end - timing.start_frame + 1
 
 
-# The collections of a run, and sentences about the artist's work on earlier output that could not be transferred.
-Written = tuple[list[Collection], list[str]]
-
-
 def write(
     scene: Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0, *, still: bool = False
-) -> Written:
-    """Writes the output of each drawing. still: without the animation of its steps. Raises: UserError, before anything
-    is changed, if earlier output cannot be replaced.
+) -> tuple[list[Collection], list[str]]:
+    """Writes the output of each drawing; returns the collections, and sentences about the artist's work on earlier
+    output that could not be transferred. still: without the animation of its steps. Raises: UserError, before anything
+    is changed, if earlier output cannot be replaced. Any other fault leaves a scene that is half written, which
+    Blender's undo takes back.
     """
     earlier = earlier_outputs(scene, results)
     for collection in filter(None, earlier):
         check_free(members(collection))
-    try:
-        collections, lost = _write(scene, results, earlier, timing, thickness)
-    except Exception:
-        bpy.ops.ed.undo_push(message="Unfinished Nested Cages")  # so that Blender's undo takes back this alone
-        raise
-    for collection in collections if still else ():
-        visibility.end(scene, collection)
-        record.keep(collection)
-    return collections, lost
-
-
-def _write(
-    scene: Scene, results: Sequence[Result], earlier: Sequence[Collection | None], timing: Timing, thickness: float
-) -> Written:
-    """The same with the output that each result replaces, if there is one."""
     visibility.leave(*filter(None, earlier))
     home = _home(scene, [result for result, before in zip(results, earlier, strict=True) if before is None])
     all_played = [timeline.spans(list(map(Phases.of, result.levels)), timing) for result in results]
@@ -84,6 +67,9 @@ def _write(
             ownership.home_of(scene, ownership.source_of(collection)).children.link(collection)
         visibility.enter(collection)
     replaced.remove()
+    for collection in collections if still else ():
+        visibility.end(scene, collection)
+        record.keep(collection)
     return collections, replaced.lost
 
 
