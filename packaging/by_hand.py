@@ -61,7 +61,7 @@ FAULTS = (
     Fault(CORE + "level/builder.py", "(1.0 + PAPER_PREFERENCE) * excess", "excess",
           TESTS + "a_start_that_the_flow_entered_is_preferred_by_a_little"),
     Fault(CORE + "level/builder.py",
-          "starts if self.symmetry is None else self._symmetric(starts, self.symmetry)", "starts",
+          "symmetric_starts(starts, self.symmetry, self.plan.side)", "starts",
           "tests/core/test_needs_together.py::test_details_and_starts_that_once_led_to_faults"),
     Fault(CORE + "level/assembly.py", "if self.plan.mended(level.cage) is not None:", "if False:",
           TESTS + "a_polygon_that_is_not_convex_is_no_convex_cage"),

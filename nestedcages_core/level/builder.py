@@ -17,7 +17,6 @@ from ..energies import signed_area
 from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError, note
 from ..flow import FlowResult
 from ..geometry.arrays import TINY, FloatArray
-from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh, Nesting
 from ..tasks import Stage
 from ..verification.motion import certifying
@@ -104,7 +103,11 @@ class LevelBuilder:
             try:
                 self.starts = []
                 starts = yield from self._coarse_meshes(attempt)
-                self.starts = starts if self.symmetry is None else self._symmetric(starts, self.symmetry)
+                if self.symmetry is not None:
+                    from .symmetrised_start import symmetric_starts
+
+                    starts = symmetric_starts(starts, self.symmetry, self.plan.side)
+                self.starts = starts
                 notes = clamping
                 if attempt.fallback:
                     start = self.starts[0]
@@ -196,8 +199,12 @@ class LevelBuilder:
 
     def _reinflated(self, attempt: Attempt, start: Start) -> Stage[Progress, CageInProgress]:
         """Flow and reinflation from a coarse mesh."""
-        alike = None if self.symmetry is None else self._alike(start, self.symmetry)
-        start = start if alike is None else alike.start
+        alike: Alike | None = None
+        if self.symmetry is not None:
+            from .symmetrised_start import made_alike
+
+            alike = made_alike(start, self.symmetry, self.plan.side)
+            start = alike.start
         unit_coarse = self.units.from_input(start.coarse)
         if self.plan.side < 0 or self.plan.inner is not None:  # both rest: nothing flows
             flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
@@ -236,24 +243,6 @@ class LevelBuilder:
         energy, clearance = self.settings.energy.at(cage.unit_coarse), self.units.clearance(attempt.clearances[0])
         energy, is_measure = self.plan.energy(energy, cage.unit_coarse, self.units, clearance)
         return replace(cage, energy=energy, is_measure=is_measure)
-
-    def _symmetric(self, starts: list[Start], group: Symmetry) -> list[Start]:
-        """Those that can be made symmetric. Raises the error of the first one if none can."""
-        found: list[Start] = []
-        errors: list[NestedCagesError] = []
-        for start in starts:
-            try:
-                found.append(self._alike(start, group).start)
-            except FAILURES as error:
-                errors.append(error)
-        if not found:
-            raise errors[0]
-        return found
-
-    def _alike(self, start: Start, group: Symmetry) -> Alike:
-        from .symmetrised_start import made_alike
-
-        return made_alike(start, group, self.plan.side)
 
     def _tightened(self, cage: CageInProgress, clearance: float) -> Stage[Progress, CageInProgress]:
         """The cage tightened at a clearance in the input's units."""

@@ -52,3 +52,17 @@ def made_alike(start: Start, symmetry: Symmetry, side: int) -> Alike:
         orbits,
         Tie.of(orbits, coarse.loop_order.walked(side).successor),
     )
+
+
+def symmetric_starts(starts: list[Start], symmetry: Symmetry, side: int) -> list[Start]:
+    """Those that can be made symmetric. Raises the error of the first one if none can."""
+    found: list[Start] = []
+    errors: list[NestingError] = []
+    for start in starts:
+        try:
+            found.append(made_alike(start, symmetry, side).start)
+        except NestingError as error:
+            errors.append(error)
+    if not found:
+        raise errors[0]
+    return found

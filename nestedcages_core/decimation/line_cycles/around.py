@@ -23,7 +23,7 @@ from ..hull.narrow_gaps import HULL_OFFSET
 from ..request import Request
 from .candidates import Obstacles, candidates
 from .chain import Chain, Lines, without_doubles
-from .crossings import Choice, Search, again, give_way
+from .crossings import Choice, Search, again
 from .loop_search import LoopSearch, NoCyclesError, shares
 from .places import Frame, places, weights
 from .shortest_cycles import Paths
@@ -127,6 +127,8 @@ class Around:
             if len(i) == 0:
                 break
             self.rounds += 1
+            from .giving_way import give_way  # most cycles do not cross
+
             changed = give_way(searches, choice, i, j, bias)
             for _ in together([searches[k].solve(int(searches[k].cycle(numbers[k])[0])) for k in changed]):
                 yield len(searches) / loops
