@@ -19,7 +19,6 @@ from nestedcages_core import (
     Tightening,
     TwoSidedFlow,
 )
-from nestedcages_core.level.attempts import MAX_IPC_PAIRS
 
 
 @dataclass(frozen=True)
@@ -118,12 +117,9 @@ MECHANISMS: dict[str, Mechanism] = {
         "flow", partial(Settings, flow=TwoSidedFlow(vertex_limit=1))
     ),
     # contact
-    "sequential QPs first (IPC first)": Mechanism(
-        "contact", with_contacts(IPC(max_pairs=MAX_IPC_PAIRS), SequentialQP())
-    ),
+    "sequential QPs first (IPC first)": Mechanism("contact", with_contacts(IPC(), SequentialQP())),
     "sequential QPs (IPC only)": Mechanism("contact", with_contacts(IPC())),
     "IPC behind sequential QPs": Mechanism("contact", with_contacts(SequentialQP())),
-    "IPC ends in crowds": Mechanism("contact", patches={"level.attempts:MAX_IPC_PAIRS": np.inf}),
     "IPC: stiffening": Mechanism("contact", patches={"contact.ipc:MOST_ROUNDS": 0}),
     "pruning of implied constraints": Mechanism(
         "contact",

@@ -49,11 +49,6 @@ if TYPE_CHECKING:
     from .checker import Verdict as Verdict
     from .checker import check
     from .contact.ipc import IPC as IPC
-    from .contact.pair_search import AllPairs as AllPairs
-    from .contact.pair_search import UniformGrid as UniformGrid
-    from .contact.step_filter import NoFilter as NoFilter
-    from .contact.step_filter import SmallestDistance as SmallestDistance
-    from .contact.step_filter import TimeOfImpact as TimeOfImpact
     from .coordinates import Grids as Grids
     from .coordinates import Harmonic as Harmonic
     from .coordinates import MeanValue as MeanValue
@@ -109,16 +104,21 @@ if TYPE_CHECKING:
     from .needs.symmetry import Rotation as Rotation
     from .published.gurditta_jacobson_2022 import AUGMENTED_2022 as AUGMENTED_2022
     from .published.gurditta_jacobson_2022 import AUGMENTED_2022_REPAIRED as AUGMENTED_2022_REPAIRED
+    from .published.gurditta_jacobson_2022 import AllPairs as AllPairs
     from .published.gurditta_jacobson_2022 import EvenSamples as EvenSamples
     from .published.gurditta_jacobson_2022 import GaussLegendre as GaussLegendre
     from .published.gurditta_jacobson_2022 import GradientDescent as GradientDescent
     from .published.gurditta_jacobson_2022 import Midpoint as Midpoint
+    from .published.gurditta_jacobson_2022 import NoFilter as NoFilter
     from .published.gurditta_jacobson_2022 import PaperContact as PaperContact
     from .published.gurditta_jacobson_2022 import PaperFlow as PaperFlow
     from .published.gurditta_jacobson_2022 import QuadraticFallOff as QuadraticFallOff
     from .published.gurditta_jacobson_2022 import RandomSamples as RandomSamples
     from .published.gurditta_jacobson_2022 import Repairs as Repairs
     from .published.gurditta_jacobson_2022 import SignedDistanceFlow as SignedDistanceFlow
+    from .published.gurditta_jacobson_2022 import SmallestDistance as SmallestDistance
+    from .published.gurditta_jacobson_2022 import TimeOfImpact as TimeOfImpact
+    from .published.gurditta_jacobson_2022 import UniformGrid as UniformGrid
     from .solver.newton import ProjectedNewton as ProjectedNewton
 
 __version__ = "1.0.0"
@@ -177,9 +177,7 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
 _LATER = {
     "energies.weighted_sum": "WeightedSum",
     "energies.no_energy": "NoEnergy",
-    "contact.pair_search": "AllPairs UniformGrid",
     "contact.ipc": "IPC",
-    "contact.step_filter": "NoFilter SmallestDistance TimeOfImpact",
     "decimation.choices": "OnCurve ArcLength OwnDecimation",
     "energies.choices": "BoundaryARAP ElementEnergy InitialDisplacement InteriorARAP ShapeKeeping StepDisplacement",
     "geometry.triangulation": "convex_pieces",
@@ -197,8 +195,9 @@ _LATER = {
     "exchange.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
     "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",
     "published.gurditta_jacobson_2022": (
-        "AUGMENTED_2022 AUGMENTED_2022_REPAIRED EvenSamples GaussLegendre GradientDescent Midpoint PaperContact "
-        "PaperFlow QuadraticFallOff RandomSamples Repairs SignedDistanceFlow"
+        "AUGMENTED_2022 AUGMENTED_2022_REPAIRED AllPairs EvenSamples GaussLegendre GradientDescent Midpoint NoFilter "
+        "PaperContact PaperFlow QuadraticFallOff RandomSamples Repairs SignedDistanceFlow SmallestDistance "
+        "TimeOfImpact UniformGrid"
     ),
 }
 """Rooms that making a cage does not need, and the names that the face passes on from them: imported when asked for."""

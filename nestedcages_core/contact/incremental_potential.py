@@ -7,16 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..energies import Blocks, CageEnergy
-from ..energies.containment_energy import ContainmentEnergy
 from ..energies.restoring import Restoring
 from ..geometry.arrays import FloatArray
 from ..geometry.distance import PointEdge
 from ..solver.newton import NewtonModel
 from .barrier import BarrierRanges, BarrierSum
-from .ccd import impacts
-from .pair_search import PairSource
-from .pairs import Bodies, Pairs
-from .step_filter import StepFilter, TimeOfImpact
+from .ccd import impacts, largest_safe_step
+from .pairs import Bodies, CandidateList, Pairs
 
 CAGE_VERTEX_WEIGHT = 0.25
 """Boundary length of a cage vertex, as a fraction of the mean coarse edge length."""
@@ -48,8 +45,7 @@ class IncrementalPotential:
         restoring: Restoring,
         weights: PotentialWeights,
         ranges: BarrierRanges,
-        candidates: PairSource,
-        step_filter: StepFilter | None = None,
+        candidates: CandidateList,
     ) -> None:
         self.bodies = bodies
         self.energy = energy
@@ -57,10 +53,6 @@ class IncrementalPotential:
         self.weights = weights
         self.ranges = ranges
         self.candidates = candidates
-        self.step_filter = step_filter or TimeOfImpact()
-        self.containment: ContainmentEnergy | None = None
-        if not self.step_filter.safe:
-            self.containment = ContainmentEnergy(bodies.cage.successor, bodies.fine.successor)
         self._x: FloatArray | None = None
         self._pairs: Pairs | None = None
         self._measured: PointEdge | None = None
@@ -69,7 +61,7 @@ class IncrementalPotential:
         """The energy at x (m + n, 2); infinite in contact and where the energy of the cage is."""
         m = self.bodies.m
         cages = self.energy.value(x[:m], self.bodies.cage.successor)
-        if not np.isfinite(cages) or (self.containment is not None and self.containment.value(x) > 0.0):
+        if not np.isfinite(cages):
             return np.inf
         contact = self._barriers(x).value
         return self.weights.restoring * self.restoring.value(x[m:]) + self.weights.cages * cages + contact
@@ -90,12 +82,12 @@ class IncrementalPotential:
         return NewtonModel(value, gradient, barriers.newton_direction(gradient, stiffness, own))
 
     def largest_step(self, x: FloatArray, direction: FloatArray) -> float:
-        """Fraction of ``direction`` that the step filter allows."""
+        """Fraction of ``direction`` that is free of collisions."""
         squared = direction[:, 0] ** 2 + direction[:, 1] ** 2
         m = self.bodies.m
         cage, fine = float(np.sqrt(squared[:m].max())), float(np.sqrt(squared[m:].max()))
         pairs, pair = self._measure(x, self.ranges.largest + cage + max(cage, fine))
-        return self.step_filter.fraction(pairs, x, direction, pair.distance)
+        return largest_safe_step(pairs, x, direction, pair.distance)
 
     def finished(self, x: FloatArray) -> bool:
         """Whether the fine mesh can go straight to its target and keep enough distance to the cage."""
@@ -108,10 +100,6 @@ class IncrementalPotential:
         if (after <= DIRECT_STEP_MARGIN * np.minimum(pair.distance, self.ranges.largest)).any():
             return False
         return len(impacts(pairs, x, motion, pair.distance)[0]) == 0
-
-    def pairs_in_range(self, x: FloatArray) -> int:
-        """Number of pairs with a non-zero barrier at x."""
-        return len(self._active(x)[0])
 
     def _barriers(self, x: FloatArray) -> BarrierSum:
         """The barriers of the pairs within range."""

@@ -18,9 +18,7 @@ from ..tasks import Stage
 from .barrier import BarrierRanges
 from .base import ContactOutcome, blocked
 from .incremental_potential import IncrementalPotential, PotentialWeights
-from .pair_search import BroadPhase, UniformGrid
-from .pairs import Bodies
-from .step_filter import StepFilter, TimeOfImpact
+from .pairs import Bodies, CandidateList
 
 __all__ = ["IPC"]
 
@@ -52,22 +50,12 @@ class IPC:
     """λ_B · d̂."""
     stride: float = 0.5
     """Maximum motion of a fine vertex to one target, as a fraction of the mean coarse edge length."""
-    max_pairs: float | None = None
-    """Pairs in contact per vertex above which it gives up, since iterations get slow; None: never."""
-    step_filter: StepFilter = field(default_factory=TimeOfImpact)
-    """Bounds each step before the line search."""
-    broad_phase: BroadPhase = field(default_factory=UniformGrid)
-    """Finds the candidate pairs."""
 
     def __post_init__(self) -> None:
         check_positive(self, "barrier_range", "restoring", "barrier", "stride")
-        if self.max_pairs is not None:
-            check_positive(self, "max_pairs")
         check_not_negative(self, "cages")
         check_part(self, "solver", "minimise", "ProjectedNewton()")
         check_part(self, "energy", "at", "Area()")
-        check_part(self, "step_filter", "fraction", "TimeOfImpact()")
-        check_part(self, "broad_phase", "candidates", "UniformGrid()")
 
     def reinflate(
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float
@@ -77,7 +65,7 @@ class IPC:
         energy = self.energy.at(bodies.coarse)
         base = self.barrier_range * bodies.cage_edge_length
         ranges = BarrierRanges.local(bodies, x[:m], path[-1], base)
-        candidates = self.broad_phase.candidates(bodies)
+        candidates = CandidateList(bodies)
         iterations = 0
         for target in waypoints(x[m:], path, self.stride * bodies.cage_edge_length):
             stiffness, idle = self.restoring / base, 0
@@ -91,10 +79,7 @@ class IPC:
                     PotentialWeights(stiffness, self.cages, self.barrier),
                     ranges,
                     candidates,
-                    self.step_filter,
                 )
-                if self.max_pairs is not None and objective.pairs_in_range(x) > self.max_pairs * len(x):
-                    return ContactOutcome(x, False, iterations, "too many pairs are in contact at once")
                 solution = yield from self.solver.minimise(objective, x)
                 x = solution.x
                 iterations += solution.iterations

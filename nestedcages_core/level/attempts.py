@@ -27,10 +27,6 @@ CLEARANCE_REDUCTION = 0.1
 MAX_CLEARANCE = 1e6
 """Upper bound of a clearance in diagonals: beyond it, floating-point numbers cannot represent the shape."""
 
-MAX_IPC_PAIRS = 10.0
-"""Pairs in contact per vertex above which IPC gives up. Usual are 1 to 3; around cores of many needles there are 20 to
-140, and an iteration takes fifty times as long (docs/ablation.md: IPC ends in crowds)."""
-
 LOOSE = 0.5
 """Excess above which a note says what fewer loops would give and, from a user's own coarse mesh, the next contact is
 tried too: around needles the contacts end in different minima."""
@@ -150,7 +146,7 @@ def contacts_for(settings: LevelSettings, *, own: bool = False) -> tuple[Contact
         return (SequentialQP(),)
     from ..contact.ipc import IPC
 
-    return SequentialQP(), IPC(energy=settings.energy, max_pairs=MAX_IPC_PAIRS)
+    return SequentialQP(), IPC(energy=settings.energy)
 
 
 def _prefers_curve(source: Mesh | Decimation) -> bool:

@@ -80,7 +80,7 @@ def test_curvature_is_the_second_derivative_of_the_loaded_distances(
     pairs, contacts = pairs.take(inner), contacts.take(inner)
     z = rng.uniform(0.1, 1.0, len(pairs))
     loads = EdgeLoads.of(pairs, contacts, z, bodies.m)
-    H = contact_curvature(bodies, x[: bodies.m], loads, np.zeros(bodies.m)).dense(bodies.m)
+    H = contact_curvature(bodies, x[: bodies.m], loads, 0.0).dense(bodies.m)
     direction = rng.normal(size=2 * bodies.m)
     step = np.zeros_like(x)
     step[: bodies.m] = direction.reshape(-1, 2)

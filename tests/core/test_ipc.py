@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nestedcages_core import IPC, Area, Mesh, ProjectedNewton, ReinflationError, SequentialQP, Settings, nested_cages
+from nestedcages_core import IPC, Area, Mesh, ProjectedNewton, ReinflationError
 from nestedcages_core.contact.barrier import BarrierRanges, facing_gaps
 from nestedcages_core.contact.incremental_potential import IncrementalPotential, PotentialWeights
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
@@ -13,7 +13,7 @@ from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.energies.restoring import Restoring
 from nestedcages_core.solver.newton import STALLED_AFTER, NewtonModel
 from nestedcages_core.tasks import drain
-from shapes import assert_free_of_crossings, assert_nested, derivative, letter_a, letter_a_coarse, ring
+from shapes import assert_free_of_crossings, derivative, ring
 
 
 def annulus(count: int) -> Mesh:
@@ -129,16 +129,6 @@ def test_a_cage_that_cannot_give_way_is_an_error_with_the_steps_so_far(monkeypat
         home_again(fine, coarse, start)
     assert isinstance(caught.value.partial, Reinflation)
     assert len(caught.value.partial.fine_steps) > 1
-
-
-def test_a_crowd_of_pairs_is_left_to_the_next_contact() -> None:
-    fine, coarse = letter_a(), letter_a_coarse()
-    with pytest.raises(ReinflationError, match="too many pairs are in contact at once"):
-        nested_cages(fine, [coarse], Settings(contact=IPC(max_pairs=0.1), fallback=None))
-    level = nested_cages(fine, [coarse], Settings(contact=[IPC(max_pairs=0.1), SequentialQP()], fallback=None)).levels[
-        0
-    ]
-    assert_nested(level.cage, fine)
 
 
 class Walled:

@@ -107,7 +107,7 @@ def test_bad_parameters_are_rejected(make: Callable[[], object], sentence: str) 
 
 
 PARTS = [
-    *((IPC, part) for part in ("solver", "energy", "step_filter", "broad_phase")),
+    *((IPC, part) for part in ("solver", "energy")),
     *((PaperContact, part) for part in ("solver", "energy", "step_filter", "broad_phase")),
     (SequentialQP, "quadratic_programs"),
     (SignedDistanceFlow, "quadrature"),

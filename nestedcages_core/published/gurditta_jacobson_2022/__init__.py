@@ -6,10 +6,12 @@ Section 3.1: the flow (Algorithms 1 and 2). Section 3.2: reinflation, its energy
 from .contact import PROGRAM_RANGE, PaperContact, Repairs
 from .flow import PROGRAM_STEP, PaperFlow
 from .gradient_descent import GradientDescent
+from .pair_search import AllPairs, UniformGrid
 from .potential import PaperWeights
 from .quadrature import EvenSamples, GaussLegendre, Midpoint, QuadraticFallOff, RandomSamples
 from .settings import AUGMENTED_2022, AUGMENTED_2022_REPAIRED
 from .signed_distance_flow import SignedDistanceFlow
+from .step_filter import NoFilter, SmallestDistance, TimeOfImpact
 
 __all__ = [  # noqa: RUF022 - in the order of the paper
     "PaperFlow",  # section 3.1 as its program runs it, with parity tests
@@ -22,6 +24,11 @@ __all__ = [  # noqa: RUF022 - in the order of the paper
     "PaperContact",  # section 3.2: the loop over the steps of the flow
     "PaperWeights",  # its weights of the terms of the energy
     "GradientDescent",  # its solver
+    "AllPairs",  # its search for pairs, or a faster one
+    "UniformGrid",
+    "NoFilter",  # its bound on steps, or others
+    "SmallestDistance",
+    "TimeOfImpact",
     "Repairs",  # fixes of its program
     "AUGMENTED_2022",  # all of it as settings
     "AUGMENTED_2022_REPAIRED",  # with the fixes

@@ -13,9 +13,7 @@ import numpy as np
 
 from ...contact.base import ContactOutcome
 from ...contact.ipc import STIFFENING
-from ...contact.pair_search import AllPairs, BroadPhase
 from ...contact.pairs import Bodies
-from ...contact.step_filter import NoFilter, StepFilter
 from ...energies import Area, Energy
 from ...geometry.arrays import FloatArray
 from ...geometry.precision import MOST_ROUNDS
@@ -24,7 +22,9 @@ from ...solver.newton import Solver
 from ...tasks import Stage
 from .flow import PAPER_DIAGONAL
 from .gradient_descent import GradientDescent
+from .pair_search import AllPairs, BroadPhase
 from .potential import PaperPotential, PaperWeights
+from .step_filter import NoFilter, StepFilter
 
 PROGRAM_RANGE = 0.1
 """d̂ of the program, whatever the size of the meshes."""

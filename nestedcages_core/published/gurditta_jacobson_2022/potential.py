@@ -9,16 +9,16 @@ import numpy as np
 from ...contact.barrier import BarrierSum
 from ...contact.ccd import impacts
 from ...contact.incremental_potential import DIRECT_STEP_MARGIN
-from ...contact.pair_search import PairSource
 from ...contact.pairs import Bodies, Pairs
-from ...contact.step_filter import StepFilter
 from ...energies import Blocks, CageEnergy
 from ...energies.containment_energy import ContainmentEnergy
 from ...geometry.arrays import FloatArray
 from ...geometry.distance import PointEdge
 from ...parameters import check_not_negative
 from ...solver.newton import NewtonModel
+from .pair_search import PairSource
 from .ray_parity import contained_by_parity
+from .step_filter import StepFilter
 
 SMALLEST_DISTANCE = 1e-15
 """Distance in bounding-box diagonals below which the program has no barrier, to skip a vertex and its own edges."""

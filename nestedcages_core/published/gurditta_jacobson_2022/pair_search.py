@@ -7,9 +7,9 @@ from typing import Protocol
 
 import numpy as np
 
-from ..errors import NestedCagesError
-from ..geometry.arrays import FloatArray
-from .pairs import Bodies, CandidateList, Pairs, find_pairs
+from ...contact.pairs import Bodies, CandidateList, Pairs, find_pairs
+from ...errors import NestedCagesError
+from ...geometry.arrays import FloatArray
 
 __all__ = ["AllPairs", "BroadPhase", "UniformGrid"]
 

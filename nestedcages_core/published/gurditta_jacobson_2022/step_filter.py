@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Protocol
 
 import numpy as np
 
-from ..geometry.arrays import FloatArray
-from .ccd import SAFETY, largest_safe_step
-from .pairs import Pairs
+from ...contact.ccd import SAFETY, largest_safe_step
+from ...contact.pairs import Pairs
+from ...geometry.arrays import FloatArray
 
 __all__ = ["NoFilter", "SmallestDistance", "StepFilter", "TimeOfImpact"]
 
 
 class StepFilter(Protocol):
     """Bounds a motion before the line search."""
-
-    @property
-    def safe(self) -> bool:
-        """Whether the allowed motions are free of collisions; if not, each state must be tested."""
 
     def fraction(self, pairs: Pairs, x: FloatArray, motion: FloatArray, distance: FloatArray) -> float:
         """Fraction of ``motion`` (m + n, 2) from x that may be taken, at most 1.
@@ -32,8 +28,6 @@ class StepFilter(Protocol):
 class NoFilter:
     """No bound, as in the paper: only the infinite energy of a crossing rejects a step afterwards."""
 
-    safe: ClassVar[bool] = False
-
     def fraction(self, pairs: Pairs, x: FloatArray, motion: FloatArray, distance: FloatArray) -> float:
         """1."""
         return 1.0
@@ -45,8 +39,6 @@ class SmallestDistance:
 
     Named as further work by the paper, after Smith & Schaefer 2015 and Li et al. 2020.
     """
-
-    safe: ClassVar[bool] = True
 
     def fraction(self, pairs: Pairs, x: FloatArray, motion: FloatArray, distance: FloatArray) -> float:
         """SAFETY · d_min / (largest motion of a point + largest motion of an edge), at most 1."""
@@ -61,8 +53,6 @@ class SmallestDistance:
 @dataclass(frozen=True)
 class TimeOfImpact:
     """First time of impact over all pairs, from the roots of a quadratic: allows the longest steps."""
-
-    safe: ClassVar[bool] = True
 
     def fraction(self, pairs: Pairs, x: FloatArray, motion: FloatArray, distance: FloatArray) -> float:
         """SAFETY times the first time of impact, at most 1."""
