@@ -1,7 +1,7 @@
 """The largest distance of a cage's solid from the solid of the fine mesh: an upper bound, not a sample.
 
-The region between the two is covered by strips along the cage, or the cage is triangulated, and triangles in the solid
-of the fine mesh are left out. The distance to one segment of the fine mesh is convex, so on a triangle it is largest at
+The cage, or what it has outside of the fine mesh, is triangulated, and triangles in the solid of the fine mesh are left
+out. The distance to one segment of the fine mesh is convex, so on a triangle it is largest at
 a corner, and the least such value over some segments bounds the distance to the whole mesh on all of the triangle; so
 does the mean of the distances to two segments. Triangles whose bound is above the largest distance found are halved.
 """
@@ -11,16 +11,16 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_HALVINGS
 from ..geometry.predicates import winding_number
 from ..geometry.signed_distance import EdgeSearch
 from ..geometry.triangulation import triangulate
 from ..geometry.vectors import norm
-from .strips import REACH_PRECISION, Strips, bounds
 
-FIRST_PIECE = 0.5
-"""Length of the first pieces of a cage, in distances."""
+REACH_PRECISION = 1e-4
+"""Relative width of the interval that contains the reach; its upper end is returned."""
 
 
 def reach(cage: Mesh, fine: Mesh, slack: float = 0.0, limit: float = np.inf) -> float:
@@ -47,14 +47,6 @@ def _reach(cage: Mesh, fine: Mesh, limit: float, slack: float = np.inf) -> tuple
     search = EdgeSearch(fine.loop_order.vertices, fine.loop_order.ends, len(fine.vertices))
     far = search.closest(cage.vertices).distance
     largest = float(far.max())
-    if np.array_equal(cage.loop_signs, fine.loop_signs):
-        covered = Strips(cage, fine, search).covered(FIRST_PIECE * min(limit, slack + largest), limit, slack)
-        if covered is not None:
-            if len(covered.places):
-                return covered.largest, covered.places
-            found, places = _in_triangles(covered.triangles, search, limit, slack, covered.largest)
-            if (winding_number(places, cage.vertices, cage.edge_ends) == 1).all():
-                return found, places
     if largest > limit:
         return largest, cage.vertices[far > limit]
     between = cage
@@ -98,3 +90,13 @@ def _longest_first(corners: FloatArray, near: IntArray) -> tuple[FloatArray, Int
     lengths = norm(np.roll(corners, -1, axis=1) - corners)
     rows, turns = np.arange(len(corners))[:, None], (lengths.argmax(axis=1)[:, None] + np.arange(3)) % 3
     return corners[rows, turns], near[rows, turns]
+
+
+def bounds(corners: FloatArray, edges: IntArray, starts: FloatArray, ends: FloatArray) -> FloatArray:
+    """(T,) upper bounds of the distance of triangles (T, 3, 2) from segments, by some of these for each, (T, K)."""
+    a, b = starts[edges][:, :, None], ends[edges][:, :, None]
+    distance = point_edge(corners[:, None], a, b).distance
+    # half-way between two segments their mean is as small as it gets, and convex too
+    one, other = np.triu_indices(edges.shape[1])
+    least: FloatArray = (0.5 * (distance[:, one] + distance[:, other])).max(axis=2).min(axis=1)
+    return least
