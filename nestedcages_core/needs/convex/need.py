@@ -12,9 +12,8 @@ import numpy as np
 from ...decimation import LineCycles, OuterHull
 from ...decimation.budget import LEAST_PER_LOOP
 from ...energies import Area, CageEnergy
-from ...energies.base import Blocks
 from ...errors import Fault, NestingError, note
-from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.arrays import FloatArray
 from ...geometry.convex_hull import convex_hull
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
@@ -76,8 +75,16 @@ class Convex(Need):
     def energy(
         self, plan: Plan, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float
     ) -> CageEnergy | None:
-        """One that holds the cage where it starts, if there are weights."""
-        return None if energy.is_area else Held(energy)
+        """The weighted area as line cycles weigh it, if there are weights.
+
+        One weight per edge leads away from it: edges from where weights are high to where they are low cost too much.
+        """
+        weight_at = getattr(energy, "weight_at", None)
+        if weight_at is None:
+            return None
+        from .corner_area import CornerArea
+
+        return CornerArea.of(coarse, units.from_input(plan.outline), weight_at, energy.after(coarse.vertices))
 
     def fault(self, plan: Plan, cage: Mesh) -> Fault | None:
         """Whether all loops are convex."""
@@ -92,37 +99,6 @@ class Convex(Need):
         hull = hull if orbits is None else hull.moved(orbits.symmetrised(hull.vertices))
         on = "hull" if plan.numbers is None else "grid"
         return hull, note("note.count", asked=len(cage.vertices), given=len(hull.vertices), on=on)
-
-
-@dataclass(frozen=True, eq=False)
-class Held(CageEnergy):
-    """No energy but on grids, where it is a weighted one.
-
-    Line cycles weigh the area at each corner, whose least sum they know. The energy, with one weight per edge, leads
-    away from it: edges from where weights are high to where they are low then cost too much.
-    """
-
-    weighted: CageEnergy
-
-    def after(self, cage: FloatArray) -> Held:
-        """The energy with the weights at another cage (m, 2)."""
-        return Held(self.weighted.after(cage))
-
-    def value(self, vertices: FloatArray, successor: IntArray) -> float:
-        """Zero."""
-        return 0.0
-
-    def on_edge(self, vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
-        """(K,) that of the weighted energy."""
-        return self.weighted.on_edge(vertex, start, end)
-
-    def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
-        """(m, 2) zeros."""
-        return np.zeros_like(vertices)
-
-    def hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
-        """None."""
-        return Blocks.sum([])
 
 
 def around_hulls(settings: Chosen) -> Chosen:
