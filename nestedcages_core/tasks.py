@@ -18,7 +18,7 @@ Result = TypeVar("Result")
 Stage: TypeAlias = Generator[Yielded, None, Result]
 
 
-def followed(stage: Stage[Yielded, Result], react: Callable[[Yielded], Iterable[Shown]]) -> Stage[Shown, Result]:
+def flat_mapped(stage: Stage[Yielded, Result], react: Callable[[Yielded], Iterable[Shown]]) -> Stage[Shown, Result]:
     """The same stage, closed with this one; instead of what it yields come the items that ``react`` makes of it."""
     try:
         while True:
@@ -34,7 +34,7 @@ def followed(stage: Stage[Yielded, Result], react: Callable[[Yielded], Iterable[
 
 def mapped(stage: Stage[Yielded, Result], show: Callable[[Yielded], Shown]) -> Stage[Shown, Result]:
     """The same stage with ``show`` applied to what it yields."""
-    return followed(stage, lambda yielded: (show(yielded),))
+    return flat_mapped(stage, lambda yielded: (show(yielded),))
 
 
 def drain(stage: Stage[Yielded, Result], listener: Callable[[Yielded], None] | None = None) -> Result:
@@ -56,7 +56,7 @@ def limited(
             raise over(yielded)
         yield yielded
 
-    return followed(stage, checked)
+    return flat_mapped(stage, checked)
 
 
 def listened(run: Run[Shown, Result], listener: Callable[[Shown], None] | bool | None) -> Result:

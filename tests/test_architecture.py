@@ -19,7 +19,7 @@ CORE = "nestedcages_core"
 
 # The rooms of the core, files or packages, in the order of the data flow: each imports only from those before it.
 ROOMS = """
-checker_distance checker errors tasks cache parameters lapack geometry decimation flow energies solver contact
+checker_distance checker errors libraries tasks cache parameters lapack geometry decimation flow energies solver contact
 tightening verification level needs tolerance hierarchy motion published coordinates character exchange batch command
 __main__ __init__
 """
@@ -34,8 +34,7 @@ DOOR = "core.py"
 THIRD_PARTY = {"numpy", "scipy"}
 # Optional libraries, each in its room alone, imported when needed: formats, plots, progress bars.
 OPTIONAL = {
-    "needs": {"shapely"},
-    "exchange": {"shapely", "tinycss2", "cssselect2", "PIL"},
+    "libraries": {"shapely", "tinycss2", "cssselect2", "PIL"},
     "geometry": {"matplotlib"},
     "tasks": {"tqdm"},
 }
@@ -280,7 +279,7 @@ def test_good_sources_pass() -> None:
     assert room_violations(GOOD, ORDER) == []
     assert circle(GOOD) is None
     assert circle({**GOOD, "solver/line_search.py": "from .newton import Newton"}) is not None
-    assert room_violations({**GOOD, "exchange/svg.py": "def read():\n    import shapely"}, f"{ORDER} exchange") == []
+    assert room_violations({**GOOD, "libraries.py": "def load():\n    import shapely"}, f"{ORDER} libraries") == []
     assert blender_violations({"benchmarks/table1.py": "import bpy.ops"}) == ["benchmarks/table1.py:1: imports bpy"]
 
 

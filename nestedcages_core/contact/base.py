@@ -25,7 +25,7 @@ class ContactOutcome(NamedTuple):
     """Part of a sentence: what stopped it, naming the vertex; empty when the target was reached."""
 
 
-def blocked(fine: FloatArray, target: FloatArray) -> str:
+def farthest_vertex(fine: FloatArray, target: FloatArray) -> str:
     """The fine vertex that is farthest from its target, both (n, 2), in words."""
     return f"the cage holds up fine vertex {int(np.hypot(*(target - fine).T).argmax())}"
 

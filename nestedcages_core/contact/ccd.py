@@ -54,13 +54,13 @@ def impacts(
     a, a_v = positions.take(start, axis=1), velocities.take(start, axis=1)
     edge, edge_v = positions.take(end, axis=1) - a, velocities.take(end, axis=1) - a_v
     to, to_v = positions.take(point, axis=1) - a, velocities.take(point, axis=1) - a_v
-    motion = _Motion.of(edge, edge_v, to, to_v)
+    motion = _RelativeMotion.of(edge, edge_v, to, to_v)
     rounding = MAX_LENGTHS * COLLINEAR_ROUNDING * size * size
     left = motion.may_meet(rounding)
     candidate = candidate.take(left)
     if len(candidate) == 0:
         return candidate, np.zeros(0)
-    motion = _Motion(*(field.take(left, axis=-1) for field in motion))
+    motion = _RelativeMotion(*(field.take(left, axis=-1) for field in motion))
     near = HIT_DISTANCE * np.minimum(distance.take(candidate), clearance)
     time = _first_impact(motion, near, COLLINEAR_ROUNDING * size, rounding)
     hit = np.flatnonzero(np.isfinite(time))
@@ -75,7 +75,7 @@ def largest_safe_step(
     return min(1.0, SAFETY * float(time.min())) if len(time) else 1.0
 
 
-class _Motion(NamedTuple):
+class _RelativeMotion(NamedTuple):
     """Linear motion of K points relative to the starts of their edges, and the coefficients c (module)."""
 
     edge: FloatArray
@@ -94,7 +94,7 @@ class _Motion(NamedTuple):
     """(K,)."""
 
     @classmethod
-    def of(cls, edge: FloatArray, edge_v: FloatArray, to: FloatArray, to_v: FloatArray) -> _Motion:
+    def of(cls, edge: FloatArray, edge_v: FloatArray, to: FloatArray, to_v: FloatArray) -> _RelativeMotion:
         c1 = column_cross(edge, to_v) + column_cross(edge_v, to)
         return cls(edge, edge_v, to, to_v, column_cross(edge, to), c1, column_cross(edge_v, to_v))
 
@@ -104,7 +104,7 @@ class _Motion(NamedTuple):
         return np.flatnonzero((1.0 - NEGLIGIBLE) * np.abs(self.c0) <= bound + rounding)
 
 
-def _first_impact(motion: _Motion, near: FloatArray, resolution: float, rounding: float) -> FloatArray:
+def _first_impact(motion: _RelativeMotion, near: FloatArray, resolution: float, rounding: float) -> FloatArray:
     """(K,) first time in (0, 1] at which the point is on the edge, infinite where it never is.
 
     near: (K,) distance that counts as on the edge; resolution: rounding of a position; rounding: of a coefficient.

@@ -16,7 +16,7 @@ from ..parameters import check_not_negative, check_part, check_positive
 from ..solver.newton import ProjectedNewton, Solver
 from ..tasks import Stage
 from .barrier import BarrierRanges
-from .base import ContactOutcome, blocked
+from .base import ContactOutcome, farthest_vertex
 from .incremental_potential import IncrementalPotential, PotentialWeights
 from .pairs import Bodies, CandidateList
 
@@ -92,10 +92,10 @@ class IPC:
                 idle = 0 if (left < PROGRESS_RATIO * least).any() else idle + 1
                 least = np.minimum(least, left)
                 if idle >= PATIENCE or not solution.converged:
-                    return ContactOutcome(x, False, iterations, blocked(x[m:], target))
+                    return ContactOutcome(x, False, iterations, farthest_vertex(x[m:], target))
                 stiffness *= STIFFENING
             else:
-                return ContactOutcome(x, False, iterations, blocked(x[m:], target))
+                return ContactOutcome(x, False, iterations, farthest_vertex(x[m:], target))
         return ContactOutcome(x, True, iterations)
 
 

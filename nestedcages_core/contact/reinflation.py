@@ -101,7 +101,7 @@ def reinflate(
     for contact in contacts:
         key = key_of(contact, clearance, flow_steps, fine, coarse) if tie is None else None
         try:
-            return (yield from _reinflations.stage(key, _by(contact, bodies, flow_steps, clearance), _size))
+            return (yield from _reinflations.stage(key, _by(contact, bodies, flow_steps, clearance), _bytes_of))
         except ReinflationError as error:
             failure = error
     raise failure
@@ -133,7 +133,7 @@ def _by(contact: Contact, bodies: Bodies, flow_steps: FloatArray, clearance: flo
     raise ReinflationError(sentence, partial=_recorded(steps, bodies.m, 0), code="reinflation.blocked")
 
 
-def _size(made: Reinflation) -> int:
+def _bytes_of(made: Reinflation) -> int:
     return made.cage_steps.nbytes + made.moving_steps.nbytes
 
 

@@ -21,7 +21,7 @@ from ..geometry.vectors import inner
 from ..parameters import check_count, check_part, check_positive
 from ..solver.quadratic_program import InteriorPoint
 from ..tasks import Stage
-from .base import ContactOutcome, blocked
+from .base import ContactOutcome, farthest_vertex
 from .contact_response import ContactResponse, Distances, FeasibilityRule
 from .pairs import Bodies
 
@@ -81,7 +81,7 @@ class SequentialQP:
                 reached = yield from motion.step_to(target)
                 if not reached and motion.x is before:  # nothing moves towards later targets either
                     break
-        reason = "" if reached else blocked(motion.x[bodies.m :], path[-1])
+        reason = "" if reached else farthest_vertex(motion.x[bodies.m :], path[-1])
         return ContactOutcome(motion.x, reached, motion.systems, reason)
 
 

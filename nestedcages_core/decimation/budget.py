@@ -31,7 +31,7 @@ def shared_anew(count: Count, coarse: Mesh) -> tuple[Fault, ...]:
     return (note("note.count", on="loops", asked=list(count), given=[len(loop) for loop in coarse.loops]),)
 
 
-def blocked(total: int, least: int) -> Fault:
+def count_fault(total: int, least: int) -> Fault:
     """The message for a number of vertices below the least for which a coarse mesh was found."""
     return Fault(
         f"A level of {total} vertices is too small for this shape, whose loops block each other: the smallest that was "

@@ -15,9 +15,9 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.loops import enclosing_pairs, extreme_places
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import ON_BOUNDARY, winding_number
+from ..libraries import load_shapely
 from .crossings import edges_in, spend_crossings
 from .hairlines import MARGIN, comes_close, has_hairlines, without_hairlines, without_short_edges
-from .libraries import load_shapely
 from .limits import Budget
 
 GRIDS = (0.0, 2.0**-38, 2.0**-30, 2.0**-24)
@@ -72,7 +72,7 @@ def solid(
     """
     options: dict[str, Any] = {"seam": seam, "spike": spike, "budget": budget, "notes": notes}
     if not all(isinstance(area, Painted) for area in areas):
-        shapely = load_shapely("shapes that overlap or touch")
+        shapely = load_shapely("Reading shapes that overlap or touch")
         return united(shapely, regions(shapely, areas, budget), **options)
     cleaned = [area.cleaned() for area in areas]
     loops = [loop for area in cleaned for loop in area.loops]
@@ -82,7 +82,7 @@ def solid(
     with suppress(InvalidMeshError):
         mesh = Mesh.from_loops(loops)
     if mesh is None or comes_close(mesh, ROUNDING * mesh.diagonal) or has_hairlines(mesh, max(seam, spike)):
-        shapely = load_shapely("shapes that overlap or touch")
+        shapely = load_shapely("Reading shapes that overlap or touch")
         return united(shapely, regions(shapely, cleaned, budget), **options)
     kept = _on_the_rim(mesh, cleaned)
     if not kept.any():
@@ -266,7 +266,7 @@ def joined(mesh: Mesh, distance: float) -> Mesh:
     """
     if not 0.0 < distance < math.inf:
         raise invalid_file(f"The distance must be a positive length, not {distance!r}.")
-    shapely = load_shapely("parts that nearly touch")
+    shapely = load_shapely("Reading parts that nearly touch")
     (solid,) = regions(shapely, [Painted([mesh.vertices[loop] for loop in mesh.loops])])
     found = without_hairlines(shapely, solid, gap=distance)
     return united(shapely, [found.region]) if found.gaps else mesh

@@ -12,11 +12,11 @@ from ..errors import Fault, InvalidMeshError, NestedCagesError, invalid_file, no
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings, Within, nested_cages
 from ..level.settings import DEFAULT_CLEARANCE
+from ..libraries import load_shapely
 from ..verification import verify
 from .fill import united
-from .libraries import load_shapely
 
-NEEDED_FOR = "regions that share borders"
+NEEDED_FOR = "Reading regions that share borders"
 
 STRIP = 1.0 + 1e-6
 """Width of the strips beyond borders, in clearances, with a margin for rounding."""

@@ -13,13 +13,13 @@ from ..geometry.mesh import Mesh
 from ..geometry.mesh.geo_interface import Polygon
 from ..geometry.predicates import orientation
 from ..geometry.vectors import place
+from ..libraries import load_shapely
 from .crossings import edges_in, spend_crossings
 from .fill import united
 from .hairlines import has_hairlines
-from .libraries import load_shapely
 from .limits import Budget
 
-NEEDED_FOR = "polygons that touch or cross"
+NEEDED_FOR = "Reading polygons that touch or cross"
 
 HAIRLINE_PART, DEFAULT_HAIRLINE = 0.1, 1e-5
 """Width below which gaps are closed and spikes cut off, in tolerances, and by default in diagonals: the clearance."""

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..libraries import load_shapely
 from ..motion.poses import read_poses
 from .fill import Painted, regions, united
-from .libraries import load_shapely
 
 PARTS_PER_POSE = 4
 """Number of parts of the motion between two poses. In each, an edge is assumed to sweep the convex hull of its two
@@ -28,7 +28,7 @@ def swept(fine: Mesh, poses: ArrayLike | Iterable[ArrayLike]) -> Mesh:
     fine: its edges are the topology; poses: (T, n, 2), or an iterable of (n, 2). Covers a little more than the union
     where edges turn over between poses. Raises InvalidMeshError that names a pose, NestedCagesError without shapely.
     """
-    shapely = load_shapely("the region that a motion sweeps")
+    shapely = load_shapely("The region that a motion sweeps")
     places = [pose.vertices for pose in read_poses(fine, poses, None)]
     solids = regions(shapely, [Painted([place[loop] for loop in fine.loops]) for place in places])
     ways = [_swept_edges(fine, before, after) for before, after in pairwise(places)]

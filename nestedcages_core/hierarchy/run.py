@@ -86,7 +86,7 @@ class NestedCagesRun(Run[Progress, Hierarchy]):
         self, fine: MeshLike, levels: Wanted | Sequence[Wanted], settings: Settings | None = None, **options: Any
     ) -> None:
         chosen = Settings.of(settings, **options)
-        super().__init__(_hierarchy(fine, _listed(levels), chosen, self.side))
+        super().__init__(_hierarchy(fine, _as_list(levels), chosen, self.side))
 
     @property
     def hierarchy(self) -> Hierarchy:
@@ -192,7 +192,7 @@ def _about(settings: Settings, fine: Mesh, side: int) -> Mesh:
     return about
 
 
-def _listed(levels: Wanted | Sequence[Wanted]) -> list[Wanted]:
+def _as_list(levels: Wanted | Sequence[Wanted]) -> list[Wanted]:
     """The levels as a list; a single one needs none. Raises NestingError."""
     single = int, np.integer, Share, Within, Mesh, Mapping
     is_loop = isinstance(levels, np.ndarray) and levels.ndim == 2

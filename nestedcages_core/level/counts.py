@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..decimation import Decimation
-from ..decimation.budget import blocked
+from ..decimation.budget import count_fault
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS
@@ -49,7 +49,7 @@ def with_least(
                 low = number
         if step > 1:
             break
-    return error if least == error.data["least"] else NestingError(blocked(total, least))
+    return error if least == error.data["least"] else NestingError(count_fault(total, least))
 
 
 def _reached(method: Decimation | None, outline: Mesh, least: int, clearance: float) -> int:

@@ -54,7 +54,7 @@ def coarse_meshes(source: SeveralStarts, fine: Mesh, count: Count, *, clearance:
     numbers = count if isinstance(count, int) else tuple(count)
     key = key_of(source, fine, numbers, clearance)
     search = source.starts(fine, count, clearance=clearance)
-    return list((yield from _starts.stage(key, search, _size)))
+    return list((yield from _starts.stage(key, search, _bytes)))
 
 
 def flow_inside(method: FlowMethod, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
@@ -63,7 +63,7 @@ def flow_inside(method: FlowMethod, fine: Mesh, coarse: Mesh) -> Stage[float, Fl
     return (yield from _flows.stage(key, method.run(fine, coarse), lambda flow: flow.steps.nbytes))
 
 
-def _size(starts: Sequence[Start]) -> int:
+def _bytes(starts: Sequence[Start]) -> int:
     """Bytes of the meshes of starts."""
     meshes = [mesh for start in starts for mesh in (start.coarse, start.on_curve) if mesh is not None]
     return BYTES_PER_VERTEX * sum(len(mesh.vertices) for mesh in meshes)

@@ -13,7 +13,7 @@ from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh
-from ..tasks import Result, Stage, Yielded, followed
+from ..tasks import Result, Stage, Yielded, flat_mapped
 
 STAGES = {"decimation": 0.0, "flow": 0.2, "reinflation": 0.32, "tightening": 0.52, "verification": 0.96}
 """Approximate fraction of a level with one start at which each stage begins."""
@@ -214,7 +214,7 @@ class LevelProgress:
         self, stage: Stage[Yielded, Result], describe: Callable[[Yielded], tuple[float, str]]
     ) -> Stage[Progress, Result]:
         """Run a stage, with its yields converted to fraction and message of the progress."""
-        return followed(stage, lambda yielded: self.show(*describe(yielded)))
+        return flat_mapped(stage, lambda yielded: self.show(*describe(yielded)))
 
     def _within_level(self, fraction: float) -> float:
         """From 0 to 1 within the level."""

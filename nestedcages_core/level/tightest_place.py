@@ -42,7 +42,7 @@ class Bound:
 
 def tightest_place(fine: Mesh) -> Bound | None:
     """The tightest place for cages with the loops of a mesh; None if there is no such place."""
-    return min(_bounds(fine), key=lambda bound: bound.clearance, default=None)
+    return min(_bounds_of_regions(fine), key=lambda bound: bound.clearance, default=None)
 
 
 def too_narrow(fine: Mesh, wanted: float) -> Fault | None:
@@ -51,19 +51,19 @@ def too_narrow(fine: Mesh, wanted: float) -> Fault | None:
     return None if bound is None or bound.clearance > (1.0 + NEGLIGIBLE) * wanted else bound.message(wanted)
 
 
-def _bounds(fine: Mesh) -> Iterator[Bound]:
+def _bounds_of_regions(fine: Mesh) -> Iterator[Bound]:
     """For every region outside of the solid: half the distance between two loops around it, or, if one loop encloses
     it alone, the radius of the largest circle in it."""
     region = np.where(fine.loop_signs > 0, fine.parent_of_loop, np.arange(len(fine.loops)))
     for k in np.unique(region).tolist():
         loops = np.flatnonzero(region == k)
         if len(loops) > 1:
-            yield _between(fine, loops)
+            yield _gap_of_loops(fine, loops)
         elif k >= 0:
-            yield _within(fine, k)
+            yield _widest_circle(fine, k)
 
 
-def _between(fine: Mesh, loops: IntArray) -> Bound:
+def _gap_of_loops(fine: Mesh, loops: IntArray) -> Bound:
     """The bound by the two of several loops (K,) that are closest to each other: a cage of each runs between them."""
     starts = np.concatenate([fine.loops[k] for k in loops])
     owner = fine.loop_of_vertex[starts]
@@ -90,7 +90,7 @@ def _between(fine: Mesh, loops: IntArray) -> Bound:
     )
 
 
-def _within(fine: Mesh, hole: int) -> Bound:
+def _widest_circle(fine: Mesh, hole: int) -> Bound:
     """The bound by a hole without islands: its loop of the cage lies around some point in it."""
     circle = largest_circle(fine, hole)
     return Bound(

@@ -13,9 +13,10 @@ from ..decimation.budget import LEAST_PER_LOOP
 from ..errors import Fault, InvalidMeshError, NestedCagesError, NestingError, note
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE
+from ..libraries import load_shapely
 from ..parameters import check_limit, check_part
 from ..tasks import Stage, drain
-from .solids import load_shapely, mesh_of
+from .solids import mesh_of
 
 PARTS = (0.0, 0.5, 1.0)
 """Parts of the distance that gaps are closed over, where bridges alone do not suffice: none is best for all shapes."""
@@ -135,9 +136,7 @@ class Bridged:
         """The bridged shape with gaps narrower than a part of the distance closed, an infinite one being that of the
         longest bridge, and holes of less than the square of the distance filled. Raises InvalidMeshError.
         """
-        import shapely
-
-        together = self.together
+        shapely, together = load_shapely("Merging parts"), self.together
         reach = 0.5 * part * (self.distance if isfinite(self.distance) else self.longest)
         if reach > 0.0:
             closed = self.solid.buffer(reach, quad_segs=ARC).buffer(-reach, quad_segs=ARC)

@@ -3,34 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import ModuleType
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import scipy
 
-from ..errors import InvalidMeshError, NestedCagesError
+from ..errors import InvalidMeshError
 from ..geometry.arrays import FloatArray
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
 from ..geometry.precision import INPUT_ROUND_OFF, ROUND_OFF
 from ..geometry.predicates import winding_number
 from ..geometry.vectors import cross, norm
+from ..libraries import load_shapely
 
 OVERLAID_AT_ONCE = 8
 """Meshes: n that all overlap cross each other in n² places, but the unions of a few in about as many as they have
 vertices."""
-
-
-def load_shapely(purpose: str) -> ModuleType:
-    """shapely (GEOS), for a purpose at the start of a sentence. Raises NestedCagesError where it is missing."""
-    try:
-        import shapely
-    except ImportError as error:
-        raise NestedCagesError(
-            f"{purpose} needs shapely; install it with 'pip install shapely'.", code="dependency.missing"
-        ) from error
-    return cast(ModuleType, shapely)
 
 
 def mesh_of(solid: Any) -> Mesh:

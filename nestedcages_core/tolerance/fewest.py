@@ -54,7 +54,7 @@ def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) 
     strictly: a clearance that every cage keeps, for the bound. Raises NestingError if not even the vertex count of the
     mesh inside is enough.
     """
-    search = _Search(need, fine, builder)
+    search = _CountSearch(need, fine, builder)
     yield from search.try_walks(strictly)
     yield from search.try_counts()
     level = search.best
@@ -98,7 +98,7 @@ class _Kept:
         return outcome
 
 
-class _Search:
+class _CountSearch:
     """State of the search: the levels tried, and the best of them."""
 
     def __init__(self, need: Within, fine: Mesh, builder: LevelBuilder) -> None:

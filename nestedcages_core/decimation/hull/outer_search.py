@@ -16,7 +16,7 @@ from ...geometry.mesh import Mesh
 from ...geometry.precision import ROUND_OFF
 from ...geometry.vectors import place as in_words
 from ...tasks import Stage, mapped
-from ..budget import blocked
+from ..budget import count_fault
 from ..request import Request
 from .hull_moves import Weights
 from .narrow_gaps import CLEARANCE_RESERVE, HULL_OFFSET, without_gaps
@@ -65,7 +65,7 @@ def greedy_hull(request: Request, clearance: float) -> Stage[float, Mesh]:
             elif (mesh := _certified(found, request, clearance)) is not None:
                 return mesh
     if smallest is not None:
-        raise NestingError(blocked(request.total, len(smallest.vertices)))
+        raise NestingError(count_fault(request.total, len(smallest.vertices)))
     tightest = _tightest(outline)
     raise NestingError(
         f"There is no room for a cage near {in_words(tightest)}: a gap there is as small as "

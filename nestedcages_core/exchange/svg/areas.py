@@ -11,9 +11,9 @@ import numpy as np
 from ...errors import invalid_file
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh.validation import MAX_COORDINATE
+from ...libraries import load_shapely
 from ..crossings import edges_in, spend_crossings
 from ..fill import Area, Painted, bounds_of, thickness, union_of
-from ..libraries import load_shapely
 from ..limits import Budget
 from .fading import visible
 from .nodes import Clip, Group, Shape
@@ -115,7 +115,7 @@ class Areas:
         seen = paint.alphas > self.options.faintest
         if paint.gradient is None or seen.all() or not seen.any():
             return areas if seen.all() else []
-        shapely = load_shapely("gradients that fade away")
+        shapely = load_shapely("Reading gradients that fade away")
         whole = union_of(shapely, areas, self.budget)
         if whole.is_empty:
             return []
@@ -127,7 +127,7 @@ class Areas:
 
     def _stroked(self, shape: Shape, stroke: Stroke, matrix: FloatArray) -> list[Area]:
         """The area of a stroke."""
-        shapely = load_shapely("strokes")
+        shapely = load_shapely("Reading strokes")
         before, after = (np.eye(3), matrix) if shape.scales else (matrix, np.eye(3))
         if not shape.scales:
             stroke = stroke.scaled(self.pixel)
@@ -151,7 +151,7 @@ class Areas:
 
     def _of_two(self, operation: Callable[[Any, Any], Any], one: Any, other: Any) -> Any:
         """What an operation of shapely makes of two areas, their crossings counted before."""
-        spend_crossings(edges_in(load_shapely("shapes that overlap"), [one, other]), self.budget)
+        spend_crossings(edges_in(load_shapely("Reading shapes that overlap"), [one, other]), self.budget)
         return operation(one, other)
 
     def _clipped(self, areas: list[Area], group: Group, clip: Clip, outer: FloatArray) -> list[Area]:
@@ -166,7 +166,7 @@ class Areas:
         inside = self._masked(clip.content, matrix) if clip.is_mask else self.of(clip.content, matrix)
         if len(inside) == 1 and _is_box_around(inside[0], low, high):
             return areas
-        shapely = load_shapely("clip paths and masks")
+        shapely = load_shapely("Reading clip paths and masks")
         kept = union_of(shapely, inside, self.budget)
         if shapely.covers(kept, shapely.box(*low, *high)):
             return areas
@@ -174,7 +174,7 @@ class Areas:
 
     def _masked(self, content: Group, outer: FloatArray) -> list[Area]:
         """The region where a mask is more opaque than the faintest share: its shapes in order, by luminance."""
-        shapely = load_shapely("masks")
+        shapely = load_shapely("Reading masks")
         kept: list[Any] = []
         for shape in content.shapes():
             matrix = outer @ shape.matrix

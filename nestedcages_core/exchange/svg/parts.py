@@ -9,8 +9,8 @@ import numpy as np
 
 from ...errors import InvalidMeshError
 from ...geometry.mesh import Mesh
+from ...libraries import load_shapely
 from ..fill import Area, union_of
-from ..libraries import load_shapely
 from .areas import Areas
 from .document import Box
 from .nodes import Group, Shape
@@ -90,7 +90,7 @@ def _apart(fill: list[Area], stroke: list[Area], areas: Areas) -> tuple[list[Are
     """Fill and stroke without overlap, with the same points along their common border."""
     if not fill or not stroke:
         return fill, stroke
-    shapely = load_shapely("strokes")
+    shapely = load_shapely("Reading strokes")
     inner, outer = (union_of(shapely, each, areas.budget) for each in (fill, stroke))
     lines = shapely.union_all([shapely.boundary(each) for each in (inner, outer)])
     faces = shapely.get_parts(shapely.polygonize([lines]))

@@ -11,9 +11,9 @@ import numpy as np
 
 from ...errors import InvalidMeshError, NestedCagesError, invalid_file
 from ...geometry.mesh import Mesh
+from ...libraries import load_shapely
 from ..files import read_whole
 from ..fill import Area, bounds_of, solid, union_of
-from ..libraries import load_shapely
 from ..limits import Budget
 from ..repair import HAIRLINE_PART
 from .areas import Areas
@@ -240,7 +240,7 @@ def _on_page(areas: list[Area], page: Box, notes: list[str], budget: Budget) -> 
         (inside if ((low >= lower) & (high <= upper)).all() else outside).append(area)
     if not outside:
         return areas
-    shapely = load_shapely("shapes that reach beyond the page")
+    shapely = load_shapely("Reading shapes that reach beyond the page")
     cut = shapely.intersection(union_of(shapely, outside, budget), shapely.box(*lower, *upper))
     notes.append("Cut off: what lies outside the page; crop=False keeps it.")
     return [*inside, cut]

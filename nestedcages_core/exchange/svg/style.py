@@ -10,7 +10,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from ...errors import NestedCagesError
-from ..libraries import load_css
+from ...libraries import load_css
 from .document import Document
 from .elements import name_of
 

@@ -47,7 +47,7 @@ def put_on_grid(
     clearance: smallest distance to keep from the fine mesh, above 0, as in the coordinates of the meshes. edge_cost:
     what is minimised; None: the area. A generator: yields a fraction after every improvement.
     """
-    search = _Search(cage, fine, grid, clearance, side, edge_cost)
+    search = _CoordinateDescent(cage, fine, grid, clearance, side, edge_cost)
     found: IntArray | None = None
     for reach in FIRST_REACHES:
         found = search.chosen(search.first_layers(reach))
@@ -78,7 +78,7 @@ class _Layers:
 
 
 @dataclass(eq=False)
-class _Search:
+class _CoordinateDescent:
     cage: Mesh
     fine: Mesh
     grid: Grid

@@ -46,7 +46,7 @@ class Found:
 
     def of(self, mesh: Mesh) -> tuple[Symmetry | None, float]:
         """The symmetry of a mesh, and the largest distance between outline and image; None if none is good enough."""
-        search = _Search(mesh)
+        search = _SymmetrySearch(mesh)
         limit = self.tolerance * mesh.diagonal
         for found, difference in (search.mirror(limit), search.rotation(limit)):
             if found is not None:
@@ -54,7 +54,7 @@ class Found:
         return None, float("inf")
 
 
-class _Search:
+class _SymmetrySearch:
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
         self.edges = EdgeSearch.of(mesh)

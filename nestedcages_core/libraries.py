@@ -1,4 +1,4 @@
-"""Optional libraries of the readers, imported when they are needed."""
+"""Optional libraries of geometry and file formats, imported when they are needed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..errors import NestedCagesError
+from .errors import NestedCagesError
 
 INSTALL = "install it with 'pip install nested-cages[formats]'"
 """Advice about a missing library; the Blender extension includes all but Pillow, since Blender reads
@@ -15,16 +15,16 @@ pictures itself."""
 
 @contextmanager
 def _needed(name: str, purpose: str) -> Iterator[None]:
-    """Raises NestedCagesError where the library is missing; purpose: a plural such as "overlapping shapes"."""
+    """Raises NestedCagesError where the library is missing; purpose: the subject, such as "Merging parts"."""
     try:
         yield
     except ImportError as error:
-        problem = f"Reading {purpose} needs {name}; {INSTALL}."
+        problem = f"{purpose} needs {name}; {INSTALL}."
         raise NestedCagesError(problem, code="dependency.missing", library=name) from error
 
 
 def load_shapely(purpose: str) -> Any:
-    """shapely (GEOS)."""
+    """shapely (GEOS), for the subject of a sentence. Raises NestedCagesError where it is missing."""
     with _needed("shapely", purpose):
         import shapely
     return shapely
@@ -32,7 +32,7 @@ def load_shapely(purpose: str) -> Any:
 
 def load_css() -> tuple[Any, Any]:
     """tinycss2, with its colours, and cssselect2."""
-    with _needed("tinycss2 and cssselect2", "styles and colours by function or in masks"):
+    with _needed("tinycss2 and cssselect2", "Reading styles and colours by function or in masks"):
         import cssselect2
         import tinycss2.color4
     return tinycss2, cssselect2
@@ -40,6 +40,6 @@ def load_css() -> tuple[Any, Any]:
 
 def load_pictures() -> Any:
     """The pictures of Pillow."""
-    with _needed("Pillow", "PNG"):
+    with _needed("Pillow", "Reading PNG"):
         from PIL import Image
     return Image
