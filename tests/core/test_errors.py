@@ -65,7 +65,8 @@ def test_every_place_that_raises_names_a_code_and_data_of_the_table() -> None:
     without: list[str] = []
     for path in sorted(CORE.rglob("*.py")):
         source = path.read_text(encoding="utf-8")
-        used |= {code for code in CODES if f'"{code}"' in source and path.parent.name != "errors"}
+        shorthand = "code=" if path.parent.name == "errors" else ""  # the table itself is no use
+        used |= {code for code in CODES if f'{shorthand}"{code}"' in source}
         for node in ast.walk(ast.parse(source)):
             name = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
             if not isinstance(node, ast.Call) or name not in NAMES | {"Fault", "note"}:
