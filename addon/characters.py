@@ -28,7 +28,7 @@ from .io import silhouettes
 from .scene import filling, ownership, placement
 from .scene.convert import Drawing
 from .scene.ownership import scene_of, select
-from .scene.plane import Frame, divided, scale_of, size, stored, transform, united_loops, world_matrix
+from .scene.plane import Frame, divided, float32_loop, scale_of, size, transform, united_loops, world_matrix
 
 # Longest edge of the outline as a fraction of its size: straight limbs bend, and few corners don't limit the cage.
 LONGEST_EDGE = 0.01
@@ -60,7 +60,7 @@ def united(context: Context, objects: Sequence[Object], gap: float) -> Work[tupl
     loops, problems = yield from silhouettes.painted_loops(context, ordered, frame, gap=gap, closed=True)
     longest = LONGEST_EDGE * size(np.concatenate(loops))
     # United again where rounding has closed a gap between new points.
-    shorter = united_loops(first.name, [stored(divided(loop, longest)) for loop in loops], evenodd=True)
+    shorter = united_loops(first.name, [float32_loop(divided(loop, longest)) for loop in loops], evenodd=True)
     others = tuple(Drawing(obj.name, frame, (), obj.session_uid) for obj in ordered[1:])
     return Drawing(first.name, frame, shorter, first.session_uid, others, united=True), problems
 

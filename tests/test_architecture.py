@@ -8,6 +8,7 @@ import importlib
 import pkgutil
 import runpy
 import sys
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
@@ -67,6 +68,11 @@ PaperFlow PiecewiseLinear ProjectedNewton QuadraticFallOff Repairs SequentialQP 
 SmallestDistance StepDisplacement Tightening TimeOfImpact TwoSidedFlow WeightedSum alpha_channel
 boundary_of_pixels from_engine_json grids is_engine_json
 """
+
+
+SHARED_NAMES = {CORE: 10, "addon": 20}
+"""Upper bounds of the names of functions and classes that stand in several files of a package: a name has one meaning.
+What the standalone checker defines, it has for itself; entry points that Python or Blender ask for count too."""
 
 
 class Import(NamedTuple):
@@ -179,6 +185,16 @@ def blender_violations(sources: Mapping[str, str]) -> list[str]:
     ]
 
 
+def shared_names(sources: Mapping[str, str]) -> dict[str, list[str]]:
+    """The names of top-level functions and classes that stand in several files (path -> source), with these files."""
+    places: defaultdict[str, list[str]] = defaultdict(list)
+    for path, source in sources.items():
+        tops = {n.name for n in ast.iter_child_nodes(nodes(source)[0]) if isinstance(n, ast.FunctionDef | ast.ClassDef)}
+        for name in tops:
+            places[name].append(path)
+    return {name: paths for name, paths in places.items() if len(paths) > 1}
+
+
 def below(folder: str) -> dict[str, str]:
     """Path below a folder of the project -> source of each Python file there."""
     return {path.removeprefix(f"{folder}/"): source for path, source in sources(folder).items()}
@@ -242,6 +258,12 @@ def test_addon_needs_no_room_that_its_zip_leaves_out() -> None:
     assert not left_out & (used | door)
 
 
+@pytest.mark.parametrize("package", SHARED_NAMES)
+def test_a_name_stands_for_one_function_or_class(package: str) -> None:
+    shared = shared_names(below(package))
+    assert len(shared) <= SHARED_NAMES[package], shared
+
+
 def test_public_interface() -> None:
     core = importlib.import_module(CORE)
     assert set(PUBLIC.split()) <= set(core.__all__)
@@ -278,6 +300,8 @@ GOOD = {
 def test_good_sources_pass() -> None:
     assert room_violations(GOOD, ORDER) == []
     assert circle(GOOD) is None
+    assert shared_names({**GOOD, "flow.py": "class Run:\n    run = 1", "solver/newton.py": "def run(): pass"}) == {}
+    assert shared_names({"flow.py": "def run(): pass", "mesh.py": "def run(): pass"}) == {"run": ["flow.py", "mesh.py"]}
     assert circle({**GOOD, "solver/line_search.py": "from .newton import Newton"}) is not None
     assert room_violations({**GOOD, "libraries.py": "def load():\n    import shapely"}, f"{ORDER} libraries") == []
     assert blender_violations({"benchmarks/table1.py": "import bpy.ops"}) == ["benchmarks/table1.py:1: imports bpy"]

@@ -103,7 +103,7 @@ def parse_levels(text: str, units: Mapping[str, float]) -> tuple[Level, ...]:
         raise UserError(str(error)) from error
 
 
-def counted(level: int | core.hierarchy.Share, sizes: Sequence[int]) -> Wanted:
+def wanted_count(level: int | core.hierarchy.Share, sizes: Sequence[int]) -> Wanted:
     """The vertex count that a level comes to for loops of these sizes: enough for each."""
     if isinstance(level, int):
         least = 3 * len(sizes)
@@ -145,7 +145,7 @@ def wanted_levels(
             distance = None if level.distance is None else level.distance / scale
             wanted.append(Wanted(replace(level, distance=distance)))
         else:
-            wanted.append(_in_order(counted(level, sizes), wanted))
+            wanted.append(_in_order(wanted_count(level, sizes), wanted))
     return tuple(wanted)
 
 

@@ -23,7 +23,7 @@ from .generate import Result
 from .replaced import Replaced
 
 
-def length(collection: Collection, timing: Timing) -> int | None:
+def duration(collection: Collection, timing: Timing) -> int | None:
     """Frames that the steps of an output would take with other timing; None if it has no steps."""
     stored = [Phases.stored(cage) for cage in members(collection)[1:]]
     phases = [each for each in stored if each is not None]
@@ -128,14 +128,14 @@ def _write_one(
 
     inner, action = "Inner " if result.inside else "", shape_keys.new_action(collection.name)
     fine = _member_with_mesh(collection, 0, f"{name} {inner}Fine", first.fine, result, replaced)
-    _play(fine, _fine_steps(first), first, played, timing, 1, action)
+    _key_steps(fine, _fine_steps(first), first, played, timing, 1, action)
     made = [fine]
     for number, (level, span) in enumerate(zip(result.levels, played, strict=True), 1):
         cage = _member_with_mesh(collection, number, f"{name} {inner}Cage {number}", level.cage, result, replaced)
-        _play(cage, _cage_steps(level), level, played, timing, number, action)
+        _key_steps(cage, _cage_steps(level), level, played, timing, number, action)
         if number < len(result.levels):
             following = result.levels[number]
-            _play(cage, _fine_steps(following), following, played, timing, number + 1, action, from_rest=True)
+            _key_steps(cage, _fine_steps(following), following, played, timing, number + 1, action, from_rest=True)
         visibility.hide_until(cage, span.flow, action)
         _describe(cage, result, level, span)
         made.append(cage)
@@ -171,7 +171,7 @@ def _cage_steps(level: core.Level) -> NDArray[np.float32]:
     return np.asarray(np.concatenate([resting, level.reinflation.cage_steps]), np.float32)
 
 
-def _play(
+def _key_steps(
     obj: Object,
     steps: NDArray[np.float32],
     level: core.Level,

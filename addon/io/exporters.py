@@ -111,7 +111,7 @@ def meshes(
     """
     outlines = [convert.read(context, obj) for obj in objects]
     first = convert.fine_drawing(outlines[0])
-    seen = _seen(first) if world else None
+    seen = _facing_axes(first) if world else None
     by_name = {}
     for obj, outline in zip(objects, outlines, strict=True):
         drawing = first if outline is outlines[0] else convert.drawing_in(first.frame, outline)
@@ -123,7 +123,7 @@ def meshes(
     return by_name
 
 
-def _seen(drawing: convert.Drawing) -> list[int]:
+def _facing_axes(drawing: convert.Drawing) -> list[int]:
     """The two world axes of the plane that a drawing faces. Raises: UserError if it is tilted."""
     normal = np.abs(np.cross(drawing.frame.matrix[:3, 0], drawing.frame.matrix[:3, 1]))
     away = int(normal.argmax())

@@ -126,7 +126,7 @@ def _on_faces(obj: Object, matrix: FloatArray) -> Canvas:
     return Canvas(matrix[:3, 3] + axes @ affine[2], axes @ affine[0], axes @ affine[1])
 
 
-def filled(name: str, outline: core.Mesh, canvas: Canvas, image: bpy.types.Image) -> Mesh:
+def textured_mesh(name: str, outline: core.Mesh, canvas: Canvas, image: bpy.types.Image) -> Mesh:
     """A new mesh in the outline, in the canvas's frame, that shows the picture."""
     spacing = float(np.ptp(outline.vertices, axis=0).max()) / CELLS
     inside = triangulation.triangulate(outline, triangulation.Sampling(spacing))

@@ -62,7 +62,7 @@ def place(
     materials: Materials = {}
     placed = []
     for number, (part, middle, paints) in enumerate(made):
-        obj = bpy.data.objects.new(part.name, _faces(part.name, paints, materials))
+        obj = bpy.data.objects.new(part.name, _mesh_of_paints(part.name, paints, materials))
         obj.location = (*middle.tolist(), DEPTH * extent * number)
         obj.color = obj.data.materials[0].diffuse_color
         _group(groups, part.groups).objects.link(obj)
@@ -78,7 +78,7 @@ def _group(known: dict[tuple[str, ...], Collection], groups: tuple[str, ...]) ->
     return known[groups]
 
 
-def _faces(name: str, paints: list[Paint], materials: Materials) -> Mesh:
+def _mesh_of_paints(name: str, paints: list[Paint], materials: Materials) -> Mesh:
     """A new mesh of all paints, joined where they have the same points, and a material of each."""
     points: dict[tuple[float, float], int] = {}
     faces: list[list[int]] = []

@@ -53,7 +53,7 @@ class PictureProperties:
 NAMES = tuple(PictureProperties.__annotations__)
 
 
-def values(owner: Any) -> dict[str, Any]:
+def trace_options(owner: Any) -> dict[str, Any]:
     """The options for ``Picture.outline`` of an operator with these properties."""
     return {name: getattr(owner, name) for name in NAMES} | {"tile": not owner.properties.is_property_set("padding")}
 
@@ -87,7 +87,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
     handles: flag("Handles", "Add a bone per corner of each bound cage to move that corner", default=True)
 
     def ask(self, context: Context, event: bpy.types.Event) -> Any:
-        return super().ask(context, event) if _shown(context) else ImportHelper.invoke(self, context, event)
+        return super().ask(context, event) if _shown_pictures(context) else ImportHelper.invoke(self, context, event)
 
     def draw(self, _context: Context) -> None:
         self.draw_options("vertices", *NAMES, "levels", "bind", "handles")
@@ -101,7 +101,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         for part in parts:
             try:
                 frame, shown = part.canvas.frame(), Picture.of(part.image)
-                outline = yield from shown.trace(self.vertices, **values(self))
+                outline = yield from shown.trace(self.vertices, **trace_options(self))
                 points = part.canvas.placed(np.asarray(outline.vertices) / shown.size)
                 name = Path(part.image.name).stem or part.image.name
                 drawing = Drawing(name, frame, tuple(points[loop] for loop in outline.loops))
@@ -125,7 +125,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         try:
             for part, result in zip(parts, generation.results, strict=True):
                 shown_by, drawing = found_object(part.shown_by), result.drawing
-                data = pictures.filled(drawing.name, drawing.mesh(), part.canvas, part.image)
+                data = pictures.textured_mesh(drawing.name, drawing.mesh(), part.canvas, part.image)
                 made.append(pictures.place(context, drawing.name, data, drawing.frame, shown_by))
             context.view_layer.update()
             self._write(context, made, generation.results)
@@ -176,7 +176,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
             images = [pictures.load(path) for path in paths]
             places = pictures.side_by_side(list(map(pictures.size_of, images)))
             return [Part(image, place, None) for image, place in zip(images, places, strict=True)]
-        shown = _shown(context)
+        shown = _shown_pictures(context)
         if not shown:
             raise UserError("Choose a picture file, or select image planes or image empties")
         return [
@@ -186,7 +186,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         ]
 
 
-def _shown(context: Context) -> list[Object]:
+def _shown_pictures(context: Context) -> list[Object]:
     """The selected objects that show a picture and are not cutouts, the active one first."""
     active = context.view_layer.objects.active
     shown = [obj for obj in context.selected_objects if pictures.image_on(obj) is not None]
@@ -221,7 +221,7 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bp
         active = context.view_layer.objects.active
         shows_it = active is not None and active.type == "EMPTY" and active.data == image
         shown, target = Picture.of(image), active.session_uid if shows_it else None
-        mesh = yield from shown.trace(self.vertices, **values(self))
+        mesh = yield from shown.trace(self.vertices, **trace_options(self))
         obj = pictures.place_outline(context, shown, mesh, found_object(target))
         select(context, obj)
         self.report({"INFO"}, f"{len(mesh.vertices)} vertices around all opaque pixels of '{shown.name}'")

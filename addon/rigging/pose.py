@@ -37,7 +37,7 @@ class Placement:
     @classmethod
     def of(cls, obj: Object) -> Placement:
         carried = placement.carrier_of(obj) if placement.constraint_of(obj) is not None else None
-        return cls({name: _copied(getattr(obj, name)) for name in PLACEMENT}, carried)
+        return cls({name: _copied_value(getattr(obj, name)) for name in PLACEMENT}, carried)
 
     def give(self, obj: Object, names: Iterable[str] = PLACEMENT) -> None:
         """Applies the placement to an object."""
@@ -141,7 +141,7 @@ def _set(stack: ExitStack, owner: Any, name: str, value: object) -> None:
         stack.callback(setattr, owner, name, before)
 
 
-def _copied(value: Any) -> Any:
+def _copied_value(value: Any) -> Any:
     """A copy of a value, independent of the object."""
     if isinstance(value, str | bpy.types.ID) or not hasattr(value, "__len__"):
         return value

@@ -161,7 +161,7 @@ def united(name: str, areas: Sequence[core.exchange.Painted]) -> Loops:
     for gap in (0.0, CLOSED_GAP * extent):
         try:
             mesh = core.exchange.solid(areas, seam=gap)
-            loops = tuple(stored(mesh.vertices[loop]) for loop in mesh.loops)
+            loops = tuple(float32_loop(mesh.vertices[loop]) for loop in mesh.loops)
             loops = tuple(loop for loop in loops if len(loop) >= SMALLEST_LOOP)  # others are slits of rounding
             core.Mesh.from_loops(loops)
         except core.NestedCagesError as error:
@@ -171,7 +171,7 @@ def united(name: str, areas: Sequence[core.exchange.Painted]) -> Loops:
     raise UserError(f"'{name}': {problem}") from problem
 
 
-def stored(points: FloatArray) -> FloatArray:
+def float32_loop(points: FloatArray) -> FloatArray:
     """A loop (k, 2) rounded to float32, as float64, without points that coincide then."""
     rounded = points.astype(np.float32).astype(np.float64)
     return rounded[(rounded != np.roll(rounded, 1, axis=0)).any(axis=1)]

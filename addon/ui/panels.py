@@ -104,7 +104,7 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         layout: Any = self.layout
         outputs = outputs_of_active(context)
         for collection in outputs:
-            results.draw(layout, collection)
+            results.draw_output(layout, collection)
         column = layout.column(align=True)
         column.operator("object.nested_cages_verify", icon="CHECKMARK")
         if any(ownership.is_bound(each) or record.of(each).moving for each in outputs):
@@ -124,7 +124,7 @@ class VIEW3D_PT_nested_cages_animation(PartPanel, bpy.types.Panel):
         groups.draw(layout.column(), settings, groups.ANIMATION)
         collection, scene = collection_of_active(context), context.scene
         timing = filled(Timing, settings)
-        frames = output.length(collection, timing) if collection is not None else None
+        frames = output.duration(collection, timing) if collection is not None else None
         if frames is not None:  # with these settings, from the steps of the output
             seconds = frames * scene.render.fps_base / scene.render.fps
             layout.label(text=f"Length as before: {frames} frames, {seconds:.1f} s")

@@ -15,7 +15,7 @@ from ..scene import ownership
 NOTE_WIDTH = 36
 
 
-def draw(layout: bpy.types.UILayout, collection: Collection) -> None:
+def draw_output(layout: bpy.types.UILayout, collection: Collection) -> None:
     """The drawing and its cages, with their summaries."""
     layout.label(text=collection.name, icon="OUTLINER_COLLECTION", translate=False)
     for obj in ownership.members(collection):

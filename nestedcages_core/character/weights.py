@@ -41,7 +41,7 @@ def bone_weights(cage: Mesh, bones: Sequence[Bone]) -> FloatArray:
     known = on_bone.any(axis=1)
     weights = np.zeros(on_bone.shape)
     weights[known] = on_bone[known] / on_bone[known].sum(axis=1, keepdims=True)
-    part = _parts(grid)
+    part = _components(grid)
     held = np.isin(part, part[known])
     free = np.flatnonzero(held & ~known)
     stiffness = grid.stiffness().tocsr()
@@ -102,7 +102,7 @@ def _first_of_near(points: FloatArray, distance: float) -> IntArray:
     return first
 
 
-def _parts(grid: Triangulation) -> IntArray:
+def _components(grid: Triangulation) -> IntArray:
     """(N,) the connected part of each vertex."""
     count, corners = len(grid.vertices), grid.triangles
     links = scipy.sparse.coo_array(

@@ -42,7 +42,7 @@ Two .json with frames are checked at each frame, and on the straight lines in be
 EPILOG = "exit status: 0 everything holds, 1 something does not or a file cannot be read, 2 wrong use of the options"
 
 
-def main(arguments: Sequence[str]) -> int:
+def check_files(arguments: Sequence[str]) -> int:
     """Run the command; the exit status."""
     given = _parser().parse_args(arguments)
     try:

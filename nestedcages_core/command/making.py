@@ -17,7 +17,7 @@ from ..exchange.pictures import picture_cages
 from ..geometry.mesh import Mesh
 from ..hierarchy import LEAST, Hierarchy, Level, Rising, Settings, Within, inner_cages, nested_cages, wanted_levels
 from .progress import ProgressLine
-from .sources import Shape, Source
+from .sources import NamedShape, Source
 
 MAX_PROCESSES_ON_WINDOWS = 61
 """Worker processes that Python can wait for there."""
@@ -29,7 +29,7 @@ SETTINGS = ("clearance", "grid", "merge", "convex", "symmetry", "min_edge", "min
 class Made(NamedTuple):
     """The cages of one shape, from the finest to the coarsest."""
 
-    shape: Shape
+    shape: NamedShape
     fine: Mesh
     levels: Sequence[Level]
 
@@ -59,7 +59,7 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
     """
     failures = list(source.failures)
     made: list[Made] = []
-    for shape, outcome in zip(source.shapes, _outcomes(source, given, line), strict=True):
+    for shape, outcome in zip(source.shapes, _made_outcomes(source, given, line), strict=True):
         hierarchy, error = outcome.result, outcome.error
         if error is not None:
             if not isinstance(error, NestedCagesError):
@@ -82,7 +82,7 @@ def _wanted(mesh: Mesh, given: argparse.Namespace) -> list[int | Mesh | Within]:
     return [Rising(level) if type(level) is int else level for level in levels]
 
 
-def _outcomes(source: Source, given: argparse.Namespace, line: ProgressLine) -> list[Outcome]:
+def _made_outcomes(source: Source, given: argparse.Namespace, line: ProgressLine) -> list[Outcome]:
     """The cages of the shapes of a file, or the error of each."""
     settings = Settings(**{name: getattr(given, name) for name in SETTINGS})
     shapes = [shape.content for shape in source.shapes]

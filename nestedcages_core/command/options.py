@@ -109,7 +109,7 @@ def _limit(text: str) -> tuple[str, int]:
     return name, int(_whole(1)(number))
 
 
-def _listed(limits: Limits) -> str:
+def _limit_list(limits: Limits) -> str:
     """All limits in the form of the option."""
     return ", ".join(f"{name}={value}" for name, value in vars(limits).items())
 
@@ -188,7 +188,8 @@ OPTIONS = {
         _option("--again", help="make the cages of all files; without it, of several files those are skipped whose "
                 "outputs exist and are newer, whatever the options were"),
         _option("--limit", dest="limits", type=_limit, action="append", default=[], metavar="WHAT=N", help="raise or "
-                f"lower a limit of reading (default: {_listed(Limits())}; of drawings {_listed(DRAWING_LIMITS)})"),
+                "lower a limit of reading "
+                f"(default: {_limit_list(Limits())}; of drawings {_limit_list(DRAWING_LIMITS)})"),
     ),
 }  # fmt: skip
 """The options by topic of the help."""

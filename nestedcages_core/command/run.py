@@ -12,12 +12,12 @@ from typing import Any, TextIO
 from ..errors import NestedCagesError
 from ..exchange import Limits
 from ..hierarchy import order_of
-from .check import main as check_files
+from .check import check_files
 from .making import Result, make
 from .options import check_use, of_drawings, parser
 from .outputs import STEM, entry, frames_of, is_made, put, report, table, targets, text_of
 from .progress import ProgressLine, tell
-from .sources import STREAM, Source, expanded, kind_of, read
+from .sources import STREAM, Source, kind_of, matching_files, read
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 """Exit statuses; the last is that of a program ended by Ctrl-C. Wrong use ends with 2, by argparse."""
@@ -35,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = options.parse_args(words)
     line = None
     try:
-        paths = expanded(given.input)
+        paths = matching_files(given.input)
         check_use(options, given, paths)
         line = ProgressLine(sys.stderr, silent=given.quiet, files=len(paths))
         return FAILED if _all(paths, given, line) else DONE

@@ -26,7 +26,7 @@ BEGINNINGS = {b"\x89PNG": "picture", b"<": "drawing", b"{": "map"}
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class NamedShape:
     """The shape to enclose: a mesh, or a picture whose opaque pixels become one."""
 
     name: str
@@ -42,7 +42,7 @@ class Source:
     path: str
     kind: str
     """One of `KINDS`, or "outline"."""
-    shapes: Sequence[Shape] = ()
+    shapes: Sequence[NamedShape] = ()
     notes: Sequence[str] = ()
     """Sentences about repairs and omissions."""
     failures: Sequence[str] = ()
@@ -54,7 +54,7 @@ class Source:
     """Height of a picture in pixels, for turning y over."""
 
 
-def expanded(patterns: Sequence[str]) -> list[str]:
+def matching_files(patterns: Sequence[str]) -> list[str]:
     """The files that match names and patterns such as `icons/*.svg`. Raises NestedCagesError for one without any."""
     found: list[str] = []
     for pattern in patterns:
@@ -82,12 +82,12 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
         height, width = picture.shape[:2]
         frame = Frame((0.0, 0.0, float(width), float(height)), str(width), str(height))
         whole = picture[:, :, 3].min() > 0
-        return Source(path, kind, [Shape("drawing", picture)], opaque if whole else (), frame=frame, height=height)
+        return Source(path, kind, [NamedShape("drawing", picture)], opaque if whole else (), frame=frame, height=height)
     if kind == "drawing":
         drawing = svg_drawing(data, **options)
-        return Source(path, kind, [Shape("drawing", drawing.mesh)], drawing.notes, frame=drawing.frame)
+        return Source(path, kind, [NamedShape("drawing", drawing.mesh)], drawing.notes, frame=drawing.frame)
     if is_engine_json(data):
-        return Source(path, "outline", [Shape("drawing", from_engine_json(data, limits=limits))])
+        return Source(path, "outline", [NamedShape("drawing", from_engine_json(data, limits=limits))])
     found = read_map(data, limits, options["tolerance"], clean=True)
     if not found.features and not found.refused:
         raise invalid_file("There are no polygons; give a map with Polygon or MultiPolygon features.")
@@ -99,7 +99,7 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
         if found.crs is None
         else "The map's coordinate reference system is kept."
     )
-    shapes = [Shape(each.name, each.mesh, each.properties, each.id) for each in found.features]
+    shapes = [NamedShape(each.name, each.mesh, each.properties, each.id) for each in found.features]
     return Source(path, "map", shapes, notes, found.refused, found.crs)
 
 

@@ -24,7 +24,7 @@ class AsymmetricError(NestingError):
     """An outline that is not symmetric."""
 
 
-def orbits_of(outline: Loops, symmetry: Symmetry) -> Orbits:
+def approximate_orbits(outline: Loops, symmetry: Symmetry) -> Orbits:
     """The orbits of an outline. Raises AsymmetricError."""
     from ..geometry.group import Orbits  # most cages have no symmetry
 
@@ -42,7 +42,7 @@ def symmetrised(outline: Loops, symmetry: Symmetry | None) -> Loops:
     """An outline that is symmetric up to a tolerance, made exactly symmetric. Raises AsymmetricError."""
     if symmetry is None:
         return outline
-    return outline.moved(orbits_of(outline, symmetry).symmetrised(outline.vertices))
+    return outline.moved(approximate_orbits(outline, symmetry).symmetrised(outline.vertices))
 
 
 def padded_alike(outline: Loops, total: int, symmetry: Symmetry) -> list[FloatArray]:
@@ -53,7 +53,7 @@ def padded_alike(outline: Loops, total: int, symmetry: Symmetry) -> list[FloatAr
     successor = outline.successor
     steps = outline.vertices[successor] - outline.vertices
     _, orbit, sizes = np.unique(
-        orbits_of(outline, symmetry).edge_orbit(successor), return_inverse=True, return_counts=True
+        approximate_orbits(outline, symmetry).edge_orbit(successor), return_inverse=True, return_counts=True
     )
     lengths = np.zeros(len(sizes))
     lengths[orbit] = norm(steps)

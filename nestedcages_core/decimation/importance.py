@@ -10,7 +10,7 @@ from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.loops import Loops
 
 
-class Importance(Protocol):
+class ImportanceMap(Protocol):
     """What a need says of a shape to a decimation, in input units."""
 
     @property

@@ -140,7 +140,7 @@ def canonical_order(fine: Mesh) -> tuple[Loops, IntArray]:
     return Loops.of(fine.vertices[np.concatenate(ordered)], [len(ring) for ring in ordered]), order
 
 
-def shares(total: int, lengths: FloatArray, least: int) -> IntArray:
+def apportioned(total: int, lengths: FloatArray, least: int) -> IntArray:
     """Numbers (K,) in proportion to lengths (K,), at least `least` each, whose sum is `total` or the least possible.
 
     Each vertex in turn goes where the spacing is longest (D'Hondt's method), which minimises the longest spacing. Ties
@@ -164,10 +164,10 @@ def padded(outline: Loops, total: int, per_loop: IntArray | None) -> list[FloatA
     steps = outline.vertices[outline.successor] - outline.vertices
     lengths = norm(steps)
     if per_loop is None:
-        pieces = shares(total, lengths, 1)
+        pieces = apportioned(total, lengths, 1)
     else:
         of_loop = np.split(lengths, outline.begins[1:])
-        pieces = np.concatenate([shares(k, edges, 1) for k, edges in zip(per_loop.tolist(), of_loop, strict=True)])
+        pieces = np.concatenate([apportioned(k, edges, 1) for k, edges in zip(per_loop.tolist(), of_loop, strict=True)])
     begin = np.cumsum(pieces) - pieces
     fraction = (np.arange(pieces.sum()) - np.repeat(begin, pieces)) / np.repeat(pieces, pieces)
     vertices = np.repeat(outline.vertices, pieces, axis=0) + fraction[:, None] * np.repeat(steps, pieces, axis=0)

@@ -43,9 +43,9 @@ def character_to_engine_json(character: Character, *, flip_y: float | None = Non
         "format": FORMAT,
         "version": 1,
         "bones": bones,
-        "cage": _part(character.cage, character.bone_weights, flip_y),
+        "cage": _points_and_weights(character.cage, character.bone_weights, flip_y),
         "shape": {
-            **_part(character.shape, character.cage_weights, flip_y),
+            **_points_and_weights(character.shape, character.cage_weights, flip_y),
             "triangles": character.triangles[:, ::turn].tolist(),
         },
     }
@@ -57,7 +57,7 @@ def character_to_engine_json(character: Character, *, flip_y: float | None = Non
     return json.dumps(document, indent=indent, allow_nan=False)
 
 
-def _part(mesh: Mesh, weights: FloatArray, flip_y: float | None) -> dict[str, Any]:
+def _points_and_weights(mesh: Mesh, weights: FloatArray, flip_y: float | None) -> dict[str, Any]:
     """Points, edges and the weights that matter."""
     kept = np.where(weights >= LEAST_WEIGHT, weights, 0.0)
     kept /= kept.sum(axis=1, keepdims=True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.predicates import BoxTree, orientation
-from .limits import Budget
+from .limits import Quota
 
 Edges = tuple[FloatArray, FloatArray]
 """Starts and ends, (E, 2) each."""
@@ -23,23 +23,23 @@ def edges_in(shapely: Any, geometries: Any) -> Edges:
     return points[:-1][follows], points[1:][follows]
 
 
-def spend_crossings(edges: Edges, budget: Budget | None, *, own: bool = False) -> None:
+def spend_crossings(edges: Edges, quota: Quota | None, *, own: bool = False) -> None:
     """Count the pairs of edges that cross or overlap, but not those that meet at ends.
 
-    budget: none if None; own: whether the edges are those of one outline.
+    quota: none if None; own: whether the edges are those of one outline.
 
-    Raises NestedCagesError where uniting them would take longer than the budget allows.
+    Raises NestedCagesError where uniting them would take longer than the quota allows.
     """
-    if budget is None:
+    if quota is None:
         return
     long = (edges[0] != edges[1]).any(axis=1)
     starts, ends = edges[0][long], edges[1][long]
     tree = BoxTree(starts, ends)
     for i, j in tree.blocks(slim=True):
-        budget.spend_crossings(int(_cross(starts[i], ends[i], starts[j], ends[j]).sum()), own=own)
+        quota.spend_crossings(int(_do_cross(starts[i], ends[i], starts[j], ends[j]).sum()), own=own)
 
 
-def _cross(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> BoolArray:
+def _do_cross(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> BoolArray:
     """(K,) whether segments a-b and c-d have more than an end in common, and are not the same."""
     first = orientation(a, b, c) * orientation(a, b, d)
     crossing = (first < 0) & (orientation(c, d, a) * orientation(c, d, b) < 0)

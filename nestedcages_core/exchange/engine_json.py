@@ -19,7 +19,7 @@ from ..geometry.triangulation import piece_vertices, triangulate
 from .decimals import check_decimals, subtracted
 from .files import write_whole
 from .geojson import loaded_json
-from .limits import Budget, Limits
+from .limits import Limits, Quota
 from .meshes import meshes_of
 
 FORMAT = "nested-cages outline"
@@ -136,7 +136,7 @@ def from_engine_json(text: str | bytes, *, flip_y: float | None = None, limits: 
         raise invalid_file(
             f"The collision outline is of version {shown(version)}, but version {VERSION} is read; export it again."
         )
-    return _mesh_of(document, flip_y, Budget(limits))
+    return _mesh_of(document, flip_y, Quota(limits))
 
 
 def _polygons(mesh: Mesh, flip_y: float | None) -> list[dict[str, Any]]:
@@ -153,19 +153,19 @@ def _polygons(mesh: Mesh, flip_y: float | None) -> list[dict[str, Any]]:
     return polygons
 
 
-def _mesh_of(document: Mapping[str, Any], flip_y: float | None, budget: Budget) -> Mesh:
+def _mesh_of(document: Mapping[str, Any], flip_y: float | None, quota: Quota) -> Mesh:
     """The mesh of the polygons of a document."""
     parts = document.get("polygons")
     if not isinstance(parts, list):
         raise invalid_file(f"The collision outline has {shown(parts)} where its list of polygons belongs.")
-    budget.spend("elements", len(parts))
+    quota.spend("elements", len(parts))
     rings = []
     for k, part in enumerate(parts):
         if not isinstance(part, Mapping) or not isinstance(part.get("holes", []), list) or "outer" not in part:
             raise invalid_file(f"Polygon {k} of the collision outline is not an object with outer and holes.")
         rings.append([part["outer"], *part.get("holes", [])])
     polygons = polygons_of({"type": "MultiPolygon", "coordinates": rings})
-    budget.spend("points", sum(len(ring) for polygon in polygons for ring in polygon))
+    quota.spend("points", sum(len(ring) for polygon in polygons for ring in polygon))
     turned = [[flipped(ring, flip_y) for ring in polygon] for polygon in polygons]
     return Mesh.from_geometry({"type": "MultiPolygon", "coordinates": turned})
 

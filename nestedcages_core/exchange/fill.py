@@ -18,7 +18,7 @@ from ..geometry.predicates import ON_BOUNDARY, winding_number
 from ..libraries import load_shapely
 from .crossings import edges_in, spend_crossings
 from .hairlines import MARGIN, comes_close, has_hairlines, without_hairlines, without_short_edges
-from .limits import Budget
+from .limits import Quota
 
 GRIDS = (0.0, 2.0**-38, 2.0**-30, 2.0**-24)
 """Spacings, in diagonals rounded up to a power of two, of the grids that a union is rounded to, tried in turn: none,
@@ -58,22 +58,22 @@ def solid(
     *,
     seam: float = 0.0,
     spike: float = 0.0,
-    budget: Budget | None = None,
+    quota: Quota | None = None,
     notes: list[str] | None = None,
 ) -> Mesh:
     """The union of areas as a mesh. Loops keep their coordinates exactly; only crossings add points.
 
     Where parts are closer than the rounding of their coordinates they touch, and the whole is rounded as finely.
     seam, spike: widths below which gaps are closed and spikes cut off, which `notes` then says with their numbers;
-    budget: for crossings, unlimited if None.
+    quota: for crossings, unlimited if None.
 
     Where the union touches itself in a point it is joined by a thin neck. Raises InvalidMeshError where nothing is
-    inside, NestedCagesError where loops cross and shapely is missing, or more often than the budget allows.
+    inside, NestedCagesError where loops cross and shapely is missing, or more often than the quota allows.
     """
-    options: dict[str, Any] = {"seam": seam, "spike": spike, "budget": budget, "notes": notes}
+    options: dict[str, Any] = {"seam": seam, "spike": spike, "quota": quota, "notes": notes}
     if not all(isinstance(area, Painted) for area in areas):
         shapely = load_shapely("Reading shapes that overlap or touch")
-        return united(shapely, regions(shapely, areas, budget), **options)
+        return united(shapely, regions(shapely, areas, quota), **options)
     cleaned = [area.cleaned() for area in areas]
     loops = [loop for area in cleaned for loop in area.loops]
     if not loops:
@@ -83,28 +83,28 @@ def solid(
         mesh = Mesh.from_loops(loops)
     if mesh is None or comes_close(mesh, ROUNDING * mesh.diagonal) or has_hairlines(mesh, max(seam, spike)):
         shapely = load_shapely("Reading shapes that overlap or touch")
-        return united(shapely, regions(shapely, cleaned, budget), **options)
+        return united(shapely, regions(shapely, cleaned, quota), **options)
     kept = _on_the_rim(mesh, cleaned)
     if not kept.any():
         raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     return mesh if kept.all() else Mesh.from_loops([loops[k] for k in np.flatnonzero(kept)])
 
 
-def union_of(shapely: Any, areas: Sequence[Area], budget: Budget | None = None) -> Any:
-    """The union of areas as a valid geometry. Raises NestedCagesError beyond the budget."""
-    parts = regions(shapely, areas, budget)
-    spend_crossings(edges_in(shapely, parts), budget)
+def union_of(shapely: Any, areas: Sequence[Area], quota: Quota | None = None) -> Any:
+    """The union of areas as a valid geometry. Raises NestedCagesError beyond the quota."""
+    parts = regions(shapely, areas, quota)
+    spend_crossings(edges_in(shapely, parts), quota)
     return shapely.union_all(parts)
 
 
-def regions(shapely: Any, areas: Sequence[Area], budget: Budget | None = None) -> list[Any]:
-    """The inside of each area as a valid geometry. Raises NestedCagesError beyond the budget."""
+def regions(shapely: Any, areas: Sequence[Area], quota: Quota | None = None) -> list[Any]:
+    """The inside of each area as a valid geometry. Raises NestedCagesError beyond the quota."""
     cleaned = [area.cleaned() if isinstance(area, Painted) else area for area in areas]
     single = [k for k, area in enumerate(cleaned) if isinstance(area, Painted) and len(area.loops) == 1]
-    outlines = shapely.polygons(_rings(shapely, [cleaned[k].loops[0] for k in single]))
+    outlines = shapely.polygons(_linear_rings(shapely, [cleaned[k].loops[0] for k in single]))
     simple = {k: outline for k, outline in zip(single, outlines, strict=True) if shapely.is_valid(outline)}
     return [
-        simple[k] if k in simple else _region(shapely, area, budget) if isinstance(area, Painted) else area
+        simple[k] if k in simple else _region(shapely, area, quota) if isinstance(area, Painted) else area
         for k, area in enumerate(cleaned)
     ]
 
@@ -124,14 +124,14 @@ def united(
     *,
     seam: float = 0.0,
     spike: float = 0.0,
-    budget: Budget | None = None,
+    quota: Quota | None = None,
     notes: list[str] | None = None,
 ) -> Mesh:
     """The union of valid geometries as a mesh; options as of `solid`.
 
-    Raises InvalidMeshError where nothing is inside, NestedCagesError beyond the budget.
+    Raises InvalidMeshError where nothing is inside, NestedCagesError beyond the quota.
     """
-    spend_crossings(edges_in(shapely, parts), budget)
+    spend_crossings(edges_in(shapely, parts), quota)
     bounds = np.zeros(4) if np.all(shapely.is_empty(parts)) else shapely.total_bounds(parts)
     size = float(np.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]))
     if not size > 0.0:
@@ -144,7 +144,7 @@ def united(
     for grid in GRIDS:
         region = shapely.set_precision(clean.region, grid * unit) if grid else clean.region
         try:
-            mesh = _mesh(shapely, region, max(seam, spike) if note else 0.0)
+            mesh = _region_mesh(shapely, region, max(seam, spike) if note else 0.0)
         except InvalidMeshError as error:
             failed = failed or error
             continue
@@ -160,9 +160,9 @@ def united(
     return found
 
 
-def _mesh(shapely: Any, region: Any, width: float) -> Mesh:
+def _region_mesh(shapely: Any, region: Any, width: float) -> Mesh:
     """The mesh of a valid region, joined by thin necks where it touches itself; width: of hairlines that are gone."""
-    rings = rings_of(shapely, region)
+    rings = rings_in(shapely, region)
     if not rings:
         raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     with suppress(InvalidMeshError):
@@ -173,7 +173,7 @@ def _mesh(shapely: Any, region: Any, width: float) -> Mesh:
     touching = np.unique(starts[np.bincount(vertex, minlength=len(starts)) > 2], axis=0)
     reach = max(NECK_PER_SIZE * np.sqrt(region.area), LEAST_NECK * np.abs(region.bounds).max())
     necks = shapely.buffer(shapely.points(touching), reach, quad_segs=1)
-    rings = rings_of(shapely, shapely.union_all([region, *necks]))
+    rings = rings_in(shapely, shapely.union_all([region, *necks]))
     with suppress(InvalidMeshError):
         return _without_remnants(rings, width)
     return Mesh.from_loops(rings)
@@ -184,25 +184,25 @@ def _without_remnants(rings: list[FloatArray], width: float) -> Mesh:
     wide = [
         without_short_edges(ring, width)
         for ring in rings
-        if np.ptp(ring, axis=0).max() >= width and abs(thickness([ring])) >= MARGIN * width
+        if np.ptp(ring, axis=0).max() >= width and abs(strip_width([ring])) >= MARGIN * width
     ]
     return Mesh.from_loops(wide or rings)
 
 
-def rings_of(shapely: Any, geometry: Any) -> list[FloatArray]:
+def rings_in(shapely: Any, geometry: Any) -> list[FloatArray]:
     """The rings (k, 2) of all polygons, not closed, with the inside to their left."""
     polygons = [part for part in shapely.get_parts(geometry) if part.geom_type == "Polygon" and part.area > 0.0]
     rings = shapely.get_rings(shapely.orient_polygons(polygons)) if polygons else []
     return [shapely.get_coordinates(ring)[:-1] for ring in rings]
 
 
-def _region(shapely: Any, area: Painted, budget: Budget | None) -> Any:
+def _region(shapely: Any, area: Painted, quota: Quota | None) -> Any:
     """The inside of loops that may cross: the faces between them whose winding numbers are inside."""
     if not area.loops:
         return shapely.Polygon()
     starts, ends = _edges_of(area.loops)
-    spend_crossings((starts, ends), budget, own=True)
-    lines = shapely.union_all(_rings(shapely, area.loops))
+    spend_crossings((starts, ends), quota, own=True)
+    lines = shapely.union_all(_linear_rings(shapely, area.loops))
     faces = shapely.get_parts(shapely.polygonize([lines]))
     winding = winding_number(shapely.get_coordinates(shapely.point_on_surface(faces)), starts, ends)
     inside = winding % 2 == 1 if area.evenodd else winding != 0
@@ -210,7 +210,7 @@ def _region(shapely: Any, area: Painted, budget: Budget | None) -> Any:
     return shapely.coverage_union_all(faces[kept])
 
 
-def thickness(loops: Sequence[FloatArray]) -> float:
+def strip_width(loops: Sequence[FloatArray]) -> float:
     """Thickness of loops (k, 2) as thin strips: twice the signed area over the length, negative if clockwise."""
     area, length = 0.0, 0.0
     for loop in loops:
@@ -221,7 +221,7 @@ def thickness(loops: Sequence[FloatArray]) -> float:
     return 2.0 * area / length if length > 0.0 else 0.0
 
 
-def _rings(shapely: Any, loops: Sequence[FloatArray]) -> Any:
+def _linear_rings(shapely: Any, loops: Sequence[FloatArray]) -> Any:
     """(L,) loops as rings."""
     if not loops:
         return np.zeros(0, dtype=object)

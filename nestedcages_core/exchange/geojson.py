@@ -18,10 +18,10 @@ from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.mesh.geo_interface import polygons_of, shown
 from .decimals import check_decimals
 from .files import read_whole, write_whole
-from .limits import Budget, LimitError, Limits
+from .limits import LimitError, Limits, Quota
 from .meridian import across
 from .meshes import meshes_of
-from .repair import mesh_of
+from .repair import repaired_mesh
 
 GEOGRAPHIC = ("CRS84", "4326", "4269", "4258")
 """Substrings of the names of common coordinate reference systems in degrees."""
@@ -90,24 +90,24 @@ def read_map(source: Any, limits: Limits | None = None, tolerance: float | None 
     if isinstance(members, str | bytes | Mapping) or not hasattr(members, "__iter__"):
         raise invalid_file(f"The FeatureCollection has {shown(members)} where its list of features belongs.")
     degrees = _may_be_degrees(document)
-    features, refused, without, budget = [], [], 0, Budget(limits)
+    features, refused, without, quota = [], [], 0, Quota(limits)
     for number, member in enumerate(members):
-        budget.spend("elements", 1)
+        quota.spend("elements", 1)
         name = f"feature {number}"
         try:
-            geometry, properties, identity, lost = _parts(member, has_nan)
+            geometry, properties, identity, lost = _feature_members(member, has_nan)
             name = _name(number, properties, identity)
             polygons = [] if geometry is None else polygons_of(geometry, lines=True)
         except InvalidMeshError as error:
             refused.append(f"{name}: {error}")
             continue
-        budget.spend("points", sum(len(ring) for polygon in polygons for ring in polygon))
+        quota.spend("points", sum(len(ring) for polygon in polygons for ring in polygon))
         if not polygons:
             without += 1
             continue
         try:
             polygons, shifted = across(polygons) if degrees else (polygons, [])
-            mesh, repairs = mesh_of(polygons, budget, tolerance=tolerance, clean=clean)
+            mesh, repairs = repaired_mesh(polygons, quota, tolerance=tolerance, clean=clean)
             features.append(Feature(mesh, properties, identity, name, (*shifted, *repairs, *lost)))
         except LimitError:
             raise
@@ -138,7 +138,7 @@ def from_geojson(source: Any, *, limits: Limits | None = None, tolerance: float 
     if len(features) == 1:
         return features[0].mesh
     polygons = [polygon for feature in features for polygon in polygons_of(feature.mesh)]
-    return mesh_of(polygons, Budget(limits or Limits()), tolerance=tolerance)[0]
+    return repaired_mesh(polygons, Quota(limits or Limits()), tolerance=tolerance)[0]
 
 
 def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None, tolerance: float | None = None) -> Mesh:
@@ -174,7 +174,7 @@ def to_geojson(
     collection = {"type": "FeatureCollection", **({} if crs is None else {"crs": crs})}
     collection["features"] = [item.__geo_interface__ for item in features]
     try:
-        return json.dumps(collection, indent=indent, allow_nan=False, default=_plain)
+        return json.dumps(collection, indent=indent, allow_nan=False, default=_json_value)
     except (TypeError, ValueError, RecursionError) as error:
         raise invalid_file(f"The properties cannot be written as JSON: {error}.") from error
 
@@ -216,7 +216,9 @@ def _loaded(source: Any, limits: Limits) -> tuple[Mapping[str, Any], bool]:
     return document, has_nan
 
 
-def _parts(member: Any, has_nan: bool) -> tuple[Any, Mapping[str, Any], str | int | float | None, tuple[str, ...]]:
+def _feature_members(
+    member: Any, has_nan: bool
+) -> tuple[Any, Mapping[str, Any], str | int | float | None, tuple[str, ...]]:
     """Geometry, properties and id of a feature or a bare geometry, and a note on values that JSON cannot represent."""
     mapping = getattr(member, "__geo_interface__", member)
     if not isinstance(mapping, Mapping):
@@ -253,7 +255,7 @@ def _finite(properties: Mapping[str, Any]) -> tuple[Mapping[str, Any], tuple[str
     return kept, (f"properties that are not finite: {', '.join(map(shown, bad))}; set to null",)
 
 
-def _plain(value: Any) -> Any:
+def _json_value(value: Any) -> Any:
     """Numbers and arrays of numpy as JSON knows them."""
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()

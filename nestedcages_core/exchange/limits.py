@@ -53,7 +53,7 @@ def _beyond(what: str, has: str) -> LimitError:
     return LimitError(problem, code="limit.exceeded", what=what)
 
 
-class Budget:
+class Quota:
     """What a document has used of its limits, counted as it is read."""
 
     def __init__(self, limits: Limits) -> None:

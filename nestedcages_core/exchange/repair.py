@@ -17,7 +17,7 @@ from ..libraries import load_shapely
 from .crossings import edges_in, spend_crossings
 from .fill import united
 from .hairlines import has_hairlines
-from .limits import Budget
+from .limits import Quota
 
 NEEDED_FOR = "Reading polygons that touch or cross"
 
@@ -31,8 +31,8 @@ GREATEST_PASSES = 64
 """Maximum number of rounds that remove spikes; GEOS repairs the rest."""
 
 
-def mesh_of(
-    polygons: list[Polygon], budget: Budget | None = None, *, tolerance: float | None = None, clean: bool = False
+def repaired_mesh(
+    polygons: list[Polygon], quota: Quota | None = None, *, tolerance: float | None = None, clean: bool = False
 ) -> tuple[Mesh, list[str]]:
     """The solid of polygons, each an outer ring (k, 2) and its holes, and the repairs made.
 
@@ -41,7 +41,7 @@ def mesh_of(
 
     Gaps and spikes narrower than a tenth of the tolerance are closed and cut off. Without a tolerance, those narrower
     than 1e-5 of the diagonal, which have no room for a cage, but in valid polygons only if `clean`, else round-off.
-    Raises InvalidMeshError where no area is left, NestedCagesError beyond the budget for crossings.
+    Raises InvalidMeshError where no area is left, NestedCagesError beyond the quota for crossings.
     """
     kept, notes = _cleaned(polygons)
     if not kept:
@@ -64,7 +64,7 @@ def mesh_of(
     narrow: list[str] = []
     try:
         if mesh is None:
-            spend_crossings(edges_in(shapely, [shape]), budget, own=True)
+            spend_crossings(edges_in(shapely, [shape]), quota, own=True)
             faults = _faults(shapely, shape)
             shape = shapely.make_valid(shape, method="structure", keep_collapsed=False) if faults else shape
             touching = [f"{each}: repaired" for each in faults] or touching

@@ -51,7 +51,7 @@ def smallest_gap(here: BoxTree, there: BoxTree) -> float:
     i, j = np.indices((ours.counts[a], theirs.counts[b])).reshape(2, -1)
     best = np.inf
     while True:
-        distance, reach = _between(ours, a, i, theirs, b, j)
+        distance, reach = _distance_between(ours, a, i, theirs, b, j)
         best = min(best, float(distance.min()))
         if a == 0 and b == 0:
             return best
@@ -76,7 +76,7 @@ def _parents(centres: FloatArray, radii: FloatArray) -> Balls:
     return Balls(middles, np.maximum.reduceat(np.hypot(across[:, 0], across[:, 1]) + radii, begins))
 
 
-def _between(
+def _distance_between(
     ours: Stretches, a: int, i: IntArray, theirs: Stretches, b: int, j: IntArray
 ) -> tuple[FloatArray, FloatArray]:
     """Distance between points of stretches i and j, of levels a and b, and by how much these may be closer, (K,), (K,).

@@ -54,7 +54,7 @@ class Window(NamedTuple):
     """The first gate whose tip the next link has to pass."""
 
 
-class Run(NamedTuple):
+class GateRun(NamedTuple):
     """The longest run of gates from a window on that a line passes."""
 
     missed: int
@@ -153,7 +153,7 @@ class Corridor:
         foot, tip, _, _ = self._gate(gate)
         return _cross(line.along, foot - line.place) >= 0.0 >= _cross(line.along, tip - line.place)
 
-    def _longest(self, window: Window, last: int) -> Run:
+    def _longest(self, window: Window, last: int) -> GateRun:
         """The longest run from a window on, up to a last gate at most."""
         begin, size = min(window.next_foot, window.next_tip), FIRST_RUN
         while True:
@@ -169,10 +169,10 @@ class Corridor:
                     window, begin + k - 1, angles[: k + 1, : k + 1], float(high[k - 1]), float(low[k - 1])
                 )
             if stop == last + 1:
-                return Run(last + 1, None, window, last, last)
+                return GateRun(last + 1, None, window, last, last)
             size += size // 2
 
-    def _ended(self, window: Window, missed: int, angles: FloatArray, high: float, low: float) -> Run:
+    def _ended(self, window: Window, missed: int, angles: FloatArray, high: float, low: float) -> GateRun:
         """The run that misses a gate.
 
         angles: between the window and the directions from tips to feet, those of the window first and those of that
@@ -190,12 +190,12 @@ class Corridor:
         line = Line(foot, foot - tip if foot_gate > tip_gate else tip - foot)
         if (tip_turn == 0) == (foot_turn == 0) or beyond_tip != (foot_gate > tip_gate) or foot_gate == tip_gate:
             # a sharp turn, with the gate edge-on: no more is known than that the next link passes it
-            return Run(missed, line if foot_gate != tip_gate else None, self._gate(missed), foot_gate, tip_gate)
+            return GateRun(missed, line if foot_gate != tip_gate else None, self._gate(missed), foot_gate, tip_gate)
         if beyond_tip:
             after_it = Window(foot, self._end(line, foot, self.tips, missed), foot_gate + 1, missed)
         else:
             after_it = Window(self._end(line, tip, self.feet, missed), tip, missed, tip_gate + 1)
-        return Run(missed, line, after_it, foot_gate, tip_gate)
+        return GateRun(missed, line, after_it, foot_gate, tip_gate)
 
     def _turn_missing(self, high: float, low: float, added: FloatArray) -> int:
         """Which way the lines of angles between extremes have to turn, and cannot, for others too; 0 if they can."""
@@ -222,7 +222,7 @@ class Corridor:
             return end
         return contact + FAR * self.size / abs(line.along) * line.along
 
-    def _closing(self, window: Window, first: Run, before: int) -> Line | None:
+    def _closing(self, window: Window, first: GateRun, before: int) -> Line | None:
         """A line from a window to the part of the first line before it touches a gate; None if there is none.
 
         before: the last gate that the first line does not pass, going back.
@@ -237,13 +237,13 @@ class Corridor:
         at = (self.feet if from_foot else self.tips)[touched % count]
         stops = (touched + count, before + 1 + count) if from_foot else (before + 1 + count, touched + count)
         feet = np.append(_side(window.foot, self.feet, window.next_foot, stops[0]), at if from_foot else end)
-        return _between(
+        return _midline(
             feet, np.append(_side(window.tip, self.tips, window.next_tip, stops[1]), end if from_foot else at)
         )
 
     def _closed_by_gate(self, lines: list[Line], window: Window, last: int) -> FloatArray | None:
         """The corners of a walk with a line from a window to the last gate, and along it to the first line."""
-        line = _between(
+        line = _midline(
             _side(window.foot, self.feet, window.next_foot, last + 1),
             _side(window.tip, self.tips, window.next_tip, last + 1),
         )
@@ -281,7 +281,7 @@ def _extremes(angles: FloatArray, extreme: np.ufunc) -> FloatArray:
     return np.asarray(extreme.accumulate(extreme(rows, columns)))
 
 
-def _between(feet: ComplexArray, tips: ComplexArray) -> Line | None:
+def _midline(feet: ComplexArray, tips: ComplexArray) -> Line | None:
     """A line midway between feet (F,), on its left, and tips (T,); None if there is none."""
     angles = _angles_between(feet, tips)
     high, low = float(angles.max()), float(angles.min())

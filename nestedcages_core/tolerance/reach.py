@@ -76,7 +76,7 @@ def _in_triangles(
         enough = min(limit, slack + (1.0 + REACH_PRECISION) * largest)
         kept = np.flatnonzero(distance + radius > enough)
         edges = np.column_stack((near, nearest))[kept]
-        kept = kept[bounds(corners[kept], edges, search.starts, search.ends) > enough]
+        kept = kept[distance_bounds(corners[kept], edges, search.starts, search.ends) > enough]
         if len(kept) == 0:
             return max(enough, largest), middle[:0]
         corners, near = np.tile(corners[kept], (2, 1, 1)), np.tile(near[kept], (2, 1))
@@ -92,7 +92,7 @@ def _longest_first(corners: FloatArray, near: IntArray) -> tuple[FloatArray, Int
     return corners[rows, turns], near[rows, turns]
 
 
-def bounds(corners: FloatArray, edges: IntArray, starts: FloatArray, ends: FloatArray) -> FloatArray:
+def distance_bounds(corners: FloatArray, edges: IntArray, starts: FloatArray, ends: FloatArray) -> FloatArray:
     """(T,) upper bounds of the distance of triangles (T, 3, 2) from segments, by some of these for each, (T, K)."""
     a, b = starts[edges][:, :, None], ends[edges][:, :, None]
     distance = point_edge(corners[:, None], a, b).distance

@@ -220,5 +220,5 @@ def test_a_short_edge_of_the_outline_makes_few_triangles(addon, core) -> None:
     corners = circle(64)
     outline = core.Mesh.from_loops([np.insert(corners, 1, 0.98 * corners[0] + 0.02 * corners[1], axis=0)])
     image = bpy.data.images.new("Picture", 8, 8, alpha=True)
-    mesh = addon.io.pictures.filled("Picture", outline, addon.io.pictures.canvas_of(None, (8, 8)), image)
+    mesh = addon.io.pictures.textured_mesh("Picture", outline, addon.io.pictures.canvas_of(None, (8, 8)), image)
     assert 200 < len(mesh.vertices) < 1000

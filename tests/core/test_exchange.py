@@ -36,7 +36,7 @@ from nestedcages_core.exchange import (
     write_svg,
 )
 from nestedcages_core.exchange.fill import _without_remnants
-from nestedcages_core.exchange.limits import Budget, Limits
+from nestedcages_core.exchange.limits import Limits, Quota
 from nestedcages_core.exchange.svg.path_data import PathReader, Subpath, flattened
 from shapes import annulus, islands, letter_a, polygon, ring, star
 
@@ -78,7 +78,7 @@ def same(one: Mesh, other: Mesh) -> bool:
 
 
 def read_path(data: str) -> list[Subpath]:
-    return PathReader(data, Budget(Limits())).read()
+    return PathReader(data, Quota(Limits())).read()
 
 
 def on_path(data: str, count: int = 40) -> np.ndarray:

@@ -27,7 +27,7 @@ from nestedcages_core.decimation.hull.outer_hull import SOURCE as HULL
 from nestedcages_core.decimation.line_cycles.around import Around
 from nestedcages_core.decimation.line_cycles.candidates import Obstacles
 from nestedcages_core.decimation.line_cycles.chain import Chain, Lines
-from nestedcages_core.decimation.line_cycles.loop_search import shares
+from nestedcages_core.decimation.line_cycles.loop_search import allocation
 from nestedcages_core.decimation.line_cycles.method import SOURCE, cycles_around
 from nestedcages_core.decimation.line_cycles.shortest_cycles import Paths
 from nestedcages_core.decimation.line_cycles.turns import Turns
@@ -89,7 +89,7 @@ def test_lines_are_shared_between_loops_as_if_all_ways_were_tried() -> None:
         count = int(RANDOM.integers(5, 14))
         ways = [w for w in product(range(6), repeat=3) if sum(w) <= count]
         best = min((sum(t[k] for t, k in zip(totals, way, strict=True)) for way in ways), default=np.inf)
-        numbers = shares(totals, count, [1] * len(totals))
+        numbers = allocation(totals, count, [1] * len(totals))
         if numbers is None:
             assert best == np.inf
         else:

@@ -18,7 +18,7 @@ from nestedcages_core.decimation.hull.narrow_gaps import without_gaps
 from nestedcages_core.decimation.hull.offset import cleared, strict_offset
 from nestedcages_core.decimation.hull.outer_search import thinned
 from nestedcages_core.decimation.hull.progressive_hull import ProgressiveHull
-from nestedcages_core.decimation.request import canonical_order, padded, shares
+from nestedcages_core.decimation.request import apportioned, canonical_order, padded
 from nestedcages_core.geometry.loops import Loops
 from shapes import annulus, assert_nested, disc, islands, letter_a, polygon, ring, star
 
@@ -376,7 +376,7 @@ def test_clearing_fills_what_is_too_narrow() -> None:
 @given(st.lists(st.floats(0.1, 9.0), min_size=1, max_size=8), st.integers(0, 60), st.integers(1, 4))
 def test_shares_are_in_proportion(lengths: list[float], extra: int, least: int) -> None:
     total = least * len(lengths) + extra
-    numbers = shares(total, np.array(lengths), least)
+    numbers = apportioned(total, np.array(lengths), least)
     assert numbers.sum() == total
     assert (numbers >= least).all()
     spacing = np.array(lengths) / numbers

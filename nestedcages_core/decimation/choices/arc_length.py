@@ -12,7 +12,7 @@ from ...geometry.mesh import Mesh
 from ...geometry.vectors import norm
 from ..base import Count
 from ..budget import LEAST_PER_LOOP
-from ..request import Request, shares
+from ..request import Request, apportioned
 
 PHASES = (0.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875)
 """Fractions of the spacing by which the first vertex is shifted along its loop, tried in this order."""
@@ -31,7 +31,7 @@ class ArcLength:
         loops, sizes = request.outline.split(), request.per_loop
         if sizes is None:
             lengths = np.array([_arc_lengths(loop)[-1] for loop in loops])
-            sizes = shares(request.total, lengths, LEAST_PER_LOOP)
+            sizes = apportioned(request.total, lengths, LEAST_PER_LOOP)
         problem = ""
         for phase in PHASES:
             spread = [_spread(loop, size, phase) for loop, size in zip(loops, sizes.tolist(), strict=True)]

@@ -51,7 +51,7 @@ def greedy_hull(request: Request, clearance: float) -> Stage[float, Mesh]:
     for start in starts:
         distance = max(HULL_OFFSET * outline.diameter, CLEARANCE_RESERVE * clearance)
         offset, stuck = yield from mapped(offsetting(start, distance, request.fine.edge_tree), lambda _: 0.0)
-        runs = _hulls(offset, request, clearance) if len(stuck) == 0 else iter(())
+        runs = _progressive_hulls(offset, request, clearance) if len(stuck) == 0 else iter(())
         while True:
             try:
                 found = next(runs)
@@ -75,7 +75,7 @@ def greedy_hull(request: Request, clearance: float) -> Stage[float, Mesh]:
     )
 
 
-def _hulls(outline: Loops, request: Request, clearance: float) -> Iterator[float | Loops]:
+def _progressive_hulls(outline: Loops, request: Request, clearance: float) -> Iterator[float | Loops]:
     """Hulls of an outline by runs with different weights, and the fraction done in between."""
     # without pivots, which would cost area and a third of the time
     rough = ProgressiveHull(outline, replace(ROUGH_WEIGHTS, pivot=None), request.minimum)

@@ -24,13 +24,13 @@ from ..request import Request
 from .candidates import Obstacles, candidates
 from .chain import Chain, Lines, without_doubles
 from .crossings import Choice, Search, again
-from .loop_search import LoopSearch, NoCyclesError, shares
-from .places import Frame, places, weights
+from .loop_search import LoopSearch, NoCyclesError, allocation
+from .places import NormalFrame, places, weights
 from .shortest_cycles import Paths
 from .turns import SLACK
 
 if TYPE_CHECKING:
-    from ..importance import Importance
+    from ..importance import ImportanceMap
     from .images import Images
 
 PLACES_PER_VERTEX, LEAST_PLACES, LEAST_PLACES_OF_A_LOOP = 3.0, 96, 12
@@ -77,7 +77,7 @@ class Around:
         outline: Loops,
         shift: FloatArray | float,
         symmetry: Symmetry | None = None,
-        importance: Importance | None = None,
+        importance: ImportanceMap | None = None,
         *,
         must: bool = True,
     ) -> None:
@@ -85,7 +85,7 @@ class Around:
         must: whether the cycles have the symmetry in any case, or only where that costs little."""
         self.importance, self.request, self.must = importance, request, must
         self.shift = np.broadcast_to(shift, len(outline.sizes))
-        self.frame = Frame.of(outline)
+        self.frame = NormalFrame.of(outline)
         self.images: Images | None = None
         if symmetry is not None:
             from .images import Images
@@ -156,7 +156,7 @@ class Around:
         low, high = LEAST_PER_LOOP * len(totals) - 1, self.request.target + 1
         while high - low > 1:
             middle = (low + high) // 2
-            numbers = shares(totals, middle, [1] * len(totals))
+            numbers = allocation(totals, middle, [1] * len(totals))
             more = sum(float(total[n]) for total, n in zip(totals, numbers or [], strict=bool(numbers)))
             if numbers and self.outline.area + more <= room:
                 high = middle
@@ -188,7 +188,7 @@ class Around:
     def _shares(self, searches: dict[int, Search], images: Images | None) -> dict[int, int]:
         copies = [self._copies(loop, images) for loop in searches]
         totals = [number * search.totals for number, search in zip(copies, searches.values(), strict=True)]
-        numbers = shares(totals, self.request.target, copies)
+        numbers = allocation(totals, self.request.target, copies)
         if numbers is None:
             least = [number * int(np.isfinite(total).argmax()) for number, total in zip(copies, totals, strict=True)]
             known = {"least": sum(least)} if all(least) and sum(least) > self.request.target else {}

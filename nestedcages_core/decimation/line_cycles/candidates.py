@@ -43,12 +43,12 @@ def candidates(chain: Chain, at: IntArray, longest: float, shift: float, *, corn
     for stretch in STRETCHES:
         if stretch < len(at) and stretch <= longest:
             last = np.roll(at, -stretch)
-            parts.append(tangents(chain, at, np.where(last <= at, last + chain.size, last)))
+            parts.append(supporting_lines(chain, at, np.where(last <= at, last + chain.size, last)))
     lines = Lines.joined(parts).ordered(chain)
     return lines.beside_pins(chain) if len(chain.pins) else lines
 
 
-def tangents(chain: Chain, first: IntArray, last: IntArray) -> Lines:
+def supporting_lines(chain: Chain, first: IntArray, last: IntArray) -> Lines:
     """Tangents along the chords of stretches of vertices first .. last, which may pass the end of the chain."""
     direction = chain.vertices[last % chain.size] - chain.vertices[first]
     length = norm(direction)

@@ -12,10 +12,10 @@ from ...geometry.group import Symmetry
 from ...geometry.loops import Loops
 from ...geometry.precision import ROUND_OFF
 from ...geometry.vectors import norm
-from ..alike import orbits_of
-from .candidates import tangents
+from ..alike import approximate_orbits
+from .candidates import supporting_lines
 from .chain import Chain, Lines
-from .places import Frame
+from .places import NormalFrame
 from .shortest_cycles import Paths
 from .turns import Turns, turns
 
@@ -43,7 +43,7 @@ class Images(NamedTuple):
     """The images of an outline's loops under a symmetry, in the frame of the search."""
 
     symmetry: Symmetry
-    frame: Frame
+    frame: NormalFrame
     partner: list[IntArray]
     """(n,) for each element the image of each vertex of the outline."""
     begins: IntArray
@@ -53,9 +53,9 @@ class Images(NamedTuple):
     """For each loop the elements that take it to itself."""
 
     @classmethod
-    def of(cls, outline: Loops, symmetry: Symmetry, frame: Frame) -> Images:
+    def of(cls, outline: Loops, symmetry: Symmetry, frame: NormalFrame) -> Images:
         """Those of an outline in the input's units. Raises AsymmetricError."""
-        first = orbits_of(outline, symmetry).partner
+        first = approximate_orbits(outline, symmetry).partner
         partner = [np.arange(len(first))]
         for _ in range(1, symmetry.order):
             partner.append(first[partner[-1]])
@@ -149,7 +149,7 @@ class Images(NamedTuple):
 
     def _across(self, chain: Chain, first: IntArray, last: IntArray, place: float, shift: float) -> Lines:
         """Tangents of stretches across the axis at a place, which are their own images."""
-        found = tangents(chain, first, np.where(last <= first, last + chain.size, last)).shifted(shift)
+        found = supporting_lines(chain, first, np.where(last <= first, last + chain.size, last)).shifted(shift)
         if len(found) == 0:
             return found
         point = 0.5 * (found.point + self.points(found.point, 1))

@@ -184,7 +184,7 @@ class LoopSearch:
         return int(np.roll(cycle, -own)[number // 2])
 
 
-def shares(totals: list[FloatArray], count: int, copies: list[int]) -> list[int] | None:
+def allocation(totals: list[FloatArray], count: int, copies: list[int]) -> list[int] | None:
     """Lines per loop, each as many times as it has copies, together at most `count`, of the least sum of areas.
 
     None if there are none.

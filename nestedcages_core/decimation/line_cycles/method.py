@@ -35,7 +35,7 @@ from .around import Around
 from .loop_search import NoCyclesError
 
 if TYPE_CHECKING:
-    from ..importance import Importance
+    from ..importance import ImportanceMap
 
 SOURCE = "line cycles"
 """Name of its meshes in reports."""
@@ -67,7 +67,7 @@ class LineCycles:
     """Whether the start comes with a mesh on the fine one, from which the flow leads to a cage."""
     symmetry: Symmetry | None = None
     """Symmetry of the fine mesh that the cycles have too; None: they need not be symmetric."""
-    importance: Importance | None = None
+    importance: ImportanceMap | None = None
     """Where vertices matter; None: everywhere alike."""
     side: int = 1
     """1 for meshes around the fine one, -1 for meshes inside it."""
@@ -97,7 +97,7 @@ class LineCycles:
         chosen = self.symmetry is not None or self.preferred is not None
         return self if chosen else replace(self, preferred=symmetry)
 
-    def respecting(self, importance: Importance) -> LineCycles:
+    def respecting(self, importance: ImportanceMap) -> LineCycles:
         """The same with more lines where vertices matter."""
         return replace(self, importance=importance, preferred=None)
 

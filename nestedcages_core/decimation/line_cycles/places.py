@@ -72,7 +72,7 @@ def places(chain: Chain, weight: FloatArray, count: int) -> IntArray:
 
 
 @dataclass(frozen=True)
-class Frame:
+class NormalFrame:
     """Units of an outline: diameter 1, centre at the origin, its first vertex on the x axis."""
 
     centre: FloatArray
@@ -81,7 +81,7 @@ class Frame:
     """(2,) unit vector to the first vertex."""
 
     @classmethod
-    def of(cls, outline: Loops) -> Frame:
+    def of(cls, outline: Loops) -> NormalFrame:
         """The frame of an outline in canonical order: it starts with a vertex far from the centre."""
         first = outline.vertices[0] - outline.centre
         return cls(outline.centre, outline.diameter, first / norm(first))

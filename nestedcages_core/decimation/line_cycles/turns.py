@@ -93,7 +93,7 @@ def turns(chain: Chain, lines: Lines, free: FloatArray, width: int) -> Turns:
     if chain.weights is not None:
         area *= chain.mean_weight(lines.place[i], lines.place[j])
     if len(chain.pins):
-        area += _missing(chain, lines, i, j, forth)
+        area += _pin_costs(chain, lines, i, j, forth)
     short, sharp = chain.limits
     if short > 0.0:  # both edges have their contact near the middle
         area += LIMIT_COST * (np.maximum(0.0, 0.5 * short - forth) + np.maximum(0.0, 0.5 * short - back))
@@ -103,7 +103,7 @@ def turns(chain: Chain, lines: Lines, free: FloatArray, width: int) -> Turns:
     return Turns(i, j, forth, back, area.astype(np.float32))
 
 
-def _missing(chain: Chain, lines: Lines, i: IntArray, j: IntArray, forth: FloatArray) -> FloatArray:
+def _pin_costs(chain: Chain, lines: Lines, i: IntArray, j: IntArray, forth: FloatArray) -> FloatArray:
     """(P,) the cost of turns that pass pins, by the distance of their vertices from these."""
     vertex = lines.point[i] + forth[:, None] * lines.direction[i]
     cost = np.zeros(len(i))

@@ -178,7 +178,7 @@ def _lifted(u: Any, like: Any) -> Jet:
     return Jet(value, np.zeros_like(like.gradient), np.zeros_like(like.hessian))
 
 
-def _plain(u: Any) -> Any:
+def _value_of(u: Any) -> Any:
     return u.value if isinstance(u, Jet) else u
 
 
@@ -222,8 +222,8 @@ RULES: dict[np.ufunc, Callable[..., Jet]] = {
     np.arctan2: _arctan2,
     np.hypot: lambda u, v: np.sqrt(_add(np.square(u), np.square(v))),
     np.absolute: lambda u: _multiply(u, _sign(u)),
-    np.maximum: lambda u, v: _choose(_plain(u) >= _plain(v), u, v),
-    np.minimum: lambda u, v: _choose(_plain(u) <= _plain(v), u, v),
+    np.maximum: lambda u, v: _choose(_value_of(u) >= _value_of(v), u, v),
+    np.minimum: lambda u, v: _choose(_value_of(u) <= _value_of(v), u, v),
     **{
         ufunc: partial(_through, ufunc) for ufunc in (np.reciprocal, np.sqrt, np.exp, np.log, np.sin, np.cos, np.arctan)
     },

@@ -13,8 +13,8 @@ from ...geometry.arrays import FloatArray
 from ...geometry.mesh.validation import MAX_COORDINATE
 from ...libraries import load_shapely
 from ..crossings import edges_in, spend_crossings
-from ..fill import Area, Painted, bounds_of, thickness, union_of
-from ..limits import Budget
+from ..fill import Area, Painted, bounds_of, strip_width, union_of
+from ..limits import Quota
 from .fading import visible
 from .nodes import Clip, Group, Shape
 from .options import SvgOptions
@@ -45,7 +45,7 @@ class Areas:
         self.options = options
         self.tolerance = tolerance
         self.pixel = pixel
-        self.budget = Budget(options.limits)
+        self.quota = Quota(options.limits)
 
     def of(self, node: Group | Shape, outer: FloatArray) -> list[Area]:
         """The areas that a node paints. outer: from its units to those of the document."""
@@ -97,7 +97,7 @@ class Areas:
         tolerance = self.tolerance
         loops = [self._flat(path, matrix, tolerance) for path in shape.subpaths]
         if self.options.tolerance is None and any(path.is_curved for path in shape.subpaths):
-            finer = max(SMALL * abs(thickness(loops)), tolerance / MAX_FINER)
+            finer = max(SMALL * abs(strip_width(loops)), tolerance / MAX_FINER)
             if finer < tolerance:
                 loops = [self._flat(path, matrix, finer) for path in shape.subpaths]
         return Painted(loops, shape.evenodd)
@@ -107,7 +107,7 @@ class Areas:
         if not np.abs(points).max() < MAX_COORDINATE:
             raise invalid_file("The drawing has coordinates that are not finite, or too large; correct them.")
         points = flattened(points, path.degrees, tolerance)
-        self.budget.spend("points", len(points))
+        self.quota.spend("points", len(points))
         return points
 
     def _painted(self, shape: Shape, paint: Paint, areas: list[Area], outer: FloatArray) -> list[Area]:
@@ -116,7 +116,7 @@ class Areas:
         if paint.gradient is None or seen.all() or not seen.any():
             return areas if seen.all() else []
         shapely = load_shapely("Reading gradients that fade away")
-        whole = union_of(shapely, areas, self.budget)
+        whole = union_of(shapely, areas, self.quota)
         if whole.is_empty:
             return []
         matrix = outer @ shape.matrix
@@ -140,8 +140,8 @@ class Areas:
         lines = [
             Polyline(self._flat(path, before, STROKE_FINENESS * tolerance), path.closed) for path in shape.subpaths
         ]
-        parts = stroked(shapely, lines, stroke, tolerance, self.budget)
-        self.budget.spend("points", int(shapely.get_num_coordinates(parts).sum()))
+        parts = stroked(shapely, lines, stroke, tolerance, self.quota)
+        self.quota.spend("points", int(shapely.get_num_coordinates(parts).sum()))
         return [shapely.transform(part, lambda points: moved(points, after)) for part in parts]
 
     def _outline(self, node: Group | Shape, outer: FloatArray) -> list[FloatArray]:
@@ -151,7 +151,7 @@ class Areas:
 
     def _of_two(self, operation: Callable[[Any, Any], Any], one: Any, other: Any) -> Any:
         """What an operation of shapely makes of two areas, their crossings counted before."""
-        spend_crossings(edges_in(load_shapely("Reading shapes that overlap"), [one, other]), self.budget)
+        spend_crossings(edges_in(load_shapely("Reading shapes that overlap"), [one, other]), self.quota)
         return operation(one, other)
 
     def _clipped(self, areas: list[Area], group: Group, clip: Clip, outer: FloatArray) -> list[Area]:
@@ -167,10 +167,10 @@ class Areas:
         if len(inside) == 1 and _is_box_around(inside[0], low, high):
             return areas
         shapely = load_shapely("Reading clip paths and masks")
-        kept = union_of(shapely, inside, self.budget)
+        kept = union_of(shapely, inside, self.quota)
         if shapely.covers(kept, shapely.box(*low, *high)):
             return areas
-        return [self._of_two(shapely.intersection, union_of(shapely, areas, self.budget), kept)]
+        return [self._of_two(shapely.intersection, union_of(shapely, areas, self.quota), kept)]
 
     def _masked(self, content: Group, outer: FloatArray) -> list[Area]:
         """The region where a mask is more opaque than the faintest share: its shapes in order, by luminance."""
@@ -190,9 +190,9 @@ class Areas:
                 elif light > self.options.faintest:
                     kept += part
                 elif 1.0 - paint.opacity + light <= self.options.faintest:
-                    rest, region = (union_of(shapely, areas, self.budget) for areas in (kept, part))
+                    rest, region = (union_of(shapely, areas, self.quota) for areas in (kept, part))
                     kept = [self._of_two(shapely.difference, rest, region)]
-        clipped: list[Area] = [union_of(shapely, kept, self.budget)]
+        clipped: list[Area] = [union_of(shapely, kept, self.quota)]
         for clip in content.clips:
             clipped = self._clipped(clipped, content, clip, outer)
         return clipped

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...errors import NestedCagesError, invalid_file
 from ...geometry.arrays import FloatArray
-from ..limits import Budget, Limits
+from ..limits import Limits, Quota
 from .elements import link_of, name_of
 from .faults import Faults, quoted
 from .lengths import Viewport
@@ -83,7 +83,7 @@ class Document:
             if isinstance(item.tag, str) and item.tag.rpartition("}")[0] != room:
                 item.tag = ""  # of another namespace: nobody draws it
             self.by_id.setdefault(item.get("id", ""), item)
-        self._count(Budget(limits))
+        self._count(Quota(limits))
         size = (self.root.get(key, "") for key in ("width", "height", "preserveAspectRatio"))
         self.frame = Frame(view_box_of(self.root), *size)
         units = self.frame.view_box or self.frame.page
@@ -112,7 +112,7 @@ class Document:
         """The element that `#id` names."""
         return self.by_id.get(link[1:]) if len(link) > 1 and link.startswith("#") else None
 
-    def _count(self, budget: Budget) -> None:
+    def _count(self, quota: Quota) -> None:
         """Spend what is drawn, each copy by `use` again: a lower bound, but for elements that style sheets hide."""
         nobody: tuple[ET.Element, ...] = ()
         waiting = [(child, nobody) for child in self.root]
@@ -121,7 +121,7 @@ class Document:
             name = name_of(item)
             if name not in DRAWN or "display" in item.attrib or "display" in item.get("style", ""):
                 continue
-            budget.spend("elements", 1)
+            quota.spend("elements", 1)
             if name != "use":
                 waiting += [(child, users) for child in item]
             elif (target := self.linked(link_of(item))) is not None and target not in users and len(users) < MAX_USERS:

@@ -111,7 +111,7 @@ def numbers(text: str) -> list[float]:
     return [float(number) for number in NUMBER.findall(text)]
 
 
-def measure(text: str, key: str, what: str, viewport: Viewport, missing: float = 0.0) -> float:
+def parse_length(text: str, key: str, what: str, viewport: Viewport, missing: float = 0.0) -> float:
     """A length in user units; `missing` if there is none, or none that can be read, which the viewport's faults say."""
     if not text.strip() or text.strip() == "auto":
         return missing
@@ -123,7 +123,7 @@ def measure(text: str, key: str, what: str, viewport: Viewport, missing: float =
 
 def attribute(item: ET.Element, key: str, viewport: Viewport, missing: float = 0.0) -> float:
     """A length in user units, `missing` if the attribute is not there or cannot be read."""
-    return measure(item.get(key, ""), key, f"{key} of the {name_of(item)}", viewport, missing)
+    return parse_length(item.get(key, ""), key, f"{key} of the {name_of(item)}", viewport, missing)
 
 
 def share(text: str | None, missing: float = 1.0) -> float:

@@ -13,7 +13,7 @@ from ...geometry.arrays import FloatArray
 from .document import Document
 from .elements import name_of
 from .faults import Faults, quoted
-from .lengths import Viewport, measure
+from .lengths import Viewport, parse_length
 from .options import SvgOptions
 from .outlines import through
 from .paints import Paint
@@ -96,7 +96,7 @@ def mask_region(item: ET.Element, around: Viewport, matrix: FloatArray) -> Clip:
     of_box = item.get("maskUnits", "objectBoundingBox") == "objectBoundingBox"
     viewport = around.sized(1.0, 1.0) if of_box else around
     x, y, width, height = (
-        measure(item.get(key) or default, key, f"{key} of the mask", viewport)
+        parse_length(item.get(key) or default, key, f"{key} of the mask", viewport)
         for key, default in (("x", "-10%"), ("y", "-10%"), ("width", "120%"), ("height", "120%"))
     )
     return replace(rectangular_clip(x, y, width, height, matrix), of_box=of_box)
@@ -149,7 +149,7 @@ def origin_of(style: Style, viewport: Viewport, title: str, faults: Faults) -> t
         words[:2] = [[*words, "center"][1], words[0]]
     x, y = (PLACES_OF_ORIGIN.get(word, word) for word in [*words, "center"][:2])
     what = f"transform-origin of the {title}"
-    return measure(x, "x", what, viewport), measure(y, "y", what, viewport)
+    return parse_length(x, "x", what, viewport), parse_length(y, "y", what, viewport)
 
 
 def chosen(item: ET.Element) -> list[ET.Element]:

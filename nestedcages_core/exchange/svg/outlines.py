@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..limits import Budget, Limits
+from ..limits import Limits, Quota
 from .elements import name_of, title_of
 from .faults import quoted
 from .lengths import NUMBER, Viewport, attribute
@@ -23,19 +23,19 @@ NOT_POINTS = re.compile(r"[^\d\s,.eE+-].*", re.DOTALL)
 """From the first character that is not part of a number."""
 
 
-def outline(item: ET.Element, viewport: Viewport, budget: Budget | None = None) -> list[Subpath]:
+def outline(item: ET.Element, viewport: Viewport, quota: Quota | None = None) -> list[Subpath]:
     """The outline of an element, in its own units, up to what cannot be read; nothing for other elements.
 
-    Raises NestedCagesError where points go beyond the budget.
+    Raises NestedCagesError where points go beyond the quota.
     """
-    budget = budget or Budget(Limits())
+    quota = quota or Quota(Limits())
     name = name_of(item)
 
     def length(key: str) -> float:
         return attribute(item, key, viewport)
 
     if name == "path":
-        reader = PathReader(item.get("d", ""), budget)
+        reader = PathReader(item.get("d", ""), quota)
         found = reader.read()
         if reader.fault:
             viewport.faults.add(f"The data of the {title_of(item)} {reader.fault}; the rest is left out")
@@ -47,8 +47,8 @@ def outline(item: ET.Element, viewport: Viewport, budget: Budget | None = None) 
             where = quoted(end[0])
             viewport.faults.add(f"The points of the {title_of(item)} go wrong at {where}; the rest is left out")
             text = text[: end.start()]
-        values = [float(found[0]) for found in islice(NUMBER.finditer(text), 2 * budget.limits.points + 2)]
-        budget.spend("points", len(values) // 2)
+        values = [float(found[0]) for found in islice(NUMBER.finditer(text), 2 * quota.limits.points + 2)]
+        quota.spend("points", len(values) // 2)
         return through(np.reshape(values[: len(values) // 2 * 2], (-1, 2)), closed=name == "polygon")
     if name == "line":
         return through([[length("x1"), length("y1")], [length("x2"), length("y2")]], closed=False)

@@ -13,7 +13,7 @@ from ...geometry.arrays import FloatArray
 from ...libraries import load_css
 from .document import Document
 from .elements import link_of, name_of
-from .lengths import measure, share
+from .lengths import parse_length, share
 from .style import Style, Styles
 
 URL = re.compile(r"url\(\s*['\"]?\s*(#[^'\")\s]*)\s*['\"]?\s*\)\s*(.*)", re.DOTALL)
@@ -187,7 +187,7 @@ class Paints:
         viewport = self.document.viewport.sized(1.0, 1.0) if of_box else self.document.viewport
 
         def length(key: str, default: str) -> float:
-            return measure(given.get(key) or default, key, f"{key} of the gradient", viewport)
+            return parse_length(given.get(key) or default, key, f"{key} of the gradient", viewport)
 
         if not radial:
             return length("x1", "0%"), length("y1", "0%"), length("x2", "100%"), length("y2", "0%")

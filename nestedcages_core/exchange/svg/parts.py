@@ -56,7 +56,7 @@ def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], t
             fill, stroke = _apart(fills.get(shape, []), strokes.get(shape, []), areas)
             made = [_mesh(each, reading, areas, page) for each in (fill, stroke)]
             if made != [None, None]:
-                found.append(_part(shape, number, *made))
+                found.append(_svg_part(shape, number, *made))
         if not found:
             raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
         return tuple(found)
@@ -65,7 +65,7 @@ def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], t
     return parts, (*reading.said(), *blended)
 
 
-def _part(shape: Shape, number: int, fill: Mesh | None, stroke: Mesh | None) -> SvgPart:
+def _svg_part(shape: Shape, number: int, fill: Mesh | None, stroke: Mesh | None) -> SvgPart:
     kind = shape.groups[-1] if shape.groups else shape.name.partition(" ")[0]
     return SvgPart(
         shape.id or f"{kind} {number}",
@@ -91,7 +91,7 @@ def _apart(fill: list[Area], stroke: list[Area], areas: Areas) -> tuple[list[Are
     if not fill or not stroke:
         return fill, stroke
     shapely = load_shapely("Reading strokes")
-    inner, outer = (union_of(shapely, each, areas.budget) for each in (fill, stroke))
+    inner, outer = (union_of(shapely, each, areas.quota) for each in (fill, stroke))
     lines = shapely.union_all([shapely.boundary(each) for each in (inner, outer)])
     faces = shapely.get_parts(shapely.polygonize([lines]))
     middles = shapely.point_on_surface(faces)

@@ -12,7 +12,7 @@ from itertools import chain
 import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
-from ..limits import Budget
+from ..limits import Quota
 
 NUMBER = r"[\s,]*+((?>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))"
 FLAG = r"[\s,]*+([01])"
@@ -82,9 +82,9 @@ class _WrongDataError(Exception):
 class PathReader:
     """Follows path data command by command."""
 
-    def __init__(self, data: str, budget: Budget) -> None:
+    def __init__(self, data: str, quota: Quota) -> None:
         self.data = data
-        self.budget = budget
+        self.quota = quota
         self.place = 0
         self.fault = ""
         self.subpaths: list[Subpath] = []
@@ -97,7 +97,7 @@ class PathReader:
     def read(self) -> list[Subpath]:
         """The subpaths with at least one curve, up to the place where the data go wrong, which `fault` then says.
 
-        Raises NestedCagesError for more points than the budget has.
+        Raises NestedCagesError for more points than the quota has.
         """
         try:
             self._read()
@@ -125,7 +125,7 @@ class PathReader:
             values = [float(each) for each in (chain.from_iterable(taken) if kind == "A" else taken)]
             if not values and kind != "Z":
                 self._find_missing(kind)
-            self.budget.spend("points", len(values) // len(ARGUMENTS[kind]) if values else 1)
+            self.quota.spend("points", len(values) // len(ARGUMENTS[kind]) if values else 1)
             self._follow(kind, values, relative=command.islower())
             self.place += len(text)
 
@@ -158,7 +158,7 @@ class PathReader:
                 rx, ry, degrees, large, sweep, *end = given
                 found = arc((x, y), (end[0], end[1]), (rx, ry), math.radians(degrees), bool(large), bool(sweep))
                 degree = LINE if len(found) == 1 else CUBIC
-                self.budget.spend("points", len(found) // degree)
+                self.quota.spend("points", len(found) // degree)
                 self._add(kind, found.ravel().tolist(), degree)
             else:
                 if kind in "HV":

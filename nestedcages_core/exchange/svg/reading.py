@@ -14,7 +14,7 @@ from ...geometry.mesh import Mesh
 from ...libraries import load_shapely
 from ..files import read_whole
 from ..fill import Area, bounds_of, solid, union_of
-from ..limits import Budget
+from ..limits import Quota
 from ..repair import HAIRLINE_PART
 from .areas import Areas
 from .document import Box, Document, Frame
@@ -104,7 +104,7 @@ class Reading:
         page = self.document.frame.page
         if not self.options.crop or self.document.root.get("overflow") == "visible":
             page = None
-        tolerance = self.options.tolerance or DEFAULT_TOLERANCE * _size(root, page)
+        tolerance = self.options.tolerance or DEFAULT_TOLERANCE * _visible_size(root, page)
         if not tolerance > 0.0:
             raise invalid_file("All points of the drawing coincide; draw closed paths with an inside.")
         try:
@@ -139,9 +139,9 @@ class Reading:
         cut_off: list[str] = []
         narrow: list[str] = []
         if page is not None:
-            areas = _on_page(areas, page, cut_off, reading.budget)
+            areas = _on_page(areas, page, cut_off, reading.quota)
         width = HAIRLINE_PART * reading.tolerance if self.document.strokes_count else 0.0  # ours are read as written
-        mesh = solid(areas, seam=width, spike=width, budget=reading.budget, notes=narrow)
+        mesh = solid(areas, seam=width, spike=width, quota=reading.quota, notes=narrow)
         new = [*cut_off, *(f"{note.capitalize()}." for note in narrow)]
         self.notes += [note for note in new if note not in self.notes]
         return mesh
@@ -159,7 +159,7 @@ def _what_counts(scene: Scene, notes: list[str]) -> Group:
     strokes = sum(_is_seen(shape.stroke_paint, options) for shape in scene.root.shapes())
     if strokes and not options.strokes and scene.document.strokes_count:
         notes.append(f"Left out: {strokes} stroke{'s' if strokes > 1 else ''}, since strokes are turned off.")
-    found = _only(scene.root, lambda shape: _counts(shape, options))
+    found = _only(scene.root, lambda shape: _visible(shape, options))
     if not found.children:
         found = _only(scene.root, _as_outline)
     if not found.children:
@@ -186,7 +186,7 @@ def _only(group: Group, chosen: Callable[[Shape], Shape | None]) -> Group:
     return replace(group, children=children)
 
 
-def _counts(shape: Shape, options: SvgOptions) -> Shape | None:
+def _visible(shape: Shape, options: SvgOptions) -> Shape | None:
     """A shape with its visible paints."""
     fill = shape.fill if _is_seen(shape.fill, options) else None
     stroke = shape.stroke_paint if options.strokes and _is_seen(shape.stroke_paint, options) else None
@@ -203,7 +203,7 @@ def _is_seen(paint: Paint | None, options: SvgOptions) -> bool:
     return paint is not None and bool((paint.alphas > options.faintest).any())
 
 
-def _size(group: Group, page: Box | None) -> float:
+def _visible_size(group: Group, page: Box | None) -> float:
     """Diagonal of the visible parts of all shapes."""
     points = np.concatenate([moved(path.points, shape.matrix) for shape in group.shapes() for path in shape.subpaths])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -227,7 +227,7 @@ def _covers(shape: Shape, page: Box) -> bool:
     return area >= PAGE_COVERED * width * height
 
 
-def _on_page(areas: list[Area], page: Box, notes: list[str], budget: Budget) -> list[Area]:
+def _on_page(areas: list[Area], page: Box, notes: list[str], quota: Quota) -> list[Area]:
     """Areas cut off at the edge of the page; those completely inside stay unchanged."""
     if not areas:
         return areas
@@ -241,6 +241,6 @@ def _on_page(areas: list[Area], page: Box, notes: list[str], budget: Budget) -> 
     if not outside:
         return areas
     shapely = load_shapely("Reading shapes that reach beyond the page")
-    cut = shapely.intersection(union_of(shapely, outside, budget), shapely.box(*lower, *upper))
+    cut = shapely.intersection(union_of(shapely, outside, quota), shapely.box(*lower, *upper))
     notes.append("Cut off: what lies outside the page; crop=False keeps it.")
     return [*inside, cut]

@@ -11,11 +11,11 @@ import numpy as np
 
 from ...errors import NestedCagesError
 from ...geometry.mesh.validation import MAX_COORDINATE
-from ..limits import Budget
+from ..limits import Quota
 from .document import Document
 from .elements import link_of, name_of, title_of
 from .faults import quoted
-from .lengths import Viewport, attribute, measure, share
+from .lengths import Viewport, attribute, parse_length, share
 from .nodes import (
     CLIP,
     MASK,
@@ -64,7 +64,7 @@ class Scene:
         self.styles = Styles(document)
         self.paints = Paints(document, self.styles)
         self.left_out: Counter[str] = Counter()
-        self.budget = Budget(options.limits)
+        self.quota = Quota(options.limits)
         self.outlines: dict[tuple[ET.Element, Viewport], list[Subpath]] = {}
         check_names(document, options)
         self.root = Group()
@@ -74,7 +74,7 @@ class Scene:
 
     def _add(self, item: ET.Element, around: Context, to: Group) -> None:
         """Add the drawing of an element to a group."""
-        self.budget.spend("elements", 1)
+        self.quota.spend("elements", 1)
         name = name_of(item)
         if name not in GROUPS and name not in OUTLINED and name != "use" and name not in LEFT_OUT:
             return
@@ -154,7 +154,7 @@ class Scene:
             width = height = None
         else:
             width, height = (
-                measure(given or "", key, f"{key} of the {name_of(item)}", around, missing=missing or 0.0)
+                parse_length(given or "", key, f"{key} of the {name_of(item)}", around, missing=missing or 0.0)
                 for given, key, missing in zip(size, ("width", "height"), whole, strict=True)
             )
             if not (width > 0.0 and height > 0.0):
@@ -174,7 +174,7 @@ class Scene:
             return
         key = (item, context.viewport)
         if key not in self.outlines:
-            self.outlines[key] = outline(self.styles.placed(item), context.viewport, self.budget)
+            self.outlines[key] = outline(self.styles.placed(item), context.viewport, self.quota)
         subpaths = self.outlines[key]
         if not subpaths:
             return

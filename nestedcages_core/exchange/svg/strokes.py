@@ -11,9 +11,9 @@ import numpy as np
 
 from ...geometry.arrays import FloatArray
 from ..crossings import edges_in, spend_crossings
-from ..limits import Budget, Limits
+from ..limits import Limits, Quota
 from .faults import quoted
-from .lengths import Viewport, measure, numbers
+from .lengths import Viewport, numbers, parse_length
 
 MAX_ARC_SEGMENTS = 64
 """Maximum number of chords of a quarter circle at a cap or join."""
@@ -58,7 +58,7 @@ def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
     """The stroke of an element with these properties, None if it has none."""
     if style.get("stroke", "none") == "none":
         return None
-    width = measure(style.get("stroke-width", "1"), "r", "stroke-width", viewport, 1.0)
+    width = parse_length(style.get("stroke-width", "1"), "r", "stroke-width", viewport, 1.0)
     if not width > 0.0:
         return None
     dashes: tuple[float, ...] = ()
@@ -77,17 +77,17 @@ def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
         style.get("stroke-linejoin", "miter"),
         limit[0] if limit and limit[0] >= 1.0 else 4.0,
         dashes,
-        measure(style.get("stroke-dashoffset", "0"), "r", "stroke-dashoffset", viewport),
+        parse_length(style.get("stroke-dashoffset", "0"), "r", "stroke-dashoffset", viewport),
     )
 
 
-def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: float, budget: Budget) -> list[Any]:
+def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: Quota) -> list[Any]:
     """Geometries that together cover a stroke.
 
     tolerance: largest distance of chords from round caps and joins. Raises NestedCagesError for too many
     dashes, and for lines that cross themselves too often.
     """
-    lines = _dashed(lines, stroke, budget.limits)
+    lines = _dashed(lines, stroke, quota.limits)
     radius = 0.5 * stroke.width
     ratio = min(max(tolerance / radius, 1e-9), 0.5)
     segments = min(max(math.ceil(math.pi / 4.0 / math.acos(1.0 - ratio)), 2), MAX_ARC_SEGMENTS)
@@ -100,7 +100,7 @@ def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: 
         else:
             curve = shapely.linearrings(points) if closed else shapely.linestrings(points)
         if not shapely.is_simple(curve):
-            spend_crossings(edges_in(shapely, [curve]), budget, own=True)
+            spend_crossings(edges_in(shapely, [curve]), quota, own=True)
         mitred = stroke.join not in ("round", "bevel")
         tips = _tips(points, closed, radius, stroke.miter_limit) if mitred else None
         join = ("mitre" if tips is None else "bevel") if mitred else stroke.join
@@ -153,7 +153,7 @@ def _dashed(lines: Sequence[Polyline], stroke: Stroke, limits: Limits) -> list[P
         points = np.concatenate((line.points, line.points[:1])) if line.closed else line.points
         along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
         limits.check("points", len(found) + math.ceil(min(2.0 * along[-1] / period, 1e18)) * len(stroke.dashes))
-        found += [Polyline(_between(points, along, *ends), False) for ends in _dashes(stroke, period, along[-1])]
+        found += [Polyline(_substring(points, along, *ends), False) for ends in _dashes(stroke, period, along[-1])]
     return found
 
 
@@ -168,7 +168,7 @@ def _dashes(stroke: Stroke, period: float, length: float) -> Iterator[tuple[floa
             at += size
 
 
-def _between(points: FloatArray, along: FloatArray, low: float, high: float) -> FloatArray:
+def _substring(points: FloatArray, along: FloatArray, low: float, high: float) -> FloatArray:
     """The part of a line between two lengths."""
     first, last = int(along.searchsorted(low, "right")), int(along.searchsorted(high))
     around = slice(max(min(first - 1, last), 0), last + 1)

@@ -117,11 +117,11 @@ class BoxTree:
 
     def self_pairs(self) -> tuple[IntArray, IntArray]:
         """Pairs i < j of segments whose boxes overlap or touch, (K,), (K,)."""
-        return _joined(self.blocks())
+        return _concatenated(self.blocks())
 
     def pairs(self, other: BoxTree) -> tuple[IntArray, IntArray]:
         """Pairs (i of this tree, j of the other) of segments whose boxes overlap or touch, (K,), (K,)."""
-        return _joined(self.blocks(other))
+        return _concatenated(self.blocks(other))
 
     def blocks(self, other: BoxTree | None = None, *, slim: bool = False) -> Iterator[tuple[IntArray, IntArray]]:
         """The pairs of `pairs(other)`, or of `self_pairs()`, in blocks of bounded size.
@@ -210,7 +210,7 @@ class BoxTree:
         return self._oriented[level]
 
 
-def _joined(blocks: Iterator[tuple[IntArray, IntArray]]) -> tuple[IntArray, IntArray]:
+def _concatenated(blocks: Iterator[tuple[IntArray, IntArray]]) -> tuple[IntArray, IntArray]:
     """Blocks of pairs as one."""
     listed = list(blocks)
     none = np.zeros(0, dtype=np.int64)

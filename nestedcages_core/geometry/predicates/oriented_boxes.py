@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..vectors import rotated_left
 
 SEPARATION_ROUNDING = 1e-13
 """Fraction of the largest coordinate that a separation must exceed; some 900 roundings of a double."""
@@ -57,7 +58,7 @@ class OrientedBoxes:
                 low, high = np.minimum.reduceat(place - reach, begins), np.maximum.reduceat(place + reach, begins)
                 extents.append((0.5 * (low + high), 0.5 * (high - low)))
             (shift, length), (shift_across, width) = extents
-            middle = self.middle[lead] + shift[:, None] * axis + shift_across[:, None] * _across(axis)
+            middle = self.middle[lead] + shift[:, None] * axis + shift_across[:, None] * rotated_left(axis)
             return OrientedBoxes(middle, axis, np.stack((length, width), axis=1), longest.max(axis=1))
 
     def gap(self, i: IntArray, other: OrientedBoxes, j: IntArray) -> FloatArray:
@@ -88,7 +89,3 @@ def _coordinates(vectors: FloatArray, axis: FloatArray) -> tuple[FloatArray, Flo
     """Components of vectors (K, 2) along unit axes (K, 2) and across them, (K,), (K,)."""
     (x, y), (u, v) = vectors.T, axis.T
     return x * u + y * v, y * u - x * v
-
-
-def _across(axis: FloatArray) -> FloatArray:
-    return np.stack((-axis[:, 1], axis[:, 0]), axis=1)

@@ -41,7 +41,7 @@ def constrained_delaunay(points: FloatArray, segments: IntArray) -> IntArray:
     framed = np.concatenate((unit, 0.5 + FRAME_DISTANCE * FRAME_CORNERS))
     exact = np.concatenate((points, 0.5 * (low + high) + FRAME_DISTANCE * float((high - low).max()) * FRAME_CORNERS))
     triangles = _delaunay(framed, exact)
-    suspects, missing = _suspects(exact, triangles, segments), _missing(triangles, segments, len(exact))
+    suspects, missing = _suspects(exact, triangles, segments), _missing_segments(triangles, segments, len(exact))
     if len(suspects) or missing.any():
         flips = Flips(exact, triangles)
         flips.legalise(map(tuple, suspects.tolist()))
@@ -118,7 +118,7 @@ def _directed_edges(triangles: IntArray) -> tuple[IntArray, IntArray]:
     return triangles.T.ravel(), triangles[:, [1, 2, 0]].T.ravel()
 
 
-def _missing(triangles: IntArray, segments: IntArray, count: int) -> BoolArray:
+def _missing_segments(triangles: IntArray, segments: IntArray, count: int) -> BoolArray:
     """(S,) whether a segment is no edge."""
     starts, ends = _directed_edges(triangles)
     return ~np.isin(segments[:, 0] * count + segments[:, 1], starts * count + ends)

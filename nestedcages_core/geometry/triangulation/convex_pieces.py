@@ -46,14 +46,14 @@ def piece_vertices(mesh: Mesh, most: int = 8, *, orders: int = ORDERS) -> list[P
     order = [diagonals[k] for k in longest_first.tolist()]
     places: list[tuple[float, float]] = [(float(x), float(y)) for x, y in tiles.vertices]
     rng = random.Random(0)
-    best = _joined(triangles, owner, order, places, most)
+    best = _merged(triangles, owner, order, places, most)
     for _ in range(min(orders - 1, max(MAX_DIAGONALS // max(len(order), 1), 1))):
         rng.shuffle(order)
-        best = min(best, _joined(triangles, owner, order, places, most), key=len)
+        best = min(best, _merged(triangles, owner, order, places, most), key=len)
     return best
 
 
-def _joined(
+def _merged(
     triangles: list[Piece],
     owner: dict[tuple[int, int], int],
     order: list[tuple[int, int]],

@@ -76,7 +76,7 @@ def sample(mesh: Mesh, sampling: Sampling | None) -> SamplePoints:
     n = len(mesh.vertices)
     if sampling is None:
         return SamplePoints(mesh.vertices, np.arange(n), np.zeros(n), np.stack((np.arange(n), mesh.successor), axis=1))
-    edge, parameter = _divided(mesh, sampling)
+    edge, parameter = _edge_samples(mesh, sampling)
     starts, ends = mesh.vertices[edge], mesh.vertices[mesh.successor[edge]]
     boundary = np.concatenate((mesh.vertices, starts + parameter[:, None] * (ends - starts)))
     edge, parameter = np.concatenate((np.arange(n), edge)), np.concatenate((np.zeros(n), parameter))
@@ -91,7 +91,7 @@ def sample(mesh: Mesh, sampling: Sampling | None) -> SamplePoints:
     )
 
 
-def _divided(mesh: Mesh, sampling: Sampling) -> tuple[IntArray, FloatArray]:
+def _edge_samples(mesh: Mesh, sampling: Sampling) -> tuple[IntArray, FloatArray]:
     """Points inside the edges, (K,) edges and (K,) parameters, so that pieces are as long as wanted where they are."""
     lengths = mesh.edge_lengths
     shorter = np.minimum(lengths, lengths[mesh.predecessor])

@@ -101,7 +101,7 @@ class PaperFlow:
                 unit = _away((1.0 - t) * mesh.vertices + t * mesh.vertices[neighbour], coarse)
                 pull += unit / length[:, None] if self.over_length else unit
             total += (1.0 - t) ** 2 * pull
-        return _normalised(total)
+        return _unit_vectors(total)
 
 
 def _away(points: FloatArray, coarse: Mesh) -> FloatArray:
@@ -117,10 +117,10 @@ def _away(points: FloatArray, coarse: Mesh) -> FloatArray:
     closest = np.where((t < 0.0)[..., None], starts, closest)
     away = points[:, None] - closest
     nearest = (away[..., 0] * away[..., 0] + away[..., 1] * away[..., 1]).argmin(axis=1)
-    return _normalised(away[np.arange(len(points)), nearest])
+    return _unit_vectors(away[np.arange(len(points)), nearest])
 
 
-def _normalised(vectors: FloatArray) -> FloatArray:
+def _unit_vectors(vectors: FloatArray) -> FloatArray:
     """(P, 2) of unit length; 0 stays 0."""
     squared = vectors[:, 0] * vectors[:, 0] + vectors[:, 1] * vectors[:, 1]
     return np.asarray(vectors / np.sqrt(np.where(squared > 0.0, squared, 1.0))[:, None], np.float64)

@@ -63,7 +63,7 @@ class QuadraticFallOff:
     def rule(self) -> EdgeRule:
         """(Q,) t = k / Q and (1 - t)², normalised."""
         parameters = np.arange(self.samples) / self.samples
-        return _normalised(parameters, (1.0 - parameters) ** 2)
+        return _unit_rule(parameters, (1.0 - parameters) ** 2)
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class GaussLegendre:
         """(Q,) Gauss-Legendre points on [0, 1] and weights w (1 - t), normalised."""
         nodes, weights = scipy.special.roots_legendre(self.points)
         parameters = 0.5 * (nodes + 1.0)
-        return _normalised(parameters, weights * (1.0 - parameters))
+        return _unit_rule(parameters, weights * (1.0 - parameters))
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class EvenSamples:
     def rule(self) -> EdgeRule:
         """(Q,) t = (k + 1/2) / Q and 1 - t, normalised."""
         parameters = (np.arange(self.samples) + 0.5) / self.samples
-        return _normalised(parameters, 1.0 - parameters)
+        return _unit_rule(parameters, 1.0 - parameters)
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ class RandomSamples:
         """(Q,) t in the k-th of Q parts and 1 - t, normalised."""
         random = np.random.default_rng((self.seed, self.step))
         parameters = (np.arange(self.samples) + random.random(self.samples)) / self.samples
-        return _normalised(parameters, 1.0 - parameters)
+        return _unit_rule(parameters, 1.0 - parameters)
 
 
 def at_step(quadrature: Quadrature, step: int) -> Quadrature:
@@ -160,5 +160,5 @@ def vertex_samples(mesh: Mesh, quadrature: Quadrature) -> VertexSamples:
     return VertexSamples(points, np.concatenate([share[:, None] * weights, (1.0 - share)[:, None] * weights], axis=1))
 
 
-def _normalised(parameters: FloatArray, weights: FloatArray) -> EdgeRule:
+def _unit_rule(parameters: FloatArray, weights: FloatArray) -> EdgeRule:
     return EdgeRule(parameters, weights / weights.sum())
