@@ -65,7 +65,7 @@ def cages(objects: Sequence[Object], levels: Levels = "20%, 8%", **settings: Any
 
 def _cages_of(context: Context, obj: Object, inside: bool) -> list[Object]:
     """The cages around an object or inside of it, finest first."""
-    collection = ownership.collection_of(scene_of(context), obj, inside=inside)
+    collection = ownership.by_drawing(scene_of(context)).get((obj, inside))
     return ownership.members(collection)[1:] if collection is not None else []
 
 
@@ -99,7 +99,7 @@ def _word(level: Level) -> str:
 @contextmanager
 def _shown(context: Context, objects: Sequence[Object]) -> Iterator[None]:
     """Temporarily shows drawings that the animation of earlier cages hides."""
-    outputs = [output for obj in objects for output in ownership.outputs_of(scene_of(context), obj)]
+    outputs = [output for obj in objects for output in ownership.outputs_about(scene_of(context), obj)]
     hiding = [each for each in outputs if record.of(each).playing]
     for collection in hiding:
         visibility.leave(collection)

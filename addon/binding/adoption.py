@@ -47,7 +47,7 @@ def _adopted(scene: Scene, drawing: Object, copies: dict[int, Object]) -> Collec
     kept, before, title = first.kept, first.home, drawing.name if ownership.exists(drawing) else "Adopted"
     collection = bpy.data.collections.new(f"{title} {'Inner Cages' if kept.inside else 'Cages'}")
     ownership.home_of(scene, drawing).children.link(collection)
-    cage_set, latest = record.of(collection), kept if before is None else record.of(before)
+    cage_set, latest = record.new(collection), kept if before is None else record.of(before)
     sources = [part["object"] for part in record.values(kept)["sources"]]
     originals = {} if before is None else {part.object: obj for part, obj in zip(latest.sources, sources, strict=False)}
     old = {number: part.object for number, part in enumerate(latest.levels) if part.object is not None}

@@ -8,7 +8,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
 
 import bpy
 import numpy as np
@@ -101,9 +100,7 @@ def remember(checked: Sequence[Object], findings: Sequence[Finding]) -> None:
 
 
 def _remember(cage: Object, holds: bool, finding: core.Fault, frames: tuple[int, int]) -> None:
-    home, node = ownership.home_of_member(cage), record.node_of(cage)
-    if home is not None:
-        record.of(home)
+    node = record.node_of(cage)
     node.check, node.checked = record.HOLDS if holds else record.FAULT, frames
     node.judged = record.stamp(cage)
     record.set_check(node, finding)
@@ -117,7 +114,7 @@ def _on_update(_scene: Scene, depsgraph: bpy.types.Depsgraph) -> None:
     if not touched:
         return
     for collection in bpy.data.collections:
-        cage_set: Any = collection.nested_cages  # type: ignore[attr-defined]
+        cage_set = record.of(collection)
         theirs = [part.object for part in cage_set.sources if part.object is not None]
         if not theirs:
             continue

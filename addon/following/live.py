@@ -178,6 +178,8 @@ def why_not(collection: Collection) -> str:
         return "Only cages around a drawing follow its edits: make inner cages again with Generate"
     if not record.of(collection).known:
         return "These cages have no settings that they could be made again with: make them with Generate"
+    if len(record.of(collection).sources) > 1:
+        return "Several drawings share these cages: make them again with Generate"
     kinds = record.of(collection).kinds
     if kinds:
         return f"These cages are {kinds}, which following edits would undo: make them again with Generate"

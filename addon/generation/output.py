@@ -89,6 +89,7 @@ def _new_collection(home: Collection, result: Result) -> Collection:
     source = result.drawing.source
     kind = "Inner Cages" if result.inside else "Cages"
     collection = bpy.data.collections.new(f"{source.name if source is not None else result.drawing.name} {kind}")
+    record.new(collection)
     home.children.link(collection)
     return collection
 
@@ -105,12 +106,15 @@ def _set_thickness(collection: Collection, result: Result, thickness: float) -> 
 
 
 def earlier_outputs(scene: Scene, results: Sequence[Result]) -> list[Collection | None]:
-    """The output that each result will replace, if there is one."""
-    drawings = [result.drawing.source for result in results]
-    outputs: dict[object, Collection] = {}
-    for output in ownership.outputs_of(scene, *filter(None, drawings)):
-        outputs.setdefault((record.of(output).sources[0].object, ownership.is_inside(output)), output)
-    return [outputs.get((drawing, result.inside)) for drawing, result in zip(drawings, results, strict=True)]
+    """The output that each result will replace, if there is one: its own, or one that its drawings share."""
+    known = ownership.by_drawing(scene)
+    earlier: list[Collection | None] = []
+    for result in results:
+        drawings = [each.source for each in (result.drawing, *result.drawing.others) if each.source is not None]
+        outputs = [(obj, known.get((obj, result.inside))) for obj in drawings]
+        theirs = (o for obj, o in outputs if o and (obj == drawings[0] or len(record.of(o).sources) > 1))
+        earlier.append(next(theirs, None))
+    return earlier
 
 
 def _write_one(
@@ -202,7 +206,7 @@ def _member_with_mesh(
     obj = member(collection, level)
     if obj is None:
         obj = bpy.data.objects.new(name, mesh)
-        record.node_of(obj).role = record.CAGE if level else record.FINE
+        record.new_node(obj).role = record.CAGE if level else record.FINE
         collection.objects.link(obj)
         display.apply_display(obj, level, record.of(collection).colours)
     else:

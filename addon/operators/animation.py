@@ -87,6 +87,10 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
             )
         self.exclusive = True  # reading changes the frame
         objects, read = sources(context), []
+        shared = next((group for group in ownership.with_parts(scene, objects) if len(group) > 1), None)
+        if shared is not None:
+            others = counted(len(shared) - 1, "drawing")
+            raise UserError(f"'{shared[0].name}' shares its cages with {others}: they cannot follow one alone")
         for number, obj in enumerate(objects):
             poses = yield from share(
                 moving.read_poses(context, obj, frames, reading), number, len(objects), end=READING_PART

@@ -168,7 +168,8 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
     def work(self, context: Context) -> Work[None]:
         armature = _armature(context)
         adopt(scene_of(context), chosen(context))
-        identity, parts = armature.session_uid, _drawings(context)
+        groups = ownership.with_parts(scene_of(context), _drawings(context))
+        identity, parts = armature.session_uid, [part for group in groups for part in group]
         whole, problems = self.united(context, parts)
         yield Progress(0.0, "uniting painted areas")
         armature = found_object(identity)

@@ -72,7 +72,15 @@ class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
 
     def work(self, context: Context) -> Work[None]:
         options, name = options_of(self, scene_of(context)), context.scene.name
-        with field.unposed(sources(context)):
+        chosen = sources(context)
+        groups = ownership.with_parts(scene_of(context), chosen, inside=self.inside)
+        for group in groups:
+            if not set(group) <= set(chosen):
+                self.report(
+                    {"INFO"},
+                    f"'{group[0].name}' shares its cages with {counted(len(group) - 1, 'drawing')}: all are used",
+                )
+        with field.unposed(itertools.chain(*groups)):
             asked, problems = requests(context, self)
             generation = Generation(asked, options)
         read = time.perf_counter()
@@ -207,11 +215,12 @@ def requests(context: Context, values: GenerationProperties) -> tuple[list[Reque
                 "as well"
             )
         own = [obj for obj in selected if obj is not active]
-        drawings = [[active]]
+        drawings = ownership.with_parts(scene_of(context), [active], inside=values.inside)
     else:
         own = _own_objects(context, values)
         alone = sorted((obj for obj in selected if obj not in own), key=lambda obj: obj is not active)
-        drawings = [alone] if values.together else [[obj] for obj in alone]
+        drawings = ownership.with_parts(scene_of(context), alone, inside=values.inside)
+        drawings = [list(itertools.chain(*drawings))] if values.together else drawings
         if not alone:
             raise UserError("Select the drawing too: all that is selected is one of its levels")
     asked, problems = [], []

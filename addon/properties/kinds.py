@@ -1,4 +1,6 @@
-"""Kinds of properties by name and description; further options are those of Blender's own functions."""
+"""Kinds of properties by name and description; further options are those of Blender's own functions. All can be
+overridden: an override would point into its library again after its file was loaded.
+"""
 
 from __future__ import annotations
 
@@ -6,22 +8,32 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+OVERRIDABLE: Any = {"override": {"LIBRARY_OVERRIDABLE"}}
 
 
 def flag(name: str, description: str, **options: Any) -> Any:
     """A switch, off unless it has another default."""
-    return BoolProperty(name=name, description=description, **options)
+    return BoolProperty(name=name, description=description, **OVERRIDABLE, **options)
 
 
 def whole(name: str, description: str, **options: Any) -> Any:
     """A whole number, 0 by default."""
-    return IntProperty(name=name, description=description, **options)
+    return IntProperty(name=name, description=description, **OVERRIDABLE, **options)
 
 
 def number(name: str, description: str, **options: Any) -> Any:
     """A number, 0 by default."""
-    return FloatProperty(name=name, description=description, **options)
+    return FloatProperty(name=name, description=description, **OVERRIDABLE, **options)
 
 
 def length(name: str, description: str, **options: Any) -> Any:
@@ -32,12 +44,29 @@ def length(name: str, description: str, **options: Any) -> Any:
 
 def text(name: str, description: str, **options: Any) -> Any:
     """A text, empty by default."""
-    return StringProperty(name=name, description=description, **options)
+    return StringProperty(name=name, description=description, **OVERRIDABLE, **options)
 
 
 def choice(name: str, description: str, items: Sequence[tuple[str, str, str]], **options: Any) -> Any:
     """One of several, the first by default; or with the option ENUM_FLAG several of them."""
-    return EnumProperty(name=name, description=description, items=items, **options)
+    return EnumProperty(name=name, description=description, items=items, **OVERRIDABLE, **options)
+
+
+def row(kind: Any, name: str, description: str, size: int, **options: Any) -> Any:
+    """Several values of a kind, one of Blender's functions for vectors."""
+    return kind(name=name, description=description, size=size, **OVERRIDABLE, **options)
+
+
+def pointer(name: str, description: str, kind: type) -> Any:
+    """A data-block, none by default, or a group of properties."""
+    return PointerProperty(name=name, description=description, type=kind, **OVERRIDABLE)
+
+
+def several(name: str, description: str, kind: type) -> Any:
+    """A list of groups of properties, to which an override can add."""
+    return CollectionProperty(
+        name=name, description=description, type=kind, override={"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
+    )
 
 
 def registration(classes: Sequence[type]) -> tuple[Callable[[], None], Callable[[], None]]:

@@ -6,13 +6,11 @@ their copies, those of collections do not. `record` reads and writes both, and t
 
 from __future__ import annotations
 
-from typing import Any
-
 import bpy
-from bpy.props import BoolVectorProperty, CollectionProperty, FloatVectorProperty, IntVectorProperty, PointerProperty
+from bpy.props import BoolVectorProperty, FloatVectorProperty, IntVectorProperty
 from bpy.types import Collection, Mesh, Object, Scene
 
-from .kinds import choice, flag, number, registration, text, whole
+from .kinds import choice, flag, number, pointer, registration, row, several, text, whole
 from .settings import GenerationProperties, NestedCagesSettings
 
 ROLES = [(name, name.title(), "") for name in ("NONE", "FINE", "CAGE", "FIELD", "LINES", "PROXY", "FILL", "HANDLES")]
@@ -36,7 +34,7 @@ class NestedCagesMarker(bpy.types.PropertyGroup):
 class NestedCagesReference(bpy.types.PropertyGroup):
     """An object of the set: a drawing, or the object of a level."""
 
-    object: PointerProperty(name="Object", description="The object", type=Object)
+    object: pointer("Object", "The object", Object)
     hidden: flag("Hidden", "Whether the animation hides this drawing meanwhile")
 
 
@@ -44,8 +42,8 @@ class NestedCagesRange(bpy.types.PropertyGroup):
     """Of a scene: its first and last frame before the animation, and as the animation set them."""
 
     known: flag("Known", "Whether the animation set the range")
-    before: IntVectorProperty(name="Before", description="First and last frame before the animation", size=2)
-    ours: IntVectorProperty(name="Ours", description="First and last frame as the animation set them", size=2)
+    before: row(IntVectorProperty, "Before", "First and last frame before the animation", size=2)
+    ours: row(IntVectorProperty, "Ours", "First and last frame as the animation set them", size=2)
 
 
 class NestedCagesUsed(bpy.types.PropertyGroup, GenerationProperties):
@@ -55,43 +53,43 @@ class NestedCagesUsed(bpy.types.PropertyGroup, GenerationProperties):
 class NestedCagesRecord(bpy.types.PropertyGroup):
     """Of a collection of cages, and kept on each of its objects too, for copies and for a collection that is gone."""
 
-    sources: CollectionProperty(name="Drawings", description="The drawings in these cages", type=NestedCagesReference)
+    sources: several("Drawings", "The drawings in these cages", NestedCagesReference)
     title: text("Title", "Name of the drawing when the cages were made")
-    levels: CollectionProperty(name="Levels", description="The fine mesh and the cages", type=NestedCagesReference)
+    levels: several("Levels", "The fine mesh and the cages", NestedCagesReference)
     inside: flag("Inside", "Whether the cages lie inside the drawing")
     moving: flag("Moving", "Whether the cages follow the drawing's own animation")
     known: flag("Known", "Whether the settings are those that the cages were made with")
-    settings: PointerProperty(name="Settings", description="As used", type=NestedCagesUsed)
+    settings: pointer("Settings", "As used", NestedCagesUsed)
     kinds: text("Kinds", "What the cages are by the rules for them")
     colours: whole("Colours", "Number of its colours", default=-1)
     bound: text("Bound", "The method that the drawing is bound by; empty if it is not")
     playing: flag("Playing", "Whether a moving copy is shown instead of the drawings")
-    frames: IntVectorProperty(name="Frames", description="Start, result and end of the animation", size=3)
+    frames: row(IntVectorProperty, "Frames", "Start, result and end of the animation", size=3)
     animated: flag("Animated", "Whether the frames are those of an animation")
-    markers: CollectionProperty(name="Markers", description="The markers of the animation", type=NestedCagesMarker)
+    markers: several("Markers", "The markers of the animation", NestedCagesMarker)
 
 
 class NestedCagesBefore(bpy.types.PropertyGroup):
     """A bound object as it was."""
 
-    mesh: PointerProperty(name="Mesh", description="Its mesh", type=Mesh)
-    matrix: FloatVectorProperty(name="Matrix", description="Its own transform, row by row", size=16)
-    hidden: BoolVectorProperty(name="Hidden", description="In renders, in viewports, and in this view", size=3)
+    mesh: pointer("Mesh", "Its mesh", Mesh)
+    matrix: row(FloatVectorProperty, "Matrix", "Its own transform, row by row", size=16)
+    hidden: row(BoolVectorProperty, "Hidden", "In renders, in viewports, and in this view", size=3)
 
 
 class NestedCagesMember(bpy.types.PropertyGroup):
     """Of an object: its place in a set, and what was found when it was made; lengths in scene units."""
 
-    shows: PointerProperty(name="Shows", description="What a helper shows, fills or moves", type=Object)
+    shows: pointer("Shows", "What a helper shows, fills or moves", Object)
     thickness: number("Thickness", "Of the lines that a helper shows")
-    before: PointerProperty(name="Before", description="As it was before it was bound", type=NestedCagesBefore)
+    before: pointer("Before", "As it was before it was bound", NestedCagesBefore)
     link: text("Link", "The method that it follows its cage by")
     link_error: number("Error", "How far it moves at rest, as a fraction of its size")
     role: choice("Role", "What the object is", ROLES)
     level: whole("Level", "Its level, 0 for the fine mesh", default=-1)
-    of: PointerProperty(name="Drawing", description="The drawing that it belongs to", type=Object)
-    home: PointerProperty(name="Home", description="The collection with the record", type=Collection)
-    kept: PointerProperty(name="Kept", description="The record, for copies", type=NestedCagesRecord)
+    of: pointer("Drawing", "The drawing that it belongs to", Object)
+    home: pointer("Home", "The collection with the record", Collection)
+    kept: pointer("Kept", "The record, for copies", NestedCagesRecord)
     inside: flag("Inside", "Whether it lies inside the drawing")
     certified: choice("Certified", "What is certified, apart from strict nesting", PROMISES, options={"ENUM_FLAG"})
     stamp: text("Stamp", "Digest of the certified coordinates")
@@ -100,15 +98,15 @@ class NestedCagesMember(bpy.types.PropertyGroup):
     most: number("Most", "Largest excess during a motion")
     start: text("Start", "What the run began with")
     seconds: number("Seconds", "Time of the computation")
-    phases: IntVectorProperty(name="Phases", description="Last steps of its phases", size=3, default=(-1, -1, -1))
-    frames: IntVectorProperty(
-        name="Frames", description="First frames of its phases, and of the result", size=4, default=(-1, -1, -1, -1)
+    phases: row(IntVectorProperty, "Phases", "Last steps of its phases", size=3, default=(-1, -1, -1))
+    frames: row(
+        IntVectorProperty, "Frames", "First frames of its phases, and of the result", size=4, default=(-1, -1, -1, -1)
     )
     check: choice("Check", "What Verify Cages found", CHECKS)
-    checked: IntVectorProperty(name="Checked", description="First and last frame of the check", size=2)
+    checked: row(IntVectorProperty, "Checked", "First and last frame of the check", size=2)
     judged: text("Judged", "Digest of the coordinates that Verify Cages judged")
-    notes: CollectionProperty(name="Notes", description="Notes on the run", type=NestedCagesNote)
-    parts: CollectionProperty(name="Parts", description="What a silhouette shows", type=NestedCagesReference)
+    notes: several("Notes", "Notes on the run", NestedCagesNote)
+    parts: several("Parts", "What a silhouette shows", NestedCagesReference)
 
 
 CLASSES = (
@@ -137,8 +135,7 @@ _register, _unregister = registration(CLASSES)
 def register() -> None:
     _register()
     for owner, name, kind, says in POINTERS:
-        pointer: Any = PointerProperty
-        setattr(owner, name, pointer(type=kind, name=name.replace("_", " ").title(), description=says))
+        setattr(owner, name, pointer(name.replace("_", " ").title(), says, kind))
 
 
 def unregister() -> None:

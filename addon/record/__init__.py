@@ -15,14 +15,19 @@ from .. import keys
 from ..core import core
 from ..notes import in_scene, sentence
 from .helpers import *  # noqa: F403 - all of these are the room's face
-from .helpers import CAGE, CHECK, FAULT, HOLDS, TOLERANCE, node_of
+from .helpers import CAGE, CHECK, FAULT, HOLDS, TOLERANCE, blank, node_of
 
 # What is said of a cage that is not the certified one any more.
 EDITED = "Edited since it was certified: verify it, or generate it again"
 
 
 def of(collection: Collection) -> Any:
-    """The record of a set."""
+    """The record of a set; collections that are none get no own, see `node_of`."""
+    return new(collection) if collection.is_property_set("nested_cages") else blank(Collection, "nested_cages")
+
+
+def new(collection: Collection) -> Any:
+    """The same, to make a collection that of a set."""
     return collection.nested_cages  # type: ignore[attr-defined]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,13 +19,38 @@ FIELD, LINES, PROXY, FILL, HANDLES = "FIELD", "LINES", "PROXY", "FILL", "HANDLES
 
 
 def node_of(obj: Object) -> Any:
-    """What an object is in its set."""
+    """What an object is in its set. To read a group of properties of Blender's writes one, so others get no own."""
+    return new_node(obj) if obj.is_property_set("nested_cages_member") else blank(Object, "nested_cages_member")
+
+
+def new_node(obj: Object) -> Any:
+    """The same, to make an object a part of a set."""
     return obj.nested_cages_member  # type: ignore[attr-defined]
+
+
+@cache
+def blank(owner: type, name: str) -> Any:
+    """The group of properties of that name of a data-block that has none; it cannot be changed."""
+    return _blank(owner.bl_rna.properties[name])  # type: ignore[attr-defined]
+
+
+def _blank(prop: Any) -> Any:
+    """The value of a property that is not set."""
+    if prop.type == "COLLECTION":
+        return ()
+    if prop.type == "ENUM" and prop.is_enum_flag:
+        return frozenset(prop.default_flag)
+    if prop.type != "POINTER":
+        return tuple(prop.default_array) if getattr(prop, "is_array", False) else prop.default
+    if prop.fixed_type.base is None or prop.fixed_type.base.identifier != "PropertyGroup":
+        return None
+    values = {each.identifier: _blank(each) for each in prop.fixed_type.properties if each.identifier != "rna_type"}
+    return namedtuple(prop.fixed_type.identifier, values)(**values)
 
 
 def make_helper(obj: Object, role: str, shows: Object, thickness: float = 0.0) -> None:
     """Notes what an object shows, fills or moves."""
-    node = node_of(obj)
+    node = new_node(obj)
     node.role, node.shows, node.thickness = role, shows, thickness
 
 
@@ -80,7 +107,7 @@ def before(obj: Object) -> Before:
 
 def set_before(obj: Object, given: Before) -> None:
     """Notes how an object is before it is bound; without a mesh it is not bound any more."""
-    stored, matrix = node_of(obj).before, given.matrix if given.matrix is not None else Matrix()
+    stored, matrix = new_node(obj).before, given.matrix if given.matrix is not None else Matrix()
     stored.mesh, stored.matrix = given.mesh, np.ravel(np.array(matrix)).tolist()
     stored.hidden = (*given.hidden, False, False, False)[:3]
 
@@ -93,5 +120,5 @@ def link(obj: Object) -> tuple[str, float]:
 
 def set_link(obj: Object, method: str, error: float) -> None:
     """Notes the method that an object follows its cage by; empty: none."""
-    node = node_of(obj)
+    node = new_node(obj)
     node.link, node.link_error = method, error

@@ -88,6 +88,31 @@ def collection_of(scene: Scene, source: Object, *, inside: bool = False) -> Coll
     return next((c for c in outputs_of(scene, source) if is_inside(c) == inside), None)
 
 
+def by_drawing(scene: Scene) -> dict[tuple[Object, bool], Collection]:
+    """The output around each drawing, and the one inside: of several, one that is named after it, in the scene."""
+    here, ours = set(scene.collection.children_recursive), [c for c in bpy.data.collections if is_output(c)]
+    ours = sorted((c for c in ours if members(c)), key=lambda each: each not in here)
+    places = [(k > 0, part.object, c) for c in ours for k, part in enumerate(record.of(c).sources)]
+    outputs: dict[tuple[Object, bool], Collection] = {}
+    for _, drawing, collection in sorted(places, key=lambda place: place[0]):
+        outputs.setdefault((drawing, is_inside(collection)), collection)
+    return outputs
+
+
+def with_parts(scene: Scene, drawings: Iterable[Object], *, inside: bool = False) -> list[list[Object]]:
+    """Each drawing, or in its place all drawings of the output that it shares with others: what acts on one of them
+    acts on all.
+    """
+    known = by_drawing(scene)
+    groups: dict[Object, list[Object]] = {}
+    for obj in drawings:
+        output = known.get((obj, inside))
+        shared = [part.object for part in record.of(output).sources if exists(part.object)] if output else []
+        if not any(obj in group for group in groups.values()):
+            groups[obj] = shared if len(shared) > 1 else [obj]
+    return list(groups.values())
+
+
 def outputs_about(scene: Scene, obj: Object) -> list[Collection]:
     """The output that an object belongs to, those that it is a source of, or those whose cages it moves."""
     if level_of(obj) is not None:

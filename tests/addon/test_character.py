@@ -231,6 +231,34 @@ def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
         choose(eye, head)
 
 
+PARTS = ("Torso", "Hand.L", "Badge")
+
+
+@pytest.mark.parametrize("name", slow_after(1, PARTS))
+def test_what_acts_on_a_part_acts_on_its_character(addon, name, capfd) -> None:
+    """Generating, rigging and following: no other part is let go or left behind."""
+    ownership, parts = addon.scene.ownership, figure()
+    armature, cage = rigged(parts)
+    (home,) = ownership.outputs_about(bpy.context.scene, parts["Leg.R"])
+    for again in (False, True):
+        choose(parts[name], armature)
+        work = bpy.ops.object.nested_cages_rig if again else bpy.ops.object.nested_cages_generate
+        assert work(**({} if again else {"levels": "40"})) == {"FINISHED"}
+        if bpy.context.mode == "POSE":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        assert {ownership.outputs_about(bpy.context.scene, part)[0] for part in parts.values()} == {home}
+        assert set(ownership.originals(home)) == set(parts.values()) and ownership.is_bound(home)
+        assert ownership.members(home)[1] == cage
+    assert f"shares its cages with {len(parts) - 1} drawings" in capfd.readouterr().out
+    choose(parts[name])
+    with pytest.raises(RuntimeError, match=f"shares its cages with {len(parts) - 1} drawings"):
+        bpy.ops.object.nested_cages_follow(frame_start=1, frame_end=3)
+    assert not bpy.ops.object.nested_cages_live.poll()
+    before = {each: points(obj) for each, obj in parts.items()}
+    turn(armature, bone_at(armature, 1.3, 1.1), 40.0)
+    assert np.abs(points(parts["Hand.L"]) - before["Hand.L"]).max() > 0.3
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("height", [2.1, 2.17], ids=["on the head", "a gap above it narrower than the usual clearance"])
 def test_rigging_again_fits_the_cage_to_new_parts(height) -> None:

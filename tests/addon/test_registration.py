@@ -12,7 +12,7 @@ import bpy
 import pytest
 
 from conftest import ROOT
-from drawings import poly_curve, star
+from drawings import add, choose, circle, poly_curve, star
 
 
 def test_the_add_on_can_be_disabled_and_enabled_again(extension) -> None:
@@ -48,6 +48,33 @@ def test_everything_has_a_description(extension) -> None:
                 assert prop.description, (rna.identifier, prop.identifier)
     for operator in operators:
         assert operator.get_rna_type().description
+
+
+def test_all_properties_can_be_overridden(addon) -> None:
+    """Else an override points into its library again after its file was loaded."""
+    waiting = [owner.bl_rna.properties[name] for owner, name, *_ in addon.properties.schema.POINTERS]
+    for prop in waiting:
+        assert prop.is_overridable, prop.identifier
+        if prop.type in {"POINTER", "COLLECTION"} and prop.fixed_type.base.identifier == "PropertyGroup":
+            waiting += [each for each in prop.fixed_type.properties if each.identifier not in {"rna_type", "name"}]
+    assert len(waiting) > 100
+
+
+def test_polls_write_nothing(addon) -> None:
+    poly_curve("Drawing", [circle(12)])
+    others = [add(f"Other {k}", bpy.data.meshes.new("Other")) for k in range(3)]
+    for caged in (False, True):
+        if caged:
+            assert bpy.ops.object.nested_cages_generate(levels="6") == {"FINISHED"}
+        for obj in (*others, bpy.data.objects["Drawing"]):
+            choose(obj)
+            for name in dir(bpy.ops.object):
+                if name.startswith("nested_cages_"):
+                    getattr(bpy.ops.object, name).poll()
+            bpy.context.view_layer.update()
+        assert not any(obj.is_property_set("nested_cages_member") for obj in others)
+        written = [home.name for home in bpy.data.collections if home.is_property_set("nested_cages")]
+        assert written == ["Drawing Cages"] * caged
 
 
 def test_the_operator_and_the_scene_have_the_same_settings(extension, addon) -> None:

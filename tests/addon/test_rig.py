@@ -406,7 +406,8 @@ def test_an_appended_rig_can_be_worked_on(saved) -> None:
     assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
 
 
-def test_an_override_is_posed_and_moved_and_says_what_it_cannot(saved) -> None:
+@pytest.mark.parametrize("reloaded", slow_after(1, [True, False]))
+def test_an_override_is_posed_and_moved_and_says_what_it_cannot(addon, saved, reloaded) -> None:
     path, shown = saved
     collection = brought(path, link=True)
     np.testing.assert_array_equal(evaluated(bpy.data.objects["Drawing"]), shown)
@@ -421,6 +422,14 @@ def test_an_override_is_posed_and_moved_and_says_what_it_cannot(saved) -> None:
     bpy.context.view_layer.update()
     assert cage.matrix_world.translation.y == pytest.approx(4.0)
     before = snapshot()
+    if reloaded:
+        bpy.ops.wm.save_as_mainfile(filepath=path.replace("character", "shot"))
+        bpy.ops.wm.open_mainfile(filepath=path.replace("character", "shot"))
+        own = {obj.name: obj for obj in bpy.data.objects if obj.override_library is not None}
+        source, cage = own["Drawing"], own["Drawing Cage 1"]
+        before = snapshot()
+    (home,) = addon.scene.ownership.outputs_about(bpy.context.scene, source)
+    assert addon.scene.ownership.members(home)[-1] == cage and home.override_library is not None
     for work in (bpy.ops.object.nested_cages_rebind, bpy.ops.object.nested_cages_unbind):
         choose(source)
         with pytest.raises(RuntimeError, match="is an override of another file"):
