@@ -157,7 +157,7 @@ def test_the_inside_of_a_shape_is_at_no_distance() -> None:
     assert sorted(beyond(cage, fine, 1.2).tolist()) == sorted(cage.vertices.tolist())
     assert len(beyond(cage, fine, 1.42)) == 0
     lower = cage.moved(cage.vertices - [[0, 2], [0, 0], [0, 0], [0, 0]])
-    assert len(beyond(lower, fine, 1.5)) > 4  # places along two sides, not only the corner
+    assert beyond(lower, fine, 1.5).tolist() == [[-1.0, -3.0]]  # vertices first, then places in between
 
 
 def test_what_is_measured_is_compared_with_the_limit() -> None:
