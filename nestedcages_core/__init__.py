@@ -48,6 +48,8 @@ if TYPE_CHECKING:
     from .character import with_joints as with_joints
     from .checker import Verdict as Verdict
     from .checker import check
+    from .constraints import Box as Box
+    from .constraints import LoopClearance as LoopClearance
     from .contact.ipc import IPC as IPC
     from .coordinates import Grids as Grids
     from .coordinates import Harmonic as Harmonic
@@ -186,6 +188,7 @@ _LATER = {
     "batch": "BatchProgress Outcome nested_cages_many",
     "character": "Bone Character Skeleton bone_weights suggest_bones with_joints",
     "checker": "Verdict check",
+    "constraints": "Box LoopClearance",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
         "Cut Feature cut_at_borders character_to_engine_json features_from_geojson frames_to_engine_json "

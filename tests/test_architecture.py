@@ -20,9 +20,9 @@ CORE = "nestedcages_core"
 
 # The rooms of the core, files or packages, in the order of the data flow: each imports only from those before it.
 ROOMS = """
-checker_distance checker errors libraries tasks cache parameters lapack geometry decimation flow energies solver contact
-tightening verification level needs tolerance hierarchy motion published coordinates character exchange batch command
-__main__ __init__
+checker_distance checker errors libraries tasks cache parameters lapack geometry decimation flow energies solver
+constraints contact tightening verification level needs tolerance hierarchy motion published coordinates character
+exchange batch command __main__ __init__
 """
 
 # The rooms of the add-on, in the same sense. `core` is its door to the core.
@@ -64,8 +64,8 @@ IMPORTABLE = """
 AllPairs ArcLength Area BatchProgress BoundaryARAP UniformGrid ElementEnergy
 EvenSamples Feature GaussLegendre GradientDescent Grids Harmonic IPC InitialDisplacement InteriorARAP Found
 MeanValue Mirror Rotation LineCycles Midpoint NoEnergy NoFilter OnCurve Outcome OuterHull OwnDecimation PaperContact
-PaperFlow PiecewiseLinear ProjectedNewton QuadraticFallOff Repairs SequentialQP ShapeKeeping SignedDistanceFlow
-SmallestDistance StepDisplacement Tightening TimeOfImpact TwoSidedFlow WeightedSum alpha_channel
+Box LoopClearance PaperFlow PiecewiseLinear ProjectedNewton QuadraticFallOff Repairs SequentialQP ShapeKeeping
+SignedDistanceFlow SmallestDistance StepDisplacement Tightening TimeOfImpact TwoSidedFlow WeightedSum alpha_channel
 boundary_of_pixels from_engine_json grids is_engine_json
 """
 

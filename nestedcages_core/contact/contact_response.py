@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..constraints.base import terms_of
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray
 from ..geometry.precision import BACKTRACKING, MOST_ROUNDS, NEGLIGIBLE
@@ -117,6 +118,10 @@ class ContactResponse:
         motion = np.concatenate([np.zeros((m, 2)), fine_motion])
         farthest_motion[m:] = 0.0
         rows, room, softness = self._constraints(pairs, contacts, motion, farthest_motion)
+        if self.bodies.bounds:
+            more, rooms = terms_of(self.bodies.bounds, x[:m], radius)
+            rows, room = [*rows, *more], np.concatenate((room, rooms))
+            softness = np.concatenate((softness, np.full(len(rooms), HARD_COMPLIANCE)))
         program = QuadraticProgram(
             np.zeros((m, 2)),
             self._proximal,

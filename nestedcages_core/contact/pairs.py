@@ -23,6 +23,7 @@ from ..solver.banded import BandOrder
 from ..solver.quadratic_program import InteriorPoint, QPSolution, QuadraticProgram
 
 if TYPE_CHECKING:
+    from ..constraints.base import Bound
     from ..solver.reduction import Tie
 
 
@@ -42,9 +43,22 @@ class Bodies:
     """Mean length of the coarse edges, the unit of motions of the cage."""
     tie: Tie | None = None
     """Ties the cage vertices of a symmetric cage; None: all are free."""
+    bounds: tuple[Bound, ...] = ()
+    """What the cage keeps next to its distances."""
+    clearances: FloatArray | None = None
+    """(n,) distance to keep from each fine vertex and its edge, where that is more than the clearance; None: none."""
 
     @classmethod
-    def of(cls, coarse: Mesh, fine: Mesh, tie: Tie | None = None, *, side: int = 1) -> Bodies:
+    def of(
+        cls,
+        coarse: Mesh,
+        fine: Mesh,
+        tie: Tie | None = None,
+        *,
+        side: int = 1,
+        bounds: tuple[Bound, ...] = (),
+        clearances: FloatArray | None = None,
+    ) -> Bodies:
         """side: 1 for a cage around the fine mesh, -1 for one inside it."""
         lengths = fine.edge_lengths
         return cls(
@@ -54,7 +68,14 @@ class Bodies:
             0.5 * (lengths + lengths[fine.predecessor]),
             float(coarse.edge_lengths.mean()),
             tie,
+            bounds,
+            clearances,
         )
+
+    @cached_property
+    def of_vertex(self) -> FloatArray | None:
+        """(m + n,) the clearances, as indices into x = (C; F)."""
+        return None if self.clearances is None else np.concatenate([np.zeros(self.m), self.clearances])
 
     @property
     def m(self) -> int:
@@ -206,15 +227,25 @@ class WantedDistances:
     """Between loops of the cage, if that is more."""
     loop: IntArray | None = field(default=None, kw_only=True)
     """(m,) the loop of each vertex of the cage, where it matters."""
+    of_vertex: FloatArray | None = field(default=None, kw_only=True)
+    """(m + n,) between the cage and each fine vertex and its edge, where that is more; 0 for vertices of the cage."""
 
     @property
     def largest(self) -> float:
         """The largest of them."""
-        return max(self.clearance, self.own, self.apart)
+        return max(self.largest_clearance, self.own, self.apart)
+
+    @property
+    def largest_clearance(self) -> float:
+        """The largest between cage and fine mesh."""
+        return self.clearance if self.of_vertex is None else max(self.clearance, float(self.of_vertex.max()))
 
     def of(self, pairs: Pairs) -> FloatArray:
         """(K,) wanted distance of each pair."""
         wanted = np.full(len(pairs), self.clearance)
+        if self.of_vertex is not None:
+            for family, vertex in ((pairs.fine_cage, pairs.point), (pairs.cage_fine, pairs.start)):
+                wanted[family] = np.maximum(self.clearance, self.of_vertex[vertex[family]])
         own = pairs.cage_cage
         wanted[own] = self.own
         if self.loop is not None:

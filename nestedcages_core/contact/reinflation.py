@@ -21,6 +21,7 @@ from .base import Contact
 from .pairs import Bodies
 
 if TYPE_CHECKING:
+    from ..constraints.base import Bound
     from ..solver.reduction import Tie
 
 logger = logging.getLogger(__name__)
@@ -87,19 +88,21 @@ def reinflate(
     contacts: Sequence[Contact],
     clearance: float,
     tie: Tie | None = None,
+    bounds: tuple[Bound, ...] = (),
 ) -> Stage[float, Reinflation]:
     """Follow the flow's steps (J + 1, n, 2) back while the cage, starting as the coarse mesh, is pushed out.
 
     contacts: ways to resolve contact; each starts over where the one before is blocked. tie: of the vertices of a
-    symmetric cage; only sequential QPs keep it. A generator: yields the fraction done and returns the steps.
+    symmetric cage; bounds: what the cage keeps; only sequential QPs know both. A generator: yields the fraction done
+    and returns the steps.
 
     Raises ReinflationError when no contact succeeds, or when exact predicates find a contact in the result; its
     ``partial`` is the reinflation so far.
     """
-    bodies = Bodies.of(coarse, fine, tie)
+    bodies, plain = Bodies.of(coarse, fine, tie, bounds=bounds), tie is None and not bounds
     failure = ReinflationError("No contact was given for reinflation.", code="setting.invalid")
     for contact in contacts:
-        key = key_of(contact, clearance, flow_steps, fine, coarse) if tie is None else None
+        key = key_of(contact, clearance, flow_steps, fine, coarse) if plain else None
         try:
             return (yield from _reinflations.stage(key, _by(contact, bodies, flow_steps, clearance), _bytes_of))
         except ReinflationError as error:

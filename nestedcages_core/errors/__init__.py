@@ -48,6 +48,7 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "convex.missed": (),
     "numbers.no_room": ("spacing", "finer", "count", "clearance"),
     "numbers.missed": (),
+    "box.left": ("place", "distance"),
     "numbers.unresolved": ("spacing", "vertex", "place"),
     "tolerance.unreachable": ("limit", "taken"),
     "solver.not_finite": (),

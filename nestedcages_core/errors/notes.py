@@ -11,6 +11,7 @@ NOTES: Mapping[str, str] = {
     "count loops": "The vertices per loop of the coarse mesh do not fit the mesh inside: they are redistributed.",
     "count symmetry": "{asked} vertices were asked for; with {symmetry} the cage can have {given}.",
     "count edges": "{asked} vertices were asked for; edges of at least {length:.6g} leave room for {given}.",
+    "count constraint": "{asked} vertices were asked for; with what the cage is to keep it can have {given}.",
     "count grid": "On the grid, {asked} vertices make no convex cage: it has {given} at most.",
     "count hull": "{asked} vertices were asked for, but a hull has {given}: with these, the cage is as tight.",
     "start fallback": "Started from the {source} instead of the coarse mesh: {text}",

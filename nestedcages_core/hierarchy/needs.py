@@ -50,7 +50,7 @@ def needs_of(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tup
             remarks += moved
         if group is not None:
             settings = keeping(settings, group)
-    elif not (settings.has_priorities or settings.convex) and numbers is None:
+    elif not (settings.has_priorities or settings.convex or settings.constraints) and numbers is None:
         settings = _preferring_symmetry(settings, about)
     if settings.has_priorities:
         from ..needs.priorities.need import Priorities
@@ -59,6 +59,10 @@ def needs_of(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tup
         priorities = Priorities.of(about, group, settings.weights, places, limits)
         settings = priorities.applied(settings)
         needs.append(priorities)
+    if settings.constraints:
+        obeying = getattr(settings.decimation, "obeying", None)
+        if obeying is not None:
+            settings = replace(settings, decimation=obeying(tuple(settings.constraints)))
     if group is not None:
         needs.append(Symmetric(group))
     if settings.convex:

@@ -106,7 +106,8 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
     deadline = perf_counter() + seconds
     fine, wanted = _checked(fine, levels, convex=settings.convex, merges=settings.merge is not None)
     about = _about(settings, fine, side)
-    settings, needs, remarks = needs_of(settings, about)
+    constraints = tuple(constraint.of(about, side) for constraint in settings.constraints)
+    settings, needs, remarks = needs_of(replace(settings, constraints=constraints), about)
     if settings.merge is not None:
         if side < 0:
             raise NestingError("Inner cages keep all loops; leave out merge.", code="setting.conflict")
@@ -118,7 +119,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
     def made(index: int, level: int | Mesh | Within, inner: Mesh, chosen: Settings) -> Stage[Progress, Level]:
         clearances = clearances_for(chosen, fine)
         while True:
-            plan, progress = Plan.of(inner, needs, side=side), LevelProgress(index, len(wanted))
+            plan, progress = Plan.of(inner, needs, constraints, side=side), LevelProgress(index, len(wanted))
             builder = LevelBuilder(plan, clearances, chosen, progress)
             if isinstance(level, Within):
                 from ..tolerance.fewest import fewest
@@ -137,7 +138,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
                     raise
                 level = level.after(error)  # more vertices each time, and at most those of the mesh
         advised = level.notes() if isinstance(level, Rising) else ()
-        if done.report.excess > LOOSE and not (needs or isinstance(level, Mesh)):
+        if done.report.excess > LOOSE and not (needs or constraints or isinstance(level, Mesh)):
             from ..needs.merging import advice
 
             advised += advice(inner, done.cage)

@@ -18,6 +18,7 @@ from ..level.settings import LevelSettings, is_length
 from ..parameters import check_flag, has_method
 
 if TYPE_CHECKING:
+    from ..constraints.base import Constraint
     from ..needs.symmetry import Found
 
 STORED_TYPES = ("float32", "float16")
@@ -61,6 +62,9 @@ class Settings(LevelSettings):
     """No cage edge is shorter than this length, where there is room."""
     min_angle: float | None = None
     """No angle between cage edges is sharper than this, in degrees below 60, where there is room."""
+    constraints: Sequence[Constraint] = ()
+    """What the cages keep in addition, such as `Box` or `LoopClearance`; anyone can write others, see
+    `nestedcages_core.constraints`. Not for cages that follow a motion."""
     seconds: float | None = None
     """Wall-clock time that all levels together may take; after it an error says what was reached, and has the levels
     made so far as its `partial`. None: no limit."""
@@ -105,6 +109,11 @@ class Settings(LevelSettings):
         check_flag(self, "convex")
         if not isinstance(self.about, Mesh | None):
             raise invalid_setting(f"about must be a Mesh, not {type(self.about).__name__}.")
+        constraints = tuple(_listed(self.constraints, "constraints"))
+        for constraint in constraints:
+            if not all(has_method(constraint, name) for name in ("of", "free", "bound", "fault")):
+                raise invalid_setting(f"A constraint must be an object such as Box(low, high), not {constraint!r}.")
+        object.__setattr__(self, "constraints", constraints)
         _check_priorities(self)
         symmetry: object = self.symmetry
         if not (symmetry is None or has_method(symmetry, "of") or has_method(symmetry, "image")):

@@ -70,6 +70,9 @@ class Assembly:
         certificate = verify(cage, inner, level.report.wanted_clearance, same_loops=False)
         if not certificate:
             raise NestingError(certificate.problems[0])
+        fault = next(self.plan.missed(cage), None)
+        if fault is not None:
+            raise NestingError(fault)
         report = replace(level.report, clearance=certificate.clearance, excess=cage.area / inner.area - 1.0)
         if not cage.has_loops_like(inner):
             loops = note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(inner))
@@ -120,7 +123,7 @@ class Assembly:
         for start in starts:
             certificate = self.plan.verify(start.coarse, 0.0)
             clearance = min(clearances[0], certificate.clearance) if len(clearances) > 1 else clearances[0]
-            if certificate.holds and certificate.clearance >= clearance:
+            if certificate.holds and certificate.clearance >= clearance and not any(self.plan.missed(start.coarse)):
                 resting, counts = self.resting(start.coarse.vertices[None]), {"flow": 0, "reinflation": 0}
                 mesh, every = start.coarse, (note("note.untightened"), *notes)
                 return self.level(mesh, mesh, resting, certificate, clearance, start.source, counts, every)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..constraints.base import short_of
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Count, SeveralStarts, Start
@@ -29,6 +31,7 @@ from .settings import LevelSettings
 from .units import SolverUnits
 
 if TYPE_CHECKING:
+    from ..constraints.base import Bound
     from .settling import Settling
     from .symmetrised_start import Alike
 
@@ -125,7 +128,7 @@ class LevelBuilder:
             standing = yield from self.assembly.untightened(self.starts, clearances, notes)
             if standing is not None:
                 return standing
-        if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.side < 0:
+        if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.constraints or self.plan.side < 0:
             raise (started or failures)[-1]
         from .counts import with_least  # for the message
 
@@ -234,6 +237,7 @@ class LevelBuilder:
             contacts=[self.units.method(contact) for contact in attempt.contacts],
             clearance=self.units.clearance(attempt.clearances[0]),
             tie=None if alike is None else alike.tie,
+            bounds=self.plan.bounds(unit_coarse, self.units),
         )
         reinflation = yield from self.progress.follow(expansion, lambda done: (done, "reinflation"))
         return self._bound(attempt, CageInProgress(start, unit_coarse, flow, reinflation, alike))
@@ -251,8 +255,9 @@ class LevelBuilder:
         assert cage.energy is not None
         steps: list[FloatArray] = []
         tie = None if cage.alike is None else cage.alike.tie
+        bounds, clearances = self.plan.bounds(cage.unit_coarse, self.units), self.plan.clearances(self.units)
         tightening = self.settings.tightening.run(
-            Bodies.of(cage.unit_coarse, self.unit_fine, tie, side=self.plan.side),
+            Bodies.of(cage.unit_coarse, self.unit_fine, tie, side=self.plan.side, bounds=bounds, clearances=clearances),
             start,
             self.unit_fine.vertices,
             clearance=self.units.clearance(clearance),
@@ -269,12 +274,14 @@ class LevelBuilder:
         return replace(
             cage,
             tightened=cage.untightened.with_tightening(steps),
-            rank=self._rank(cage, steps[-1] if steps else start),
+            rank=self._rank(cage, steps[-1] if steps else start, bounds),
             counts={"tightening": outcome.iterations, "quadratic programs": outcome.quadratic_programs},
         )
 
-    def _rank(self, cage: CageInProgress, vertices: FloatArray) -> float:
+    def _rank(self, cage: CageInProgress, vertices: FloatArray, bounds: Sequence[Bound]) -> float:
         """The excess of a cage, lost area if inside, or the energy with the terms of needs: smaller is better."""
+        if bounds and short_of(bounds, vertices).any():
+            return np.inf
         successor, area = cage.unit_coarse.successor, max(self.unit_fine.area, TINY)  # of slivers it may round to 0
         if cage.is_measure and cage.energy is not None:
             return cage.energy.after(vertices).value(vertices, successor) / area
@@ -306,6 +313,9 @@ class LevelBuilder:
             from .failures import collides
 
             raise NestingError(collides(motion.step, self.plan))
+        fault = next(self.plan.missed(result), None)
+        if fault is not None:
+            raise NestingError(fault)
         notes = (*notes, *deviations(self.plan, result, clearance, wanted))
         if len(reinflation.cage_steps) == 1 and not getattr(self.settings.energy, "is_area", False):
             notes = (*notes, note("note.energy", energy=type(self.settings.energy).__name__))

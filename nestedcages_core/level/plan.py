@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol, TypeAlias
+from itertools import chain
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 import numpy as np
 
 from ..decimation import Count
 from ..decimation.budget import clamped
 from ..energies import CageEnergy
-from ..errors import Fault
+from ..errors import Fault, note
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh, by_side
 from ..tasks import Stage
 from ..verification import Certificate, verify
 from .units import SolverUnits
+
+if TYPE_CHECKING:
+    from ..constraints.base import Bound, Constraint
 
 EdgeCost: TypeAlias = Callable[[int, FloatArray, FloatArray], FloatArray]
 """(K,) what an edge adds to the energy, in squared input units: its first vertex, and places (K, 2) of both ends."""
@@ -118,11 +122,15 @@ class Plan:
     """Whether a number of vertices is that of each loop of the outline, not of all together."""
     remarks: tuple[Fault, ...] = ()
     """Notes of the report."""
+    constraints: tuple[Constraint, ...] = ()
+    """What cages keep in addition."""
 
     @classmethod
-    def of(cls, fine: Mesh, needs: Sequence[Need] = (), *, side: int = 1) -> Plan:
+    def of(
+        cls, fine: Mesh, needs: Sequence[Need] = (), constraints: tuple[Constraint, ...] = (), *, side: int = 1
+    ) -> Plan:
         """The plan of one level. Raises NestingError."""
-        plan = cls(fine, side, tuple(needs), fine)
+        plan = cls(fine, side, tuple(needs), fine, constraints=constraints)
         for need in needs:
             plan = need.fill(plan)
         return plan
@@ -151,7 +159,31 @@ class Plan:
             for need in self.needs:
                 count, replaced = need.count(self, count)
                 notes += replaced
+            for constraint in self.constraints:
+                possible = constraint.count(self.outline, count)
+                if possible != count:
+                    notes += (note("note.count", on="constraint", asked=count, given=possible),)
+                    count = possible
         return count, notes
+
+    def bounds(self, coarse: Mesh, units: SolverUnits) -> tuple[Bound, ...]:
+        """The constraints on cages with the edges of a coarse mesh, in the units of the solvers."""
+        unit_fine = units.from_input(self.fine)
+        return tuple(constraint.bound(coarse, unit_fine, units) for constraint in self.constraints)
+
+    def clearances(self, units: SolverUnits) -> FloatArray | None:
+        """(n,) the distance that constraints ask for from each fine vertex, in the units of the solvers."""
+        every = [each for constraint in self.constraints if (each := constraint.distances(self.fine)) is not None]
+        if not every:
+            return None
+        of_loops = np.array([units.clearance(length) for length in np.max(every, axis=0).tolist()])
+        return np.asarray(of_loops[self.fine.loop_of_vertex])
+
+    def missed(self, cage: Mesh, *, must: bool = True) -> Iterator[Fault]:
+        """The constraints that a cage does not keep: promises, or wishes."""
+        for constraint in self.constraints:
+            if constraint.must is must and (fault := constraint.fault(cage, self.fine)) is not None:
+                yield fault
 
     def energy(self, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float) -> tuple[CageEnergy, bool]:
         """The energy with the terms of all needs, and whether there are any; see `Need.energy`."""
@@ -168,7 +200,8 @@ class Plan:
 
     def fault(self, cage: Mesh) -> Fault | None:
         """The first promise that a cage does not keep."""
-        return next((found for need in self.needs if (found := need.fault(self, cage)) is not None), None)
+        of_needs = (found for need in self.needs if (found := need.fault(self, cage)) is not None)
+        return next(chain(of_needs, self.missed(cage)), None)
 
     def mended(self, cage: Mesh) -> tuple[Mesh, Fault] | None:
         """See `Need.mended`."""
@@ -176,7 +209,8 @@ class Plan:
 
     def notes(self, cage: Mesh, clearance: float) -> tuple[Fault, ...]:
         """A sentence for each wish that a cage misses."""
-        return tuple(note for need in self.needs for note in need.notes(self, cage, clearance))
+        of_needs = (found for need in self.needs for found in need.notes(self, cage, clearance))
+        return (*of_needs, *self.missed(cage, must=False))
 
     def with_remarks(self, *remarks: Fault) -> Plan:
         """The plan with further notes."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import Fault
+from ..errors import Fault, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.signed_distance import ClosestEdge, EdgeSearch
@@ -30,6 +30,12 @@ class Promises:
     @classmethod
     def of(cls, settings: Settings, first: Mesh) -> Promises:
         """The promises about a drawing, from its first pose. Raises NestingError."""
+        if settings.constraints:
+            raise NestingError(
+                "Cages that follow a motion keep no constraints; leave these out, or make a cage of each pose.",
+                code="setting.conflict",
+                names=("constraints",),
+            )
         _, needs, notes = needs_of(settings, first)
         plan = Plan.of(first, needs)
         pins: FloatArray = np.concatenate([np.empty((0, 2)), *(need.places for need in needs)])

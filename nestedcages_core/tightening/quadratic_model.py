@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..constraints.base import terms_of
 from ..contact.linearisation import Contacts, constraint_rows, local_axes, measure, resolve_corners
 from ..contact.pairs import Bodies, CandidateList, Pairs, WantedDistances
 from ..contact.pruning import not_implied
@@ -14,6 +15,9 @@ from ..energies import Blocks, CageEnergy
 from ..geometry.arrays import FloatArray
 from ..solver.quadratic_program import QPSolution, QuadraticProgram
 from .trust_region import Surroundings
+
+MISSED_COMPLIANCE = 1e-4
+"""ε of rows that a cage misses: violation per unit of force, where the pull of the area is at most half an edge."""
 
 LONGEST_MOTION = 1.5
 """Longest motion of a vertex in one step, restoration included, in radii; √2 without restoration."""
@@ -36,7 +40,8 @@ class QuadraticModel:
 
     def loads(self, solution: QPSolution) -> EdgeLoads:
         """Loads of the edges in the solution of the program."""
-        return EdgeLoads.of(self._rows, self._row_contacts, solution.multipliers, len(solution.step))
+        of_contacts = solution.multipliers[: len(self._rows)]
+        return EdgeLoads.of(self._rows, self._row_contacts, of_contacts, len(solution.step))
 
 
 def model_at(
@@ -67,13 +72,19 @@ def model_at(
 
     cage, successor = x[:m], bodies.coarse.successor
     curvature = contact_curvature(bodies, cage, loads, radius)
+    rows, rooms, softness = [*constraint_rows(some, contact)], np.maximum(room[keep], 0.0), None
+    if bodies.bounds:
+        more, further = terms_of(bodies.bounds, cage, radius)
+        rows, rooms = [*rows, *more], np.concatenate((rooms, further))
+        softness = np.where(rooms < 0.0, MISSED_COMPLIANCE, 0.0) if (further < 0.0).any() else None
     program = QuadraticProgram(
         energy.gradient(cage, successor),
         Blocks.sum([(1.0, energy.hessian(cage, successor)), (1.0, curvature)]),
-        constraint_rows(some, contact),
-        np.maximum(room[keep], 0.0),
+        rows,
+        rooms,
         np.full(m, radius),
         local_axes(bodies, x),
+        softness=softness,
     )
     around = Surroundings(pairs, contacts.distance, contacts.side, required, farthest_motion)
     return QuadraticModel(program, around, some, contact)

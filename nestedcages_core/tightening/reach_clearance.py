@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..constraints.base import correction
 from ..contact.ccd import impacts
 from ..contact.contact_response import ContactResponse, Distances, FeasibilityRule
 from ..contact.linearisation import Contacts, measure
@@ -36,6 +37,9 @@ OWN_DISTANCE_KEPT = 0.1
 
 OVERSHOOT = 1.02
 """Factor on every shift, so that passes end (docs/ablation.md: overshoot of restoration)."""
+
+CORRECTIONS = 3
+"""Maximum number of corrections of bounds that a restoration misses, each followed by a further restoration."""
 
 NEARLY_STRAIGHT = 0.98
 """Cosine of the angle between neighbouring edges above which both get the larger of their shifts."""
@@ -68,11 +72,16 @@ def widen(
 
     Yields every intermediate x; the linear motion from the one before is free of collisions.
     """
-    reach = max(2.0 * TARGET_DISTANCE, 1.0 / OWN_DISTANCE_KEPT) * clearance + apart
+    if bodies.bounds:
+        from .feasibility import feasible
+
+        x = yield from feasible(bodies, x, clearance, solver)
+    largest = clearance if bodies.clearances is None else max(clearance, float(bodies.clearances.max()))
+    reach = max(2.0 * TARGET_DISTANCE, 1.0 / OWN_DISTANCE_KEPT) * largest + apart
     pairs, contacts = _measured(candidates, x, reach)
     own = min(clearance, OWN_DISTANCE_KEPT * float(contacts.distance[pairs.cage_cage].min(initial=np.inf)))
     loop = bodies.coarse.loop_of_vertex if apart else None
-    wanted = WantedDistances(clearance, own, apart=apart, loop=loop)
+    wanted = WantedDistances(clearance, own, apart=apart, loop=loop, of_vertex=bodies.of_vertex)
     short = _short(pairs, contacts, wanted)
     if len(short) == 0:
         return Widened(x, wanted, 0, -1)
@@ -82,12 +91,14 @@ def widen(
         return Widened(moved, wanted, 0, -1)
 
     aim = TARGET_DISTANCE * clearance
-    response = ContactResponse(bodies, Distances(aim, min(aim, TARGET_DISTANCE * own), clearance), solver)
+    aims = None if bodies.of_vertex is None else TARGET_DISTANCE * bodies.of_vertex
+    distances = Distances(aim, min(aim, TARGET_DISTANCE * own), clearance, of_vertex=aims)
+    response = ContactResponse(bodies, distances, solver)
     rule = FeasibilityRule(bodies, clearance, clearance)
     at_rest = np.zeros((bodies.n, 2))
     systems, least, idle = 0, np.inf, 0
     for _ in range(MOST_STEPS):
-        found = response.to(at_rest, x, TARGET_DISTANCE * clearance)
+        found = response.to(at_rest, x, TARGET_DISTANCE * largest)
         systems += found.systems
         concerned = rule.concerned(found.pairs, found.contacts, found.motion)
         fraction = rule.fraction(*concerned, x, found.motion, SHORTEST_STEP)
@@ -130,7 +141,7 @@ def _restored(
     tried, after = restore(bodies, pairs, x, required, contacts.side)
     motion = tried - x
     farthest = float(np.hypot(motion[:, 0], motion[:, 1]).max())
-    if bool((after.distance < required).any()) or 2.0 * farthest > reach - wanted.clearance:
+    if bool((after.distance < required).any()) or 2.0 * farthest > reach - wanted.largest_clearance:
         return None
     hit, _ = impacts(pairs, x, motion, contacts.distance, min(wanted.clearance, wanted.own))
     return tried if len(hit) == 0 else None
@@ -139,10 +150,26 @@ def _restored(
 def restore(
     bodies: Bodies, pairs: Pairs, x: FloatArray, required: FloatArray, side: FloatArray
 ) -> tuple[FloatArray, Contacts]:
-    """Positions (m + n, 2) near x at which pairs keep their distances, and the contacts there. May fail: check them.
+    """Positions (m + n, 2) near x at which pairs keep their distances, and the cage its bounds, and the contacts there.
+    May fail: check them.
 
     required: (K,) wanted distances; side: (K,) side of the edge on which each point belongs.
     """
+    x, contacts = _apart(bodies, pairs, x, required, side)
+    for _ in range(CORRECTIONS if bodies.bounds else 0):
+        motion = correction(bodies.bounds, x[: bodies.m])
+        if motion is None:
+            break
+        x = x.copy()
+        x[: bodies.m] += motion if bodies.tie is None else bodies.tie.longest(motion)
+        x, contacts = _apart(bodies, pairs, x, required, side)
+    return x, contacts
+
+
+def _apart(
+    bodies: Bodies, pairs: Pairs, x: FloatArray, required: FloatArray, side: FloatArray
+) -> tuple[FloatArray, Contacts]:
+    """`restore` without bounds."""
     contacts = measure(pairs, x, side)
     for _ in range(MOST_ROUNDS):  # each can violate the distances of neighbours, by much less
         short = np.flatnonzero(contacts.distance < required)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..constraints.base import short_of
 from ..contact.ccd import impacts
 from ..contact.pairs import Bodies, Pairs
 from ..energies import CageEnergy
@@ -120,6 +121,7 @@ def find_trial(
     motion = np.zeros_like(x)
     closest = float(around.required.min(initial=np.inf))
     near = around.within(_expected(bodies, step, around))
+    lacking = short_of(bodies.bounds, x[:m])
     for _ in range(MAX_ATTEMPTS):
         tried = x.copy()
         tried[:m] += fraction[:, None] * step
@@ -135,7 +137,8 @@ def find_trial(
         np.subtract(restored[:m], x[:m], out=motion[:m])
         hit, _ = impacts(near.pairs, x, motion, near.distance, closest)
         failing = np.concatenate([hit, np.flatnonzero(after.distance < near.required)])
-        if len(failing) == 0:
+        missed = np.flatnonzero(short_of(bodies.bounds, restored[:m]) > lacking)
+        if len(failing) == 0 and len(missed) == 0:
             restored_value = energy.value(restored[:m], bodies.coarse.successor)
             if restored_value < value - SUFFICIENT_DECREASE * float(fraction.min()) * max(decrease, 0.0):
                 return Trial(restored, fraction, restored_value, True)
@@ -144,7 +147,7 @@ def find_trial(
             fraction = np.full(m, shortest if shortest < float(fraction.max()) else STEP_REDUCTION * shortest)
             continue
         pairs = near.pairs
-        vertex = np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing]])
+        vertex = np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing], missed])
         fraction[np.unique(vertex[vertex < m])] *= STEP_REDUCTION
         if bodies.tie is not None:
             fraction = bodies.tie.least(fraction)

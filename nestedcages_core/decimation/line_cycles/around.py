@@ -32,6 +32,7 @@ from .turns import SLACK
 if TYPE_CHECKING:
     from ..importance import ImportanceMap
     from .images import Images
+    from .rules import LineRule
 
 PLACES_PER_VERTEX, LEAST_PLACES, LEAST_PLACES_OF_A_LOOP = 3.0, 96, 12
 """Places: per vertex of the cage; at least, in all; at least, for each loop (docs/ablation.md: line cycles: places)."""
@@ -80,10 +81,11 @@ class Around:
         importance: ImportanceMap | None = None,
         *,
         must: bool = True,
+        rules: Sequence[LineRule] = (),
     ) -> None:
         """shift: of lines from their loops, one for all or each (L,), in diameters; a clearance is kept from all loops.
         must: whether the cycles have the symmetry in any case, or only where that costs little."""
-        self.importance, self.request, self.must = importance, request, must
+        self.importance, self.request, self.must, self.rules = importance, request, must, rules
         self.shift = np.broadcast_to(shift, len(outline.sizes))
         self.frame = NormalFrame.of(outline)
         self.images: Images | None = None
@@ -175,6 +177,8 @@ class Around:
         limits = (0.0, 0.0)
         if importance is not None:
             limits = (importance.min_edge or 0.0) / self.frame.scale, importance.min_angle or 0.0
+        for short, sharp in (rule.turn_limits for rule in self.rules):
+            limits = max(limits[0], short / self.frame.scale), max(limits[1], sharp)
         return [Chain(loop, some if weighted else None, pins, limits) for loop, some, pins in zip(*parts, strict=True)]
 
     def _copies(self, loop: int, images: Images | None) -> int:
@@ -261,6 +265,9 @@ class Around:
         usable = np.asarray((free > 0.0).all(axis=0))
         if chain.swept[-1] < 0.0:  # every ray in a hole ends at it; in the solid around it some end nowhere
             usable &= (free < REACH).all(axis=0)
+        for rule in self.rules:
+            free = np.minimum(free, rule.free(lines, self.frame))
+            usable &= (free > 0.0).all(axis=0)
         free += SLACK
         if images is not None and halves is not None:
             free = np.minimum(free, images.to_axis(lines, halves) + SLACK)

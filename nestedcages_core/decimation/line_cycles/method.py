@@ -36,6 +36,7 @@ from .loop_search import NoCyclesError
 
 if TYPE_CHECKING:
     from ..importance import ImportanceMap
+    from .rules import LineRule
 
 SOURCE = "line cycles"
 """Name of its meshes in reports."""
@@ -69,6 +70,8 @@ class LineCycles:
     """Symmetry of the fine mesh that the cycles have too; None: they need not be symmetric."""
     importance: ImportanceMap | None = None
     """Where vertices matter; None: everywhere alike."""
+    rules: tuple[LineRule, ...] = ()
+    """What cages keep, as far as lines show it."""
     side: int = 1
     """1 for meshes around the fine one, -1 for meshes inside it."""
     preferred: Symmetry | None = None
@@ -100,6 +103,10 @@ class LineCycles:
     def respecting(self, importance: ImportanceMap) -> LineCycles:
         """The same with more lines where vertices matter."""
         return replace(self, importance=importance, preferred=None)
+
+    def obeying(self, rules: tuple[LineRule, ...]) -> LineCycles:
+        """The same with lines that keep rules."""
+        return replace(self, rules=rules, preferred=None)
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A mesh that strictly encloses the fine one, by exact predicates; see `starts`."""
@@ -143,11 +150,16 @@ class LineCycles:
 
     def found(self, request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
         """The mesh of the best cycles and its source; of the hull where it is smaller, or counts are large."""
-        plain = self.symmetry is None and self.importance is None
+        plain = self.symmetry is None and self.importance is None and not self.rules
         largest = request.target * max(request.outline.sizes) / sum(request.outline.sizes)
         if plain and (largest > MOST_LINES or len(request.outline.sizes) > MOST_LOOPS):
             return (yield from OuterHull().hull(request, clearance)), source_of(request.side)
-        mesh, rounds = yield from cycles_around(self, request, clearance)
+        try:
+            mesh, rounds = yield from cycles_around(self, request, clearance)
+        except NoCyclesError:
+            if not self.rules:
+                raise
+            mesh, rounds = yield from cycles_around(replace(self, rules=()), request, clearance)  # to be moved later
         if rounds and plain:
             with suppress(NestingError):
                 hull = yield from OuterHull().hull(request, clearance)
@@ -165,6 +177,10 @@ def cycles_around(method: LineCycles, request: Request, clearance: float) -> Sta
     # lines next to the outline itself, all of a loop moved away by the same distance
     wanted = clearance / outline.diameter
     shift = np.full(len(outline.sizes), max(HULL_OFFSET, wanted))
+    for rule in method.rules:
+        of_loops = rule.distances(request.fine)
+        if of_loops is not None:
+            shift = np.maximum(shift, of_loops[request.loop_order] / outline.diameter)
     while True:
         far = np.flatnonzero(shift > HULL_OFFSET)
         try:
@@ -211,7 +227,9 @@ def _best(
     error: NoCyclesError | None = None
     preferred = method.preferred if request.per_loop is None else None
     kept = method.symmetry
-    around = Around(request, outline, shift, kept or preferred, method.importance, must=kept is not None)
+    around = Around(
+        request, outline, shift, kept or preferred, method.importance, must=kept is not None, rules=method.rules
+    )
     for bias in BIASES:
         try:
             area, mesh = yield from around.run(bias)

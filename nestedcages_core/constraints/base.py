@@ -1,0 +1,128 @@
+"""What a constraint is to the kernel: limits of lines at the start, rows of both quadratic programs, an exact judge."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+import numpy as np
+
+from ..errors import Fault
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..solver.banded import Rows
+
+if TYPE_CHECKING:
+    from ..decimation.line_cycles.chain import Lines
+    from ..decimation.line_cycles.places import NormalFrame
+
+CORRECTION = 1.02
+"""Length of a correction of missed rows, in what they lack: it makes up for what is not linear."""
+
+
+class Terms(NamedTuple):
+    """K linear inequalities room + J D ≥ 0 on the motion D of a cage; room and J D are lengths."""
+
+    rows: Rows
+    """J."""
+    room: FloatArray
+    """(K,)."""
+
+
+class Units(Protocol):
+    """The units of the solvers: the fine mesh's bounding box has its centre at the origin and a diagonal of 1."""
+
+    @property
+    def scale(self) -> float:
+        """Their length in the units of the input."""
+
+    def points(self, points: FloatArray) -> FloatArray:
+        """Points (..., 2) of the input in these units."""
+
+    def clearance(self, length: float) -> float:
+        """A distance of the input in these units, with a margin for rounding."""
+
+
+class Bound:
+    """A constraint on cages of one topology, in the units of the solvers. The base class bounds nothing."""
+
+    def rows(self, cage: FloatArray, radius: float) -> Iterable[Terms]:
+        """The inequalities at a cage (m, 2) that motions of its vertices by at most a radius along two axes can break.
+
+        With a radius of 0, those that are missed.
+        """
+        return ()
+
+    def short(self, cage: FloatArray) -> FloatArray:
+        """(m,) the length that the cage (m, 2) lacks at each vertex; 0 where the constraint is kept."""
+        return np.zeros(len(cage))
+
+
+class Constraint:
+    """What cages keep, in the input's units. The base class asks for nothing.
+
+    Constraints that are frozen dataclasses of numbers, strings and tuples let results be remembered.
+    """
+
+    must: bool = True
+    """Whether a cage that misses it is an error, a promise; or has a note, a wish."""
+
+    def of(self, about: Mesh, side: int) -> Constraint:
+        """The constraint about a drawing, for cages around it (side 1) or inside it (-1). Raises NestingError."""
+        return self
+
+    def count(self, outline: Mesh, count: int) -> int:
+        """The closest possible number of vertices around, or inside, an outline."""
+        return count
+
+    def distances(self, fine: Mesh) -> FloatArray | None:
+        """(L,) distance to keep from each loop of the mesh inside, or around, on top of the clearance; None: none."""
+        return None
+
+    def free(self, lines: Lines, frame: NormalFrame) -> FloatArray:
+        """(2, K) how far candidate lines of the start run from their points forwards and backwards, in the units of
+        the frame; negative: a line is no candidate."""
+        return np.full((2, len(lines)), np.inf)
+
+    @property
+    def turn_limits(self) -> tuple[float, float]:
+        """The least length of an edge, and angle in degrees, that the start looks for."""
+        return 0.0, 0.0
+
+    def bound(self, coarse: Mesh, fine: Mesh, units: Units) -> Bound:
+        """The constraint on cages with the edges of a coarse mesh; both meshes are in the units of the solvers."""
+        return Bound()
+
+    def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
+        """Why a cage does not keep it, judged on its final numbers: a sentence with the place and what helps."""
+        return None
+
+
+def terms_of(bounds: Sequence[Bound], cage: FloatArray, radius: float) -> tuple[list[Rows], FloatArray]:
+    """The rows and rooms of several bounds."""
+    every = [Terms(*terms) for bound in bounds for terms in bound.rows(cage, radius)]
+    every = [terms for terms in every if len(terms.room)]
+    return [terms.rows for terms in every], np.concatenate([np.zeros(0), *(terms.room for terms in every)])
+
+
+def short_of(bounds: Sequence[Bound], cage: FloatArray) -> FloatArray:
+    """(m,) the most that any bound lacks at each vertex."""
+    most: FloatArray = np.max([np.zeros(len(cage)), *(bound.short(cage) for bound in bounds)], axis=0)
+    return most
+
+
+def correction(bounds: Sequence[Bound], cage: FloatArray) -> FloatArray | None:
+    """(m, 2) motion that makes up for what rows lack, each by the smallest motion of its own; None if none does."""
+    rows, room = terms_of(bounds, cage, 0.0)
+    lacking = np.maximum(-room, 0.0)
+    if not lacking.any():
+        return None
+    motion, first = np.zeros_like(cage), 0
+    for group in rows:
+        lack = lacking[first : first + group.count]
+        first += group.count
+        slope = group.weight[:, None] * np.broadcast_to(group.direction, (*group.vertex.shape[:1], 2, group.count))
+        squared = (slope * slope).sum(axis=(0, 1))
+        step = CORRECTION * slope * np.divide(lack, squared, out=np.zeros_like(lack), where=squared > 0.0)
+        np.add.at(motion, group.vertex, step.transpose(0, 2, 1))
+    return motion

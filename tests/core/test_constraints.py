@@ -1,0 +1,191 @@
+"""Constraints: each alone and every pair is kept, or the error has a code; rows are derivatives; judges are exact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from marks import slow_after
+from nestedcages_core import Mesh, Mirror, NestedCagesError, animated_cages, inner_cages, nested_cages, verify
+from nestedcages_core.constraints import Bound, Box, Constraint, LoopClearance, Rows, Terms, Units
+from nestedcages_core.errors import Fault
+from nestedcages_core.geometry.arrays import FloatArray
+from nestedcages_core.geometry.predicates import BoxTree
+from nestedcages_core.geometry.smallest_gap import smallest_gap
+from nestedcages_core.level.units import SolverUnits
+from shapes import annulus, derivative, letter_a, ring, star
+
+
+def box_around(fine: Mesh, room: float = 0.01) -> Box:
+    low, high = fine.vertices.min(axis=0), fine.vertices.max(axis=0)
+    return Box(tuple(low - room * fine.diagonal), tuple(high + room * fine.diagonal))
+
+
+@dataclass(frozen=True)
+class Above(Constraint):
+    """A constraint as others write it, by rows and a judge alone."""
+
+    height: float
+
+    def bound(self, coarse: Mesh, fine: Mesh, units: Units) -> Bound:
+        return BoundAbove(float(units.points(np.array([0.0, self.height]))[1]) + 1e-12)
+
+    def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
+        low = cage.vertices[:, 1] < self.height
+        return Fault("The cage is too low.", "height.missed") if low.any() else None
+
+
+@dataclass(frozen=True)
+class BoundAbove(Bound):
+    height: float
+
+    def rows(self, cage: FloatArray, radius: float) -> Iterable[Terms]:
+        room = cage[:, 1] - self.height
+        near = np.flatnonzero(room < 1.5 * radius)
+        up = np.tile([[0.0], [1.0]], len(near))
+        return [Terms(Rows(near[None], np.ones((1, len(near))), up), room[near])]
+
+    def short(self, cage: FloatArray) -> FloatArray:
+        return np.asarray(np.maximum(self.height - cage[:, 1], 0.0))
+
+
+MAKERS: dict[str, Callable[[Mesh], Constraint]] = {
+    "box": box_around,
+    "loops": lambda fine: LoopClearance(outer=0.002 * fine.diagonal, holes=0.006 * fine.diagonal),
+    "above": lambda fine: Above(float(fine.vertices[:, 1].min()) - 0.004 * fine.diagonal),
+}
+SHAPES = {"star": star(5, 90), "letter": letter_a(), "ring": annulus(60)}
+
+
+@pytest.mark.parametrize("inside", [False, True])
+@pytest.mark.parametrize("shape", slow_after(1, list(SHAPES)))
+@pytest.mark.parametrize("names", [*((name,) for name in MAKERS), *combinations(MAKERS, 2)], ids="+".join)
+def test_constraints_are_kept(names: tuple[str, ...], shape: str, inside: bool) -> None:
+    fine = SHAPES[shape]
+    constraints = [MAKERS[name](fine) for name in names]
+    level = (inner_cages if inside else nested_cages)(fine, 24, constraints=constraints)[0]
+    assert verify(*((fine, level.cage) if inside else (level.cage, fine)))
+    assert [constraint.fault(level.cage, fine) for constraint in constraints] == [None] * len(constraints)
+
+
+def test_a_box_holds_back_vertices_that_would_leave_it() -> None:
+    fine = star(5, 90)
+    free, held = nested_cages(fine, 10)[0], nested_cages(fine, 10, constraints=[box_around(fine, 0.003)])[0]
+    assert box_around(fine, 0.003).fault(free.cage, fine) is not None
+    assert box_around(fine, 0.003).fault(held.cage, fine) is None
+    assert held.excess > free.excess
+
+
+def test_boxes_are_judged_exactly() -> None:
+    fine, cage = Mesh.from_loops([ring(12)]), Mesh.from_loops([2.0 * ring(4)])
+    low, high = cage.vertices.min(axis=0), cage.vertices.max(axis=0)
+    assert Box(tuple(low), tuple(high)).fault(cage, fine) is None
+    for axis in (0, 1):
+        inner = high.copy()
+        inner[axis] = np.nextafter(inner[axis], 0.0)
+        fault = Box(tuple(low), tuple(inner)).fault(cage, fine)
+        assert fault is not None and fault.code == "box.left" and fault.data["distance"] > 0.0
+        assert fault.data["place"][axis] == high[axis]
+    assert Box((-np.inf, low[1]), (np.inf, np.inf)).fault(cage, fine) is None
+
+
+def test_loops_keep_distances_of_their_own() -> None:
+    fine = annulus(60)
+    wanted = [0.05 if sign > 0 else 0.02 for sign in fine.loop_signs]
+    for constraint in (LoopClearance(outer=0.05, holes=0.02), LoopClearance(loops=tuple(wanted))):
+        level = nested_cages(fine, 30, constraints=[constraint])[0]
+        for loop, distance in zip(fine.loops, wanted, strict=True):
+            tree = BoxTree(fine.vertices[loop], fine.edge_ends[loop])
+            gap = smallest_gap(level.cage.edge_tree, tree)
+            assert distance * (1.0 - 1e-9) <= gap < 1.01 * distance
+
+
+def test_the_next_level_keeps_them_too() -> None:
+    fine = star(5, 90)
+    box = box_around(fine, 0.02)
+    hierarchy = nested_cages(fine, [32, 14], constraints=[box, LoopClearance(outer=0.01)])
+    for level in hierarchy:
+        assert box.fault(level.cage, level.fine) is None
+        assert level.report.clearance >= 0.01 * (1.0 - 1e-9)
+
+
+def test_symmetric_and_gridded_cages_keep_a_box() -> None:
+    fine = star(5, 90)
+    box = box_around(fine, 0.02)
+    for options in (
+        {"symmetry": Mirror((0.0, 0.0), (1.0, 0.0))},
+        {"grid": 0.01},
+        {"stored": np.float32},
+        {"min_edge": 0.2},
+        {"pins": [0]},
+    ):
+        level = nested_cages(fine, 16, constraints=[box], **options)[0]
+        assert verify(level.cage, fine) and box.fault(level.cage, fine) is None
+
+
+def test_what_is_missed_is_an_error_or_a_note() -> None:
+    fine = Mesh.from_loops([ring(40)])
+    with pytest.raises(NestedCagesError, match="leaves the box by") as caught:
+        nested_cages(fine, 3, constraints=[Box((-1.01, -1.01), (1.01, 1.01))])
+    assert caught.value.code == "box.left" and caught.value.data["distance"] > 0.0
+    wish = Box((-1.01, -1.01), (1.01, 1.01), must=False)
+    level = nested_cages(fine, 3, constraints=[wish])[0]
+    assert verify(level.cage, fine) and "box.left" in [note.code for note in level.report.notes]
+
+
+@pytest.mark.parametrize("name", ["box", "above"])
+def test_rows_are_derivatives_of_their_rooms(name: str) -> None:
+    fine = star(5, 90)
+    cage = Mesh.from_loops([1.2 * ring(9)])
+    units = SolverUnits.of(fine)
+    bound = MAKERS[name](fine).bound(units.from_input(cage), units.from_input(fine), units)
+    x = units.points(cage.vertices) + 0.003 * np.random.default_rng(3).normal(size=(9, 2))
+    check_rows(bound, x)
+
+
+def check_rows(bound: Bound, x: FloatArray) -> None:
+    """All rows at x, whatever the radius, against finite differences; those that are missed are short."""
+    for number, terms in enumerate(bound.rows(x, 10.0)):
+        terms, dense = Terms(*terms), np.zeros((len(terms[1]), *x.shape))
+        slope = terms.rows.weight[:, None] * np.broadcast_to(
+            terms.rows.direction, (len(terms.rows.vertex), 2, terms.rows.count)
+        )
+        for row in range(terms.rows.count):
+            np.add.at(dense[row], terms.rows.vertex[:, row], slope[:, :, row])
+        measured = derivative(lambda at, k=number: Terms(*list(bound.rows(at, 10.0))[k]).room, x)
+        assert np.abs(measured.reshape(dense.shape) - dense).max() < 1e-6
+        missed = terms.rows.vertex[:, terms.room < 0.0]
+        assert (bound.short(x)[missed] > 0.0).all()
+
+
+def test_bad_constraints_are_rejected() -> None:
+    fine = star(5, 90)
+    for wrong in (Box, "box", 3.0):
+        with pytest.raises(NestedCagesError, match="A constraint must be an object"):
+            nested_cages(fine, 12, constraints=[wrong])
+    for low, high in (
+        ((0.0,), (1.0, 1.0)),
+        ((0.0, 0.0), (0.0, 1.0)),
+        (("a", 0.0), (1.0, 1.0)),
+        ((np.nan, 0.0), (1, 1)),
+    ):
+        with pytest.raises(NestedCagesError, match="Box: "):
+            Box(low, high)
+    for options in ({"outer": -1.0}, {"holes": np.inf}, {"loops": (0.1, "a")}):
+        with pytest.raises(NestedCagesError, match="LoopClearance: "):
+            LoopClearance(**options)
+    with pytest.raises(NestedCagesError, match="2 distances, but the mesh has 1 loops"):
+        nested_cages(fine, 12, constraints=[LoopClearance(loops=(0.1, 0.2))])
+    with pytest.raises(NestedCagesError, match="the drawing reaches its border"):
+        nested_cages(fine, 12, constraints=[Box((-9.0, -9.0), (0.5, 9.0))])
+
+
+def test_a_motion_keeps_no_constraints_and_says_so() -> None:
+    fine = star(5, 30)
+    with pytest.raises(NestedCagesError, match="keep no constraints") as caught:
+        animated_cages(fine, [fine.vertices, fine.vertices], 12, constraints=[box_around(fine)])
+    assert caught.value.code == "setting.conflict"
