@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import bpy
-import numpy as np
 import pytest
 
 from drawings import circle, poly_curve, star
 from drawings import text as word
-from marks import slow_after
 
 UNITS = {"m": 1.0, "mm": 0.001, "u": 1.0}
 
@@ -110,23 +108,6 @@ def test_progress_goes_up_to_one_over_all_drawings(addon) -> None:
         "Two, level 2",
     }
     assert [result.drawing.name for result in generation.results] == ["One", "Two"]
-
-
-@pytest.mark.parametrize("decimation", slow_after(1, ["ON_CURVE", "OUTER_HULL", "ARC_LENGTH"]))
-def test_every_way_to_make_coarse_meshes_is_certified_as_stored(addon, core, decimation) -> None:
-    options = addon.generation.generate.Options(
-        levels=(20, 10), methods=addon.generation.methods.Methods(decimation=decimation)
-    )
-    generation = addon.generation.generate.Generation([request(addon, [star()])], options)
-    for _ in generation:
-        pass
-    (result,) = generation.results
-    inner = result.drawing.mesh()
-    clearance = 1e-5 * inner.diagonal
-    for level in result.levels:
-        assert core.verify(level.cage, inner, clearance).holds
-        np.testing.assert_array_equal(level.vertices, level.vertices.astype(np.float32))
-        inner = level.cage
 
 
 def test_a_drawing_far_from_its_origin_is_certified_as_stored(addon, core) -> None:

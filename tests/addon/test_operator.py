@@ -8,14 +8,12 @@ import bpy
 import numpy as np
 import pytest
 import shapely
-from mathutils import Euler, Matrix
 
 from drawings import (
     at_frame,
     bezier_circle,
     choose,
     circle,
-    edges_of,
     evaluated,
     in_world,
     lines,
@@ -51,18 +49,6 @@ def letter():
         [np.linspace(a, b, 6, endpoint=False) for a, b in zip(outer, np.roll(outer, -1, 0), strict=True)]
     )
     return [outer, circle(12, 0.2, (0.5, 2.0)), star(40) * 0.5 + (5.5, 1.0)]
-
-
-def test_the_operator_gives_what_the_core_gives(addon, core) -> None:
-    poly_curve("Drawing", [star()])
-    assert generate(levels="20") == {"FINISHED"}
-    _, fine, (cage,) = output()
-    mesh = core.Mesh.from_loops([star().astype(np.float32).astype(float)])
-    (level,) = core.nested_cages(mesh, [20], stored=np.float32).levels
-    np.testing.assert_array_equal(evaluated(cage, at_frame(5000))[:, :2], level.cage.vertices)
-    np.testing.assert_array_equal(evaluated(fine)[:, :2], mesh.vertices.astype(np.float32))
-    np.testing.assert_array_equal(edges_of(cage), level.cage.edges)
-    assert cage["nested_cages_excess"] == pytest.approx(level.report.excess, rel=1e-3)
 
 
 @pytest.mark.parametrize("decimation", slow_after(1, ["ON_CURVE", "OUTER_HULL", "ARC_LENGTH"]))
@@ -156,33 +142,6 @@ def test_the_default_works_on_any_ordinary_drawing(addon, name) -> None:
     _, fine, cages = output()
     assert len(cages) == 2
     assert len(fine.data.vertices) >= len(cages[0].data.vertices) >= len(cages[1].data.vertices)
-
-
-TURN = Euler((0.4, 1.0, -2.0)).to_matrix().to_4x4()
-TRANSFORMS = {
-    "turned": Matrix.Translation((1.0, -2.0, 3.0)) @ TURN @ Matrix.Scale(2.0, 4),
-    "stretched": TURN @ Matrix.Diagonal((2.0, 0.5, 3.0, 1.0)),
-    "mirrored": Matrix.Translation((0.0, 0.0, 1.0)) @ Matrix.Diagonal((-1.0, 1.0, 1.0, 1.0)),
-}
-
-
-@pytest.mark.parametrize("name", slow_after(1, TRANSFORMS))
-def test_the_output_lies_on_the_source(addon, name) -> None:
-    source = wire("Drawing", [star(), circle(12, 0.3)])
-    source.matrix_world = TRANSFORMS[name]
-    bpy.context.view_layer.update()
-    before = source.matrix_world.copy()
-    generate()
-    _, fine, cages = output()
-    depsgraph = at_frame(5000)
-    np.testing.assert_allclose(
-        in_world(fine, evaluated(fine, depsgraph)), in_world(source, evaluated(source, depsgraph)), atol=2e-6
-    )
-    assert source.matrix_world == before
-    if name == "turned":
-        assert fine.matrix_world == source.matrix_world
-    for cage in cages:
-        assert cage.matrix_world == fine.matrix_world
 
 
 def test_selected_objects_become_the_levels(addon) -> None:

@@ -554,7 +554,8 @@ def test_parts_that_share_a_loop(merge: list[str], loops: int, tmp_path: Path) -
 
 @pytest.mark.parametrize(
     "wrong", [["--symmetry", "z"], ["--symmetry", "1"], ["--symmetry", "x", "--borders"], ["--min-angle", "70"],
-              ["--convex", "--min-edge", "1"], ["--merge", "0"], ["--merge", "all", "--symmetry", "x"]]
+              ["--convex", "--min-edge", "1"], ["--convex", "--inside"], ["--convex", "--borders"],
+              ["--merge", "0"], ["--merge", "all", "--symmetry", "x"]]
 )  # fmt: skip
 def test_symmetries_and_limits_that_cannot_be_had(wrong: list[str], drawing: Path) -> None:
     with pytest.raises(SystemExit) as end:

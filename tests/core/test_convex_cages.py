@@ -21,13 +21,10 @@ from nestedcages_core import (
     Settings,
     Within,
     animated_cages,
-    from_geojson,
     inner_cages,
     nested_cages,
-    to_geojson,
     verify,
 )
-from nestedcages_core.command import main
 from nestedcages_core.geometry.convex_hull import convex_hull
 from nestedcages_core.level.symmetrised_start import orbits_of
 from nestedcages_core.needs.convex.need import is_convex
@@ -205,15 +202,3 @@ def test_polygons_do_not_depend_on_place_or_scale() -> None:
     for scale, place in ((1e-6, 0.0), (1e6, 1e7), (1.0, -500.0)):
         moved = nested_cages(fine.moved(scale * fine.vertices + place), 5, convex=True)[0].cage.area
         assert moved == pytest.approx(scale**2 * area, rel=1e-5)
-
-
-def test_the_command(tmp_path: Path) -> None:
-    source, out = tmp_path / "a.geojson", tmp_path / "cages.geojson"
-    source.write_text(to_geojson(letter_a()))
-    assert main([str(source), "--levels", "6", "--convex", "-o", str(out), "--quiet"]) == 0
-    cage = from_geojson(out.read_text())
-    assert is_convex(cage)
-    assert len(cage.vertices) == 6
-    for wrong in ("--inside", "--borders"):
-        with pytest.raises(SystemExit):
-            main([str(source), "--levels", "6", "--convex", wrong])

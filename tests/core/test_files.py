@@ -11,9 +11,6 @@ import pytest
 
 from nestedcages_core import NestedCagesError
 from nestedcages_core.exchange import (
-    Limits,
-    read_geojson,
-    read_whole,
     write_engine_json,
     write_geojson,
     write_svg,
@@ -79,13 +76,3 @@ def test_what_cannot_be_written_is_said(tmp_path: Path) -> None:
         write_whole(tmp_path / "no" / "a.svg", "text")
     assert raised.value.filename == str(tmp_path / "no" / "a.svg")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_files_beyond_the_limit_are_not_read(tmp_path: Path) -> None:
-    path = tmp_path / "a.geojson"
-    path.write_bytes(b" " * 1000)
-    assert len(read_whole(path, Limits(bytes=1000))) == 1000
-    with pytest.raises(NestedCagesError, match="1,000 bytes, more than the 999 allowed"):
-        read_whole(path, Limits(bytes=999))
-    with pytest.raises(NestedCagesError, match="more than the 10 allowed"):
-        read_geojson(path, limits=Limits(bytes=10))

@@ -128,13 +128,6 @@ def test_another_decimation_is_not_called_an_outer_hull(how: dict[str, Any]) -> 
     assert level.report.start == "bounding polygon"
 
 
-def test_the_fine_mesh_is_not_changed() -> None:
-    fine = letter_a()
-    before = fine.vertices.copy()
-    nested_cages(fine, [24])
-    assert (fine.vertices == before).all()
-
-
 class TestRun:
     @pytest.mark.slow
     def test_it_reports_and_gives_the_same_result(self) -> None:
@@ -173,18 +166,6 @@ def test_a_stuck_flow_falls_back_to_line_cycles_and_says_so() -> None:
     assert_nested(level.cage, level.fine)
 
 
-def test_without_a_fallback_a_stuck_flow_is_an_error() -> None:
-    with pytest.raises(FlowError, match="overlap"):
-        nested_cages(letter_a(), [far_away()], Settings(fallback=None))
-
-
-@pytest.mark.slow
-def test_a_clearance_that_no_cage_has_is_refused_with_the_best_one() -> None:
-    """The hole has an inscribed circle of radius 0.5 cos(π / 40) = 0.4985: no loop keeps 0.6 away from its rim."""
-    with pytest.raises(NestingError, match=r"keeps the clearance of 0\.6 .*; ask for less than 0\.498\d*, or"):
-        nested_cages(annulus(40, 0.5), [16], Settings(clearance=0.6))
-
-
 @pytest.mark.parametrize(
     ("levels", "sentence"),
     [
@@ -217,11 +198,6 @@ def test_anything_that_describes_a_shape_has_cages(make: Callable[..., Hierarchy
         assert len(back.interiors) == 1
         assert back.area == pytest.approx(wanted.area, rel=1e-9)
         assert verify(*((shape, level.cage) if level.inside else (level.cage, shape)))
-
-
-def test_coarse_meshes_may_be_given_as_loops() -> None:
-    (level,) = nested_cages([ring(40)], [[ring(7, 1.3)]]).levels
-    assert len(level.cage.vertices) == 7
 
 
 @pytest.mark.parametrize(

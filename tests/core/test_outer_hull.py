@@ -70,18 +70,6 @@ def test_it_encloses_strictly_with_exactly_the_wanted_vertices(shape: object, pa
     assert verify(coarse, fine, clearance)
 
 
-@SHAPES
-def test_each_loop_belongs_to_that_of_the_mesh(shape: object) -> None:
-    fine: Mesh = shape()  # type: ignore[operator]
-    coarse = QUICK.decimate(fine, 5 * len(fine.loops))
-    assert (coarse.loop_signs == fine.loop_signs).all()
-    assert (coarse.component_of_loop == fine.component_of_loop).all()
-    for mine, of_fine, sign in zip(coarse.loops, fine.loops, fine.loop_signs, strict=True):
-        around, inside = (mine, of_fine) if sign > 0 else (of_fine, mine)
-        outer, inner = (coarse, fine) if sign > 0 else (fine, coarse)
-        assert shapely.Polygon(outer.vertices[around]).contains(shapely.Polygon(inner.vertices[inside]))
-
-
 @pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(-6.0, 6.0), st.floats(0.0, 1.0))

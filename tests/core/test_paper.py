@@ -78,14 +78,6 @@ def test_absolute_lengths_give_the_excess_of_the_compiled_program(scale: float, 
 
 
 @pytest.mark.slow
-def test_repaired_it_comes_home_to_the_last_bit() -> None:
-    fine, coarse = table_1(16)
-    way = run(fine, coarse, repaired=True)
-    assert np.array_equal(way.fine_steps[-1], fine.vertices)
-    assert_nested(coarse.moved(way.cage_steps[-1]), fine)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("step_filter", [NoFilter(), SmallestDistance(), TimeOfImpact()])
 @pytest.mark.parametrize("broad_phase", [AllPairs(), UniformGrid()])
 def test_any_filter_and_broad_phase_serve(step_filter: StepFilter, broad_phase: BroadPhase) -> None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from marks import slow_after
 from nestedcages_core import (
@@ -145,22 +143,6 @@ def test_inner_cages_too() -> None:
         return float(polygon(fine).difference(polygon(cage)).intersection(shapely.box(-9, TOP, 9, 9)).area)
 
     assert lost(level.cage) < lost(plain.cage)
-
-
-@pytest.mark.slow
-@settings(max_examples=5, deadline=None)
-@given(st.integers(0, 1000))
-def test_random_priorities_are_certified(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    fine = star(int(rng.integers(3, 8)), 90)
-    chosen = Settings(
-        weights=rng.uniform(0.0, 1.0, 90) ** 4,
-        pins=[int(rng.integers(0, 90))],
-        joints=[(0.2, 0.1)],
-        min_edge=float(rng.uniform(0.01, 0.2)),
-        min_angle=float(rng.uniform(5.0, 50.0)),
-    )
-    check(nested_cages(fine, [24], chosen).levels[0])
 
 
 def test_bad_priorities_are_rejected() -> None:

@@ -119,20 +119,6 @@ def test_soft_rows_give_way_by_their_softness(seed: int) -> None:
     np.testing.assert_allclose(solution.multipliers * softness, missed, atol=1e-7)
 
 
-def test_conditions_of_optimality_hold() -> None:
-    program = random_program(11, m=30, counts=(20, 60, 10))
-    m = len(program.radius)
-    J, box = full_rows(program.rows, m), np.repeat(program.radius, 2)
-    solution = EXACT.solve(program)
-    d, z = solution.step.ravel(), solution.multipliers
-    slack = program.offset + J @ d
-    assert slack.min() > -1e-8 and z.min() >= 0.0 and float(z @ slack) < 1e-7
-    stationarity = objective(program)[1](d) - J.T @ z
-    free = np.abs(d) < box - 1e-6
-    np.testing.assert_allclose(stationarity[free], 0.0, atol=1e-6)
-    assert np.all(stationarity[~free] * d[~free] <= 1e-6)  # the bounds push inwards
-
-
 def test_the_bounds_end_the_descent_of_an_indefinite_program() -> None:
     ring = np.arange(4)
     saddle = np.broadcast_to(np.diag([1.0, -1.0]), (4, 2, 2))
