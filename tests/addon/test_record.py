@@ -73,7 +73,7 @@ def test_a_saved_file_works_as_before(addon, bound, tmp_path) -> None:
     members = ownership.members(collection)
     assert [ownership.level_of(obj) for obj in members] == [0, 1, 2]
     assert ownership.outputs_about(scene, source) == [collection] and ownership.is_bound(collection) is bound
-    assert addon.generation.output.length(collection, addon.animation.timeline.Timing()) is not None
+    assert addon.generation.output.duration(collection, addon.animation.timeline.Timing()) is not None
     assert bpy.ops.object.nested_cages_report() == {"FINISHED"}
     assert "Certified as stored" in bpy.data.texts["Nested Cages Report"].as_string()
     if bound:

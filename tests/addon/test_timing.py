@@ -32,7 +32,7 @@ def test_the_length_is_known_for_other_timings(addon) -> None:
     collection, _, _ = generate()
     for timing, show_flow in itertools.product((1, 3), (True, False)):
         wanted = addon.animation.timeline.Timing(5, timing, show_flow)
-        told = addon.generation.output.length(collection, wanted)
+        told = addon.generation.output.duration(collection, wanted)
         bpy.context.scene.frame_end = 6
         generate(start_frame=5, frames_per_step=timing, show_flow=show_flow)
         assert bpy.context.scene.frame_end == 5 + told - 1
