@@ -15,6 +15,7 @@ SENTENCES: Mapping[str, str] = {
         "it, so it has {given} too. Give the larger number first."
     ),
     "places.empty": "'{name}' has nothing in a vertex group '{group}', so that was left out.",
+    "drawing.hidden": "Left out of '{name}', since not shown: {hidden}.",
     "loose.clearance": (
         "{excess_percent:.0f} % larger than the drawing, since the clearance is {share_percent:.3g} % of its size: ask "
         "for less."

@@ -15,6 +15,7 @@ from ..core import core, remembered
 from ..errors import FloatArray, UserError
 from ..scene import display, filling, placement
 from ..scene.areas import instances_collection
+from ..scene.grease_pencil import matrix_of
 from ..scene.plane import size, space_to_space, transform
 
 HARMONIC: Final = "HARMONIC"
@@ -104,7 +105,7 @@ def why_not(obj: Object) -> str:
     if obj.type not in {"MESH", "CURVE", "FONT", "CURVES", "GREASEPENCIL"}:
         return f"'{obj.name}' is of a kind without modifiers: convert it to a mesh or a curve"
     for layer in obj.data.layers if obj.type == "GREASEPENCIL" else ():
-        if np.abs(np.array(layer.matrix_local) - np.eye(4)).max() > UNMOVED:
+        if np.abs(matrix_of(obj, layer) - np.eye(4)).max() > UNMOVED:
             return f"layer '{layer.name}' of '{obj.name}' has a transform of its own: clear it, then bind again"
     return ""
 

@@ -15,6 +15,7 @@ from ..errors import FloatArray, UserError
 from ..generation.job import Progress, Work
 from ..scene import filling, ownership
 from ..scene.areas import areas_of
+from ..scene.grease_pencil import KINDS, Painting
 from ..scene.ownership import scene_of
 from ..scene.plane import Frame, fitted_frame, own_frame, united, world_matrix
 from ..scene.reading import READERS, lines_of
@@ -32,6 +33,8 @@ EDGE_ON = 1e-12
 def plane_of(context: Context, active: Object, plane: str) -> Frame:
     """The plane to project onto: "ACTIVE", that of the active object, "VIEW", or a key of `AXES`. Raises: UserError."""
     if plane == "ACTIVE":
+        if active.type in KINDS:
+            return Painting.of(context, active).frame()
         points = np.array([corner[:] for corner in active.bound_box], dtype=np.float64)
         if active.type in READERS:
             points = lines_of(context, active).vertices.astype(np.float64)

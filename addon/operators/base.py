@@ -6,15 +6,17 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import bpy
-from bpy.types import Collection, Context
+from bpy.types import Collection, Context, Object
 
 from .. import record
 from ..binding.adoption import adopt, waiting
 from ..core import tasks
 from ..errors import Fault, UserError, counted
 from ..generation.job import SLICE, Job, Work, running, share
+from ..notes import sentence
 from ..properties.kinds import flag
 from ..scene import ownership
+from ..scene.grease_pencil import hidden_parts
 from ..scene.ownership import chosen, outputs_of_chosen, scene_of
 
 Outcome = set[Literal["RUNNING_MODAL", "CANCELLED", "FINISHED", "PASS_THROUGH", "INTERFACE"]]
@@ -96,6 +98,11 @@ class Operator(Named):
             self.report({"WARNING"}, f"Skipped: {problem}")
         if problems:
             self.report({"WARNING"}, f"{counted(len(problems), noun)} skipped, see the Info editor")
+
+    def tell_hidden(self, context: Context, objects: Sequence[Object]) -> None:
+        """Says what of Grease Pencil drawings does not show and is left out."""
+        for hidden in hidden_parts(context, objects):
+            self.report({"INFO"}, sentence("drawing.hidden", hidden))
 
 
 class JobOperator(Operator):

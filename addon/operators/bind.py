@@ -144,6 +144,7 @@ class OnParts(JobOperator):
 
     def united(self, context: Context, parts: Sequence[Object]) -> tuple[Drawing, list[UserError]]:
         """The parts in their own shapes as one drawing, and why some were left out. Raises: UserError."""
+        self.tell_hidden(context, parts)
         with field.unposed(map(field.shown_by, parts)):
             return tasks.drain(characters.united(context, parts, self.gap))
 

@@ -28,6 +28,7 @@ from ..properties import groups
 from ..properties.settings import GenerationProperties, OperatorProperties, all_values, filled, options_of
 from ..rigging.pose import Pose, unmoved
 from ..scene import areas, convert, ownership
+from ..scene.grease_pencil import hidden_parts
 from ..scene.ownership import scene_again, scene_of
 from ..scene.reading import Lines, lines_of_all
 from .base import JobOperator, Operator
@@ -257,7 +258,8 @@ def _request(
 
 def _places(context: Context, objects: Sequence[Object], fine: convert.Drawing, values: GenerationProperties) -> Places:
     """Where it matters in a drawing. Raises: UserError."""
-    points, missing = np.concatenate(fine.loops), []
+    points = np.concatenate(fine.loops)
+    missing = [note("drawing.hidden", **hidden) for hidden in hidden_parts(context, objects)]
     places = {}
     for group in filter(None, (values.weight_group, values.pin_group)):
         weights = areas.painted(context, objects, fine.frame, group, points)

@@ -259,6 +259,7 @@ class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
         objects = sorted(chosen, key=lambda obj: (obj is not active, obj.name))
         frame = silhouettes.plane_of(context, objects[0], self.plane)
         options: Any = {"strokes": self.strokes, "fill_holes": self.fill_holes, "gap": self.gap}
+        self.tell_hidden(context, objects)
         identities = [obj.session_uid for obj in objects]
         loops, problems = yield from silhouettes.painted_loops(context, objects, frame, **options)
         parts = [part for each in identities if (part := found_object(each)) is not None]

@@ -5,7 +5,6 @@ painted on its vertices.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,16 +12,13 @@ from bpy.types import Context, Object
 
 from ..core import broad_phase, core
 from ..errors import FloatArray, UserError
+from . import grease_pencil
 from .chains import SMALLEST_LOOP, chains
-from .convert import read
+from .convert import read, readable
 from .filling import evaluated_mesh, loop_edges, points_of, stored, weights_of
 from .plane import Frame, transform, world_matrix
-from .reading import READERS, SMOOTH, STRAIGHT, has_nodes, realized, style_of, temporary, unseen
+from .reading import has_nodes, realized, temporary
 
-# Corners of the round end of a stroke. They circumscribe the circle, so that the stroke lies inside its area.
-ROUND = 24
-# Segments between two points of a smooth stroke, as many as Blender draws.
-SEGMENTS = 12
 # Types of objects that have faces.
 SOLID = {"MESH", "CURVE", "FONT", "SURFACE", "META"}
 
@@ -34,8 +30,9 @@ def areas_of(
 
     strokes: with the width of Grease Pencil strokes; closed: closed strokes are areas too, even if not filled.
     """
-    if obj.type == "GREASEPENCIL":
-        areas = list(_drawn(context, obj, frame, strokes, closed or not strokes))
+    if obj.type in grease_pencil.KINDS:
+        counts = grease_pencil.Counts(strokes, closed or not strokes)
+        areas = grease_pencil.Painting.of(context, obj).areas(frame, counts)
     else:
         areas, depsgraph = list[core.exchange.Painted](), context.evaluated_depsgraph_get()
         if obj.type in SOLID:  # faces, those of instances included, and the inside of closed lines
@@ -59,7 +56,7 @@ def areas_of(
 
 def paints(obj: Object) -> bool:
     """Whether an object of this kind can have a silhouette."""
-    return obj.type in SOLID or obj.type in READERS or instances_collection(obj)
+    return obj.type in SOLID or readable(obj) or instances_collection(obj)
 
 
 def instances_collection(obj: Object) -> bool:
@@ -94,73 +91,6 @@ def _faces(evaluated: Object, matrix: FloatArray, frame: Frame) -> Iterator[core
     loops = [flat[loop] for loop in chains(lone, len(points)).closed if len(loop) >= SMALLEST_LOOP]
     if loops:
         yield core.exchange.Painted(loops, evenodd=True)
-
-
-def _drawn(context: Context, obj: Object, frame: Frame, strokes: bool, closed: bool) -> Iterator[core.exchange.Painted]:
-    """Fills and strokes of the visible layers on the current frame. Raises: UserError for Bézier and NURBS strokes."""
-    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    for layer, hidden in unseen(evaluated).items():
-        matrix = world_matrix(obj) @ np.array(layer.matrix_local)
-        scale = abs(float(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)
-        for number, stroke in enumerate(layer.current_frame().drawing.strokes):
-            if number in hidden:
-                continue
-            drawn = np.array([(*point.position, point.radius) for point in stroke.points], np.float64).reshape(-1, 4)
-            kind = getattr(stroke, "curve_type", STRAIGHT)
-            if kind == SMOOTH:
-                drawn = _smooth(drawn, stroke.cyclic)
-            elif kind != STRAIGHT:
-                raise UserError(
-                    f"'{obj.name}' has Bézier or NURBS strokes: convert them to poly curves (Edit Mode, Stroke, Set "
-                    "Curve Type)"
-                )
-            points = _seen(frame, transform(matrix, drawn[:, :3]))
-            radii = scale / frame.scale * np.maximum(drawn[:, 3], 0.0)
-            style = style_of(evaluated, stroke)
-            filled = (style is not None and style.show_fill) or (stroke.cyclic and closed)
-            if filled and len(points) >= SMALLEST_LOOP:
-                yield core.exchange.Painted([points], evenodd=True)
-            lined = strokes and (style is None or style.show_stroke)
-            if lined and len(points) and radii.max() > 0.0:
-                line = np.append(np.arange(len(points)), 0) if stroke.cyclic else np.arange(len(points))
-                yield from (core.exchange.Painted([shape]) for shape in _stroke(points[line], radii[line]))
-
-
-def _smooth(values: FloatArray, cyclic: bool) -> FloatArray:
-    """Values (k, c) along the uniform Catmull-Rom spline through values (n, c), which Blender draws."""
-    if len(values) < 2:
-        return values
-    ends = (values[-1:], values[:2]) if cyclic else (values[:1], values[-1:])
-    padded = np.concatenate([ends[0], values, ends[1]])
-    before, start, end, after = (padded[i : len(padded) - 3 + i, None] for i in range(4))
-    t = np.arange(SEGMENTS)[None, :, None] / SEGMENTS
-    slope, bend, twist = end - before, 2 * before - 5 * start + 4 * end - after, 3 * (start - end) + after - before
-    smooth = (start + 0.5 * t * (slope + t * (bend + t * twist))).reshape(-1, values.shape[1])
-    return smooth if cyclic else np.concatenate([smooth, values[-1:]])
-
-
-def _stroke(stroke: FloatArray, radii: FloatArray) -> list[FloatArray]:
-    """Loops (k, 2) of simple shapes that together cover a stroke (k, 2): a disc around each point, a quad between."""
-    angles = 2.0 * np.pi * (np.arange(ROUND) + 0.5) / ROUND
-    circle = np.column_stack([np.cos(angles), np.sin(angles)]) / np.cos(np.pi / ROUND)
-    around = radii[:, None, None] * circle + stroke[:, None, :]
-    shapes: list[FloatArray] = [disc for disc, radius in zip(around, radii, strict=True) if radius > 0.0]
-    for (start, end), (narrow, wide) in zip(pairwise(stroke), pairwise(radii), strict=True):
-        along = end - start
-        length = float(np.hypot(*along))
-        if length > abs(wide - narrow):  # else one disc covers the other
-            shapes.append(_between(start, end, float(narrow), float(wide), along / length, length))
-    return shapes
-
-
-def _between(
-    start: FloatArray, end: FloatArray, first: float, second: float, along: FloatArray, length: float
-) -> FloatArray:
-    """The quad (4, 2) between the points where the common tangents touch two circles."""
-    sine = (first - second) / length
-    across, ahead = np.sqrt(1.0 - sine * sine) * np.array([-along[1], along[0]]), sine * along
-    left, right = ahead + across, ahead - across
-    return np.array([start + first * right, end + second * right, end + second * left, start + first * left])
 
 
 def painted(

@@ -13,6 +13,7 @@ from .. import keys
 from ..core import broad_phase, core, distance
 from ..errors import Fault, FloatArray, UserError
 from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
+from .grease_pencil import KINDS, Counts, Painting
 from .plane import PLANARITY, Frame, fitted_frame, own_frame, size, transform, united, united_loops, world_matrix
 from .reading import READERS, Lines, has_nodes, lines_of
 
@@ -130,13 +131,15 @@ def _distances(loop: FloatArray, place: FloatArray) -> FloatArray:
 
 def readable(obj: Object) -> bool:
     """Whether `read` supports this type of object."""
-    return obj.type in READERS
+    return obj.type in READERS or obj.type in KINDS
 
 
 def read(
     context: Context, obj: Object, options: ReadingOptions = ReadingOptions(), lines: Lines | None = None
 ) -> Outline:
     """The current evaluated outline of an object; lines: its own, if they are known. Raises: UserError."""
+    if obj.type in KINDS:
+        return _painted(context, obj, options)
     if lines is None:
         context.evaluated_depsgraph_get()  # updates the object's matrix
         lines = lines_of(context, obj, options.resolution)
@@ -150,6 +153,23 @@ def read(
     flat = obj.type == "FONT" or (obj.type == "CURVE" and obj.data.dimensions == "2D")
     filled = len(obj.data.polygons) > 0 if obj.type == "MESH" else flat and obj.data.fill_mode != "NONE"
     return Outline(obj.name, loops, matrix, obj.session_uid, letters=letters, filled=filled)
+
+
+def _painted(context: Context, obj: Object, options: ReadingOptions) -> Outline:
+    """The outline of what a Grease Pencil object paints; closed lines are areas too. Raises: UserError."""
+    painting = Painting.of(context, obj, options.resolution)
+    frame = painting.frame()
+    areas = painting.areas(frame, Counts(closed=True, nested=True, opened=options.close_open))
+    if not areas:
+        raise UserError(f"'{obj.name}' has no area: give its strokes a radius, fill them, or make them cyclic")
+    loops = united(obj.name, areas)
+    off = painting.thickness(frame)
+    if off > PLANARITY * size(np.concatenate(loops)) * frame.scale and not options.project:
+        raise _not_flat(obj.name, off)
+    back = np.linalg.pinv(painting.matrix)
+    placed = [frame.points(loop) if frame.own else transform(back, frame.to_world(loop)) for loop in loops]
+    own = tuple(loop.astype(np.float32) for loop in placed)
+    return Outline(obj.name, own, painting.matrix, obj.session_uid, letters=True, filled=True)
 
 
 def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
@@ -181,11 +201,15 @@ def drawing_in(
     off = float(np.abs(heights - (np.median(heights) if layer else 0.0)).max())
     extent = size(np.concatenate(loops)) * frame.scale
     if off > PLANARITY * extent and not options.project:
-        raise UserError(
-            f"'{outline.name}' does not lie in one plane with the drawing: it is up to {off:.3g} off it; flatten it, "
-            "or tick 'Project Anyway'"
-        )
+        raise _not_flat(outline.name, off)
     return _drawing(outline, frame, loops)
+
+
+def _not_flat(name: str, off: float) -> UserError:
+    return UserError(
+        f"'{name}' does not lie in one plane with the drawing: it is up to {off:.3g} off it; flatten it, or tick "
+        "'Project Anyway'"
+    )
 
 
 def _drawing(outline: Outline, frame: Frame, loops: Sequence[FloatArray]) -> Drawing:

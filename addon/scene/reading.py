@@ -1,6 +1,4 @@
-"""The lines of an object of any type: wire edges and open boundaries of its evaluated shape; and Grease Pencil drawings
-of version 3, available since Blender 4.3.
-"""
+"""The lines of an object: wire edges and open boundaries of its evaluated shape; and new Grease Pencil drawings."""
 
 from __future__ import annotations
 
@@ -17,9 +15,6 @@ from numpy.typing import NDArray
 from ..errors import FloatArray, UserError
 from .display import add_nodes_modifier, is_ours
 from .filling import evaluated_mesh, loop_edges, mesh_of, stored
-
-# Stored values of the type of a stroke: Catmull-Rom spline, and polyline.
-SMOOTH, STRAIGHT = 0, 1
 
 
 def drawing(name: str, loops: Sequence[FloatArray], radius: float) -> bpy.types.ID:
@@ -43,62 +38,6 @@ def drawing(name: str, loops: Sequence[FloatArray], radius: float) -> bpy.types.
     return data
 
 
-def is_shown(layer: Any) -> bool:
-    """Whether a layer and the groups that it is in are shown."""
-    group = layer.parent_group
-    while group is not None and not group.hide:
-        group = group.parent_group
-    return group is None and not layer.hide and layer.opacity > 0.0
-
-
-def unseen(obj: Object) -> dict[Any, list[int]]:
-    """Shown layers, each with the numbers of its strokes that do not show. Raises: UserError for masks."""
-    layers = [layer for layer in obj.data.layers if is_shown(layer)]
-    for layer in layers:
-        if layer.use_masks and any(not mask.hide for mask in layer.mask_layers):
-            raise UserError(f"layer '{layer.name}' of '{obj.name}' has masks: switch them off, or cut the strokes")
-    drawn = {layer: frame.drawing for layer in layers if (frame := layer.current_frame()) is not None}
-    by_layer = {layer: list(drawing.strokes) for layer, drawing in drawn.items() if drawing is not None}
-    # Strokes made by scripts have no opacity unless it is set, and are meant to be seen.
-    opaque = any(_has_opacity(stroke) for strokes in by_layer.values() for stroke in strokes)
-    return {
-        layer: [
-            number
-            for number, stroke in enumerate(strokes)
-            if (opaque and not _has_opacity(stroke)) or getattr(style_of(obj, stroke), "hide", False)
-        ]
-        for layer, strokes in by_layer.items()
-    }
-
-
-def hides(obj: Object) -> bool:
-    """Whether anything of an object is not displayed. Raises: UserError for masks."""
-    numbers = unseen(obj)
-    return any(numbers.values()) or not all(map(is_shown, obj.data.layers))
-
-
-def remove_hidden(obj: Object) -> None:
-    """Removes what an object does not display."""
-    layers: Any = obj.data.layers
-    for layer, numbers in unseen(obj).items():
-        if numbers:
-            layer.current_frame().drawing.remove_strokes(indices=numbers)
-    for layer in [layer for layer in layers if not is_shown(layer)]:
-        layers.remove(layer)
-
-
-def style_of(obj: Object, stroke: Any) -> Any:
-    """The Grease Pencil style of a stroke, None without a material."""
-    slots, index = obj.material_slots, stroke.material_index
-    material = slots[index].material if index < len(slots) else None
-    return material.grease_pencil if material is not None else None
-
-
-def _has_opacity(stroke: Any) -> bool:
-    """Whether a stroke has any opacity."""
-    return stroke.fill_opacity > 0.0 or any(point.opacity > 0.0 for point in stroke.points)
-
-
 # Makes an object whose evaluated mesh has the lines of another one, or returns that; notes new blocks in a list.
 Reader = Callable[[Context, Object, int, list[Any]], Object]
 
@@ -117,9 +56,6 @@ def lines_of(context: Context, obj: Object, resolution: int = 0) -> Lines:
     """
     if obj.type == "MESH" and obj.mode == "EDIT":
         return _selected_edges(obj)
-    kind: str = obj.type
-    if kind == "GPENCIL":
-        raise UserError(f"'{obj.name}' is a Grease Pencil of the kind before Blender 4.3: open the file there")
     if obj.type not in READERS:
         raise UserError(
             f"'{obj.name}' is of a kind without an outline: select a curve, a text, a Grease Pencil or a mesh"
@@ -205,17 +141,6 @@ def _is_deformed(obj: Object) -> bool:
     )
 
 
-def _shown_strokes(_context: Context, obj: Object, _resolution: int, blocks: list[Any]) -> Object:
-    """A Grease Pencil object itself, or a copy without what it hides. Raises: UserError for masks."""
-    if not hides(obj):
-        return obj
-    copy, data = obj.copy(), obj.data.copy()
-    blocks += [copy, data]
-    copy.data = data
-    remove_hidden(copy)
-    return copy
-
-
 def realized(context: Context, obj: Object, resolution: int, blocks: list[Any]) -> Object:
     """A new mesh object with the faces and lines that an object displays, its instances included."""
     tree, mesh = bpy.data.node_groups.new(obj.name, "GeometryNodeTree"), bpy.data.meshes.new(obj.name)
@@ -236,9 +161,7 @@ def realized(context: Context, obj: Object, resolution: int, blocks: list[Any]) 
             geometry = node.outputs[0]
         return geometry
 
-    # The layers of Grease Pencil, with their own transforms, come as instances.
-    layers = ["GeometryNodeGreasePencilToCurves"] if obj.type == "GREASEPENCIL" else []
-    real = then(source.outputs["Geometry"], *layers, "GeometryNodeRealizeInstances")
+    real = then(source.outputs["Geometry"], "GeometryNodeRealizeInstances")
     parts, both = nodes.new("GeometryNodeSeparateComponents"), nodes.new("GeometryNodeJoinGeometry")
     tree.links.new(real, parts.inputs[0])
     finer = ["GeometryNodeSetSplineResolution"] if resolution else []
@@ -254,7 +177,7 @@ def realized(context: Context, obj: Object, resolution: int, blocks: list[Any]) 
 def _with_lines(context: Context, obj: Object, resolution: int, blocks: list[Any]) -> Object:
     """An object, maybe a temporary one, whose evaluated mesh has the lines of another one."""
     shown = READERS[obj.type](context, obj, resolution, blocks)
-    if obj.type in {"CURVES", "GREASEPENCIL"} or has_nodes(obj):
+    if obj.type == "CURVES" or has_nodes(obj):
         return realized(context, shown, resolution, blocks)
     return shown
 
@@ -269,7 +192,6 @@ READERS: dict[str, Reader] = {
     "CURVE": _plain_copy,
     "FONT": _plain_copy,
     "CURVES": _itself,
-    "GREASEPENCIL": _shown_strokes,
 }
 
 

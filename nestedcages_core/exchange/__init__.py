@@ -9,7 +9,7 @@ from .engine_json import (
     write_engine_json,
 )
 from .files import read_whole, write_whole
-from .fill import Painted, joined, solid
+from .fill import Painted, clipped, joined, solid
 from .geojson import (
     Feature,
     Map,
@@ -41,6 +41,7 @@ __all__ = [
     "SvgOptions",
     "SvgPart",
     "character_to_engine_json",
+    "clipped",
     "cut_at_borders",
     "features_from_geojson",
     "frames_to_engine_json",

@@ -109,6 +109,17 @@ def regions(shapely: Any, areas: Sequence[Area], quota: Quota | None = None) -> 
     ]
 
 
+def clipped(areas: Sequence[Area], others: Sequence[Area], *, inside: bool) -> list[Painted]:
+    """The part of areas inside of others, or outside of them, as one area; none where that is empty.
+
+    Raises NestedCagesError where shapely is missing.
+    """
+    shapely = load_shapely("shapes that hide others")
+    clip = shapely.intersection if inside else shapely.difference
+    rings = rings_in(shapely, clip(union_of(shapely, areas), union_of(shapely, others)))
+    return [Painted(rings, evenodd=True)] if rings else []
+
+
 def bounds_of(areas: Sequence[Area]) -> tuple[FloatArray, FloatArray]:
     """Lower left and upper right corner of all areas, (2,), (2,); NaN where they are empty."""
     corners = [np.full((1, 2), np.nan)]

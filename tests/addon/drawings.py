@@ -138,8 +138,8 @@ def hair(name: str, loops: Sequence[Loop], cyclic: bool = True, kind: str = "POL
     return add(name, data)
 
 
-def grease_pencil(name: str, loops: Sequence[Loop], cyclic: bool = True) -> Any:
-    """A Grease Pencil object of version 3 with one stroke per loop."""
+def grease_pencil(name: str, loops: Sequence[Loop], cyclic: bool = True, radius: float = 0.0) -> Any:
+    """A Grease Pencil object of version 3 with one stroke per loop; without a radius its points are the outline."""
     data = getattr(bpy.data, "grease_pencils_v3", bpy.data.grease_pencils).new(name)
     if not hasattr(bpy.types, "GreasePencilDrawing"):
         pytest.skip("Blender 4.2 has no Grease Pencil of version 3")
@@ -148,7 +148,7 @@ def grease_pencil(name: str, loops: Sequence[Loop], cyclic: bool = True) -> Any:
     for stroke, loop in zip(drawing.strokes, loops, strict=True):
         stroke.cyclic = cyclic
         for point, place in zip(stroke.points, raised(loop), strict=True):
-            point.position = place
+            point.position, point.radius = place, radius
     return add(name, data)
 
 

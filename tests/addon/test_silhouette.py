@@ -117,19 +117,6 @@ def test_strokes_count_with_their_widths() -> None:
         silhouette(pen, strokes=False)
 
 
-@NO_STROKES
-def test_smooth_strokes_go_where_blender_draws_them(addon) -> None:
-    pen = grease_pencil("Pen", [star(12)])
-    drawing = pen.data.layers[0].frames[0].drawing
-    if not hasattr(drawing, "set_types"):
-        pytest.skip("before Blender 5.0, scripts cannot set the type of strokes")
-    drawing.set_types(type="CATMULL_ROM")
-    shown = addon.scene.convert.read(bpy.context, pen).loops[0].astype(float)
-    plane = addon.scene.plane.Frame(np.eye(4), 0.0, 1.0, own=False)
-    (area,) = addon.scene.areas.areas_of(bpy.context, pen, plane, strokes=False)
-    assert np.abs(area.loops[0] - shown[:, :2]).max() < 1e-6
-
-
 @pytest.mark.parametrize("body", slow_after(2, ["Q", "€", "π", "__", "AVA"]))
 def test_letters_that_touch_or_overlap_are_united(body: str) -> None:
     obj = text("Text", body)

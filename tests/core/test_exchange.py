@@ -20,6 +20,7 @@ from nestedcages_core import Mesh, NestedCagesError, convex_pieces, nested_cages
 from nestedcages_core.exchange import (
     Feature,
     Painted,
+    clipped,
     features_from_geojson,
     from_engine_json,
     from_svg,
@@ -388,6 +389,17 @@ def test_overlapping_shapes_are_united(seeds: list[int]) -> None:
     found = polygon(solid([Painted([points]) for points in blobs]))
     assert found.symmetric_difference(expected).area < 1e-9
     assert len(shapely.get_parts(found)) == len(shapely.get_parts(expected))
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.lists(st.integers(0, 10_000), min_size=3, max_size=5, unique=True), st.booleans())
+def test_areas_are_clipped_by_others(seeds: list[int], inside: bool) -> None:
+    first, *others = [Painted([blob(seed)]) for seed in seeds]
+    own, clip = polygon(solid([first])), polygon(solid(others))
+    expected = own & clip if inside else own - clip
+    found = clipped([first], others, inside=inside)
+    assert sum(polygon(solid([area])).area for area in found) == pytest.approx(expected.area, abs=1e-4)
+    assert bool(found) == (expected.area > 0.0)
 
 
 def test_what_touches_in_a_point_becomes_one() -> None:

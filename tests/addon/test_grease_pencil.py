@@ -1,0 +1,376 @@
+"""Grease Pencil: what it paints, on each frame, is what is caged, cut out and rigged, and it follows."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+import shapely
+
+from drawings import Loop, choose, circle, solid
+
+pytestmark = pytest.mark.skipif(bpy.app.version < (4, 3), reason="another Grease Pencil")
+# Whether each stroke says what shows of it; else its material does.
+PER_STROKE = bpy.app.version >= (5, 2)
+RADIUS = 0.05
+Shape = shapely.Geometry
+
+
+def drawn(kind: str) -> Any:
+    bpy.ops.object.grease_pencil_add(type=kind)
+    return bpy.context.object
+
+
+def fine_of(source: Any) -> Any:
+    return bpy.data.objects[f"{source.name} Fine"]
+
+
+def cages_of(source: Any) -> list[Any]:
+    """The cages of a drawing, the innermost first."""
+    names = [f"{source.name} Cage {number}" for number in (1, 2)]
+    return [bpy.data.objects[name] for name in names if name in bpy.data.objects]
+
+
+def square(half: float, x: float = 0.0, z: float = 0.0) -> Loop:
+    return half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) + (x, z)
+
+
+def box(half: float, x: float = 0.0, z: float = 0.0) -> Shape:
+    return shapely.Polygon(square(half, x, z))
+
+
+def pen() -> Any:
+    """An object with an empty layer and materials for lines, for fills, and for holes."""
+    made = drawn("EMPTY")
+    made.data.materials.clear()
+    for name in ("Line", "Fill", "Hole"):
+        material = bpy.data.materials.new(name)
+        bpy.data.materials.create_gpencil_data(material)
+        style = material.grease_pencil
+        style.color = style.fill_color = (0.1, 0.2, 0.3, 1.0)
+        if not PER_STROKE:
+            style.show_stroke, style.show_fill = name == "Line", name != "Line"
+        style.use_fill_holdout = name == "Hole"
+        made.data.materials.append(material)
+    return made
+
+
+def strokes(target: Any, *loops: Loop, fill: int = 0, cyclic: bool = True, radius: float = RADIUS, material: int = -1):
+    """New strokes in the plane of x and z on a drawing, or on the first layer's: lines, or without them one fill."""
+    drawing = target.data.layers[0].current_frame().drawing if hasattr(target, "data") else target
+    drawing.add_strokes([len(loop) for loop in loops])
+    added = list(drawing.strokes)[-len(loops) :]
+    for stroke, loop in zip(added, loops, strict=True):
+        stroke.cyclic, stroke.material_index = cyclic, material if material >= 0 else int(fill > 0)
+        for point, (x, z) in zip(stroke.points, loop, strict=True):
+            point.position, point.radius, point.opacity = (x, 0.0, z), radius, 1.0
+        stroke.fill_opacity = 1.0
+        if PER_STROKE:
+            stroke.fill_id, stroke.hide_stroke = fill, fill > 0
+    return added
+
+
+def seen(addon: Any, obj: Any, **counts: bool) -> Shape:
+    """What an object paints, seen from the front."""
+    bpy.context.view_layer.update()
+    matrix = np.array([[1.0, 0, 0, 0], [0, 0, -1.0, 0], [0, 1.0, 0, 0], [0, 0, 0, 1.0]])
+    frame = addon.scene.plane.Frame(matrix, 0.0, 1.0, own=False)
+    grease_pencil = addon.scene.grease_pencil
+    areas = grease_pencil.Painting.of(bpy.context, obj).areas(frame, grease_pencil.Counts(**counts))
+    united = addon.scene.plane.united("it", areas)
+    rings = [shapely.Polygon(loop) for loop in united]
+    whole = shapely.Polygon()
+    for ring in sorted(rings, key=lambda ring: -ring.area):
+        whole = whole.symmetric_difference(ring)
+    return whole
+
+
+def apart(one: Shape, other: Shape) -> float:
+    """The area that only one of the two has, as a part of the other."""
+    return float(one.symmetric_difference(other).area / other.area)
+
+
+def upright(obj: Any) -> Shape:
+    """The inside of an object's outline, seen from the front."""
+    lines = [[np.array(obj.matrix_world @ obj.data.vertices[i].co)[[0, 2]] for i in e.vertices] for e in obj.data.edges]
+    faces = list(shapely.get_parts(shapely.polygonize([shapely.union_all([shapely.LineString(x) for x in lines])])))
+    return max(faces, key=lambda face: shapely.Polygon(face.exterior).area)
+
+
+def expected(obj: Any) -> Shape:
+    """What one of Blender's own drawings paints, by the properties of its strokes."""
+    shapes = []
+    for layer in obj.data.layers:
+        for stroke in layer.current_frame().drawing.strokes:
+            points = [(*point.position, point.radius) for point in stroke.points]
+            style = obj.material_slots[stroke.material_index].material.grease_pencil
+            filled, lined = (
+                (stroke.fill_id > 0, not stroke.hide_stroke) if PER_STROKE else (style.show_fill, style.show_stroke)
+            )
+            if filled:
+                shapes.append(shapely.Polygon([(x, z) for x, _, z, _ in points]).buffer(0.0))
+            ends = [shapely.Point(x, z).buffer(r, 32) for x, _, z, r in points]
+            shapes += [(a | b).convex_hull for a, b in pairwise(ends)] if lined else []
+    return shapely.union_all(shapes)
+
+
+@pytest.mark.parametrize("kind", ["STROKE", "MONKEY"])
+def test_blenders_own_drawings_are_caged_as_they_are_painted(kind: str) -> None:
+    source = drawn(kind)
+    paint = expected(source)
+    assert bpy.ops.object.nested_cages_generate(levels="64, 24") == {"FINISHED"}
+    fine, cages = fine_of(source), cages_of(source)
+    assert len(cages) == 2
+    assert apart(upright(fine), paint) < 0.02
+    assert (paint - upright(fine)).area < 1e-5 * paint.area
+    for cage in cages:
+        assert upright(cage).contains(paint)
+    choose(source)
+    assert bpy.ops.object.nested_cages_silhouette(fill_holes=False) == {"FINISHED"}
+    assert solid(bpy.context.object).area == pytest.approx(paint.area, rel=0.02)
+
+
+@pytest.mark.parametrize("kind", ["STROKE", "MONKEY"])
+def test_blenders_own_drawings_are_rigged_and_follow(kind: str) -> None:
+    source = drawn(kind)
+    assert bpy.ops.object.nested_cages_suggest_bones() == {"FINISHED"}
+    rig = bpy.context.object
+    assert rig.type == "ARMATURE" and source.select_get()
+    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+    before = places(source, 1)
+    rig.pose.bones[0].location = (0.3, 0.2, 0.0)
+    after = places(source, 1)
+    assert np.abs(after - before).max() > 0.1 and np.abs(after[:, 1]).max() < 1e-4
+
+
+def places(obj: Any, layer: int = 0) -> Loop:
+    """Points (n, 3) of a layer as it is displayed."""
+    bpy.context.view_layer.update()
+    data = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    drawing = data.layers[layer].current_frame().drawing
+    return np.array([tuple(point.position) for stroke in drawing.strokes for point in stroke.points])
+
+
+def test_fills_have_their_holes(addon) -> None:
+    obj = pen()
+    if PER_STROKE:
+        strokes(obj, square(1.0), square(0.5), fill=1)
+    else:
+        strokes(obj, square(1.0), fill=1)
+        strokes(obj, square(0.5), fill=2, material=2)
+    strokes(obj, square(0.2), fill=3)
+    ring = (box(1.0) - box(0.5)) | box(0.2)
+    assert apart(seen(addon, obj), ring) < 1e-6
+    choose(obj)
+    assert bpy.ops.object.nested_cages_generate(levels="24") == {"FINISHED"}
+    assert len(fine_of(obj).data.vertices) == 12
+
+
+def test_a_stroke_fills_all_that_it_winds_around(addon) -> None:
+    obj, pentagram = pen(), circle(5)[[0, 2, 4, 1, 3]]
+    strokes(obj, pentagram, fill=1)
+    inner = shapely.Polygon(circle(5, 0.3))
+    assert seen(addon, obj).contains(inner)
+
+
+@pytest.mark.parametrize("cyclic", [False, True])
+def test_lines_count_with_their_width_and_closed_ones_with_their_inside(addon, cyclic: bool) -> None:
+    obj = pen()
+    strokes(obj, square(1.0), cyclic=cyclic)
+    line = shapely.LineString(np.concatenate([square(1.0), square(1.0)[:cyclic]])).buffer(RADIUS, 32)
+    assert apart(seen(addon, obj), line) < 0.01
+    choose(obj)
+    assert bpy.ops.object.nested_cages_generate(levels="16", close_open=False) == {"FINISHED"}
+    fine = upright(fine_of(obj))
+    assert apart(fine, line | box(1.0) if cyclic else line) < 0.01
+    assert bpy.ops.object.nested_cages_generate(levels="16", close_open=True) == {"FINISHED"}
+    assert apart(upright(fine_of(obj)), line | box(1.0)) < 0.01
+
+
+def hide_by_material(obj: Any) -> None:
+    material = obj.data.materials[0].copy()
+    obj.data.materials.append(material)
+    stroke = obj.data.layers[0].current_frame().drawing.strokes[1]
+    stroke.material_index = 3
+    material.grease_pencil.hide = True
+
+
+def hide_by_colour(obj: Any) -> None:
+    hide_by_material(obj)
+    obj.data.materials[3].grease_pencil.hide = False
+    obj.data.materials[3].grease_pencil.color = obj.data.materials[3].grease_pencil.fill_color = (1.0, 1.0, 1.0, 0.0)
+
+
+def hide_by_opacity(obj: Any) -> None:
+    for point in obj.data.layers[0].current_frame().drawing.strokes[1].points:
+        point.opacity = 0.0
+
+
+def hide_by_stroke(obj: Any) -> None:
+    if not PER_STROKE:
+        pytest.skip("strokes cannot be hidden before Blender 5.2")
+    obj.data.layers[0].current_frame().drawing.strokes[1].hide_stroke = True
+
+
+@pytest.mark.parametrize("hide", [hide_by_material, hide_by_colour, hide_by_opacity, hide_by_stroke])
+def test_strokes_that_do_not_show_are_left_out(addon, hide, capfd) -> None:
+    obj = pen()
+    strokes(obj, square(1.0), fill=1)
+    strokes(obj, square(1.0, 5.0))
+    hidden = obj.data.layers.new("Hidden")
+    strokes(hidden.frames.new(1).drawing, square(1.0, -5.0))
+    hidden.opacity = 0.0
+    hide(obj)
+    assert apart(seen(addon, obj, closed=True), box(1.0)) < 1e-6
+    assert bpy.ops.object.nested_cages_generate(levels="8") == {"FINISHED"}
+    assert "Left out of 'GPencil', since not shown: 1 layer and 1 stroke." in capfd.readouterr().out
+
+
+def test_a_fill_without_opacity_leaves_the_line(addon) -> None:
+    obj = pen()
+    (stroke,) = strokes(obj, square(1.0), fill=1)
+    if PER_STROKE:
+        stroke.hide_stroke = False
+    else:
+        obj.data.materials[1].grease_pencil.show_stroke = True
+    stroke.fill_opacity = 0.0
+    assert seen(addon, obj).area == pytest.approx(8 * 2 * RADIUS, rel=0.05)
+
+
+@pytest.mark.parametrize("hides", [False, True])
+def test_masks_count(addon, hides: bool) -> None:
+    obj = pen()
+    strokes(obj, square(1.0), fill=1)
+    for name, x in (("One", 0.8), ("Two", -0.8), ("Hidden", 0.0)):
+        layer = obj.data.layers.new(name, set_active=False)
+        strokes(layer.frames.new(1).drawing, square(0.5, x, 0.8), fill=1)
+        layer.opacity, layer.hide = 0.0, name == "Hidden"
+        bpy.ops.grease_pencil.layer_mask_add(name=name)
+    masked = obj.data.layers[0]
+    masked.use_masks = True
+    for mask in masked.mask_layers:
+        mask.invert = hides
+    both = box(0.5, 0.8, 0.8) | box(0.5, -0.8, 0.8)
+    assert apart(seen(addon, obj), box(1.0) - both if hides else box(1.0) & both) < 1e-6
+    masked.mask_layers[0].hide = True
+    one = box(0.5, -0.8, 0.8)
+    assert apart(seen(addon, obj), box(1.0) - one if hides else box(1.0) & one) < 1e-6
+
+
+def test_layers_count_where_they_are_and_scale_no_width(addon) -> None:
+    obj, carrier = pen(), bpy.data.objects.new("Carrier", None)
+    bpy.context.scene.collection.objects.link(carrier)
+    strokes(obj, square(1.0), radius=0.1)
+    layer = obj.data.layers[0]
+    layer.translation, layer.scale, layer.parent = (1.0, 0.0, 0.0), (0.5, 0.5, 0.5), carrier
+    obj.location, carrier.location = (0.0, 0.0, 3.0), (0.0, 0.0, -2.0)
+    line = shapely.LinearRing(square(0.5, 1.0, -2.0)).buffer(0.1, 32)
+    assert apart(seen(addon, obj), line) < 0.01
+    obj.scale = (1.0, 1.0, 8.0)  # the width is that of the object's mean scale
+    assert apart(seen(addon, obj), shapely.LinearRing(square(0.5, 1.0, -2.0)).buffer(0.2, 32)) < 0.01
+
+
+def test_layers_at_other_depths_are_one_drawing_and_leaning_strokes_are_told(addon) -> None:
+    obj = pen()
+    strokes(obj, square(1.0), fill=1)
+    behind = obj.data.layers.new("Behind")
+    strokes(behind.frames.new(1).drawing, square(1.0, 1.0), fill=1)
+    behind.translation = (0.0, 0.7, 0.0)
+    choose(obj)
+    assert bpy.ops.object.nested_cages_generate(levels="8") == {"FINISHED"}
+    assert apart(upright(fine_of(obj)), box(1.0) | box(1.0, 1.0)) < 1e-5
+    obj.data.layers[0].current_frame().drawing.strokes[0].points[0].position = (-1.0, 0.5, -1.0)
+    with pytest.raises(RuntimeError, match="does not lie in one plane"):
+        bpy.ops.object.nested_cages_generate(levels="8")
+
+
+@pytest.mark.parametrize("cyclic", [False, True])
+@pytest.mark.parametrize("kind, knots", [("CATMULL_ROM", 0), ("BEZIER", 0), ("NURBS", 0), ("NURBS", 1)])
+def test_curves_go_where_blender_draws_them(addon, kind: str, knots: int, cyclic: bool) -> None:
+    obj = pen()
+    drawing = obj.data.layers[0].current_frame().drawing
+    if not hasattr(drawing, "set_types"):
+        pytest.skip("before Blender 5.0, scripts cannot set the type of strokes")
+    added = strokes(obj, circle(7)[::-1] * (1.0, 0.4), cyclic=cyclic)
+    for number, point in enumerate(added[0].points):
+        point.radius = 0.01 * (number + 1)
+    drawing.set_types(type=kind)
+    for name, turn in (("handle_left", 0.3), ("handle_right", -0.2)) if kind == "BEZIER" else ():
+        handles = drawing.attributes.get(name) or drawing.attributes.new(name, "FLOAT_VECTOR", "POINT")
+        for handle, point in zip(handles.data, added[0].points, strict=True):
+            handle.vector = (point.position[0] + turn * point.position[2], 0.0, point.position[2] + turn)
+    if knots and cyclic:
+        pytest.skip("told, and made by no operator of Blender's")
+    if knots:
+        modes = drawing.attributes.get("knots_mode") or drawing.attributes.new("knots_mode", "INT8", "CURVE")
+        modes.data[0].value = knots
+    shown = converted(obj)
+    (layer,) = addon.scene.grease_pencil.Painting.of(bpy.context, obj).layers
+    points = layer.strokes[0].points
+    assert len(points) == len(shown) > 40
+    np.testing.assert_allclose(points, shown, atol=1e-5)
+
+
+def converted(obj: Any) -> Loop:
+    """Points (n, 3) of the curves of an object, as Blender evaluates them."""
+    tree = bpy.data.node_groups.new("Curves", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    before = tree.nodes.new("GeometryNodeObjectInfo")
+    before.inputs["Object"].default_value = obj
+    socket = before.outputs["Geometry"]
+    for kind in ("GreasePencilToCurves", "RealizeInstances", "CurveToMesh"):
+        node = tree.nodes.new(f"GeometryNode{kind}")
+        tree.links.new(socket, node.inputs[0])
+        socket = node.outputs[0]
+    tree.links.new(socket, tree.nodes.new("NodeGroupOutput").inputs[0])
+    helper = bpy.data.objects.new("Helper", bpy.data.meshes.new("Helper"))
+    bpy.context.scene.collection.objects.link(helper)
+    helper.modifiers.new("Curves", "NODES").node_group = tree
+    mesh = helper.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    return np.array([tuple(vertex.co) for vertex in mesh.vertices])
+
+
+def test_a_straight_stroke_and_a_dot_stand_upright() -> None:
+    for loop in (np.array([[-1.0, 0.0], [1.0, 0.0]]), np.array([[0.0, -1.0], [0.0, 1.0]]), np.zeros((1, 2))):
+        obj = pen()
+        strokes(obj, loop, cyclic=False)
+        choose(obj)
+        assert bpy.ops.object.nested_cages_generate(levels="8") == {"FINISHED"}
+        line = shapely.LineString(loop) if len(loop) > 1 else shapely.Point(0.0, 0.0)
+        assert upright(cages_of(obj)[0]).contains(line.buffer(RADIUS))
+
+
+def keyed() -> Any:
+    """A square on frame 1, another one further right on frame 10."""
+    obj = pen()
+    strokes(obj, square(1.0), fill=1)
+    strokes(obj.data.layers[0].frames.new(10).drawing, square(1.0, 0.5), square(0.2, 0.3, 1.2), fill=1)
+    return obj
+
+
+def test_a_keyed_drawing_is_read_on_the_current_frame_and_bends_on_each() -> None:
+    obj = keyed()
+    bpy.context.scene.frame_set(10)
+    choose(obj)
+    assert bpy.ops.object.nested_cages_generate(levels="8") == {"FINISHED"}
+    bounds = upright(fine_of(obj)).bounds
+    assert bounds[0] == pytest.approx(-0.5, abs=1e-5) and bounds[2] == pytest.approx(1.5, abs=1e-5)
+    bpy.context.scene.frame_set(1)
+    choose(obj)
+    assert bpy.ops.object.nested_cages_generate(levels="8") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    cage = cages_of(obj)[0]
+    still = {}
+    for frame in (1, 10):
+        bpy.context.scene.frame_set(frame)
+        still[frame] = places(obj)
+    assert len(still[1]) == 4 and len(still[10]) == 8
+    for vertex in cage.data.vertices:
+        vertex.co.x += 2.0
+    for frame, before in still.items():
+        bpy.context.scene.frame_set(frame)
+        assert np.abs(places(obj) - before - (2.0, 0.0, 0.0)).max() < 1e-4
+    assert [frame.frame_number for frame in obj.data.layers[0].frames] == [1, 10]
