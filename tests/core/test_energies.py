@@ -236,12 +236,6 @@ def test_restoring_gradient_agrees_with_differences() -> None:
     assert energy.gradient(fine) == pytest.approx(derivative(energy.value, fine), abs=1e-8)
 
 
-def test_an_energy_of_ones_own_makes_cages() -> None:
-    energy = WeightedSum(((1.0, Area()), (0.1, Springs())))
-    level = nested_cages(star(5, 60), [12], Settings(energy=energy)).levels[0]
-    assert_nested(level.cage, star(5, 60))
-
-
 @pytest.mark.parametrize(
     ("term", "sentence"),
     [

@@ -7,16 +7,11 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
 
-from benchmarks.random_shapes import random_shape
 from nestedcages_core import (
-    ArcLength,
     FlowError,
     Mesh,
     NestingError,
-    OnCurve,
     OuterHull,
     Settings,
     nested_cages,
@@ -41,26 +36,6 @@ LARGEST = 250
 """Vertices of the largest random shape here; the stress program takes larger ones."""
 
 FAST = Settings(decimation=OuterHull(), fallback=OuterHull())
-
-
-@pytest.mark.slow
-@settings(max_examples=15, deadline=None)
-@given(st.integers(0, 10**6), st.sampled_from([OuterHull(), OnCurve(), ArcLength()]))
-def test_random_shapes_get_certified_cages(seed: int, decimation: object) -> None:
-    """A slice of benchmarks/stress.py; a count that the loops do not allow is refused with one that they do."""
-    drawn = random_shape(seed)
-    assume(drawn is not None and len(drawn[1].vertices) <= LARGEST)
-    assert drawn is not None
-    fine = drawn[1]
-    chosen = Settings(decimation=decimation, fallback=FAST.fallback)  # type: ignore[arg-type]
-    count = min(len(fine.vertices), max(3 * len(fine.loops), 24))
-    try:
-        level = nested_cages(fine, [count], chosen).levels[0]
-    except NestingError as error:
-        assert "ask for at least" in str(error)
-        count = int(str(error).rpartition("ask for at least ")[2].rstrip("."))
-        level = nested_cages(fine, [count], chosen).levels[0]
-    assert verify(level.cage, fine, level.report.wanted_clearance)
 
 
 def turned(angle: float) -> Callable[[np.ndarray], np.ndarray]:
