@@ -45,7 +45,7 @@ ROOM_PART = 0.5
 SMALLEST_WEIGHT = 1e-4
 
 
-def united(context: Context, objects: Sequence[Object], gap: float) -> Work[tuple[Drawing, list[UserError]]]:
+def united_drawing(context: Context, objects: Sequence[Object], gap: float) -> Work[tuple[Drawing, list[UserError]]]:
     """All that objects paint as one drawing of the one that their cage is named after, or else of the largest, and why
     some were left out. Raises: UserError.
 

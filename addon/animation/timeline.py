@@ -124,7 +124,7 @@ def settle(scene: Scene, dropped: Sequence[Mark], added: Sequence[Mark] = ()) ->
     _fit_range(scene)
 
 
-def stop(scene: Scene, collection: Collection) -> list[Mark]:
+def stop_playing(scene: Scene, collection: Collection) -> list[Mark]:
     """Notes that an output does not play any more; returns its markers."""
     cage_set = record.of(collection)
     dropped = [(marker.name, marker.frame) for marker in cage_set.markers]

@@ -204,7 +204,7 @@ def remove(scene: Scene, collection: Collection) -> None:
 def end(scene: Scene, collection: Collection) -> None:
     """Removes what plays of an output, and what its objects say about it."""
     leave(collection)
-    timeline.settle(scene, timeline.stop(scene, collection))
+    timeline.settle(scene, timeline.stop_playing(scene, collection))
     for obj in ownership.members(collection):
         shape_keys.remove_steps(obj)
         always_show(obj)

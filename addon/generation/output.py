@@ -54,7 +54,7 @@ def write(
     collections, replaced = [], Replaced()
     for result, played, before in zip(results, all_played, earlier, strict=True):
         collection = before or _new_collection(home, result)
-        dropped += timeline.stop(scene, collection)
+        dropped += timeline.stop_playing(scene, collection)
         _write_one(result, timing, played, collection, replaced)
         added.append(timeline.play_in(collection, played, marker))
         record.keep(collection)

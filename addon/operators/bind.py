@@ -146,7 +146,7 @@ class OnParts(JobOperator):
         """The parts in their own shapes as one drawing, and why some were left out. Raises: UserError."""
         self.tell_hidden(context, parts)
         with field.unposed(map(field.shown_by, parts)):
-            return tasks.drain(characters.united(context, parts, self.gap))
+            return tasks.drain(characters.united_drawing(context, parts, self.gap))
 
 
 class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):

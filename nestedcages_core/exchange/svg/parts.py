@@ -53,7 +53,7 @@ def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], t
         if any(paint and paint.gradient for shape in root.shapes() for paint in (shape.fill, shape.stroke_paint)):
             blended.append("Gradients become their mean colour.")
         for number, shape in enumerate(root.shapes(), 1):
-            fill, stroke = _apart(fills.get(shape, []), strokes.get(shape, []), areas)
+            fill, stroke = _disjoint(fills.get(shape, []), strokes.get(shape, []), areas)
             made = [_mesh(each, reading, areas, page) for each in (fill, stroke)]
             if made != [None, None]:
                 found.append(_svg_part(shape, number, *made))
@@ -86,7 +86,7 @@ def _mesh(found: list[Area], reading: Reading, areas: Areas, page: Box | None) -
         return None
 
 
-def _apart(fill: list[Area], stroke: list[Area], areas: Areas) -> tuple[list[Area], list[Area]]:
+def _disjoint(fill: list[Area], stroke: list[Area], areas: Areas) -> tuple[list[Area], list[Area]]:
     """Fill and stroke without overlap, with the same points along their common border."""
     if not fill or not stroke:
         return fill, stroke

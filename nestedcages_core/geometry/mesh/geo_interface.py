@@ -49,10 +49,10 @@ def polygons_of(geometry: Any, *, lines: bool = False, depth: int = 0) -> list[P
         )
     kind = mapping.get("type")
     if kind == "Polygon":
-        return [rings] if (rings := _rings(mapping.get("coordinates"), 0)) else []
+        return [rings] if (rings := _checked_rings(mapping.get("coordinates"), 0)) else []
     if kind == "MultiPolygon":
         parts = _items(mapping.get("coordinates"), "The list of polygons")
-        return [rings for number, part in enumerate(parts) if (rings := _rings(part, number))]
+        return [rings for number, part in enumerate(parts) if (rings := _checked_rings(part, number))]
     if kind == "Feature":
         members = [] if mapping.get("geometry") is None else [mapping["geometry"]]
     elif kind == "FeatureCollection":
@@ -66,7 +66,7 @@ def polygons_of(geometry: Any, *, lines: bool = False, depth: int = 0) -> list[P
     return [polygon for member in members for polygon in polygons_of(member, lines=lines, depth=depth + 1)]
 
 
-def _rings(polygon: Any, number: int) -> Polygon:
+def _checked_rings(polygon: Any, number: int) -> Polygon:
     rings = _items(polygon, f"Polygon {number}")
     return [_ring(ring, f"ring {k} of polygon {number}") for k, ring in enumerate(rings)]
 

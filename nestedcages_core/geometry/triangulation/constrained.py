@@ -74,7 +74,7 @@ def _delaunay(framed: FloatArray, exact: FloatArray) -> IntArray:
     triangles[turn < 0, :2] = triangles[turn < 0, 1::-1]
     if _is_valid(triangles, len(exact), turn):
         return triangles
-    flips = Flips(exact, _swept(exact))
+    flips = Flips(exact, _sweep_line_triangles(exact))
     flips.legalise(list(flips.apex))
     return flips.triangles()
 
@@ -91,7 +91,7 @@ def _is_valid(triangles: IntArray, count: int, turn: Signs) -> bool:
     return len(np.unique(keys)) == len(keys) and int((~np.isin(keys, back)).sum()) == len(FRAME_CORNERS)
 
 
-def _swept(points: FloatArray) -> IntArray:
+def _sweep_line_triangles(points: FloatArray) -> IntArray:
     """Any triangulation (T, 3) of the convex hull of points (N, 2): each sees the hull of those to its left.
 
     The first two of them, from left to right, are not on a line with the third.
