@@ -20,6 +20,7 @@ from .errors import Fault as Fault
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
 from .flow import FlowResult
 from .flow import TwoSidedFlow as TwoSidedFlow
+from .geometry.arrays import FloatArray as _FloatArray
 from .geometry.mesh import Mesh
 from .hierarchy import (
     Hierarchy,
@@ -206,6 +207,15 @@ _LATER = {
 """Rooms that making a cage does not need, and the names that the face passes on from them: imported when asked for."""
 
 _ROOM_OF = {name: room for room, names in _LATER.items() for name in (*names.split(), room.partition(".")[0])}
+
+
+def _repaired(polygons: list[list[_FloatArray]]) -> tuple[Mesh, list[str]] | None:
+    from .exchange.repair import repaired_geometry
+
+    return repaired_geometry(polygons)
+
+
+Mesh.repair = _repaired  # meshes are repaired by what is made of meshes
 
 if not TYPE_CHECKING:  # a type checker would then take any name for one of the face
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import sys
 from collections.abc import Mapping
 from typing import Any
 
@@ -169,6 +170,14 @@ class NestingError(NestedCagesError):
 
 class NestedCagesWarning(UserWarning):
     """Something was repaired or left out; the message says what and where."""
+
+
+def outside() -> int:
+    """The level of the stack, as `warnings.warn` counts it for its caller, of the first frame that is not ours."""
+    package, frame, level = f"{__name__.rpartition('.')[0]}.", sys._getframe(1), 1
+    while frame.f_back is not None and f"{frame.f_globals.get('__name__')}.".startswith(package):
+        frame, level = frame.f_back, level + 1
+    return level
 
 
 invalid_setting = functools.partial(NestedCagesError, code="setting.invalid")

@@ -27,6 +27,9 @@ HAIRLINE_PART, DEFAULT_HAIRLINE = 0.1, 1e-5
 LEAST_HAIRLINE = 1e-9
 """The same in diagonals, for polygons that are valid: below what coordinates of maps resolve."""
 
+SAME_AREA = 1e-6
+"""Relative change of area up to which a polygon that touches itself is taken for what it says."""
+
 GREATEST_PASSES = 64
 """Maximum number of rounds that remove spikes; GEOS repairs the rest."""
 
@@ -72,6 +75,25 @@ def repaired_mesh(
     except shapely.errors.GEOSException as error:
         raise no_outline(f"{fault or 'narrow places'}, which cannot be repaired ({error}).") from error
     return mesh if mesh is not None and not narrow else mended, [*notes, *touching, *narrow]
+
+
+def repaired_geometry(polygons: list[Polygon]) -> tuple[Mesh, list[str]] | None:
+    """The solid of polygons that may touch or overlap each other, and the repairs; None if one crosses itself.
+
+    For geometries of other programs; those that touch themselves without a change of their area are repaired too.
+    """
+    kept, _ = _cleaned(polygons)
+    try:
+        Mesh.from_geometry({"type": "MultiPolygon", "coordinates": kept})
+    except InvalidMeshError:
+        shapely = load_shapely(NEEDED_FOR)
+        for outer, *holes in kept:
+            part = shapely.Polygon(outer, holes)
+            if not part.is_valid:
+                whole = shapely.make_valid(part, method="structure", keep_collapsed=False)
+                if not abs(whole.area - part.area) <= SAME_AREA * part.area:
+                    return None
+    return repaired_mesh(polygons) if kept else None
 
 
 def _faults(shapely: Any, shape: Any) -> list[str]:

@@ -70,7 +70,7 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
         cyclic: bool = False,
         **options: Any,
     ) -> None:
-        self._fine, self._cyclic = Mesh.of(fine), cyclic
+        self._fine, self._cyclic = Mesh.of(fine, strict=True), cyclic
         self._levels = [levels] if isinstance(levels, int | np.integer | Mesh) else list(levels)
         if not self._levels:
             raise NestingError(

@@ -84,7 +84,7 @@ def _at_the_door(shape: MeshLike, name: str, problems: list[Fault]) -> Mesh | No
     if not is_mesh_like(shape):
         raise InvalidMeshError(f"The {name} must be {MESH_LIKE}, not {type(shape).__name__}.", code="mesh.unreadable")
     try:
-        return Mesh.of(shape).validated()
+        return Mesh.of(shape, strict=name == "cage").validated()
     except InvalidMeshError as error:
         where = {key: error.data[key] for key in ("loops", "vertices", "place") if key in error.data}
         code = "cage.invalid" if name == "cage" else "fine.invalid"

@@ -65,7 +65,7 @@ def verify_motion(cage: MeshLike, fine: MeshLike, cage_steps: ArrayLike, fine_st
 
     Raises NestedCagesError if the steps have another shape or are not finite.
     """
-    cage, fine = Mesh.of(cage), Mesh.of(fine)
+    cage, fine = Mesh.of(cage, strict=True), Mesh.of(fine, strict=True)
     cage_steps, fine_steps = _checked_steps(cage, cage_steps, "cage"), _checked_steps(fine, fine_steps, "fine")
     if len(cage_steps) != len(fine_steps):
         raise NestedCagesError(

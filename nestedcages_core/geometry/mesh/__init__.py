@@ -4,7 +4,8 @@
 - `Nesting`: how the loops of two meshes lie in each other.
 """
 
-from .mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like
+from .mesh import Mesh
+from .mesh_like import MESH_LIKE, MeshLike, is_mesh_like
 from .nesting import Nesting, by_side
 
 __all__ = ["MESH_LIKE", "Mesh", "MeshLike", "Nesting", "by_side", "is_mesh_like"]

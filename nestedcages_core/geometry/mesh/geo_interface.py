@@ -28,11 +28,14 @@ WITHOUT_INSIDE = ("Point", "MultiPoint", "LineString", "MultiLineString")
 """Types of geometries without an inside."""
 
 
-def polygons_of(geometry: Any, *, lines: bool = False, depth: int = 0) -> list[Polygon]:
+def polygons_of(
+    geometry: Any, *, lines: bool = False, left_out: list[str] | None = None, depth: int = 0
+) -> list[Polygon]:
     """The polygons of a geometry.
 
     geometry: anything with `__geo_interface__`, or such a mapping: Polygon, MultiPolygon, Feature,
-    FeatureCollection, GeometryCollection. lines: leave out points and lines instead of rejecting them.
+    FeatureCollection, GeometryCollection. lines: leave out points and lines instead of rejecting them. left_out: leave
+    out those of collections, and add a sentence on each.
 
     Raises InvalidMeshError for anything else, with the place of invalid coordinates.
     """
@@ -59,11 +62,14 @@ def polygons_of(geometry: Any, *, lines: bool = False, depth: int = 0) -> list[P
         members = _items(mapping.get("features"), "The list of features")
     elif kind == "GeometryCollection":
         members = _items(mapping.get("geometries"), "The list of geometries")
-    elif lines and kind in WITHOUT_INSIDE:
+    elif kind in WITHOUT_INSIDE and (lines or (left_out is not None and depth)):
+        if left_out is not None:
+            left_out.append(f"a {kind}, which has no inside: left out")
         return []
     else:
         raise unreadable(f"A geometry of type {shown(kind)} has no inside; give Polygon or MultiPolygon geometries.")
-    return [polygon for member in members for polygon in polygons_of(member, lines=lines, depth=depth + 1)]
+    options: dict[str, Any] = {"lines": lines, "left_out": left_out, "depth": depth + 1}
+    return [polygon for member in members for polygon in polygons_of(member, **options)]
 
 
 def _checked_rings(polygon: Any, number: int) -> Polygon:

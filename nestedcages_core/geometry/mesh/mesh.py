@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol, TypeAlias, TypeGuard, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...errors import InvalidMeshError, unreadable
+from ...errors import InvalidMeshError, NestedCagesWarning, outside, unreadable
 from ..arrays import FloatArray, IntArray
 from ..drawable import Drawable
 from ..loops import Loops, enclosing_pairs, extreme_places, parents, trace_loops, turning_senses
 from ..predicates import BoxTree
 from ..vectors import norm, place
+from .mesh_like import MESH_LIKE, MeshLike, has_edges, is_loop, is_mesh_like
 from .validation import as_edges, as_rings, as_vertices, check_simple
 
 Number = TypeVar("Number", bound=np.generic)
@@ -23,13 +25,12 @@ Number = TypeVar("Number", bound=np.generic)
 EXTENT_FACTOR = 2.4
 """The extent of a mesh in units of the largest distance of a vertex from their mean."""
 
+NO_SHAPE = "mesh.empty", "mesh.out_of_range", "mesh.not_finite", "mesh.unreadable"
+"""Faults of geometries that no repair mends."""
+
 TOPOLOGY = {"edges", "successor", "predecessor", "loops", "loop_signs"}
 TOPOLOGY |= {"loop_of_vertex", "parent_of_loop", "component_of_loop"}
 """Attributes that do not change when vertices move."""
-
-
-MESH_LIKE = "a Mesh, an object with __geo_interface__, an array (k, 2), or a list of loops with rows (x, y)"
-"""What `Mesh.of` reads, in words."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -59,6 +60,9 @@ class Mesh(Drawable):
     """Whether these vertices have been validated; False for a mesh made by `moved`."""
     loop_order: Loops = field(init=False)
     """The loops one after the other, for all that walks along them."""
+    repair: ClassVar[Callable[[list[list[FloatArray]]], tuple[Mesh, list[str]] | None]]
+    """Unites polygons that touch or overlap, and names each repair; None for those that cross themselves. The package
+    sets it, since a later room does that."""
 
     def __init__(self, vertices: ArrayLike, edges: ArrayLike) -> None:
         checked = as_vertices(vertices)
@@ -115,9 +119,15 @@ class Mesh(Drawable):
 
         Raises InvalidMeshError also where a polygon lies inside another one, or a hole outside its polygon.
         """
-        from .geo_interface import check_roles, polygons_of
+        from .geo_interface import polygons_of
 
-        polygons = [polygon for polygon in polygons_of(geometry) if any(map(len, polygon))]
+        return cls._of_polygons(polygons_of(geometry))
+
+    @classmethod
+    def _of_polygons(cls, polygons: list[list[FloatArray]]) -> Mesh:
+        from .geo_interface import check_roles
+
+        polygons = [polygon for polygon in polygons if any(map(len, polygon))]
         if not polygons:
             raise InvalidMeshError("The geometry is empty; give at least one polygon.", code="mesh.empty")
         mesh = cls.from_loops([ring for polygon in polygons for ring in polygon])
@@ -125,8 +135,12 @@ class Mesh(Drawable):
         return mesh
 
     @classmethod
-    def of(cls, shape: MeshLike) -> Mesh:
+    def of(cls, shape: MeshLike, *, strict: bool = False) -> Mesh:
         """A mesh as it is, or read from an object with `__geo_interface__`, such a mapping, a loop (k, 2), or loops.
+
+        Geometries may be all that shapely holds for valid: repeated points are left out, parts that touch in a point
+        are joined by a very narrow neck, and members of collections are united; a NestedCagesWarning names each
+        repair. strict: reject these too. A tuple (V, E) is vertices and edges.
 
         Raises InvalidMeshError.
         """
@@ -134,9 +148,28 @@ class Mesh(Drawable):
             return shape
         if not is_mesh_like(shape):
             raise unreadable(f"A shape must be {MESH_LIKE}, not {type(shape).__name__}.")
-        if not isinstance(shape, list | tuple | np.ndarray):
+        if isinstance(shape, list | tuple | np.ndarray):
+            if has_edges(shape):
+                return cls(*shape)
+            return cls.from_loops([shape] if is_loop(shape) else shape)
+        if strict:
             return cls.from_geometry(shape)
-        return cls.from_loops([shape] if _is_loop(shape) else shape)
+        from .geo_interface import polygons_of
+
+        left_out: list[str] = []
+        polygons = polygons_of(shape, left_out=left_out)
+        try:
+            mesh = cls._of_polygons(polygons)
+        except InvalidMeshError as error:
+            repaired = None if error.code in NO_SHAPE else cls.repair(polygons)
+            if repaired is None:
+                raise
+            mesh = repaired[0]
+            left_out += repaired[1]
+        if left_out:
+            said = f"The geometry was repaired: {'; '.join(left_out)}."
+            warnings.warn(said, NestedCagesWarning, stacklevel=outside())
+        return mesh
 
     @property
     def __geo_interface__(self) -> dict[str, Any]:
@@ -262,33 +295,6 @@ class Mesh(Drawable):
                 if isinstance(array, np.ndarray):
                     array.flags.writeable = False
         self._fill(**state)
-
-
-class HasGeoInterface(Protocol):
-    """An object that describes itself as a geometry, for instance one of shapely or geopandas."""
-
-    @property
-    def __geo_interface__(self) -> dict[str, Any]:
-        """A mapping as in GeoJSON."""
-
-
-MeshLike: TypeAlias = Mesh | Sequence[ArrayLike] | NDArray[Any] | Mapping[str, Any] | HasGeoInterface
-"""What `Mesh.of` reads."""
-
-
-def is_mesh_like(shape: object) -> TypeGuard[MeshLike]:
-    """Whether `Mesh.of` can try to read a value."""
-    if isinstance(shape, Mesh | list | tuple | np.ndarray | Mapping):
-        return True
-    return not isinstance(shape, type) and hasattr(shape, "__geo_interface__")
-
-
-def _is_loop(shape: Sequence[Any] | NDArray[Any]) -> bool:
-    """Whether the entries of a list or an array are points, not loops."""
-    if isinstance(shape, np.ndarray):
-        return shape.ndim == 2
-    first = shape[0] if len(shape) else ()
-    return isinstance(first, list | tuple | np.ndarray) and len(first) > 0 and bool(np.isscalar(first[0]))
 
 
 def _frozen(array: NDArray[Number]) -> NDArray[Number]:
