@@ -26,9 +26,9 @@ from ..io.pictures import Canvas, Picture
 from ..keys import found_object
 from ..properties.kinds import choice, flag, length, number, text, whole
 from ..properties.settings import filled, settings_of
-from ..scene import ownership
+from ..scene import grease_pencil, ownership
 from ..scene.areas import paints
-from ..scene.convert import Drawing
+from ..scene.convert import Drawing, fine_drawing, read
 from ..scene.filling import mesh_of
 from ..scene.ownership import scene_of, select
 from .base import DialogJobOperator, JobOperator
@@ -68,7 +68,9 @@ class Part:
 
 
 class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Cut out image files, or selected image planes and empties, as textured meshes that follow a cage"""
+    """Cut out image files, or selected image planes and empties, as textured meshes that follow a cage; and the layers
+    of Grease Pencil drawings
+    """
 
     bl_label = "Cutout"
     exclusive = True
@@ -87,12 +89,16 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
     handles: flag("Handles", "Add a bone per corner of each bound cage to move that corner", default=True)
 
     def ask(self, context: Context, event: bpy.types.Event) -> Any:
-        return super().ask(context, event) if _shown_pictures(context) else ImportHelper.invoke(self, context, event)
+        selected = _shown_pictures(context) or _strokes(context)
+        return super().ask(context, event) if selected else ImportHelper.invoke(self, context, event)
 
     def draw(self, _context: Context) -> None:
         self.draw_options("vertices", *NAMES, "levels", "bind", "handles")
 
     def work(self, context: Context) -> Work[None]:
+        if not paths_of(self) and not _shown_pictures(context) and _strokes(context):
+            yield from self._cut_layers(context, _strokes(context))
+            return
         parts, settings = self._parts(context), settings_of(context)
         levels = parse_levels(self.levels, lengths(scene_of(context)))
         drawings: list[tuple[Part, Drawing]] = []
@@ -148,6 +154,26 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
                 "the threshold",
             )
 
+    def _cut_layers(self, context: Context, drawn: Sequence[Object]) -> Work[None]:
+        """Makes each layer that shows something an object of its own, in cages. Raises: UserError."""
+        levels, methods = parse_levels(self.levels, lengths(scene_of(context))), filled(Methods, settings_of(context))
+        made = [part for obj in drawn for part in grease_pencil.separated(context, obj)]
+        try:
+            context.view_layer.update()
+            requests = [Request(fine_drawing(read(context, part))) for part in made]
+            generation = Generation(requests, Options(levels=levels, methods=methods))
+            yield from generation
+            if generation.problems:
+                raise generation.problems[0]
+            self._write(context, made, generation.results)
+        except BaseException:
+            bpy.data.batch_remove([block for part in made for block in (part, part.data)])
+            raise
+        self.tell_hidden(context, drawn)
+        for obj in drawn:
+            obj.hide_set(True)
+            obj.hide_render = True
+
     def _write(self, context: Context, made: Sequence[Object], results: Sequence[Result]) -> None:
         """Cages around the new objects, without animation, and bound."""
         placed = [
@@ -167,8 +193,9 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
             cages.append(ownership.members(collection)[-1])
         rig = handles.add(context, cages) if self.handles and cages else None
         select(context, *(made if rig is None else [rig]))
+        noun = "layer" if made[0].type == grease_pencil.KINDS[0] else "picture"
         how = "the vertices of the cage" if rig is None else "the bones"
-        self.report({"INFO"}, f"{counted(len(made), 'picture')} cut out: move {how} to pose it")
+        self.report({"INFO"}, f"{counted(len(made), noun)} cut out: move {how} to pose it")
 
     def _parts(self, context: Context) -> list[Part]:
         """The requested pictures. Raises: UserError."""
@@ -178,7 +205,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
             return [Part(image, place, None) for image, place in zip(images, places, strict=True)]
         shown = _shown_pictures(context)
         if not shown:
-            raise UserError("Choose a picture file, or select image planes or image empties")
+            raise UserError("Choose a picture file, or select image planes, image empties or Grease Pencil drawings")
         return [
             Part(image, pictures.canvas_of(obj, pictures.size_of(image)), obj.session_uid)
             for obj in shown
@@ -191,6 +218,11 @@ def _shown_pictures(context: Context) -> list[Object]:
     active = context.view_layer.objects.active
     shown = [obj for obj in context.selected_objects if pictures.image_on(obj) is not None]
     return sorted(shown, key=lambda obj: (obj is not active, obj.name))
+
+
+def _strokes(context: Context) -> list[Object]:
+    """The selected Grease Pencil drawings."""
+    return [obj for obj in context.selected_objects if obj.type == grease_pencil.KINDS[0]]
 
 
 class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bpy.types.Operator):

@@ -195,6 +195,25 @@ def hidden_parts(context: Context, objects: Sequence[Object]) -> Iterator[dict[s
             yield {"name": obj.name, "hidden": hidden}
 
 
+def separated(context: Context, obj: Object) -> list[Object]:
+    """New objects, each with one of an object's layers that show something, all its frames and its masks."""
+    made = []
+    for layer in Painting.of(context, obj).parts:
+        copy, data = obj.copy(), obj.data.copy()
+        copy.name, copy.data = f"{obj.name} {layer.name}", data
+        layers: Any = data.layers
+        masks = {name for name, _ in layer.masks} - {layer.name}
+        for other in list(layers):
+            if other.name in masks:
+                other.opacity = 0.0  # masks that do not show still hide what they cover
+            elif other.name != layer.name:
+                layers.remove(other)
+        for home in obj.users_collection:
+            home.objects.link(copy)
+        made.append(copy)
+    return made
+
+
 def matrix_of(obj: Object, layer: Any) -> FloatArray:
     """The matrix (4, 4) from a layer's space to that of its object."""
     local, parent = np.array(layer.matrix_local, dtype=np.float64), layer.parent

@@ -374,3 +374,63 @@ def test_a_keyed_drawing_is_read_on_the_current_frame_and_bends_on_each() -> Non
         bpy.context.scene.frame_set(frame)
         assert np.abs(places(obj) - before - (2.0, 0.0, 0.0)).max() < 1e-4
     assert [frame.frame_number for frame in obj.data.layers[0].frames] == [1, 10]
+
+
+def test_a_cutout_makes_each_layer_a_part_to_pose() -> None:
+    obj = keyed()
+    head, mask = obj.data.layers.new("Head"), obj.data.layers.new("Mask")
+    strokes(head.frames.new(1).drawing, square(0.5, 0.0, 2.0), fill=1)
+    strokes(mask.frames.new(1).drawing, square(0.5, 0.2, 2.0), fill=1)
+    mask.opacity = 0.0
+    obj.data.layers.active = head
+    bpy.ops.grease_pencil.layer_mask_add(name="Mask")
+    head.use_masks = True
+    obj.data.layers.new("Empty").frames.new(1)
+    name = obj.data.layers[0].name
+    choose(obj)
+    assert bpy.ops.object.nested_cages_cutout(levels="8") == {"FINISHED"}
+    body, top = bpy.data.objects[f"{obj.name} {name}"], bpy.data.objects[f"{obj.name} Head"]
+    assert [len(layer.frames) for layer in body.data.layers] == [2]
+    assert top.data.layers.keys() == ["Head", "Mask"]
+    assert apart(upright(fine_of(top)), box(0.5, 0.0, 2.0) & box(0.5, 0.2, 2.0)) < 1e-5
+    assert obj.hide_get() and obj.hide_render and len(obj.data.layers) == 4
+    rig = bpy.context.object
+    assert rig.type == "ARMATURE"
+    still = places(top)
+    for bone in rig.pose.bones:
+        if bone.name.startswith(body.name):
+            bone.location.x = 1.0
+    for frame in (1, 10):
+        bpy.context.scene.frame_set(frame)
+        assert np.abs(places(body) - rest(body, frame)).max() > 0.1
+    assert np.abs(places(top) - still).max() < 1e-6
+
+
+def rest(obj: Any, frame: int) -> Loop:
+    """Points (n, 3) of the first layer of an object without its modifiers."""
+    (drawing,) = [each.drawing for each in obj.data.layers[0].frames if each.frame_number == frame]
+    return np.array([tuple(point.position) for stroke in drawing.strokes for point in stroke.points])
+
+
+def test_a_cutout_that_fails_leaves_nothing() -> None:
+    obj = pen()
+    strokes(obj, square(1.0), fill=1)
+    obj.data.layers[0].current_frame().drawing.strokes[0].points[0].position = (-1.0, 0.5, -1.0)
+    choose(obj)
+    before = len(bpy.data.objects), len(bpy.data.collections)
+    with pytest.raises(RuntimeError, match="does not lie in one plane"):
+        bpy.ops.object.nested_cages_cutout(levels="8")
+    assert (len(bpy.data.objects), len(bpy.data.collections)) == before and not obj.hide_get()
+
+
+def test_a_drawing_keeps_its_shape_and_live_is_offered(addon) -> None:
+    source = drawn("MONKEY")
+    before, keys = places(source), [[f.frame_number for f in layer.frames] for layer in source.data.layers]
+    assert bpy.ops.object.nested_cages_generate(levels="24") == {"FINISHED"}
+    assert np.array_equal(places(source), before) and len(source.modifiers) == 0
+    assert keys == [[f.frame_number for f in layer.frames] for layer in source.data.layers]
+    live = addon.operators.animation.OBJECT_OT_nested_cages_live
+    assert live.unavailable(bpy.context) == "" and bpy.ops.object.nested_cages_live.poll()
+    assert bpy.ops.object.nested_cages_remove_animation() == {"FINISHED"}
+    assert not source.hide_viewport and not source.hide_render
+    assert source.animation_data is None or source.animation_data.action is None
