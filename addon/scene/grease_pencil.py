@@ -30,7 +30,7 @@ SQUARE = 2.0**0.5
 
 @dataclass(frozen=True)
 class Stroke:
-    """Points (k, 3) along a stroke in its object's space, and radii (k,) in the world.
+    """Points (k, 3) along a stroke in its object's space, radii (k,) in the world, and angles of sharp corners (k,).
 
     ``fill`` and ``line``: 1 if it paints, -1 if it erases what its layer has painted before, else 0. ``group``: of the
     strokes that are one fill.
@@ -38,6 +38,7 @@ class Stroke:
 
     points: FloatArray
     radii: FloatArray
+    corners: FloatArray
     cyclic: bool
     group: int
     fill: int
@@ -176,8 +177,8 @@ class Painting:
             if key is not None and outline:  # Blender fills all that one stroke winds around
                 yield key[0], [core.exchange.Painted(outline, evenodd=len(outline) > 1)]
             if counts.width and stroke.line and stroke.radii.max() > 0.0:
-                ends = np.append(np.arange(len(loop)), 0) if stroke.cyclic else np.arange(len(loop))
-                shapes = covering(loop[ends], stroke.radii[ends] / frame.scale, extent)
+                ends = np.arange(len(loop) + 2 * stroke.cyclic) % len(loop)
+                shapes = covering(loop[ends], stroke.radii[ends] / frame.scale, stroke.corners[ends], extent)
                 yield stroke.line, [core.exchange.Painted([shape]) for shape in shapes]
 
     def _seen(self, frame: Frame, points: FloatArray) -> FloatArray:
@@ -251,7 +252,7 @@ def _strokes(obj: Object, drawing: Any, matrix: FloatArray, resolution: int) -> 
     for number, index in enumerate(curves.each("material_index", 0, np.int32)):
         material = slots[index].material if 0 <= index < len(slots) else None
         style = material.grease_pencil if material is not None else None
-        points, radii, opacity = curves.evaluated(number, resolution)
+        points, radii, opacity, corners = curves.evaluated(number, resolution)
         if not len(points):
             continue
         seen = opacity > LEAST_OPACITY
@@ -263,6 +264,7 @@ def _strokes(obj: Object, drawing: Any, matrix: FloatArray, resolution: int) -> 
         yield Stroke(
             transform(matrix, points),
             scale * square * np.where(seen, np.maximum(radii, 0.0), 0.0),
+            corners,
             bool(curves.cyclic[number]),
             int(fills[number]) if per_stroke else number,
             _effect(style, "fill", filled, opacities[number]),

@@ -36,7 +36,9 @@ class Curves:
         self._orders, self._modes = self.each("nurbs_order", ORDER, np.int32), self.each("knots_mode", 0, np.int32)
         points = self._vectors("position")
         radii, opacities = (self._of_points(name, value) for name, value in (("radius", 0.01), ("opacity", 1.0)))
-        self._values, self._weights = np.column_stack([points, radii, opacities]), self._of_points("nurbs_weight", 1.0)
+        corners = self._of_points("miter_angle", 0.0)
+        self._values = np.column_stack([points, radii, opacities, corners])
+        self._weights = self._of_points("nurbs_weight", 1.0)
         self._left, self._right = self._vectors("handle_left"), self._vectors("handle_right")
 
     def each(self, name: str, missing: float, kind: type[Any] = np.float32) -> NDArray[Any]:
@@ -45,9 +47,10 @@ class Curves:
         count = len(self._ends) - 1
         return np.full(count, missing, kind) if found is None else stored(found.data, "value", 1, kind).ravel()
 
-    def evaluated(self, number: int, resolution: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Points (k, 3), radii (k,) and opacities (k,) along a stroke; resolution: segments between two of its points,
-        0 = its own.
+    def evaluated(self, number: int, resolution: int = 0) -> tuple[FloatArray, ...]:
+        """Points (k, 3), radii (k,), opacities (k,) and angles of sharp corners (k,) along a stroke.
+
+        resolution: segments between two of its points, 0 = its own.
         """
         part = slice(self._ends[number], self._ends[number + 1])
         values, cyclic, kind = self._values[part], bool(self.cyclic[number]), self._kinds[number]
@@ -58,7 +61,7 @@ class Curves:
             values = _bezier(values, self._left[part], self._right[part], cyclic, segments)
         elif kind == NURBS:
             values = _nurbs(values, self._weights[part], self._orders[number], self._modes[number], cyclic, segments)
-        return values[:, :3], values[:, 3], values[:, 4]
+        return values[:, :3], *values[:, 3:].T
 
     def _of_points(self, name: str, missing: float) -> FloatArray:
         found = self._attributes.get(name)
@@ -118,16 +121,16 @@ def _nurbs(values: FloatArray, weights: FloatArray, order: int, mode: int, cycli
     return np.asarray(found[:, :-1] / found[:, -1:], np.float64)
 
 
-def covering(stroke: FloatArray, radii: FloatArray, extent: float) -> list[FloatArray]:
-    """Loops (k, 2) of simple shapes that together cover a stroke (k, 2): a disc around each point, a quad between.
+def covering(stroke: FloatArray, radii: FloatArray, corners: FloatArray, extent: float) -> list[FloatArray]:
+    """Loops (k, 2) of shapes that together cover a stroke (k, 2): a disc around each point, a quad between.
 
-    extent: size of the drawing.
+    corners: (k,) angles from which on corners are sharp, 0 = round; extent: size of the drawing.
     """
     widest = float(radii.max())
     enough = np.pi / np.sqrt(2.0 * ROUNDNESS * max(extent / widest, 1.0))
-    corners = int(np.clip(np.ceil(enough), LEAST_ROUND, ROUND))
-    angles = 2.0 * np.pi * (np.arange(corners) + 0.5) / corners
-    circle = np.column_stack([np.cos(angles), np.sin(angles)]) / np.cos(np.pi / corners)
+    number = int(np.clip(np.ceil(enough), LEAST_ROUND, ROUND))
+    angles = 2.0 * np.pi * (np.arange(number) + 0.5) / number
+    circle = np.column_stack([np.cos(angles), np.sin(angles)]) / np.cos(np.pi / number)
     around = radii[:, None, None] * circle + stroke[:, None, :]
     shapes: list[FloatArray] = [disc for disc, radius in zip(around, radii, strict=True) if radius > 0.0]
     for (start, end), (narrow, wide) in zip(pairwise(stroke), pairwise(radii), strict=True):
@@ -135,7 +138,27 @@ def covering(stroke: FloatArray, radii: FloatArray, extent: float) -> list[Float
         length = float(np.hypot(*along))
         if length > abs(wide - narrow) and (narrow > 0.0 or wide > 0.0):  # else one disc covers the other
             shapes.append(_between(start, end, float(narrow), float(wide), along / length, length))
+    for at in np.flatnonzero(corners[1:-1] > 0.0) + 1:
+        shapes += _sharp(stroke[at - 1 : at + 2], radii[at - 1 : at + 2], float(corners[at]))
     return shapes
+
+
+def _sharp(points: FloatArray, radii: FloatArray, least: float) -> list[FloatArray]:
+    """The quads (4, 2) between the tip of a corner of three points and both ends, unless its angle is too small."""
+    steps = np.diff(points, axis=0)
+    lengths = np.hypot(*steps.T)
+    if not lengths.all() or not radii[1] > 0.0:
+        return []
+    (ax, ay), (bx, by) = ahead = steps / lengths[:, None]
+    angle = np.pi - abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by))
+    if angle < least:
+        return []
+    out = np.sign(ax * by - ay * bx) * np.column_stack([ahead[:, 1], -ahead[:, 0]])
+    tip = points[1] + radii[1] * out.sum(axis=0) / (2.0 * np.sin(0.5 * angle) ** 2)
+    return [
+        np.array([points[1], tip, points[end] + radii[end] * side, points[end]])
+        for end, side in ((0, out[0]), (2, out[1]))
+    ]
 
 
 def _between(

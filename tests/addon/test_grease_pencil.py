@@ -190,6 +190,24 @@ def test_lines_count_with_their_width_and_closed_ones_with_their_inside(addon, c
     assert apart(upright(fine_of(obj)), line | box(1.0)) < 0.01
 
 
+@pytest.mark.skipif(not PER_STROKE, reason="round corners only")
+@pytest.mark.parametrize("cyclic", [False, True])
+def test_sharp_corners_are_inside(addon, cyclic: bool) -> None:
+    obj, zigzag = pen(), np.array([[-0.8, -0.5], [0.5, 0.6], [-0.5, 0.6], [0.8, -0.6]])
+    strokes(obj, zigzag, cyclic=cyclic, radius=0.15)
+    drawing = obj.data.layers[0].current_frame().drawing
+    limits = drawing.attributes.new("miter_angle", "FLOAT", "POINT")
+    limits.data.foreach_set("value", np.full(4, 0.3, np.float32))
+    line = shapely.LineString(zigzag[[0, 1, 2, 3, 0, 1] if cyclic else [0, 1, 2, 3]])
+    sharp = line.buffer(0.15, join_style="mitre", mitre_limit=1.0 / np.sin(0.15), cap_style="flat")
+    found = seen(addon, obj)
+    assert (sharp - found).area < 1e-5
+    assert (found - (sharp | line.buffer(0.15, 32))).area < 0.01 * sharp.area
+    limits.data.foreach_set("value", np.full(4, 1.5, np.float32))
+    obj.data.update_tag()
+    assert apart(seen(addon, obj), line.buffer(0.15, 32)) < 0.01
+
+
 def hide_by_material(obj: Any) -> None:
     material = obj.data.materials[0].copy()
     obj.data.materials.append(material)
