@@ -340,3 +340,13 @@ def test_open_lines_are_closed_on_request(addon) -> None:
 def test_a_bent_drawing_is_projected_on_request(addon) -> None:
     drawing = read(addon, bent(addon), project=True)
     assert len(drawing.loops[0]) == 20
+
+
+@pytest.mark.skipif(bpy.app.version >= (4, 3), reason="converted when the file is opened")
+def test_the_older_grease_pencil_is_told() -> None:
+    bpy.ops.object.gpencil_add(type="STROKE")
+    for run in ("generate", "silhouette", "suggest_bones"):
+        with pytest.raises(
+            RuntimeError, match=r"is a Grease Pencil of the kind before Blender 4\.3: open the file there"
+        ):
+            getattr(bpy.ops.object, f"nested_cages_{run}")()
