@@ -16,6 +16,7 @@ from ..exchange import Limits, cut_at_borders
 from ..exchange.pictures import picture_cages
 from ..geometry.mesh import Mesh
 from ..hierarchy import LEAST, Hierarchy, Level, Rising, Settings, Within, inner_cages, nested_cages, wanted_levels
+from ..level.gate import at_rest
 from .progress import ProgressLine
 from .sources import NamedShape, Source
 
@@ -130,9 +131,8 @@ def _at_borders(
         cuts = cut_at_borders(meshes, regions, clearance=clearance, inner=inner, width=width)
         for levels, mesh, level, cut in zip(cut_back, inner, given, cuts, strict=True):
             if level is not None:
-                excess, notes = cut.cage.area / mesh.area - 1.0, (*level.report.notes, cut.note)
-                report = replace(level.report, clearance=cut.clearance, excess=excess, notes=notes)
-                levels.append(replace(level, cage=cut.cage, report=report))
+                wanted = min(level.report.wanted_clearance, cut.clearance)
+                levels.append(at_rest(level, mesh, cut.cage, wanted, cut.note))
         borders.append(
             {
                 "points_read": sum(len(region.vertices) for region in regions),

@@ -17,6 +17,7 @@ from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, by_side, is_mesh_like
 from ..level.attempts import LOOSE, clearances_for
 from ..level.builder import LevelBuilder
+from ..level.gate import passed
 from ..level.level_cache import whole_level
 from ..level.plan import Plan
 from ..level.report import Hierarchy, Level, LevelProgress, Progress
@@ -131,7 +132,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
             number = int(level) if isinstance(level, Rising) else level
             asked = replace(chosen, about=None, seconds=None), about, inner, number, clearances, side
             try:
-                done = yield from whole_level(work, progress, *asked)
+                done = passed((yield from whole_level(work, progress, *asked)), inner)
                 break
             except NestedCagesError as error:
                 if not isinstance(level, Rising):

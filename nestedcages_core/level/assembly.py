@@ -12,15 +12,14 @@ import numpy as np
 from ..contact.reinflation import Reinflation
 from ..decimation import Decimation, Start
 from ..energies import CageEnergy
-from ..errors import Fault, NestingError, note
+from ..errors import Fault, note
 from ..flow import FlowResult
-from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
-from ..verification import Certificate, verify
 from ..verification.certificate import loops_in_words
+from .gate import Way, admitted, judged
 from .plan import Plan
-from .report import Level, LevelProgress, NestingReport, Progress
+from .report import JudgedCage, Level, LevelProgress, NestingReport, Progress
 from .units import SolverUnits
 
 if TYPE_CHECKING:
@@ -58,58 +57,33 @@ class Assembly:
 
     def __init__(self, plan: Plan, progress: LevelProgress, units: SolverUnits) -> None:
         self.plan, self.progress, self.units, self.fine = plan, progress, units, plan.fine
+        self.is_final = plan.numbers is None and plan.inner is None
+        """Whether its levels are handed out as they are, so that they keep all needs."""
 
-    def around(self, inner: Mesh, level: Level) -> Level:
+    def around(self, inner: Mesh, level: Level) -> Stage[Progress, Level]:
         """The level of a mesh that rests in the one that was solved for. Raises NestingError."""
-        mended = self.plan.mended(level.cage)
+        way, report, cage = Way.of(level), level.report, level.cage
+        mended = self.plan.mended(cage)
         if mended is not None:
-            level = level.standing(*mended)
-            if self.plan.mended(level.cage) is not None:
-                raise NestingError("The cage is not convex.", code="convex.missed")
-        cage, rest = level.cage, inner.vertices[None]
-        certificate = verify(cage, inner, level.report.wanted_clearance, same_loops=False)
-        if not certificate:
-            raise NestingError(certificate.problems[0])
-        fault = next(self.plan.missed(cage), None)
-        if fault is not None:
-            raise NestingError(fault)
-        report = replace(level.report, clearance=certificate.clearance, excess=cage.area / inner.area - 1.0)
+            cage, said = mended
+            way, report = Way.at_rest(inner, cage), report.with_count(said)
         if not cage.has_loops_like(inner):
             loops = note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(inner))
             report = replace(report, notes=(loops, *report.notes))
-        path = replace(level.reinflation, moving_steps=rest)
-        return replace(level, fine=inner, flow=FlowResult(rest, 0, "inside"), reinflation=path, report=report)
-
-    def resting(self, steps: FloatArray) -> tuple[FlowResult, Reinflation]:
-        """The motion of a cage with steps (K + 1, m, 2) while the fine mesh rests."""
-        rest = self.fine.vertices[None]
-        return FlowResult(rest, 0, "inside"), Reinflation(rest, steps, 0)
+        rest = inner.vertices[None]
+        way = Way(way.coarse, FlowResult(rest, 0, "inside"), replace(way.reinflation, moving_steps=rest))
+        certified = judged(replace(self.plan, fine=inner), cage, report.wanted_clearance)
+        work = admitted(certified, way, report, stored=report.stored)
+        return (yield from self.progress.follow(work, lambda done: (done, "verification")))
 
     def level(
-        self,
-        coarse: Mesh,
-        cage: Mesh,
-        way: tuple[FlowResult, Reinflation],
-        certificate: Certificate,
-        clearance: float,
-        start: str,
-        iterations: Mapping[str, int],
-        notes: tuple[Fault, ...],
-    ) -> Level:
-        """The level with its report: what is certified, and how long it took."""
+        self, cage: JudgedCage, way: Way, start: str, iterations: Mapping[str, int], notes: tuple[Fault, ...]
+    ) -> Stage[Progress, Level]:
+        """The level of a judged cage with its report, after its motion is judged. Raises NestingError."""
+        draft = NestingReport(False, False, 0.0, cage.wanted, 0.0, start, iterations, {}, notes)
+        level = yield from self.progress.follow(admitted(cage, way, draft), lambda done: (done, "verification"))
         self.progress.stop_clock()
-        report = NestingReport(
-            strict=certificate.strict,
-            simple=certificate.simple,
-            clearance=certificate.clearance,
-            wanted_clearance=clearance,
-            excess=cage.area / self.fine.area - 1.0,
-            start=start,
-            iterations=iterations,
-            seconds=dict(self.progress.seconds),
-            notes=notes,
-        )
-        return Level(self.fine, coarse, cage, *way, report, side=self.plan.side)
+        return replace(level, report=replace(level.report, seconds=dict(self.progress.seconds)))
 
     def untightened(
         self, starts: Sequence[Start], clearances: tuple[float, ...], notes: tuple[Fault, ...]
@@ -121,16 +95,16 @@ class Assembly:
         """
         yield from self.progress.begin("verification")
         for start in starts:
-            certificate = self.plan.verify(start.coarse, 0.0)
-            clearance = min(clearances[0], certificate.clearance) if len(clearances) > 1 else clearances[0]
-            if certificate.holds and certificate.clearance >= clearance and not any(self.plan.missed(start.coarse)):
-                resting, counts = self.resting(start.coarse.vertices[None]), {"flow": 0, "reinflation": 0}
-                mesh, every = start.coarse, (note("note.untightened"), *notes)
-                return self.level(mesh, mesh, resting, certificate, clearance, start.source, counts, every)
+            cage = judged(self.plan, start.coarse, 0.0, promised=self.is_final, same_loops=True)
+            clearance = min(clearances[0], cage.certificate.clearance) if len(clearances) > 1 else clearances[0]
+            if cage and cage.certificate.clearance >= clearance:
+                cage = judged(self.plan, start.coarse, clearance, promised=self.is_final)
+                way, every = Way.at_rest(self.fine, start.coarse), (note("note.untightened"), *notes)
+                return (yield from self.level(cage, way, start.source, {"flow": 0, "reinflation": 0}, every))
         return None
 
-    def in_input_units(self, cage: CageInProgress) -> tuple[FlowResult, Reinflation]:
-        """Flow and reinflation in input units; input coordinates are restored exactly."""
+    def in_input_units(self, cage: CageInProgress) -> Way:
+        """The steps in input units; input coordinates are restored exactly."""
         units, reinflation = self.units, cage.reinflation
         flow_steps = units.to_input(cage.flow.steps)
         flow_steps[0] = self.fine.vertices
@@ -142,13 +116,7 @@ class Assembly:
             cage_steps = cage.alike.symmetrised(cage_steps)
         cage_steps[0] = cage.start.coarse.vertices
         flow = FlowResult(flow_steps, cage.flow.iterations, cage.flow.stage)
-        return flow, Reinflation(moving_steps, cage_steps, reinflation.iterations)
-
-
-def is_only_too_close(certificate: Certificate, clearance: float) -> bool:
-    """Whether a cage lacks nothing but the clearance."""
-    sound = certificate.strict and certificate.simple and len(certificate.problems) == 1
-    return sound and certificate.clearance < clearance
+        return Way(cage.start.coarse, flow, Reinflation(moving_steps, cage_steps, reinflation.iterations))
 
 
 def deviations(plan: Plan, cage: Mesh, clearance: float, wanted: float) -> tuple[Fault, ...]:

@@ -21,9 +21,9 @@ from ..flow import FlowResult
 from ..geometry.arrays import TINY, FloatArray
 from ..geometry.mesh import Mesh, Nesting
 from ..tasks import Stage
-from ..verification.motion import certifying
-from .assembly import Assembly, CageInProgress, deviations, in_words, is_only_too_close
+from .assembly import Assembly, CageInProgress, deviations, in_words
 from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn
+from .gate import judged
 from .level_cache import coarse_meshes, flow_inside
 from .plan import Plan
 from .report import Level, LevelProgress, Progress
@@ -68,7 +68,8 @@ class LevelBuilder:
     def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
         """The level for a vertex count or the user's own coarse mesh. Raises NestedCagesError."""
         level = yield from self._on_numbers(wanted)
-        return level if self.plan.inner is None else self.assembly.around(self.plan.inner, level)
+        inner = self.plan.inner
+        return level if inner is None else (yield from self.assembly.around(inner, level))
 
     def _on_numbers(self, wanted: int | Mesh) -> Stage[Progress, Level]:
         """The level on the numbers of the plan, around what is solved for."""
@@ -290,35 +291,22 @@ class LevelBuilder:
 
     def _certified(self, attempt: Attempt, cage: CageInProgress, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The level of a cage, at the largest clearance of the attempt that can be certified."""
-        coarse, wanted = cage.start.coarse, attempt.clearances[0]
-        # a user's own coarse mesh may wrap several parts in one loop or cover holes
-        same_loops = coarse.has_loops_like(self.fine)
+        wanted = attempt.clearances[0]
         for clearance in attempt.clearances:
             if clearance < wanted:
                 cage = yield from self._tightened(cage, clearance)
             yield from self.progress.begin("verification")
-            flow, reinflation = self.assembly.in_input_units(cage)
-            result = coarse.moved(reinflation.cage_steps[-1])
-            certificate = self.plan.verify(result, clearance, same_loops=same_loops)
-            if not is_only_too_close(certificate, clearance):
+            way = self.assembly.in_input_units(cage)
+            result = judged(self.plan, way.cage, clearance, promised=self.assembly.is_final)
+            if not result.is_only_too_close:
                 break
-        if not certificate.holds:
+        if not result:
             from .failures import failed
 
-            raise NestingError(failed(certificate, self.plan, clearance, wanted))
-        motion_check = certifying(Bodies.of(result, self.fine), list(reinflation.cage_steps), reinflation.fine_path)
-        motion = yield from self.progress.follow(motion_check, lambda done: (done, "verification"))
-        if not motion:
-            assert motion.step is not None
-            from .failures import collides
-
-            raise NestingError(collides(motion.step, self.plan))
-        fault = next(self.plan.missed(result), None)
-        if fault is not None:
-            raise NestingError(fault)
-        notes = (*notes, *deviations(self.plan, result, clearance, wanted))
-        if len(reinflation.cage_steps) == 1 and not getattr(self.settings.energy, "is_area", False):
+            raise NestingError(failed(result, self.plan, wanted))
+        notes = (*notes, *deviations(self.plan, result.cage, clearance, wanted))
+        if len(way.reinflation.cage_steps) == 1 and not getattr(self.settings.energy, "is_area", False):
             notes = (*notes, note("note.energy", energy=type(self.settings.energy).__name__))
-        start = "flow" if len(flow.steps) > 1 else cage.start.source
-        counts = {"flow": flow.iterations, "reinflation": reinflation.iterations, **cage.counts}
-        return self.assembly.level(coarse, result, (flow, reinflation), certificate, clearance, start, counts, notes)
+        start = "flow" if len(way.flow.steps) > 1 else cage.start.source
+        counts = {"flow": way.flow.iterations, "reinflation": way.reinflation.iterations, **cage.counts}
+        return (yield from self.assembly.level(result, way, start, counts, notes))

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from ..errors import Fault
-from ..verification import Certificate
-from .assembly import is_only_too_close
 from .plan import Plan
+from .report import JudgedCage
 from .tightest_place import too_narrow
 
 
-def failed(certificate: Certificate, plan: Plan, tried: float, wanted: float) -> Fault:
-    """Why a cage was rejected; tried: the last clearance asked for."""
-    if not is_only_too_close(certificate, tried):
+def failed(cage: JudgedCage, plan: Plan, wanted: float) -> Fault:
+    """Why a cage was rejected; wanted: the first clearance asked for."""
+    certificate = cage.certificate
+    if certificate.holds and cage.fault is not None:
+        return cage.fault
+    if not cage.is_only_too_close:
         said = "The cage could not be certified: "
         if plan.side < 0:
             said = (
@@ -26,14 +28,4 @@ def failed(certificate: Certificate, plan: Plan, tried: float, wanted: float) ->
         "clearance.no_room",
         wanted=wanted,
         largest=certificate.clearance,
-    )
-
-
-def collides(step: int, plan: Plan) -> Fault:
-    """Why a motion was rejected after a step."""
-    return Fault(
-        f"The motion from step {step} to the next could not be certified free of collisions; "
-        f"use more cage vertices{'' if plan.side < 0 else ', or a coarse mesh closer to the fine one'}.",
-        "motion.collides",
-        step=step,
     )

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from ..cache import Memory, key_of
 from ..decimation import Count, SeveralStarts, Start
 from ..flow import FlowMethod, FlowResult
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
+from .gate import copied
 from .report import Level, LevelProgress, Progress
 
 BYTES_PER_VERTEX = 300
@@ -29,17 +29,10 @@ def whole_level(work: Stage[Progress, Level], progress: LevelProgress, *asked: o
     known = _levels.get(key)
     if known is None:
         made = yield from work
-        _levels.put(key, _copied(made), _level_size(made))
+        _levels.put(key, copied(made), _level_size(made))
         return made
     yield from progress.begin("verification")
-    return _copied(known)
-
-
-def _copied(level: Level) -> Level:
-    """A level with arrays of its own."""
-    flow = replace(level.flow, steps=level.flow.steps.copy())
-    moving, cage = (steps.copy() for steps in (level.reinflation.moving_steps, level.reinflation.cage_steps))
-    return replace(level, flow=flow, reinflation=replace(level.reinflation, moving_steps=moving, cage_steps=cage))
+    return copied(known)
 
 
 def _level_size(level: Level) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import overload
 
@@ -14,6 +14,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh
 from ..tasks import Result, Stage, Yielded, flat_mapped
+from ..verification import Certificate
 
 STAGES = {"decimation": 0.0, "flow": 0.2, "reinflation": 0.32, "tightening": 0.52, "verification": 0.96}
 """Approximate fraction of a level with one start at which each stage begins."""
@@ -62,6 +63,10 @@ class NestingReport:
     stored: str | None = None
     """Certified: the coordinates of the cage are numbers of this type, such as "float32"; None for doubles."""
 
+    def with_count(self, note: Fault) -> NestingReport:
+        """The report with a note on the number of vertices instead of that on the grid."""
+        return replace(self, notes=(*(other for other in self.notes if other.data.get("on") != "grid"), note))
+
     def __str__(self) -> str:
         measures = (
             f"strictly nested: {_yes(self.strict)}",
@@ -73,6 +78,56 @@ class NestingReport:
             f"{sum(self.seconds.values()):.2f} s",
         )
         return "\n".join([", ".join(measures), *self.notes])
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedCage:
+    """A cage and the verdict on it; true if nothing is wrong with it."""
+
+    cage: Mesh
+    fine: Mesh
+    side: int
+    wanted: float
+    """The clearance asked for."""
+    certificate: Certificate
+    numbers: tuple[float | None, str | None] | None
+    """The grid and the type that hold the coordinates; None where needs were not asked."""
+    fault: Fault | None
+    """What is wrong."""
+
+    def __bool__(self) -> bool:
+        return self.fault is None
+
+    @property
+    def is_only_too_close(self) -> bool:
+        """Whether it lacks nothing but the clearance."""
+        verdict = self.certificate
+        sound = verdict.strict and verdict.simple and len(verdict.problems) == 1
+        return sound and verdict.clearance < self.wanted
+
+    def told(self, report: NestingReport) -> NestingReport:
+        """A report that tells what was measured."""
+        return replace(
+            report,
+            strict=self.certificate.strict,
+            simple=self.certificate.simple,
+            clearance=self.certificate.clearance,
+            wanted_clearance=self.wanted,
+            excess=self.cage.area / self.fine.area - 1.0,
+            grid=self.numbers and self.numbers[0],
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Seal:
+    """What was judged of a level."""
+
+    judged: JudgedCage
+    stored: str | None
+    """The type that holds the steps."""
+    flow: bytes
+    links: tuple[bytes, ...]
+    """One for the motion from each step to the next."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -89,6 +144,8 @@ class Level(Drawable):
     report: NestingReport
     side: int = 1
     """1 for a cage around `fine`, -1 for one inside it, as those of `inner_cages`."""
+    seal: Seal | None = field(default=None, repr=False)
+    """What was judged of it; None if it was made elsewhere."""
 
     @property
     def inside(self) -> bool:
@@ -104,14 +161,6 @@ class Level(Drawable):
     def excess(self) -> float:
         """area(cage) / area(fine) - 1; negative for inner cages."""
         return self.report.excess
-
-    def standing(self, cage: Mesh, note: Fault) -> Level:
-        """The level with another cage, from where it does not move, and a note instead of that on the grid."""
-        rest = self.fine.vertices[None]
-        kept = [other for other in self.report.notes if other.data.get("on") != "grid"]
-        report = replace(self.report, notes=(*kept, note))
-        flow, resting = FlowResult(rest, 0, "inside"), Reinflation(rest, cage.vertices[None], 0)
-        return replace(self, coarse=cage, cage=cage, flow=flow, reinflation=resting, report=report)
 
     @property
     def meshes(self) -> tuple[Mesh, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -15,11 +16,11 @@ from ..errors import Fault, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Orbits
 from ..geometry.mesh import Mesh
-from ..tasks import Stage
+from ..tasks import Stage, drain
 from ..tightening.reach_clearance import shift_edges
-from ..verification.motion import certify_motion
+from .gate import Way, admitted, judged
 from .plan import EdgeCost, Numbers, Plan
-from .report import Level, LevelProgress, Progress
+from .report import Level, LevelProgress, NestingReport, Progress
 from .settings import LevelSettings
 from .symmetrised_start import orbits_of
 from .units import SolverUnits
@@ -52,24 +53,24 @@ class Settling:
     def settled(self, level: Level) -> Stage[Progress, Level | None]:
         """The level with its cage on the numbers, certified; None if there is none."""
         yield from self.progress.begin("verification")
-        found = yield from self._moved(level, self.numbers)
+        found = yield from self._moved(level, Way.of(level), level.report, self.numbers)
         if found is None and self.plan.group is None:
-            found = yield from self._moved(self._widened(level), self.numbers)
+            found = yield from self._moved(level, self._widened(level), level.report, self.numbers)
         if found is None:
             return None
         self.progress.stop_clock()
         notes = self._noted(level, found)
-        if found.report.stored is not None:
+        if self.numbers.stored is not None:
             from .steps import with_stored_steps
 
-            found = with_stored_steps(found)
+            found = with_stored_steps(found, self.numbers.stored)
         return replace(found, report=replace(found.report, notes=notes, seconds=dict(self.progress.seconds)))
 
     def failure(self, level: Level) -> Stage[Progress, NestingError]:
         """The error for a level that has no cage on the numbers."""
         remedy, works = "ask for a finer one", None
         for finer in self.numbers.finer():
-            if (yield from self._moved(level, finer)) is not None:
+            if (yield from self._moved(level, Way.of(level), level.report, finer)) is not None:
                 remedy, works = f"a grid of {finer.spacing:.6g} works", finer.spacing
                 break
         count, clearance = len(level.cage.vertices), level.report.wanted_clearance
@@ -90,34 +91,30 @@ class Settling:
         before, after = (self.plan.notes(each.cage, clearance) for each in (level, found))
         return (*(note for note in found.report.notes if note not in before), *after)
 
-    def _moved(self, level: Level, numbers: Numbers) -> Stage[Progress, Level | None]:
-        """The level with its cage on some numbers, certified; None if there is none."""
-        plan, wanted = replace(self.plan, numbers=numbers), level.report.wanted_clearance
-        search = placements(plan, self.choices.energy, level.cage, wanted)
+    def _moved(self, level: Level, way: Way, report: NestingReport, numbers: Numbers) -> Stage[Progress, Level | None]:
+        """The level with a cage near that of a way on some numbers, certified; None if there is none."""
+        plan, wanted = replace(self.plan, numbers=numbers), report.wanted_clearance
+        search = placements(plan, self.choices.energy, way.cage, wanted)
         found = yield from self.progress.follow(search, lambda done: (done, "grid"))
-        same_loops = level.coarse.has_loops_like(level.fine)
         for points in found:
-            cage = level.coarse.moved(points)
-            mended = plan.mended(cage)
+            moved = way.coarse.moved(points)
+            mended = plan.mended(moved)
             if mended is not None:
-                return (yield from self._moved(level.standing(*mended), numbers))
-            certificate = plan.verify(cage, wanted, same_loops=same_loops)
-            path = _path(level, points, numbers.spacing) if certificate and plan.fault(cage) is None else None
-            if path is None:
-                logger.debug("numbers %g apart: %s", numbers.spacing, certificate.problems or "no free path")
+                hull, note = Way.at_rest(plan.fine, mended[0]), mended[1]
+                return (yield from self._moved(level, hull, report.with_count(note), numbers))
+            cage = judged(plan, moved, wanted)
+            if not cage:
+                logger.debug("numbers %g apart: %s", numbers.spacing, cage.fault)
                 continue
-            report = replace(
-                level.report,
-                clearance=certificate.clearance,
-                excess=cage.area / level.fine.area - 1.0,
-                grid=numbers.grid,
-                stored=numbers.stored,
-            )
-            return replace(level, cage=cage, reinflation=path, report=report)
+            for path in _paths(way, points, Bodies.of(way.cage, plan.fine, side=plan.side), numbers.spacing):
+                try:
+                    return drain(admitted(cage, way._replace(reinflation=path), report, level))
+                except NestingError as error:
+                    logger.debug("numbers %g apart: %s", numbers.spacing, error)
         return None
 
-    def _widened(self, level: Level) -> Level:
-        """The level tightened with more clearance."""
+    def _widened(self, level: Level) -> Way:
+        """The steps of the level tightened with more clearance."""
         units = SolverUnits.of(level.fine)
         cage, fine = units.from_input(level.cage), units.from_input(level.fine)
         bodies = Bodies.of(cage, fine, side=self.plan.side)
@@ -125,9 +122,8 @@ class Settling:
         clearance = units.clearance(level.report.wanted_clearance + self.rooms[0])
         run = self.choices.tightening.run(bodies, cage.vertices, fine.vertices, clearance=clearance, energy=energy)
         wider = [units.to_input(step) for step in run]
-        if not wider:
-            return level
-        return replace(level, cage=level.coarse.moved(wider[-1]), reinflation=level.reinflation.with_tightening(wider))
+        way = Way.of(level)
+        return way._replace(reinflation=way.reinflation.with_tightening(wider)) if wider else way
 
 
 def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float) -> Stage[float, list[FloatArray]]:
@@ -173,25 +169,18 @@ def _from_sector(points: FloatArray, orbits: Orbits, k: int) -> FloatArray:
     return orbits.symmetrised(given)
 
 
-def _path(level: Level, vertices: FloatArray, spacing: float) -> Reinflation | None:
-    """The steps of the level, continued to vertices (m, 2); None if that motion is not collision-free.
-
-    Tried in turn: straight, with edges pushed away from the fine mesh midway, and from an earlier step.
-    """
-    path, bodies = level.reinflation, Bodies.of(level.cage, level.fine)
+def _paths(way: Way, vertices: FloatArray, walked: Bodies, spacing: float) -> Iterator[Reinflation]:
+    """The steps of a way continued to vertices (m, 2): straight, with edges pushed away from the fine mesh midway, and
+    from an earlier step."""
+    path = way.reinflation
     last = path.cage_steps[-1]
     if np.array_equal(last, vertices):
-        return path  # a further step would be shown as frames without motion
-    walked = Bodies.of(level.cage, level.fine, side=level.side)
-    middle = 0.5 * (last + vertices)
-    shift = np.ones(bodies.m) * spacing
-    ways = [[last, vertices]]
-    ways += [[last, middle + shift_edges(walked, middle, push * shift), vertices] for push in PUSHES]
-    for steps in ways:
-        if certify_motion(bodies, steps, [level.fine.vertices] * len(steps)):
-            return path.with_tightening(steps[1:])
+        yield path  # a further step would be shown as frames without motion
+        return
+    yield path.with_tightening([vertices])
+    middle, shift = 0.5 * (last + vertices), np.ones(walked.m) * spacing
+    for push in PUSHES:
+        yield path.with_tightening([middle + shift_edges(walked, middle, push * shift), vertices])
     for number in range(len(path.cage_steps) - 2, path.tightening_start - 1, -1):
-        if certify_motion(bodies, [path.cage_steps[number], vertices], [level.fine.vertices] * 2):
-            kept = np.concatenate([path.cage_steps[: number + 1], vertices[None]])
-            return Reinflation(path.moving_steps, kept, path.iterations)
-    return None
+        kept = np.concatenate([path.cage_steps[: number + 1], vertices[None]])
+        yield Reinflation(path.moving_steps, kept, path.iterations)

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
+from ..errors import NestingError
 from ..flow.shrinking import shrink
 from ..geometry.arrays import FloatArray
-from ..verification.motion import certify_motion
+from .gate import Way, rerouted
 from .report import Level
 
 
@@ -19,29 +19,29 @@ def as_stored(points: FloatArray, stored: str | None) -> FloatArray:
     return points if stored is None else points.astype(stored).astype(np.float64)
 
 
-def with_stored_steps(level: Level) -> Level:
-    """The level with all of its steps on the numbers of its report, and its motion certified on these.
+def with_stored_steps(level: Level, stored: str) -> Level:
+    """The level with all of its steps as a type holds them, and its motion certified on these numbers.
 
     The fine mesh keeps its coordinates. Where rounding closes a gap during the flow, the steps up to there belong to
     the flow, and the coarse mesh is the cage after them.
     """
-    stored, way = level.report.stored, level.reinflation
-    flow, moving = (as_stored(steps, stored) for steps in (level.flow.steps, way.moving_steps))
-    cages = as_stored(way.cage_steps, stored)
+    way, first = level.reinflation, 0
+    flow, moving, cages = (as_stored(steps, stored) for steps in (level.flow.steps, way.moving_steps, way.cage_steps))
     flow[0] = moving[-1] = level.fine.vertices
     moving[0] = flow[-1]
-    bodies, first = Bodies.of(level.cage, level.fine), 0
-    rounded = Reinflation(moving, cages, way.iterations)
-    while not (found := certify_motion(bodies, list(cages[first:]), rounded.fine_path[first:])):
-        assert found.step is not None
-        first += found.step + 1
-    away = min(first, len(moving) - 1)
-    return replace(
-        level,
-        coarse=level.coarse.moved(cages[first]),
-        flow=replace(level.flow, steps=np.concatenate([flow, moving[1 : away + 1]])),
-        reinflation=Reinflation(moving[away:], cages[first:], way.iterations),
-    )
+    while True:
+        away = min(first, len(moving) - 1)
+        later = Way(
+            level.coarse.moved(cages[first]),
+            replace(level.flow, steps=np.concatenate([flow, moving[1 : away + 1]])),
+            Reinflation(moving[away:], cages[first:], way.iterations),
+        )
+        try:
+            return rerouted(level, later, stored)
+        except NestingError as error:
+            if error.code != "motion.collides":
+                raise
+            first += error.data["step"] + 1
 
 
 def shrunk(level: Level) -> Level:
@@ -50,18 +50,21 @@ def shrunk(level: Level) -> Level:
     """
     if level.side < 0:
         return level
-    start, way = level.flow.steps[-1], level.reinflation
-    further = as_stored(shrink(level.fine, level.coarse, start), level.report.stored)
-    standing = np.broadcast_to(level.coarse.vertices, (len(further) + 1, *level.coarse.vertices.shape))
-    inwards = [start, *further]
-    if not len(further) or not certify_motion(Bodies.of(level.cage, level.fine), list(standing), inwards):
-        return level
-    return replace(
-        level,
-        flow=replace(level.flow, steps=np.concatenate([level.flow.steps, further])),
-        reinflation=Reinflation(
+    way, stored = level.reinflation, level.report.stored
+    further = as_stored(shrink(level.fine, level.coarse, level.flow.steps[-1]), stored)
+    standing = np.broadcast_to(level.coarse.vertices, (len(further), *level.coarse.vertices.shape))
+    longer = Way(
+        level.coarse,
+        replace(level.flow, steps=np.concatenate([level.flow.steps, further])),
+        Reinflation(
             np.concatenate([further[::-1], way.moving_steps]),
-            np.concatenate([standing[:-1], way.cage_steps]),
+            np.concatenate([standing, way.cage_steps]),
             way.iterations,
         ),
     )
+    try:
+        return rerouted(level, longer, stored) if len(further) else level
+    except NestingError as error:
+        if error.code != "motion.collides":
+            raise
+        return level

@@ -15,11 +15,12 @@ from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh, MeshLike
 from ..hierarchy import Progress, Settings
 from ..hierarchy.settings import type_name
+from ..level.gate import Key
 from ..tasks import Run, Stage, listened
 from ..verification import verify, verify_motion
 from .level import Allowance, LevelMotion
 from .poses import Pose, read_poses
-from .results import Key, MotionReport, MovingCages, MovingLevel
+from .results import MotionReport, MovingCages, MovingLevel
 
 MANY_ROOMS = 64.0
 """Multiples of what rounding takes, kept where less was not enough: rounding can close gaps between parts of a cage."""

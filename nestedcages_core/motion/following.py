@@ -20,6 +20,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.group import Orbits
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings
+from ..level.gate import judged
 from ..level.settling import placements
 from ..level.symmetrised_start import orbits_of
 from ..level.units import SolverUnits
@@ -220,4 +221,4 @@ def followed(cage: Mesh, before: Mesh, after: Mesh, clearance: float, settings: 
     if cages is None:
         return None
     moved = cage.moved(follower.stored(cages[-1]))
-    return moved if verify(moved, after, clearance).holds else None
+    return moved if judged(promises.plan, moved, clearance, same_loops=True) else None

@@ -14,13 +14,12 @@ from ..geometry.mesh import Mesh
 from ..hierarchy import Settings, Within, nested_cages
 from ..hierarchy.settings import type_name
 from ..level.attempts import clearances_for
+from ..level.gate import Key, MotionGate, Posed
 from ..level.units import SolverUnits
-from ..verification import verify, verify_motion
 from .between import Instant, Straightener, around
 from .following import Follower
 from .poses import LOOK_AHEAD, WINDOW, Pose, look_ahead
 from .promises import Promises
-from .results import Key
 from .starts import first_cage
 
 
@@ -73,8 +72,14 @@ class LevelMotion:
         self._follower = follower(self.topology, first)
         self._straightener = Straightener(self._follower, self._is_free)
         keys = self._ring([*ahead, *poses]) if self.cyclic else self._stream(chain(ahead, poses))
-        for key in keys:
-            yield self._certified(key)
+        wanted = 0.0 if self.settings.clearance is None else self.clearance
+        self._gate = MotionGate(self.promises.plan, self.topology, wanted)
+        last: Instant | None = None
+        key: Key | None = None
+        for instant in keys:
+            key = self._gate.key(self._posed(instant), key, None if last is None else last.seal)
+            last = instant
+            yield key
 
     def _room(self, poses: Iterable[Pose]) -> float:
         """What rounding to the numbers of the type that stores the cages may take from the clearance."""
@@ -163,20 +168,10 @@ class LevelMotion:
 
     def _is_free(self, begin: Instant, end: Instant) -> bool:
         """Certify the straight motion between two keys in the input's units."""
-        cages = np.stack([self._follower.stored(begin.cage), self._follower.stored(end.cage)])
-        fines = np.stack([begin.pose.vertices, end.pose.vertices])
-        return bool(verify_motion(self.topology, self.fine, cages, fines))
+        begin.seal = self._gate.link(self._posed(begin), self._posed(end))
+        return begin.seal is not None
 
-    def _certified(self, key: Instant) -> Key:
-        """The key in the input's units. Raises NestingError if it does not hold."""
-        pose, cage = key.pose, self._follower.stored(key.cage)
-        wanted = 0.0 if self.settings.clearance is None else self.clearance
-        certificate = verify(self.topology.moved(cage), self.fine.moved(pose.vertices), wanted)
-        if not certificate:
-            raise NestingError(
-                f"The cage of pose {pose.number} could not be certified: {certificate.problems[0]}",
-                code="certificate.failed",
-                problems=certificate.problems,
-                pose=pose.number,
-            )
-        return Key(pose.number, pose.time, pose.vertices, cage, certificate, pose.given)
+    def _posed(self, instant: Instant) -> Posed:
+        """A key in the input's units."""
+        pose = instant.pose
+        return Posed(pose.number, pose.time, pose.vertices, self._follower.stored(instant.cage), pose.given)

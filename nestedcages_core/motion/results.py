@@ -17,22 +17,6 @@ FRAMES_SHOWN = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Key:
-    """One certified instant; between consecutive keys fine mesh and cage move on straight lines."""
-
-    number: int
-    """Index of the given pose, or of the one before."""
-    time: float
-    fine: FloatArray = field(repr=False)
-    """(n, 2) vertices of the fine mesh; exactly those of a given pose."""
-    cage: FloatArray = field(repr=False)
-    """(m, 2) vertices of the cage."""
-    certificate: Certificate = field(repr=False)
-    given: bool
-    """Whether the key is a given pose, not one added between two of them."""
-
-
-@dataclass(frozen=True, eq=False)
 class MotionReport:
     """What was certified, key by key."""
 

@@ -220,13 +220,14 @@ def test_the_page_lists_what_is_impossible() -> None:
 
 def test_steps_that_rounding_spoils_count_as_flow() -> None:
     """In the first two steps the circle is a hair too large for the octagon; from the third step on there is room."""
-    circle = [ring(count) for count in (48, 8)]
+    circle = [ring(48), ring(8).astype(np.float32).astype(np.float64)]
     sizes = np.cos(np.pi / 8) * np.array([1.0 + 1e-6, 1.0 + 1e-6, 0.9, 0.8, 0.7])
     fine, cage = Mesh.from_loops([sizes[-1] * circle[0]]), Mesh.from_loops([circle[1]])
     moving, cages = circle[0] * sizes[:, None, None], np.repeat(circle[1][None], len(sizes), axis=0)
-    report = NestingReport(True, True, 0.1, 0.1, 1.0, "flow", {}, {}, stored="float32")
+    report = NestingReport(True, True, 0.1, 0.1, 1.0, "flow", {}, {})
     flow = FlowResult(np.stack([fine.vertices, moving[0]]), 0, "inside")
-    level = with_stored_steps(Level(fine, cage, cage, flow, Reinflation(moving, cages, 0), report))
+    level = with_stored_steps(Level(fine, cage, cage, flow, Reinflation(moving, cages, 0), report), "float32")
+    assert level.report.stored == "float32"
     assert (len(level.flow.steps), len(level.reinflation.cage_steps)) == (4, 3)
     assert verify_motion(cage, fine, level.reinflation.cage_steps, level.reinflation.fine_steps)
     np.testing.assert_array_equal(level.flow.steps[-1], level.reinflation.fine_steps[0])

@@ -12,7 +12,7 @@ from ...decimation.budget import LEAST_PER_LOOP
 from ...errors import Fault, InvalidMeshError, NestingError, note
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
-from ...geometry.precision import NEGLIGIBLE
+from ...geometry.precision import INPUT_ROUND_OFF, NEGLIGIBLE
 from ...geometry.predicates import winding_number
 from ...geometry.vectors import rotated_right
 from ...level.attempts import contacts_for
@@ -50,12 +50,14 @@ class Symmetric(Need):
         return possible_count(count, plan.outline, self.group)
 
     def fault(self, plan: Plan, cage: Mesh) -> Fault | None:
-        """Whether all vertices are images of each other, on the numbers of the plan."""
+        """Whether all vertices are images of each other: exactly on the numbers of the plan, else but for rounding."""
         exact = cage if plan.numbers is None else cage.moved(plan.numbers.exact(cage.vertices))
         orbits = orbits_of(exact, self.group)
         if orbits is not None:
-            images = orbits.symmetrised(exact.vertices)
-            if np.array_equal(images if plan.numbers is None else plan.numbers.nearest(images), cage.vertices):
+            images, slack = orbits.symmetrised(exact.vertices), INPUT_ROUND_OFF * float(np.abs(cage.vertices).max())
+            if plan.numbers is not None:
+                images, slack = plan.numbers.nearest(images), 0.0
+            if float(np.abs(images - cage.vertices).max()) <= slack:
                 return None
         return Fault(f"The cage does not have {self.group}.", "symmetry.missed")
 

@@ -1,0 +1,249 @@
+"""The gate: the only place where a level is made, and a key of a motion.
+
+Whatever made or changed a cage, its final numbers are judged here: that it is nested, simple and as far away as wanted,
+that it keeps what the needs promise, that its steps form a chain and move without collisions. The report tells what was
+measured here. A level carries the seal of what was judged, so that nothing is judged twice: if it is changed, only what
+is new is judged; :func:`passed` finds what was changed elsewhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from hashlib import blake2b
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from ..contact.pairs import Bodies
+from ..contact.reinflation import Reinflation
+from ..errors import Fault, NestingError
+from ..flow import FlowResult
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..tasks import Stage, drain
+from ..verification import Certificate, verify_motion
+from ..verification.motion import certifying
+from .plan import Plan
+from .report import JudgedCage, Level, NestingReport, Seal
+
+DIGEST_BYTES = 8
+"""Of the digest of one step of a mesh: changes are mistakes, not attacks."""
+
+
+class Way(NamedTuple):
+    """How a cage comes about: it is the last step of the reinflation."""
+
+    coarse: Mesh
+    flow: FlowResult
+    reinflation: Reinflation
+
+    @property
+    def cage(self) -> Mesh:
+        """The coarse mesh moved there."""
+        return self.coarse.moved(self.reinflation.cage_steps[-1])
+
+    @classmethod
+    def of(cls, level: Level) -> Way:
+        """That of a level."""
+        return cls(level.coarse, level.flow, level.reinflation)
+
+    @classmethod
+    def at_rest(cls, fine: Mesh, coarse: Mesh) -> Way:
+        """That of a coarse mesh which is the cage."""
+        rest = fine.vertices[None]
+        return cls(coarse, FlowResult(rest, 0, "inside"), Reinflation(rest, coarse.vertices[None], 0))
+
+    def leads(self, fine: Mesh, cage: Mesh) -> bool:
+        """Whether the steps are a chain from a fine mesh back to it, and from the coarse mesh to a cage."""
+        flow, moving, cages = self.flow.steps, self.reinflation.moving_steps, self.reinflation.cage_steps
+        there = flow[0], flow[-1], moving[-1], cages[0], cages[-1]
+        wanted = fine.vertices, moving[0], fine.vertices, self.coarse.vertices, cage.vertices
+        return len(moving) <= len(cages) and all(map(np.array_equal, there, wanted))
+
+    def is_stored(self, stored: str | None) -> bool:
+        """Whether a type holds all steps but those at the fine mesh; None: any does."""
+        steps = self.flow.steps[1:], self.reinflation.moving_steps[:-1], self.reinflation.cage_steps
+        return stored is None or all(np.array_equal(each, each.astype(stored)) for each in steps)
+
+
+def judged(
+    plan: Plan, cage: Mesh, wanted: float, *, promised: bool = True, same_loops: bool | None = None
+) -> JudgedCage:
+    """The verdict on a cage of a plan at a clearance.
+
+    promised: whether it must keep the needs, as every level that is handed out; constraints are kept in any case.
+    same_loops: whether the loops must match; None: where it has as many as the fine mesh. A user's own coarse mesh may
+    wrap several parts in one loop or cover holes.
+    """
+    alike = cage.has_loops_like(plan.fine) if same_loops is None else same_loops
+    certificate = plan.verify(cage, wanted, same_loops=alike)
+    fault = next(iter(certificate.problems), None)
+    if fault is None:
+        fault = plan.fault(cage) if promised else next(plan.missed(cage), None)
+    numbers = (None, None) if plan.numbers is None else (plan.numbers.grid, plan.numbers.stored)
+    return JudgedCage(cage, plan.fine, plan.side, wanted, certificate, numbers if promised else None, fault)
+
+
+def admitted(
+    cage: JudgedCage, way: Way, report: NestingReport, before: Level | None = None, *, stored: str | None = None
+) -> Stage[float, Level]:
+    """The level of a judged cage. before: a level whose steps it shares; stored: the type that holds the steps.
+
+    Raises NestingError if the cage has a fault, or where its steps are no chain, collide or are not stored numbers.
+    """
+    fine, mesh = cage.fine, cage.cage
+    if cage.fault is not None:
+        raise NestingError(cage.fault)
+    if not way.leads(fine, mesh) or not way.is_stored(stored):
+        raise _refusal("The steps of the level do not lead to its cage, or not on the numbers asked for.")
+    links = _links(way.reinflation)
+    known = set() if before is None or before.seal is None else set(before.seal.links)
+    cages, fines = way.reinflation.cage_steps, way.reinflation.fine_path
+    new = np.flatnonzero(np.diff([False, *(link not in known for link in links), False]))
+    for first, last in new.reshape(-1, 2).tolist():
+        steps = slice(first, last + 1)
+        motion = yield from certifying(Bodies.of(mesh, fine), list(cages[steps]), fines[steps])
+        if not motion:
+            assert motion.step is not None
+            raise NestingError(_collides(first + motion.step, cage.side))
+    seal = Seal(cage, stored, _digest(way.flow.steps), links)
+    report = replace(cage.told(report), stored=stored)
+    return Level(fine, way.coarse, mesh, way.flow, way.reinflation, report, cage.side, seal)
+
+
+def rerouted(level: Level, way: Way, stored: str | None = None) -> Level:
+    """The level with other steps to the same cage; stored: the type that holds them. Raises NestingError."""
+    cage = None if level.seal is None else level.seal.judged
+    if cage is None or cage.cage is not level.cage or cage.fine is not level.fine:
+        plan = Plan.of(level.fine, side=level.side)
+        cage = judged(plan, level.cage, level.report.wanted_clearance, promised=False)
+    return drain(admitted(cage, way, level.report, level, stored=stored))
+
+
+def at_rest(level: Level, inner: Mesh, cage: Mesh, wanted: float, *notes: Fault) -> Level:
+    """A level with another cage around a mesh, which nothing moves and no need binds. Raises NestingError."""
+    verdict = judged(Plan.of(inner, side=level.side), cage, wanted, same_loops=False)
+    report = replace(level.report, notes=(*level.report.notes, *notes))
+    return drain(admitted(verdict, Way.at_rest(inner, cage), report))
+
+
+def copied(level: Level) -> Level:
+    """A level with steps of its own, which may be written."""
+    flow = replace(level.flow, steps=level.flow.steps.copy())
+    moving, cage = (steps.copy() for steps in (level.reinflation.moving_steps, level.reinflation.cage_steps))
+    return replace(level, flow=flow, reinflation=replace(level.reinflation, moving_steps=moving, cage_steps=cage))
+
+
+def passed(level: Level, inner: Mesh) -> Level:
+    """The level around or inside a mesh, as it was judged. Raises NestingError if it was not, or changed since."""
+    seal, way = level.seal, Way.of(level)
+    if seal is None or seal.judged.numbers is None:
+        raise _refusal("The level was not judged.")
+    cage, fine, told = seal.judged.cage, seal.judged.fine, seal.judged.told(level.report)
+    same = level.cage is cage and level.fine is fine and np.array_equal(fine.vertices, inner.vertices)
+    steps = way.leads(fine, cage) and (seal.flow, seal.links) == (_digest(way.flow.steps), _links(way.reinflation))
+    if not same or not steps:
+        raise _refusal("The level is not the one that was judged.")
+    if level.report != told or not level.report.stored == seal.stored == seal.judged.numbers[1]:
+        raise _refusal("The report tells what was not measured.")
+    return level
+
+
+class Posed(NamedTuple):
+    """A pose with its cage, to be a key."""
+
+    number: int
+    time: float
+    fine: FloatArray
+    cage: FloatArray
+    given: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Key:
+    """One certified instant; between consecutive keys fine mesh and cage move on straight lines."""
+
+    number: int
+    """Index of the given pose, or of the one before."""
+    time: float
+    fine: FloatArray = field(repr=False)
+    """(n, 2) vertices of the fine mesh; exactly those of a given pose."""
+    cage: FloatArray = field(repr=False)
+    """(m, 2) vertices of the cage."""
+    certificate: Certificate = field(repr=False)
+    given: bool
+    """Whether the key is a given pose, not one added between two of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotionGate:
+    """Makes the keys of one moving cage."""
+
+    plan: Plan
+    """That of the first pose."""
+    topology: Mesh
+    """The cage's."""
+    wanted: float
+    """The clearance that is promised."""
+
+    def link(self, before: Posed | Key, after: Posed) -> bytes | None:
+        """The seal of the straight motion from one pose to another; None if it may collide."""
+        cages, fines = np.stack([before.cage, after.cage]), np.stack([before.fine, after.fine])
+        return _link(before, after) if verify_motion(self.topology, self.plan.fine, cages, fines) else None
+
+    def key(self, posed: Posed, before: Key | None, link: bytes | None) -> Key:
+        """A key after the one before, if any. Raises NestingError.
+
+        link: the seal of the motion from there; that motion is judged if the seal is that of another.
+        """
+        number, time, fine, points, given = posed
+        plan = replace(self.plan, fine=self.plan.fine.moved(fine))
+        cage = judged(plan, self.topology.moved(points), self.wanted, same_loops=True)
+        if cage.fault is not None:
+            raise NestingError(
+                f"The cage of pose {number} could not be certified: {cage.fault}",
+                code="certificate.failed",
+                problems=cage.certificate.problems or (cage.fault,),
+                pose=number,
+            )
+        if before is not None and link != _link(before, posed) and self.link(before, posed) is None:
+            raise NestingError(
+                f"The motion from pose {before.number} to the next could not be certified free of collisions.",
+                code="motion.collides",
+                pose=before.number,
+            )
+        return Key(number, time, fine, points, cage.certificate, given)
+
+
+def _refusal(said: str) -> NestingError:
+    return NestingError(said, code="certificate.failed", problems=(said,))
+
+
+def _collides(step: int, side: int) -> Fault:
+    return Fault(
+        f"The motion from step {step} to the next could not be certified free of collisions; "
+        f"use more cage vertices{'' if side < 0 else ', or a coarse mesh closer to the fine one'}.",
+        "motion.collides",
+        step=step,
+    )
+
+
+def _digest(array: FloatArray) -> bytes:
+    """That of the numbers and the shape of an array."""
+    digest = blake2b(repr(array.shape).encode(), digest_size=DIGEST_BYTES)
+    digest.update(array.tobytes())
+    return digest.digest()
+
+
+def _link(before: Posed | Key, after: Posed) -> bytes:
+    """A digest of the straight motion from one pose to another."""
+    return b"".join(map(_digest, (before.fine, before.cage, after.fine, after.cage)))
+
+
+def _links(way: Reinflation) -> tuple[bytes, ...]:
+    """A digest of both meshes before and after each motion from one step to the next."""
+    rest = _digest(way.moving_steps[-1])
+    fines = [*map(_digest, way.moving_steps[:-1]), *[rest] * (len(way.cage_steps) - len(way.moving_steps) + 1)]
+    steps = [fine + _digest(cage) for fine, cage in zip(fines, way.cage_steps, strict=True)]
+    return tuple(one + other for one, other in pairwise(steps))
