@@ -12,13 +12,14 @@ from ...decimation.budget import LEAST_PER_LOOP
 from ...errors import Fault, InvalidMeshError, NestingError, note
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
-from ...geometry.precision import INPUT_ROUND_OFF, NEGLIGIBLE
+from ...geometry.precision import NEGLIGIBLE
 from ...geometry.predicates import winding_number
 from ...geometry.vectors import rotated_right
 from ...level.attempts import contacts_for
 from ...level.plan import Need, Numbers, Plan
 from ...level.settings import LevelSettings
 from ...level.symmetrised_start import orbits_of
+from ...level.units import ROUNDING_ULPS
 from ...verification.certificate import loops_in_words
 from ..solids import overlay
 from .detection import Found
@@ -50,14 +51,19 @@ class Symmetric(Need):
         return possible_count(count, plan.outline, self.group)
 
     def fault(self, plan: Plan, cage: Mesh) -> Fault | None:
-        """Whether all vertices are images of each other: exactly on the numbers of the plan, else but for rounding."""
+        """Whether all vertices are images of each other: on the numbers of the plan."""
         exact = cage if plan.numbers is None else cage.moved(plan.numbers.exact(cage.vertices))
         orbits = orbits_of(exact, self.group)
         if orbits is not None:
-            images, slack = orbits.symmetrised(exact.vertices), INPUT_ROUND_OFF * float(np.abs(cage.vertices).max())
-            if plan.numbers is not None:
-                images, slack = plan.numbers.nearest(images), 0.0
-            if float(np.abs(images - cage.vertices).max()) <= slack:
+            images, on_axis = orbits.symmetrised(exact.vertices), orbits.on_axis[orbits.orbit]
+            away = np.abs((images if plan.numbers is None else plan.numbers.nearest(images)) - cage.vertices)
+            if plan.numbers is None and on_axis.any():  # a point on a slanted axis is rounded again
+                away[on_axis] -= (
+                    ROUNDING_ULPS
+                    * np.finfo(float).eps
+                    * np.abs([*exact.vertices, getattr(self.group, "point", (0, 0))]).max()
+                )
+            if not (away > 0.0).any():
                 return None
         return Fault(f"The cage does not have {self.group}.", "symmetry.missed")
 
