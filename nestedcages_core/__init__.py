@@ -50,6 +50,8 @@ if TYPE_CHECKING:
     from .checker import Verdict as Verdict
     from .checker import check
     from .constraints import Box as Box
+    from .constraints import LeastAngle as LeastAngle
+    from .constraints import LeastEdge as LeastEdge
     from .constraints import LoopClearance as LoopClearance
     from .contact.ipc import IPC as IPC
     from .coordinates import Grids as Grids
@@ -189,7 +191,7 @@ _LATER = {
     "batch": "BatchProgress Outcome nested_cages_many",
     "character": "Bone Character Skeleton bone_weights suggest_bones with_joints",
     "checker": "Verdict check",
-    "constraints": "Box LoopClearance",
+    "constraints": "Box LeastAngle LeastEdge LoopClearance",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
         "Cut Feature cut_at_borders character_to_engine_json features_from_geojson frames_to_engine_json "

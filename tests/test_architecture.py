@@ -61,12 +61,12 @@ to_engine_json read_png collision_outline NestedCagesError InvalidMeshError Flow
 
 # Method objects and helpers, which can be imported from the top too.
 IMPORTABLE = """
-AllPairs ArcLength Area BatchProgress BoundaryARAP UniformGrid ElementEnergy
-EvenSamples Feature GaussLegendre GradientDescent Grids Harmonic IPC InitialDisplacement InteriorARAP Found
-MeanValue Mirror Rotation LineCycles Midpoint NoEnergy NoFilter OnCurve Outcome OuterHull OwnDecimation PaperContact
-Box LoopClearance PaperFlow PiecewiseLinear ProjectedNewton QuadraticFallOff Repairs SequentialQP ShapeKeeping
-SignedDistanceFlow SmallestDistance StepDisplacement Tightening TimeOfImpact TwoSidedFlow WeightedSum alpha_channel
-boundary_of_pixels from_engine_json grids is_engine_json
+AllPairs ArcLength Area BatchProgress BoundaryARAP UniformGrid ElementEnergy EvenSamples Feature GaussLegendre
+GradientDescent Grids Harmonic IPC InitialDisplacement InteriorARAP Found MeanValue Mirror Rotation LineCycles
+Midpoint NoEnergy NoFilter OnCurve Outcome OuterHull OwnDecimation PaperContact Box LeastAngle LeastEdge LoopClearance
+PaperFlow PiecewiseLinear ProjectedNewton QuadraticFallOff Repairs SequentialQP ShapeKeeping SignedDistanceFlow
+SmallestDistance StepDisplacement Tightening TimeOfImpact TwoSidedFlow WeightedSum alpha_channel boundary_of_pixels
+from_engine_json grids is_engine_json
 """
 
 

@@ -12,12 +12,16 @@ from .base import Bound, Constraint, Terms, Units
 
 if TYPE_CHECKING:
     from .box import Box
+    from .least_angle import LeastAngle
+    from .least_edge import LeastEdge
     from .loop_clearance import LoopClearance
 
 __all__ = [
     "Bound",  # a constraint on one topology, for the solvers
     "Box",  # no vertex outside of a rectangle
     "Constraint",  # what cages keep; the base class of all
+    "LeastAngle",  # no sharper angle
+    "LeastEdge",  # no shorter edge
     "LoopClearance",  # a clearance of each loop, or of outer loops and holes
     "Rows",  # gradients of inequalities with respect to the cage
     "Terms",  # inequalities: rows, and how far each is from its limit
@@ -29,6 +33,7 @@ def __getattr__(name: str) -> Any:
     """Constraints are imported when one is asked for: most runs have none."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from . import box, loop_clearance
+    from . import box, least_angle, least_edge, loop_clearance
 
-    return next(getattr(file, name) for file in (box, loop_clearance) if hasattr(file, name))
+    files = box, least_angle, least_edge, loop_clearance
+    return next(getattr(file, name) for file in files if hasattr(file, name))

@@ -111,18 +111,22 @@ def short_of(bounds: Sequence[Bound], cage: FloatArray) -> FloatArray:
     return most
 
 
-def correction(bounds: Sequence[Bound], cage: FloatArray) -> FloatArray | None:
-    """(m, 2) motion that makes up for what rows lack, each by the smallest motion of its own; None if none does."""
+def correction(bounds: Sequence[Bound], cage: FloatArray, lacking: FloatArray) -> FloatArray | None:
+    """(m, 2) motion that makes up for what rows lack, each by the smallest motion of its own; None if none does.
+
+    lacking: (m,) what was lacking before; rows of vertices that lacked anything are left as they are.
+    """
     rows, room = terms_of(bounds, cage, 0.0)
-    lacking = np.maximum(-room, 0.0)
-    if not lacking.any():
+    kept = np.concatenate([np.zeros(0, bool), *((lacking[group.vertex] == 0.0).all(axis=0) for group in rows)])
+    lack = np.where(kept, np.maximum(-room, 0.0), 0.0)
+    if not lack.any():
         return None
     motion, first = np.zeros_like(cage), 0
     for group in rows:
-        lack = lacking[first : first + group.count]
+        own = lack[first : first + group.count]
         first += group.count
         slope = group.weight[:, None] * np.broadcast_to(group.direction, (*group.vertex.shape[:1], 2, group.count))
         squared = (slope * slope).sum(axis=(0, 1))
-        step = CORRECTION * slope * np.divide(lack, squared, out=np.zeros_like(lack), where=squared > 0.0)
+        step = CORRECTION * slope * np.divide(own, squared, out=np.zeros_like(own), where=squared > 0.0)
         np.add.at(motion, group.vertex, step.transpose(0, 2, 1))
     return motion

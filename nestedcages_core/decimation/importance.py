@@ -15,10 +15,6 @@ class ImportanceMap(Protocol):
 
     @property
     def weights(self) -> FloatArray | None: ...
-    @property
-    def min_edge(self) -> float | None: ...
-    @property
-    def min_angle(self) -> float | None: ...
     def at(self, points: FloatArray) -> FloatArray:
         """(P,) weight at the closest place on the shape to each of the points (P, 2)."""
 

@@ -50,6 +50,8 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "numbers.no_room": ("spacing", "finer", "count", "clearance"),
     "numbers.missed": (),
     "box.left": ("place", "distance"),
+    "edge.short": ("wanted", "given", "place"),
+    "angle.sharp": ("wanted", "given", "place"),
     "numbers.unresolved": ("spacing", "vertex", "place"),
     "tolerance.unreachable": ("limit", "taken"),
     "solver.not_finite": (),
@@ -67,7 +69,7 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "cage.loops_differ": ("loops", "place"),
     "cage.too_close": ("clearance", "wanted"),
     # notes of a report
-    "note.count": ("asked", "given", "on", "symmetry", "length"),
+    "note.count": ("asked", "given", "on", "symmetry"),
     "note.start": ("source", "on", "first", "text"),
     "note.clearance": ("wanted", "given", "on"),
     "note.loops": ("wanted", "given", "on", "excess", "better", "distance"),

@@ -10,8 +10,7 @@ NOTES: Mapping[str, str] = {
     "count mesh": "{asked} vertices were asked for, but the mesh inside has {given}, so the cage has {given}.",
     "count loops": "The vertices per loop of the coarse mesh do not fit the mesh inside: they are redistributed.",
     "count symmetry": "{asked} vertices were asked for; with {symmetry} the cage can have {given}.",
-    "count edges": "{asked} vertices were asked for; edges of at least {length:.6g} leave room for {given}.",
-    "count constraint": "{asked} vertices were asked for; with what the cage is to keep it can have {given}.",
+    "count constraint": "{asked} vertices were asked for; its constraints leave room for {given}.",
     "count grid": "On the grid, {asked} vertices make no convex cage: it has {given} at most.",
     "count hull": "{asked} vertices were asked for, but a hull has {given}: with these, the cage is as tight.",
     "start fallback": "Started from the {source} instead of the coarse mesh: {text}",
@@ -48,7 +47,6 @@ NOTES: Mapping[str, str] = {
 `…_percent` is 100 times a value."""
 
 LENGTHS: Mapping[str, tuple[str, ...]] = {
-    "note.count": ("length",),
     "note.clearance": ("wanted", "given"),
     "note.loops": ("distance",),
     "note.symmetry": ("difference",),

@@ -1,14 +1,18 @@
-"""The needs that settings ask for; each is imported only when it is."""
+"""The needs and constraints that settings ask for; each is imported only when it is."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from ..errors import Fault
 from ..geometry.group import Symmetry, mirror_axis
 from ..geometry.mesh import Mesh
 from ..level.plan import Need
 from .settings import Settings, type_name
+
+if TYPE_CHECKING:
+    from ..constraints.base import Constraint
 
 
 def _preferring_symmetry(settings: Settings, about: Mesh) -> Settings:
@@ -23,11 +27,27 @@ def _preferring_symmetry(settings: Settings, about: Mesh) -> Settings:
     return replace(settings, decimation=preferring(Mirror(point, direction)))
 
 
-def needs_of(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tuple[Fault, ...]]:
+def constraints_of(settings: Settings, about: Mesh, side: int) -> tuple[Constraint, ...]:
+    """What cages around a drawing, or inside it, keep: limits are wishes. Raises NestingError."""
+    constraints = list(settings.constraints)
+    if settings.min_edge is not None:
+        from ..constraints.least_edge import LeastEdge
+
+        constraints.append(LeastEdge(settings.min_edge, must=False))
+    if settings.min_angle is not None:
+        from ..constraints.least_angle import LeastAngle
+
+        constraints.append(LeastAngle(settings.min_angle, must=False))
+    return tuple(constraint.of(about, side) for constraint in constraints)
+
+
+def needs_of(
+    settings: Settings, about: Mesh, constraints: tuple[Constraint, ...] = ()
+) -> tuple[Settings, list[Need], tuple[Fault, ...]]:
     """The needs of a run, methods that serve them, and notes. Raises NestingError for methods that cannot.
 
-    about: the mesh that weights, pins and a symmetry to be found refer to. Discrete facts come first: numbers, then the
-    group, whose place may depend on them.
+    about: the mesh that weights, pins and a symmetry to be found refer to; constraints: those that lines keep too.
+    Discrete facts come first: numbers, then the group, whose place may depend on them.
     """
     if settings.convex:
         from ..needs.convex.need import around_hulls
@@ -50,19 +70,17 @@ def needs_of(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tup
             remarks += moved
         if group is not None:
             settings = keeping(settings, group)
-    elif not (settings.has_priorities or settings.convex or settings.constraints) and numbers is None:
+    elif not (settings.has_priorities or settings.convex or constraints) and numbers is None:
         settings = _preferring_symmetry(settings, about)
     if settings.has_priorities:
         from ..needs.priorities.need import Priorities
 
-        places, limits = (settings.pins, settings.joints), (settings.min_edge, settings.min_angle)
-        priorities = Priorities.of(about, group, settings.weights, places, limits)
+        priorities = Priorities.of(about, group, settings.weights, (settings.pins, settings.joints))
         settings = priorities.applied(settings)
         needs.append(priorities)
-    if settings.constraints:
-        obeying = getattr(settings.decimation, "obeying", None)
-        if obeying is not None:
-            settings = replace(settings, decimation=obeying(tuple(settings.constraints)))
+    obeying = getattr(settings.decimation, "obeying", None)
+    if constraints and obeying is not None:
+        settings = replace(settings, decimation=obeying(constraints))
     if group is not None:
         needs.append(Symmetric(group))
     if settings.convex:

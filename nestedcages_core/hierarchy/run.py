@@ -26,7 +26,7 @@ from ..tightening import Tightening
 from ..tolerance.within import Within
 from ..verification import verify
 from .levels import Rising, Share, wanted_levels
-from .needs import needs_of
+from .needs import constraints_of, needs_of
 from .settings import Settings
 
 logger = logging.getLogger(__name__)
@@ -107,8 +107,8 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
     deadline = perf_counter() + seconds
     fine, wanted = _checked(fine, levels, convex=settings.convex, merges=settings.merge is not None)
     about = _about(settings, fine, side)
-    constraints = tuple(constraint.of(about, side) for constraint in settings.constraints)
-    settings, needs, remarks = needs_of(replace(settings, constraints=constraints), about)
+    constraints = constraints_of(settings, about, side)
+    settings, needs, remarks = needs_of(settings, about, constraints)
     if settings.merge is not None:
         if side < 0:
             raise NestingError("Inner cages keep all loops; leave out merge.", code="setting.conflict")

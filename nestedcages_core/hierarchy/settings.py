@@ -64,7 +64,7 @@ class Settings(LevelSettings):
     """No angle between cage edges is sharper than this, in degrees below 60, where there is room."""
     constraints: Sequence[Constraint] = ()
     """What the cages keep in addition, such as `Box` or `LoopClearance`; anyone can write others, see
-    `nestedcages_core.constraints`. Not for cages that follow a motion."""
+    `nestedcages_core.constraints`."""
     seconds: float | None = None
     """Wall-clock time that all levels together may take; after it an error says what was reached, and has the levels
     made so far as its `partial`. None: no limit."""
@@ -93,7 +93,8 @@ class Settings(LevelSettings):
                 name="merge",
                 value=self.merge,
             )
-        if self.merge is not None and (self.convex or self.symmetry is not None or self.has_priorities):
+        of_loops = self.has_priorities or self.has_limits or self.symmetry is not None or self.convex
+        if self.merge is not None and of_loops:
             raise NestedCagesError(
                 "merge does not go with convex, symmetry, weights, pins, joints or limits; leave out one of them.",
                 code="setting.conflict",
@@ -121,16 +122,20 @@ class Settings(LevelSettings):
                 f"The symmetry must be an object such as Mirror(point, direction), Rotation(centre, order) or Found(), "
                 f"not {symmetry!r}."
             )
-        if self.convex and (self.pins or self.joints or self.min_edge is not None or self.min_angle is not None):
+        if self.convex and (self.pins or self.joints or self.has_limits):
             raise NestedCagesError(
                 "Convex cages have no pins, joints or limits; leave these out or convex.", code="setting.conflict"
             )
 
     @property
     def has_priorities(self) -> bool:
-        """Whether weights, pins, joints or limits are given."""
-        limits = self.weights, self.min_edge, self.min_angle
-        return any(each is not None for each in limits) or bool(self.pins or self.joints)
+        """Whether weights, pins or joints are given."""
+        return self.weights is not None or bool(self.pins or self.joints)
+
+    @property
+    def has_limits(self) -> bool:
+        """Whether a least edge or angle is given."""
+        return self.min_edge is not None or self.min_angle is not None
 
 
 def type_name(value: object) -> str | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -31,7 +30,6 @@ from .settings import LevelSettings
 from .units import SolverUnits
 
 if TYPE_CHECKING:
-    from ..constraints.base import Bound
     from .settling import Settling
     from .symmetrised_start import Alike
 
@@ -39,6 +37,9 @@ logger = logging.getLogger(__name__)
 
 FAILURES = (FlowError, ReinflationError, NestingError)
 """Errors after which the next attempt is made; any other error ends the run."""
+
+MISSED = 1e6
+"""Added to the rank of cages that miss a constraint, more than any excess: others are tried, and are better."""
 
 
 class LevelBuilder:
@@ -272,17 +273,16 @@ class LevelBuilder:
                 break
             fraction = 1.0 - 1.0 / (1.0 + 0.1 * len(steps))
             yield from self.progress.show(fraction, f"tightening, step {len(steps)}")
+        last = steps[-1] if steps else start
         return replace(
             cage,
             tightened=cage.untightened.with_tightening(steps),
-            rank=self._rank(cage, steps[-1] if steps else start, bounds),
+            rank=self._rank(cage, last) + MISSED * bool(bounds and short_of(bounds, last).any()),
             counts={"tightening": outcome.iterations, "quadratic programs": outcome.quadratic_programs},
         )
 
-    def _rank(self, cage: CageInProgress, vertices: FloatArray, bounds: Sequence[Bound]) -> float:
+    def _rank(self, cage: CageInProgress, vertices: FloatArray) -> float:
         """The excess of a cage, lost area if inside, or the energy with the terms of needs: smaller is better."""
-        if bounds and short_of(bounds, vertices).any():
-            return np.inf
         successor, area = cage.unit_coarse.successor, max(self.unit_fine.area, TINY)  # of slivers it may round to 0
         if cage.is_measure and cage.energy is not None:
             return cage.energy.after(vertices).value(vertices, successor) / area

@@ -74,7 +74,9 @@ class Follower:
         group = promises.plan.group
         orbits = None if group is None else orbits_of(cage, group)
         tie = None if orbits is None else Tie.of(orbits, cage.successor)
-        bodies, energy = Bodies.of(unit_cage, unit_fine, tie), promises.settings.energy.at(unit_cage)
+        plan, energy = promises.plan, promises.settings.energy.at(unit_cage)
+        bounds, clearances = plan.bounds(unit_cage, units), plan.clearances(units)
+        bodies = Bodies.of(unit_cage, unit_fine, tie, bounds=bounds, clearances=clearances)
         kept = units.clearance(clearance + promises.room)
         return cls(units, unit_cage, unit_fine, bodies, kept, energy, promises, orbits)
 

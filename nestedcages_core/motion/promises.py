@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import Fault, NestingError
+from ..errors import Fault
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.signed_distance import ClosestEdge, EdgeSearch
 from ..hierarchy import Settings
-from ..hierarchy.needs import needs_of
+from ..hierarchy.needs import constraints_of, needs_of
 from ..level.plan import Plan
 from ..level.settling import ROOMS
 
@@ -30,14 +30,8 @@ class Promises:
     @classmethod
     def of(cls, settings: Settings, first: Mesh) -> Promises:
         """The promises about a drawing, from its first pose. Raises NestingError."""
-        if settings.constraints:
-            raise NestingError(
-                "Cages that follow a motion keep no constraints; leave these out, or make a cage of each pose.",
-                code="setting.conflict",
-                names=("constraints",),
-            )
         _, needs, notes = needs_of(settings, first)
-        plan = Plan.of(first, needs)
+        plan = Plan.of(first, needs, constraints_of(settings, first, 1))
         pins: FloatArray = np.concatenate([np.empty((0, 2)), *(need.places for need in needs)])
         close = EdgeSearch.of(first).closest(pins)
         return cls(replace(settings, symmetry=plan.group), plan, close, notes)
@@ -57,7 +51,7 @@ class Promises:
 
     def plan_at(self, pose: Mesh) -> Plan:
         """The plan of a pose. Raises NestingError."""
-        return Plan.of(pose, needs_of(self.settings_at(pose), pose)[1])
+        return Plan.of(pose, needs_of(self.settings_at(pose), pose)[1], self.plan.constraints)
 
     def of_next_level(self, cage: Mesh) -> Settings:
         """The settings of the level around a cage of the first pose: weights and pins go to its closest vertices."""

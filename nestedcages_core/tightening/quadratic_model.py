@@ -16,9 +16,6 @@ from ..geometry.arrays import FloatArray
 from ..solver.quadratic_program import QPSolution, QuadraticProgram
 from .trust_region import Surroundings
 
-MISSED_COMPLIANCE = 1e-4
-"""ε of rows that a cage misses: violation per unit of force, where the pull of the area is at most half an edge."""
-
 LONGEST_MOTION = 1.5
 """Longest motion of a vertex in one step, restoration included, in radii; √2 without restoration."""
 
@@ -52,8 +49,12 @@ def model_at(
     wanted: WantedDistances,
     radius: float,
     loads: EdgeLoads,
+    missed: float = 0.0,
 ) -> QuadraticModel:
-    """The model at x (m + n, 2), with the curvature of the contacts under the ``loads``; radius: Δ."""
+    """The model at x (m + n, 2), with the curvature of the contacts under the ``loads``; radius: Δ.
+
+    missed: ε of the rows of bounds that the cage misses, which pull it; 0: they may not get worse.
+    """
     m = bodies.m
     longest = LONGEST_MOTION * radius
     farthest_motion = np.zeros(len(x))
@@ -75,8 +76,8 @@ def model_at(
     rows, rooms, softness = [*constraint_rows(some, contact)], np.maximum(room[keep], 0.0), None
     if bodies.bounds:
         more, further = terms_of(bodies.bounds, cage, radius)
-        rows, rooms = [*rows, *more], np.concatenate((rooms, further))
-        softness = np.where(rooms < 0.0, MISSED_COMPLIANCE, 0.0) if (further < 0.0).any() else None
+        softness = np.where(np.concatenate((rooms, further)) < 0.0, missed, 0.0) if missed else None
+        rows, rooms = [*rows, *more], np.concatenate((rooms, further if missed else np.maximum(further, 0.0)))
     program = QuadraticProgram(
         energy.gradient(cage, successor),
         Blocks.sum([(1.0, energy.hessian(cage, successor)), (1.0, curvature)]),

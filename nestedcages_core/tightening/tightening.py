@@ -126,6 +126,11 @@ class _Run:
         self.systems += widened.systems
         if widened.closest >= 0:
             return self._outcome(0, False, f"There is no room for the clearance at {self._name(widened.closest)}.")
+        if self.bodies.bounds:
+            from .feasibility import feasible
+
+            steps = feasible(self.bodies, self.x, self.candidates, self.wanted, self.settings.solver)
+            self.x = yield from mapped(steps, lambda x: x[: self.m].copy())
         settings, energy, successor = self.settings, self.energy, self.bodies.coarse.successor
         unit = self.bodies.cage_edge_length
         first = settings.first_radius * unit

@@ -118,18 +118,18 @@ def find_trial(
     """
     m = bodies.m
     fraction = np.ones(m)
-    motion = np.zeros_like(x)
+    motion, missed = np.zeros_like(x), np.zeros(0, np.int64)
     closest = float(around.required.min(initial=np.inf))
     near = around.within(_expected(bodies, step, around))
-    lacking = short_of(bodies.bounds, x[:m])
+    lacking = short_of(bodies.bounds, x[:m]) if bodies.bounds else None
     for _ in range(MAX_ATTEMPTS):
         tried = x.copy()
         tried[:m] += fraction[:, None] * step
-        restored, after = restore(bodies, near.pairs, tried, near.required, near.side)
+        restored, after = restore(bodies, near.pairs, tried, near.required, near.side, lacking)
         moved = np.hypot(*(restored[:m] - x[:m]).T)
         if (moved > near.farthest_motion[:m]).any() and near is not around:
             near = around
-            restored, after = restore(bodies, near.pairs, tried, near.required, near.side)
+            restored, after = restore(bodies, near.pairs, tried, near.required, near.side, lacking)
             moved = np.hypot(*(restored[:m] - x[:m]).T)
         if (moved > around.farthest_motion[:m]).any():
             fraction *= STEP_REDUCTION
@@ -137,7 +137,8 @@ def find_trial(
         np.subtract(restored[:m], x[:m], out=motion[:m])
         hit, _ = impacts(near.pairs, x, motion, near.distance, closest)
         failing = np.concatenate([hit, np.flatnonzero(after.distance < near.required)])
-        missed = np.flatnonzero(short_of(bodies.bounds, restored[:m]) > lacking)
+        if lacking is not None:
+            missed = np.flatnonzero(short_of(bodies.bounds, restored[:m]) > lacking)
         if len(failing) == 0 and len(missed) == 0:
             restored_value = energy.value(restored[:m], bodies.coarse.successor)
             if restored_value < value - SUFFICIENT_DECREASE * float(fraction.min()) * max(decrease, 0.0):

@@ -22,6 +22,7 @@ from nestedcages_core import (
     nested_cages,
     verify,
 )
+from nestedcages_core.constraints import LeastEdge
 from nestedcages_core.decimation.hull.narrow_gaps import HULL_OFFSET
 from nestedcages_core.decimation.hull.outer_hull import SOURCE as HULL
 from nestedcages_core.decimation.line_cycles.around import Around
@@ -319,8 +320,7 @@ def test_needs_are_kept_by_the_start_itself() -> None:
     ]
     assert beyond[0] < beyond[1]
     fine = Mesh.from_loops([ring(60) * (1.0, 0.3)])
-    limited = Importance(fine, None, nothing, min_edge=0.4)
-    shortest = [LineCycles(importance=each).decimate(fine, 10).edge_lengths.min() for each in (None, limited)]
+    shortest = [LineCycles(rules=rules).decimate(fine, 10).edge_lengths.min() for rules in ((), (LeastEdge(0.4),))]
     assert shortest[1] > 1.2 * shortest[0]
     for symmetry in (Mirror((0.0, 0.0)), Rotation((0.0, 0.0), 5)):
         angle = np.arange(100) / 50.0 * np.pi + 0.5 * np.pi

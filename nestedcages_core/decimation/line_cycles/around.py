@@ -174,11 +174,11 @@ class Around:
             weights, pinned = importance.at(outline.vertices), importance.pinned(outline)
         parts = [np.split(each, outline.begins[1:]) for each in (vertices, weights, pinned)]
         weighted = importance is not None and importance.weights is not None
-        limits = (0.0, 0.0)
-        if importance is not None:
-            limits = (importance.min_edge or 0.0) / self.frame.scale, importance.min_angle or 0.0
-        for short, sharp in (rule.turn_limits for rule in self.rules):
-            limits = max(limits[0], short / self.frame.scale), max(limits[1], sharp)
+        wanted = [rule.turn_limits for rule in self.rules]
+        limits = (
+            max((short for short, _ in wanted), default=0.0) / self.frame.scale,
+            max((s for _, s in wanted), default=0.0),
+        )
         return [Chain(loop, some if weighted else None, pins, limits) for loop, some, pins in zip(*parts, strict=True)]
 
     def _copies(self, loop: int, images: Images | None) -> int:

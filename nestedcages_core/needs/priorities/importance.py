@@ -34,10 +34,6 @@ class Importance:
     """(P, 2) places that keep a vertex, near the outline of the fine mesh."""
     symmetry: Symmetry | None = None
     """Symmetry of the cages: a place matters as much as the most important one of its images."""
-    min_edge: float | None = None
-    """Length of cage edges, at least, where there is room."""
-    min_angle: float | None = None
-    """Angle between cage edges in degrees, at least, where there is room."""
 
     @cached_property
     def relative(self) -> FloatArray:

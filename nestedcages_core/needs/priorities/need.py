@@ -1,17 +1,15 @@
-"""Priorities: weights, pins and limits of the settings, as costs of decimation and energies of a cage."""
+"""Priorities: weights and pins of the settings, as costs of decimation and energies of a cage."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import hypot
 from typing import TypeAlias, TypeVar
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from ...decimation.budget import LEAST_PER_LOOP
 from ...decimation.line_cycles.turns import PIN_REACH
 from ...energies import CageEnergy
 from ...energies.weighted_sum import BoundSum
@@ -25,7 +23,7 @@ from ...geometry.vectors import cross, norm, rotated_right
 from ...level.plan import Need, Plan
 from ...level.settings import LevelSettings
 from ...level.units import SolverUnits
-from .energies import Springs, WeightedArea, sharp_angles, short_edges
+from .energies import Springs, WeightedArea
 from .importance import Importance
 
 Chosen = TypeVar("Chosen", bound=LevelSettings)
@@ -42,12 +40,6 @@ KEPT = 2.0
 """Distance of a cage vertex from its pin, relative to the distance that the clearance needs, up to which the pin counts
 as kept."""
 
-FILLED = 0.8
-"""Fraction of the edges of least length that fit along an outline up to which edges can be placed freely."""
-
-NO_FOLDS = 15.0
-"""Least angle in degrees if only edges have a least length: without it, edges without space would fold into spikes."""
-
 
 @dataclass(frozen=True, eq=False)
 class Priorities(Importance, Need):
@@ -60,11 +52,10 @@ class Priorities(Importance, Need):
         symmetry: Symmetry | None,
         weights: ArrayLike | None,
         places: tuple[Pins, Places],
-        limits: tuple[float | None, float | None],
     ) -> Priorities:
         """The priorities around a drawing. Raises NestingError if they do not fit it.
 
-        weights: (n,); places: pins and joints; limits: the least edge, in the input's units, and angle, in degrees.
+        weights: (n,); places: pins and joints.
         """
         weights = None if weights is None else np.asarray(weights, np.float64)
         if weights is not None and len(weights) != len(fine.vertices):
@@ -74,34 +65,17 @@ class Priorities(Importance, Need):
                 given=len(weights),
                 available=len(fine.vertices),
             )
-        return cls(fine, weights, _places(*places, fine, symmetry), symmetry, *limits)
+        return cls(fine, weights, _places(*places, fine, symmetry), symmetry)
 
     @property
     def places(self) -> FloatArray:
         """(P, 2) pins."""
         return self.pins
 
-    @property
-    def pull(self) -> float:
-        """How often the pull of the area is multiplied at most."""
-        return 1.0 if self.weights is None else float(self.relative.max())
-
     def applied(self, settings: Chosen) -> Chosen:
         """The settings with line cycles that respect the priorities."""
         respecting = getattr(settings.decimation, "respecting", None)
         return settings if respecting is None else replace(settings, decimation=respecting(self))
-
-    def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
-        """The number of vertices, reduced if edges of the least length do not allow that many; and a note if so."""
-        if self.min_edge is None:
-            return count, ()
-        most = sum(
-            max(LEAST_PER_LOOP, int(FILLED * _divided(plan.outline.vertices[loop], self.min_edge)))
-            for loop in plan.outline.loops
-        )
-        if count <= most:
-            return count, ()
-        return most, (note("note.count", on="edges", asked=count, given=most, length=self.min_edge),)
 
     def energy(self, plan: Plan, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float) -> CageEnergy:
         """An energy of a cage with the priorities; see `Need.energy`."""
@@ -115,11 +89,6 @@ class Priorities(Importance, Need):
             target, _ = self._targets(inner, units.points(self.pins), plan.side * clearance)
             pin, vertex = _assigned(target, coarse.vertices)
             terms.append((1.0, Springs(vertex, target[pin], PIN_STIFFNESS)))
-        if self.min_edge is not None:
-            terms.append((1.0, short_edges(coarse, self.min_edge / units.scale, self.pull)))
-        angle = self.min_angle if self.min_angle is not None else NO_FOLDS if self.min_edge is not None else None
-        if angle is not None:
-            terms.append((1.0, sharp_angles(coarse, angle, self.pull)))
         return BoundSum(tuple(terms)) if len(terms) > 1 else energy
 
     def _targets(self, inner: Mesh, pins: FloatArray, clearance: float) -> tuple[FloatArray, FloatArray]:
@@ -147,7 +116,7 @@ class Priorities(Importance, Need):
         return target, away
 
     def notes(self, plan: Plan, cage: Mesh, clearance: float) -> tuple[Fault, ...]:
-        """A sentence for each priority that the cage misses."""
+        """A sentence for each pin that the cage misses."""
         inner, notes = plan.outline, []
         if len(self.pins):
             target, away = self._targets(inner, self.pins, plan.side * clearance)
@@ -155,35 +124,7 @@ class Priorities(Importance, Need):
                 missed = float(norm(cage.vertices - aim).min())
                 if missed > KEPT * far + PIN_REACH * inner.diagonal:
                     notes.append(note("note.pin", place=pin, distance=missed))
-        if self.min_edge is not None:
-            shortest = float(cage.edge_lengths.min())
-            if shortest < self.min_edge:
-                notes.append(note("note.edge", wanted=self.min_edge, given=shortest))
-        if self.min_angle is not None:
-            sharpest = sharpest_angle(cage)
-            if sharpest < self.min_angle:
-                notes.append(note("note.angle", wanted=self.min_angle, given=sharpest))
         return tuple(notes)
-
-
-def _divided(loop: FloatArray, length: float) -> int:
-    """Number of steps of a given length that fit along a loop (k, 2), as with a pair of dividers."""
-    x, y = loop[0].tolist()
-    steps = 0
-    for u, v in [*loop[1:].tolist(), loop[0].tolist()]:
-        distance = hypot(u - x, v - y)
-        fitting = int(distance / length)
-        if fitting:
-            share = fitting * length / distance
-            x, y = x + share * (u - x), y + share * (v - y)
-            steps += fitting
-    return steps
-
-
-def sharpest_angle(mesh: Mesh) -> float:
-    """The smallest angle between neighbouring edges, in degrees."""
-    ahead, back = mesh.edge_ends - mesh.vertices, mesh.vertices[mesh.predecessor] - mesh.vertices
-    return float(np.degrees(np.arctan2(np.abs(cross(ahead, back)), (ahead * back).sum(axis=1))).min())
 
 
 def _assigned(places: FloatArray, vertices: FloatArray) -> tuple[IntArray, IntArray]:
