@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from . import operators
-from .binding import adoption
+from .binding import adoption, sweep
 from .following import claims
 from .properties import schema
 from .ui import menus, online_manual, overlay, panels, preferences
 
 # In the order of registration; each knows only those before it.
-_ROOMS = (schema, operators, adoption, claims, panels, preferences, menus, online_manual, overlay)
+_ROOMS = (schema, operators, adoption, sweep, claims, panels, preferences, menus, online_manual, overlay)
 
 
 def register() -> None:

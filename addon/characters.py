@@ -18,7 +18,7 @@ from mathutils import Matrix, Vector
 from . import record
 from .animation.timeline import Timing
 from .binding import binding, field
-from .core import blamed, core, tasks, triangulation
+from .core import blamed, core, triangulation
 from .errors import UserError
 from .generation import output
 from .generation.generate import Generation, Options, Request, Result
@@ -139,7 +139,7 @@ def make(context: Context, drawing: Drawing, armature: Object, vertices: int) ->
     context.view_layer.update()
     cage = ownership.members(collection)[-1]
     _weigh(cage, armature, bones)
-    tasks.drain(binding.bind(context, collection))
+    binding.bind(context, collection)
     for part in ownership.originals(collection):
         placement.attach(part, armature)
     return collection

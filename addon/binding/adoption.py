@@ -21,7 +21,7 @@ from . import field
 
 def waiting(objects: Iterable[Object]) -> list[Object]:
     """The objects without a set whose drawing one of some objects is, shares, or is a part of."""
-    near = {record.node_of(obj).of or obj for obj in objects}
+    near = {record.node_of(obj).of or obj for obj in objects if record.has_node(obj)}
     if not near:
         return []
     copies = [each for each in bpy.data.objects if record.node_of(each).of is not None]

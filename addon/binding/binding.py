@@ -7,7 +7,7 @@ are unbound. The artist's work on either mesh is transferred to the other.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -45,15 +45,51 @@ class Binding(NamedTuple):
     original: str
 
 
-def bind(context: Context, collection: Collection, method: str = "AUTO") -> Work[Binding]:
+def in_step(context: Context, works: Iterable[Work[Binding]]) -> Work[list[Binding | UserError]]:
+    """The results of works that are advanced together; before each step of all, the scene is updated once, which takes
+    a pass over all of it.
+    """
+    running, results = dict(enumerate(works)), dict[int, Binding | UserError]()
+    try:
+        while running:
+            context.view_layer.update()
+            for number, work in running.items():
+                try:
+                    progress = next(work)
+                except StopIteration as end:
+                    results[number] = end.value
+                except UserError as error:
+                    results[number] = error
+            running = {number: work for number, work in running.items() if number not in results}
+            if running:
+                yield progress
+    finally:
+        for work in running.values():
+            work.close()
+    return [results[number] for number in sorted(results)]
+
+
+def bind(context: Context, collection: Collection, method: str = "AUTO") -> Binding:
     """Makes every level of an output collection follow the next one. Raises: UserError, with nothing changed."""
+    return _alone(context, steps(context, collection, method))
+
+
+def _alone(context: Context, work: Work[Binding]) -> Binding:
+    (made,) = tasks.drain(in_step(context, [work]))
+    if isinstance(made, UserError):
+        raise made
+    return made
+
+
+def steps(context: Context, collection: Collection, method: str) -> Work[Binding]:
+    """The same, as a work for `in_step`."""
     levels = _levels(context, collection)
     yield Progress(0.0, STAGE)
     try:
         visibility.leave(collection)
         for obj in levels:
             bound_meshes.park(obj)
-        context.view_layer.update()
+        yield Progress(1.0 / 5.0, STAGE)
         bound_meshes.fill(levels)
         return (yield from _connect(context, collection, levels, method))
     except BaseException:
@@ -75,7 +111,7 @@ def rebind(context: Context, collection: Collection, method: str = "AUTO") -> Wo
     yield Progress(1.0 - 1.0 / len(levels), STAGE)
     _disconnect(collection, levels)
     bound_meshes.fill(levels)
-    return tasks.drain(_connect(context, collection, levels, method))
+    return _alone(context, _connect(context, collection, levels, method))
 
 
 def newcomers(context: Context, collection: Collection) -> list[Object]:
@@ -100,7 +136,8 @@ def take_in(context: Context, collection: Collection) -> Work[Binding]:
         field.follow(part, made, in_place=False)
         if armature is not None:
             placement.attach(part, armature)
-        record.of(collection).sources.add().object = part
+    sources = record.of(collection).sources
+    record.refer(sources, [*(each.object for each in sources if each.object is not None), *parts])
     record.keep(collection)
     yield from ()
     return Binding(0.0, f"{_named(parts)} bound, with what is in the cages already")
@@ -168,7 +205,7 @@ def _connect(context: Context, collection: Collection, levels: list[Object], met
     before = record.of(collection).bound
     kind = next((each for each in (method, before) if each in field.NAMES), field.HARMONIC)
     record.bind(collection, kind)
-    context.view_layer.update()
+    yield Progress(2.0 / 5.0, STAGE)
     for inner, cage in pairwise(levels):
         certificate, node = _check_enclosed(inner, cage), record.node_of(cage)
         clearance, excess = float(certificate.clearance) * scale_of(inner), float(certificate.excess)
@@ -176,13 +213,13 @@ def _connect(context: Context, collection: Collection, levels: list[Object], met
             record.restate(cage, clearance, excess)
     originals = ownership.originals(collection)
     space = next((obj for obj in originals if obj in context.view_layer.objects[:]), levels[0])
-    errors: list[float] = []
     with unshaped(levels):
         for inner, cage in pairwise(levels):
-            yield Progress((1.0 + len(errors)) / len(levels), f"{STAGE}: '{inner.name}' follows '{cage.name}'")
             made = field.make(cage, space, kind)
             field.follow(inner, made, in_place=inner.matrix_world == made.matrix_world)
-            errors.append(_error(context, inner))
+        yield Progress(3.0 / 5.0, f"{STAGE}: '{levels[0].name}' follows '{levels[-1].name}'")
+        errors = [_error(context, inner) for inner in levels[:-1]]
+        yield Progress(4.0 / 5.0, STAGE)
     for obj in levels:
         mesh = filling.mesh_of(obj)
         filling.add_attribute(mesh, keys.REST, "FLOAT_VECTOR", filling.points_of(mesh).astype(np.float32))

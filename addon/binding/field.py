@@ -126,12 +126,19 @@ def followed(obj: Object) -> Object | None:
 
 def shown_by(obj: Object) -> Object:
     """The object that shows what an empty instances, if that is bound; else the object itself."""
-    return next((child for child in obj.children if record.shown(child, record.PROXY) == obj), obj)
+    return next(iter(_proxies(obj)), obj)
+
+
+def _proxies(obj: Object) -> list[Object]:
+    """The objects that show what an empty instances; to tell the children of any object takes a pass over the file."""
+    if obj.type != "EMPTY":
+        return []
+    return [child for child in obj.children if record.shown(child, record.PROXY) == obj]
 
 
 def release(obj: Object) -> None:
     """Removes the modifier, and the object that shows what this one instances."""
-    for proxy in [child for child in obj.children if record.shown(child, record.PROXY) == obj]:
+    for proxy in _proxies(obj):
         release(proxy)
         mesh = filling.mesh_of(proxy)
         bpy.data.objects.remove(proxy)

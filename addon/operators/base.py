@@ -223,19 +223,26 @@ class OutputOperator(JobOperator):
         suitable = [collection for collection in outputs if not self._why_not(collection)]
         if not suitable:
             raise UserError(self._why_not(outputs[0]) if outputs else NOTHING)
-        done, problems = [], []
-        for number, collection in enumerate(suitable):
-            try:
-                result = yield from share(self.each(context, collection), number, len(suitable))
-                done.append((collection, result))
-            except UserError as error:
-                problems.append(error)
+        results = yield from self.all(context, suitable)
+        problems = [result for result in results if isinstance(result, UserError)]
+        pairs = zip(suitable, results, strict=True)
+        done = [(collection, result) for collection, result in pairs if not isinstance(result, UserError)]
         if not done:
             raise problems[0]
         for collection, _ in done:
             record.keep(collection)
         self.finish(context, done)
         self.tell_skipped(problems)
+
+    def all(self, context: Context, collections: Sequence[Collection]) -> Work[list[Any]]:
+        """The results of the work on each output, or why there is none."""
+        results: list[Any] = []
+        for number, collection in enumerate(collections):
+            try:
+                results.append((yield from share(self.each(context, collection), number, len(collections))))
+            except UserError as error:
+                results.append(error)
+        return results
 
     def each(self, context: Context, collection: Collection) -> Work[Any]:
         """The work on one output, if it is not all done at the end. Raises: UserError, with nothing changed."""

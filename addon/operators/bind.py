@@ -19,7 +19,7 @@ from ..properties.kinds import choice, length, number, whole
 from ..scene import filling, ownership
 from ..scene.areas import paints
 from ..scene.convert import Drawing
-from ..scene.ownership import check_free, chosen, scene_of, select
+from ..scene.ownership import check_free, chosen, outputs_of_chosen, scene_of, select
 from .base import JobOperator, Operator, OutputOperator
 
 METHOD_ITEMS = (
@@ -57,7 +57,10 @@ class LinkOperator(BindingOperator):
     def each(self, context: Context, collection: Collection) -> Work[binding.Binding]:
         if not self.needs_bound and ownership.is_bound(collection):
             return binding.take_in(context, collection)
-        return (binding.rebind if self.needs_bound else binding.bind)(context, collection, self.method)
+        return (binding.rebind if self.needs_bound else binding.steps)(context, collection, self.method)
+
+    def all(self, context: Context, collections: Sequence[Collection]) -> Work[list[binding.Binding | UserError]]:
+        return binding.in_step(context, [self.each(context, collection) for collection in collections])
 
     def finish(self, context: Context, done: Sequence[tuple[Collection, binding.Binding]]) -> None:
         cages = [ownership.members(collection)[-1] for collection, _ in done]
@@ -103,7 +106,7 @@ class OBJECT_OT_nested_cages_adopt(Operator, bpy.types.Operator):
     bl_label = "Adopt Cages"
     modes = ()
 
-    needs = staticmethod(lambda context: waiting(chosen(context)))
+    needs = staticmethod(lambda context: not outputs_of_chosen(context) and waiting(chosen(context)))
     missing = "Select a drawing whose cages were copied with it, or have lost their collection"
 
     def run(self, context: Context) -> None:

@@ -15,7 +15,6 @@ from .. import record
 from ..animation.timeline import Timing
 from ..binding import binding, field
 from ..binding.adoption import adopt
-from ..core import tasks
 from ..errors import UserError, counted
 from ..following import claims
 from ..generation import output
@@ -137,7 +136,7 @@ class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
         if method:
             try:
                 with unmoved(ownership.members(collection)):
-                    tasks.drain(binding.bind(bpy.context, collection, method))
+                    binding.bind(bpy.context, collection, method)
             except UserError as error:
                 self.report({"WARNING"}, f"Not bound again, and poses were lost: {error}")
 

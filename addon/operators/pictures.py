@@ -14,7 +14,6 @@ from bpy_extras.io_utils import ImportHelper
 
 from ..animation.timeline import Timing
 from ..binding import binding, handles
-from ..core import tasks
 from ..errors import UserError, counted
 from ..generation import output
 from ..generation.generate import Generation, Options, Request, Result
@@ -186,7 +185,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         cages: list[Object] = []
         for collection in collections if self.bind else ():
             try:
-                tasks.drain(binding.bind(context, collection))
+                binding.bind(context, collection)
             except UserError as error:
                 self.report({"WARNING"}, f"Not bound: {error}")
                 continue

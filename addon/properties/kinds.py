@@ -8,32 +8,24 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import bpy
-from bpy.props import (
-    BoolProperty,
-    CollectionProperty,
-    EnumProperty,
-    FloatProperty,
-    IntProperty,
-    PointerProperty,
-    StringProperty,
-)
+from bpy import props
 
 OVERRIDABLE: Any = {"override": {"LIBRARY_OVERRIDABLE"}}
 
 
 def flag(name: str, description: str, **options: Any) -> Any:
     """A switch, off unless it has another default."""
-    return BoolProperty(name=name, description=description, **OVERRIDABLE, **options)
+    return props.BoolProperty(name=name, description=description, **OVERRIDABLE, **options)
 
 
 def whole(name: str, description: str, **options: Any) -> Any:
     """A whole number, 0 by default."""
-    return IntProperty(name=name, description=description, **OVERRIDABLE, **options)
+    return props.IntProperty(name=name, description=description, **OVERRIDABLE, **options)
 
 
 def number(name: str, description: str, **options: Any) -> Any:
     """A number, 0 by default."""
-    return FloatProperty(name=name, description=description, **OVERRIDABLE, **options)
+    return props.FloatProperty(name=name, description=description, **OVERRIDABLE, **options)
 
 
 def length(name: str, description: str, **options: Any) -> Any:
@@ -44,12 +36,12 @@ def length(name: str, description: str, **options: Any) -> Any:
 
 def text(name: str, description: str, **options: Any) -> Any:
     """A text, empty by default."""
-    return StringProperty(name=name, description=description, **OVERRIDABLE, **options)
+    return props.StringProperty(name=name, description=description, **OVERRIDABLE, **options)
 
 
 def choice(name: str, description: str, items: Sequence[tuple[str, str, str]], **options: Any) -> Any:
     """One of several, the first by default; or with the option ENUM_FLAG several of them."""
-    return EnumProperty(name=name, description=description, items=items, **OVERRIDABLE, **options)
+    return props.EnumProperty(name=name, description=description, items=items, **OVERRIDABLE, **options)
 
 
 def row(kind: Any, name: str, description: str, size: int, **options: Any) -> Any:
@@ -59,12 +51,12 @@ def row(kind: Any, name: str, description: str, size: int, **options: Any) -> An
 
 def pointer(name: str, description: str, kind: type) -> Any:
     """A data-block, none by default, or a group of properties."""
-    return PointerProperty(name=name, description=description, type=kind, **OVERRIDABLE)
+    return props.PointerProperty(name=name, description=description, type=kind, **OVERRIDABLE)
 
 
 def several(name: str, description: str, kind: type) -> Any:
     """A list of groups of properties, to which an override can add."""
-    return CollectionProperty(
+    return props.CollectionProperty(
         name=name, description=description, type=kind, override={"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
     )
 

@@ -15,7 +15,7 @@ from .. import keys
 from ..core import core
 from ..notes import in_scene, sentence
 from .helpers import *  # noqa: F403 - all of these are the room's face
-from .helpers import CAGE, CHECK, FAULT, HOLDS, TOLERANCE, blank, node_of
+from .helpers import CAGE, CHECK, FAULT, HOLDS, NO_RECORD, TOLERANCE, new_node, node_of
 
 # What is said of a cage that is not the certified one any more.
 EDITED = "Edited since it was certified: verify it, or generate it again"
@@ -23,7 +23,7 @@ EDITED = "Edited since it was certified: verify it, or generate it again"
 
 def of(collection: Collection) -> Any:
     """The record of a set; collections that are none get no own, see `node_of`."""
-    return new(collection) if collection.is_property_set("nested_cages") else blank(Collection, "nested_cages")
+    return new(collection) if collection.is_property_set("nested_cages") else NO_RECORD
 
 
 def new(collection: Collection) -> Any:
@@ -90,10 +90,12 @@ def assign(group: Any, given: dict[str, Any]) -> None:
 
 
 def refer(items: Any, objects: Any) -> None:
-    """Makes a list of parts refer to objects."""
+    """Makes a list of parts refer to objects, which know of it."""
     items.clear()
     for obj in objects:
         items.add().object = obj
+        if obj.library is None:
+            new_node(obj)
 
 
 def set_notes(node: Any, given: Iterable[core.Fault], scale: float = 1.0) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,32 +19,30 @@ FIELD, LINES, PROXY, FILL, HANDLES = "FIELD", "LINES", "PROXY", "FILL", "HANDLES
 
 def node_of(obj: Object) -> Any:
     """What an object is in its set. To read a group of properties of Blender's writes one, so others get no own."""
-    return new_node(obj) if obj.is_property_set("nested_cages_member") else blank(Object, "nested_cages_member")
+    return new_node(obj) if has_node(obj) else NO_NODE
+
+
+def has_node(obj: Object) -> bool:
+    """Whether an object is or was in a set, as a member, helper or drawing; buttons look no further if it was not."""
+    return bool(obj.is_property_set("nested_cages_member"))
 
 
 def new_node(obj: Object) -> Any:
-    """The same, to make an object a part of a set."""
+    """The same as `node_of`, to take an object into a set."""
     return obj.nested_cages_member  # type: ignore[attr-defined]
 
 
-@cache
-def blank(owner: type, name: str) -> Any:
-    """The group of properties of that name of a data-block that has none; it cannot be changed."""
-    return _blank(owner.bl_rna.properties[name])  # type: ignore[attr-defined]
+def _unset(**values: Any) -> Any:
+    """A group of properties that cannot be changed."""
+    return namedtuple("Unset", values)(**values)
 
 
-def _blank(prop: Any) -> Any:
-    """The value of a property that is not set."""
-    if prop.type == "COLLECTION":
-        return ()
-    if prop.type == "ENUM" and prop.is_enum_flag:
-        return frozenset(prop.default_flag)
-    if prop.type != "POINTER":
-        return tuple(prop.default_array) if getattr(prop, "is_array", False) else prop.default
-    if prop.fixed_type.base is None or prop.fixed_type.base.identifier != "PropertyGroup":
-        return None
-    values = {each.identifier: _blank(each) for each in prop.fixed_type.properties if each.identifier != "rna_type"}
-    return namedtuple(prop.fixed_type.identifier, values)(**values)
+# What is read of a collection and of an object without a set.
+NO_RECORD = _unset(sources=(), levels=(), markers=(), bound="", inside=False, playing=False, colours=-1)
+NO_NODE = _unset(
+    role="NONE", level=-1, inside=False, of=None, home=None, shows=None, thickness=0.0, parts=(), link="",
+    link_error=0.0, before=_unset(mesh=None), kept=NO_RECORD, stamp="", notes=(), check="NONE",
+)  # fmt: skip
 
 
 def make_helper(obj: Object, role: str, shows: Object, thickness: float = 0.0) -> None:

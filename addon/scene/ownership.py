@@ -71,8 +71,8 @@ def exists(obj: Object | None) -> bool:
 
 def outputs_of(scene: Scene, *drawings: Object) -> list[Collection]:
     """The collections that hold the output of objects: of the cages around them, and then of those inside."""
-    outputs, wanted = [], set(drawings)
-    for collection in bpy.data.collections:
+    outputs, wanted = [], set(filter(_may_have_any, drawings))
+    for collection in bpy.data.collections if wanted else ():
         if is_output(collection):
             sources = record.of(collection).sources
             if len(sources) and sources[0].object in wanted and members(collection):
@@ -81,6 +81,11 @@ def outputs_of(scene: Scene, *drawings: Object) -> list[Collection]:
         here = set(scene.collection.children_recursive)
         outputs.sort(key=lambda each: (is_inside(each), each not in here))
     return outputs
+
+
+def _may_have_any(obj: Object) -> bool:
+    """Whether an object may be a drawing in cages: told at once of most others. Linked ones cannot be marked."""
+    return record.has_node(obj) or obj.library is not None
 
 
 def collection_of(scene: Scene, source: Object, *, inside: bool = False) -> Collection | None:
@@ -119,7 +124,7 @@ def outputs_about(scene: Scene, obj: Object) -> list[Collection]:
         home = home_of_member(obj)
         return [home] if home is not None else []
     own = outputs_of(scene, obj)
-    if own:
+    if own or not (_may_have_any(obj) or obj.type in {"ARMATURE", "EMPTY"}):
         return own
     sets = [c for c in bpy.data.collections if is_output(c) and members(c)]
     shared = [c for c in sets if obj in originals(c)]
