@@ -11,7 +11,7 @@ from bpy.types import Collection, Object
 
 from .. import record
 from ..animation import shape_keys, timeline, visibility
-from ..scene import ownership
+from ..scene import filling, ownership
 
 
 def sweep() -> None:
@@ -37,13 +37,13 @@ def sweep() -> None:
 
 def _remove(collection: Collection, fine: list[Object]) -> None:
     """Removes what is left of a set."""
-    dropped = timeline.stop(bpy.context.scene, collection)
+    dropped = timeline.stop_playing(bpy.data.scenes[0], collection)
     visibility.leave(collection)
     cage_set = record.of(collection)
     own = {part.object for items in (cage_set.levels, cage_set.sources) for part in items} - {None}
     helpers = [obj for obj in bpy.data.objects if record.shown(obj, record.FIELD, record.LINES, record.PROXY) in own]
     hidden = [*fine, *helpers]
-    meshes = [*(obj.data for obj in hidden), *filter(None, (record.before(obj).mesh for obj in own))]
+    meshes = [*map(filling.mesh_of, hidden), *filter(None, (record.before(obj).mesh for obj in own))]
     cage_set.levels.clear()
     cage_set.sources.clear()
     shape_keys.discard(hidden, meshes, [])
