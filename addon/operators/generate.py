@@ -73,6 +73,7 @@ class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
     def work(self, context: Context) -> Work[None]:
         options, name = options_of(self, scene_of(context)), context.scene.name
         chosen = sources(context)
+        adopt(scene_of(context), chosen)
         groups = ownership.with_parts(scene_of(context), chosen, inside=self.inside)
         for group in groups:
             if not set(group) <= set(chosen):

@@ -259,6 +259,23 @@ def test_what_acts_on_a_part_acts_on_its_character(addon, name, capfd) -> None:
     assert np.abs(points(parts["Hand.L"]) - before["Hand.L"]).max() > 0.3
 
 
+def test_a_part_of_a_copy_stands_for_the_copied_character(addon) -> None:
+    ownership = addon.scene.ownership
+    parts = [face(name, capsule(*LIMBS[name])) for name in ("Torso", "Arm.L", "Hand.L")]
+    choose(*parts)
+    assert bpy.ops.object.nested_cages_generate(levels="30", together=True) == {"FINISHED"}
+    bpy.context.scene.frame_set(9000)
+    choose(*parts, bpy.data.objects["Hand.L Cage 1"])
+    bpy.ops.object.duplicate()
+    copies = [obj for obj in bpy.context.selected_objects if "Cage" not in obj.name]
+    choose(copies[1])
+    assert bpy.ops.object.nested_cages_generate(levels="20") == {"FINISHED"}
+    for mine, count in ((parts, 30), (copies, 20)):
+        (home,) = {home for part in mine for home in ownership.outputs_about(bpy.context.scene, part)}
+        assert set(ownership.originals(home)) == set(mine)
+        assert len(ownership.members(home)[-1].data.vertices) == count
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("height", [2.1, 2.17], ids=["on the head", "a gap above it narrower than the usual clearance"])
 def test_rigging_again_fits_the_cage_to_new_parts(height) -> None:

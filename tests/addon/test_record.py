@@ -207,10 +207,11 @@ def test_append_makes_no_objects_of_kept_meshes_and_removes_none_of_before(addon
 def test_buttons_look_at_what_is_chosen_alone(addon, monkeypatch, bound) -> None:
     """Of 300 objects; a pass over all takes milliseconds, for each button, each time the panel is drawn."""
     for k in range(300):
-        poly_curve(f"Drawing {k}", [circle(3)])
+        poly_curve(f"Other {k}", [circle(3)])
+    bpy.ops.object.select_all(action="DESELECT")
     if bound:
         caged(bind=True)
-    choose(bpy.data.objects["Drawing" if bound else "Drawing 7"])
+    choose(bpy.data.objects["Drawing" if bound else "Other 7"])
     asked, node_of = [], addon.record.node_of
     monkeypatch.setattr(addon.record, "node_of", lambda obj: (asked.append(obj), node_of(obj))[1])
     for name in dir(bpy.ops.object):
