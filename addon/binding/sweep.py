@@ -11,11 +11,11 @@ from bpy.types import Collection, Object
 
 from .. import record
 from ..animation import shape_keys, timeline, visibility
-from ..scene import filling, ownership
+from ..scene import display, filling, ownership
 
 
 def sweep() -> None:
-    """Removes the hidden objects of these sets; what was deleted is let go, and not saved unless something uses it."""
+    """Removes the hidden objects of these sets, and what was deleted, unless something else uses it."""
     homes = (*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes))
     there = {obj for home in homes for obj in home.objects}  # instances show collections that are in no scene
     nodes = {obj: record.node_of(obj) for obj in bpy.data.objects if record.has_node(obj)}
@@ -30,9 +30,12 @@ def sweep() -> None:
             _remove(collection, [obj for obj in levels[:1] if obj is not None and obj not in gone])
     ours = [record.of(each) for each in bpy.data.collections if ownership.is_output(each)]
     listed = {part.object for cage_set in ours for items in (cage_set.sources, cage_set.levels) for part in items}
-    for obj in gone - listed:
+    dead = gone - listed
+    for obj in dead:
         record.set_before(obj, record.Before())
         record.remove(obj)
+    used = bpy.data.user_map(subset=dead) if dead else {}
+    bpy.data.batch_remove([obj for obj, users in used.items() if users <= dead])
 
 
 def _remove(collection: Collection, fine: list[Object]) -> None:
@@ -44,6 +47,9 @@ def _remove(collection: Collection, fine: list[Object]) -> None:
     helpers = [obj for obj in bpy.data.objects if record.shown(obj, record.FIELD, record.LINES, record.PROXY) in own]
     hidden = [*fine, *helpers]
     meshes = [*map(filling.mesh_of, hidden), *filter(None, (record.before(obj).mesh for obj in own))]
+    for obj in hidden:
+        for modifier in list(obj.modifiers):
+            display.remove_modifier(obj, modifier)
     cage_set.levels.clear()
     cage_set.sources.clear()
     shape_keys.discard(hidden, meshes, [])
