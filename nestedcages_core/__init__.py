@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from .constraints import LeastAngle as LeastAngle
     from .constraints import LeastEdge as LeastEdge
     from .constraints import LoopClearance as LoopClearance
+    from .constraints import Outside as Outside
     from .contact.ipc import IPC as IPC
     from .coordinates import Grids as Grids
     from .coordinates import Harmonic as Harmonic
@@ -191,7 +192,7 @@ _LATER = {
     "batch": "BatchProgress Outcome nested_cages_many",
     "character": "Bone Character Skeleton bone_weights suggest_bones with_joints",
     "checker": "Verdict check",
-    "constraints": "Box LeastAngle LeastEdge LoopClearance",
+    "constraints": "Box LeastAngle LeastEdge LoopClearance Outside",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
         "Cut Feature cut_at_borders character_to_engine_json features_from_geojson frames_to_engine_json "

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .least_angle import LeastAngle
     from .least_edge import LeastEdge
     from .loop_clearance import LoopClearance
+    from .outside import Outside
 
 __all__ = [
     "Bound",  # a constraint on one topology, for the solvers
@@ -23,6 +24,7 @@ __all__ = [
     "LeastAngle",  # no sharper angle
     "LeastEdge",  # no shorter edge
     "LoopClearance",  # a clearance of each loop, or of outer loops and holes
+    "Outside",  # clear of a second shape
     "Rows",  # gradients of inequalities with respect to the cage
     "Terms",  # inequalities: rows, and how far each is from its limit
     "Units",  # between the units of the input and those of the solvers
@@ -33,7 +35,7 @@ def __getattr__(name: str) -> Any:
     """Constraints are imported when one is asked for: most runs have none."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from . import box, least_angle, least_edge, loop_clearance
+    from . import box, least_angle, least_edge, loop_clearance, outside
 
-    files = box, least_angle, least_edge, loop_clearance
+    files = box, least_angle, least_edge, loop_clearance, outside
     return next(getattr(file, name) for file in files if hasattr(file, name))

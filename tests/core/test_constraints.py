@@ -18,6 +18,7 @@ from nestedcages_core.constraints import (
     LeastAngle,
     LeastEdge,
     LoopClearance,
+    Outside,
     Rows,
     Terms,
     Units,
@@ -35,6 +36,12 @@ from shapes import annulus, derivative, letter_a, ring, star
 def box_around(fine: Mesh, room: float = 0.01) -> Box:
     low, high = fine.vertices.min(axis=0), fine.vertices.max(axis=0)
     return Box(tuple(low - room * fine.diagonal), tuple(high + room * fine.diagonal))
+
+
+def disc(fine: Mesh) -> Mesh:
+    """A disc right of a shape, close to it."""
+    k = int(np.argmax(fine.vertices[:, 0]))
+    return Mesh.from_loops([fine.vertices[k] + 0.02 * fine.diagonal * (ring(12) + np.array([1.4, 0.0]))])
 
 
 @dataclass(frozen=True)
@@ -70,6 +77,7 @@ MAKERS: dict[str, Callable[[Mesh], Constraint]] = {
     "loops": lambda fine: LoopClearance(outer=0.002 * fine.diagonal, holes=0.006 * fine.diagonal),
     "edge": lambda fine: LeastEdge(0.3 * float(fine.edge_lengths.sum()) / 24),
     "angle": lambda fine: LeastAngle(40.0),
+    "obstacle": lambda fine: Outside(disc(fine), 0.002 * fine.diagonal),
     "above": lambda fine: Above(float(fine.vertices[:, 1].min()) - 0.004 * fine.diagonal),
 }
 SHAPES = {"star": star(5, 90), "letter": letter_a(), "ring": annulus(60)}
@@ -246,6 +254,42 @@ def test_least_angles_are_reached() -> None:
     assert fault is not None and fault.code == "angle.sharp" and abs(fault.data["given"] - 45.0) < 1e-9
     assert LeastAngle(44.9).fault(wedge, wedge) is None
     assert LeastAngle(50.0, must=False).fault(wedge, wedge).code == "note.angle"
+
+
+def test_obstacles_push_the_cage_aside() -> None:
+    fine = star(5, 90)
+    free = nested_cages(fine, 10)[0]
+    tip = free.cage.vertices[int(np.argmax(np.hypot(*free.cage.vertices.T)))]
+    obstacle = Outside(Mesh.from_loops([tip + 0.03 * ring(8)]), 0.01)
+    assert obstacle.fault(free.cage, fine) is not None
+    level = nested_cages(fine, 10, constraints=[obstacle])[0]
+    assert verify(level.cage, fine) and obstacle.fault(level.cage, fine) is None
+    assert smallest_gap(level.cage.edge_tree, obstacle.shape.edge_tree) >= 0.01 * (1.0 - 1e-9)
+
+
+def test_obstacles_are_judged_exactly() -> None:
+    cage = Mesh.from_loops([[(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)]])
+    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    for corner, code in (((2.0, 0.5), "obstacle.met"), ((0.5, 0.5), "obstacle.met"), ((2.5, 0.5), None)):
+        fault = Outside([square + corner], 0.5).fault(cage, cage)
+        assert (fault and fault.code) == code
+    around = Outside(Mesh.from_loops([4.0 * square - 1.0]))
+    assert around.fault(cage, cage) is not None
+    with pytest.raises(NestedCagesError, match="The drawing is not clear of the obstacle"):
+        nested_cages(cage, 4, constraints=[around])
+    with pytest.raises(NestedCagesError, match="Outside: distance"):
+        Outside(cage, -1.0)
+    near = Outside([square + np.array([2.5, 0.5])], 0.6).fault(cage, cage)
+    assert near is not None and near.data["clearance"] == 0.5 and near.data["wanted"] == 0.6
+
+
+def test_rows_of_an_obstacle_are_derivatives() -> None:
+    cage, obstacle = Mesh.from_loops([ring(9)]), Mesh.from_loops([0.5 * ring(7) + [1.7, 0.1]])
+    units = SolverUnits.of(cage)
+    bound = Outside(obstacle, 0.1).bound(units.from_input(cage), units.from_input(cage), units)
+    check_rows(bound, units.points(cage.vertices))
+    inside = Outside(Mesh.from_loops([0.1 * ring(5)])).bound(cage, cage, SolverUnits(np.zeros(2), 1.0, 0.0))
+    assert (inside.short(cage.vertices) >= 1.0).all()
 
 
 def test_promised_limits_without_room_are_errors() -> None:
