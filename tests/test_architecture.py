@@ -148,6 +148,28 @@ def room_violations(sources: Mapping[str, str], rooms: str = ROOMS) -> list[str]
     return found
 
 
+# What only the gate makes, and what of it only the gate changes.
+GATE = "level/gate.py"
+JUDGED = {"Level", "Key", "JudgedCage", "Seal"}
+JUDGED_FIELDS = {"coarse", "cage", "fine", "flow", "reinflation", "seal", "side"}
+
+
+def gate_violations(sources: Mapping[str, str]) -> list[str]:
+    """Where the core's files (path below the core -> source) make what only the gate makes, one sentence each."""
+    found: list[str] = []
+    for path, source in sources.items():
+        for node in nodes(source) if path != GATE else []:
+            if not isinstance(node, ast.Call):
+                continue
+            name = ast.unparse(node.func).rpartition(".")[2]
+            changed = {each.arg for each in node.keywords} & JUDGED_FIELDS
+            if name in JUDGED:
+                found.append(f"{path}:{node.lineno}: makes a {name}")
+            elif name == "replace" and changed and "level" in ast.unparse(node.args[0]).lower():
+                found.append(f"{path}:{node.lineno}: changes {', '.join(sorted(changed))} of a level")
+    return found
+
+
 class WithoutTypeChecking(ast.NodeTransformer):
     """Leaves out what only a type checker imports."""
 
@@ -217,6 +239,13 @@ def test_kernel_and_needs_ask_for_no_class_of_a_method() -> None:
         if methods & {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}
     ]
     assert asked == []
+
+
+def test_only_the_gate_makes_levels_and_keys() -> None:
+    assert gate_violations(below(CORE)) == []
+    wrong = "Level(1)\nx.Key(2)\nreplace(level, cage=3)\nreplace(level, report=4)\nreplace(plan, fine=5)"
+    assert len(gate_violations({"a.py": wrong})) == 3
+    assert gate_violations({GATE: wrong}) == []
 
 
 def test_no_circle_inside_the_core() -> None:

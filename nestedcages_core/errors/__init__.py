@@ -83,6 +83,7 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "note.angle": ("wanted", "given"),
     "note.tolerance": ("limit", "taken", "count", "fewest", "on"),
     "note.pose": ("pose",),
+    "note.time": ("seconds", "stage"),
     "note.cut": ("asked", "given", "before", "covered", "on"),
     "note.text": ("text",),
 }

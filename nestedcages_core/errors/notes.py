@@ -37,6 +37,7 @@ NOTES: Mapping[str, str] = {
     "fewer than {fewest} cannot.",
     "tolerance excess": "With {count} vertices, the cage is {taken_percent:.4g} % larger than the shape; "
     "{limit_percent:.6g} % was allowed.",
+    "time": "The time of {seconds:g} s was over during the {stage}: the cage is the best certified one by then.",
     "pose": "The path to pose {pose} is blocked: a new cage was made there.",
     "cut": "Cut at its borders: {given} vertices instead of {asked}, {covered:.3g} of its neighbours covered instead "
     "of {before:.3g}.",

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ..decimation.budget import LEAST_PER_LOOP
-from ..errors import NestedCagesError, NestingError
+from ..errors import Fault, NestedCagesError, NestingError, note
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, by_side, is_mesh_like
 from ..level.attempts import LOOSE, clearances_for
 from ..level.builder import LevelBuilder
@@ -118,7 +118,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
         settings = replace(settings, decimation=Merging(settings.merge), fallback=fallback)
 
     def made(index: int, level: int | Mesh | Within, inner: Mesh, chosen: Settings) -> Stage[Progress, Level]:
-        clearances = clearances_for(chosen, fine)
+        clearances, late = clearances_for(chosen, fine), tuple[Fault, ...]()
         while True:
             plan, progress = Plan.of(inner, needs, constraints, side=side), LevelProgress(index, len(wanted))
             builder = LevelBuilder(plan, clearances, chosen, progress)
@@ -135,6 +135,15 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
                 done = passed((yield from whole_level(work, progress, *asked)), inner)
                 break
             except NestedCagesError as error:
+                if error.code == "time.over":
+                    from ..level.so_far import best_so_far
+
+                    found = builder.best if isinstance(level, Within) else (yield from best_so_far(builder))
+                    if found is None:
+                        raise
+                    done = passed(found, inner)
+                    late = (note("note.time", seconds=seconds, stage=error.data["stage"]),)
+                    break
                 if not isinstance(level, Rising):
                     raise
                 level = level.after(error)  # more vertices each time, and at most those of the mesh
@@ -143,7 +152,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
             from ..needs.merging import advice
 
             advised += advice(inner, done.cage)
-        return replace(done, report=replace(done.report, notes=(*remarks, *done.report.notes, *advised)))
+        return replace(done, report=replace(done.report, notes=(*remarks, *done.report.notes, *advised, *late)))
 
     failure: NestedCagesError | None = None
     while True:

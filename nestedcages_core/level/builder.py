@@ -65,6 +65,12 @@ class LevelBuilder:
             self.settling = Settling(plan, settings, progress)
         self.starts: list[Start] = []
         """Starts of the last attempt."""
+        self.attempt: Attempt | None = None
+        self.cages: list[CageInProgress] = []
+        """The tight cages of it."""
+        self.at_work: tuple[CageInProgress, list[FloatArray]] | None = None
+        """The cage that is tightened, and the steps so far."""
+        self.best: Level | None = None
 
     def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
         """The level for a vertex count or the user's own coarse mesh. Raises NestedCagesError."""
@@ -149,7 +155,8 @@ class LevelBuilder:
     def _tightest(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The tightest cage from any of the coarse meshes that can be certified."""
         errors: list[NestedCagesError] = []
-        cages: list[CageInProgress] = []
+        cages = self.cages = list[CageInProgress]()
+        self.attempt, self.at_work = attempt, None
         turn = in_turn(self.starts, self.outline, attempt)
         start: Start | None = next(turn)
         tried: list[str] = []
@@ -179,7 +186,7 @@ class LevelBuilder:
             elif attempt.prefers_curve and source == HULL and self.starts[0].on_curve is None:
                 notes = (*notes, note("note.start", on="curve", source=source))
             try:
-                return (yield from self._certified(attempt, cage, notes))
+                return (yield from self.certified(attempt, cage, notes))
             except NestingError as error:
                 refused.append(error)
         raise (refused or errors)[0]
@@ -265,6 +272,7 @@ class LevelBuilder:
             clearance=self.units.clearance(clearance),
             energy=cage.energy,
         )
+        self.at_work = cage, steps
         while True:
             try:
                 steps.append(next(tightening))
@@ -289,7 +297,7 @@ class LevelBuilder:
         excess = self.plan.side * (signed_area(vertices, successor) / area - 1.0)
         return excess if self.plan.side < 0 or len(cage.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
 
-    def _certified(self, attempt: Attempt, cage: CageInProgress, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
+    def certified(self, attempt: Attempt, cage: CageInProgress, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The level of a cage, at the largest clearance of the attempt that can be certified."""
         wanted = attempt.clearances[0]
         for clearance in attempt.clearances:

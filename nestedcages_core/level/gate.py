@@ -62,9 +62,12 @@ class Way(NamedTuple):
         return len(moving) <= len(cages) and all(map(np.array_equal, there, wanted))
 
     def is_stored(self, stored: str | None) -> bool:
-        """Whether a type holds all steps but those at the fine mesh; None: any does."""
-        steps = self.flow.steps[1:], self.reinflation.moving_steps[:-1], self.reinflation.cage_steps
-        return stored is None or all(np.array_equal(each, each.astype(stored)) for each in steps)
+        """Whether a type holds all steps but the fine mesh itself; None: any does."""
+        if stored is None:
+            return True
+        moving, cages = np.concatenate([self.flow.steps, self.reinflation.moving_steps]), self.reinflation.cage_steps
+        held = (moving == moving.astype(stored)) | (moving == moving[0])
+        return bool(held.all()) and np.array_equal(cages, cages.astype(stored))
 
 
 def judged(

@@ -266,7 +266,7 @@ class _CountSearch:
             return False
         met = self.is_met(level.cage)
         if met:
-            self.best = level
+            self.best = self.builder.best = level
         elif self.best is None:
             self.taken = min(self.taken, self.taken_by(level.cage))
         return met

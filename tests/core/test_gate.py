@@ -196,6 +196,16 @@ def test_stored_steps_are_judged(factor: float, monkeypatch: pytest.MonkeyPatch)
         nested_cages(star(7, 56), 14, stored=np.float32)
 
 
+def test_a_type_holds_all_steps_but_the_drawing_itself() -> None:
+    fine, cage = Mesh.from_loops([ring(7)]), Mesh.from_loops([as_stored(ring(8, 2.0), "float16")])
+    way, inside = Way.at_rest(fine, cage), 0.7 * fine.vertices
+    for between, holds in ((inside, False), (as_stored(inside, "float16"), True)):
+        flow = replace(way.flow, steps=np.stack([fine.vertices, between, fine.vertices]))
+        assert way._replace(flow=flow).is_stored("float16") is holds
+        assert way._replace(flow=flow).is_stored(None)
+    assert not Way.at_rest(fine, Mesh.from_loops([ring(7, 2.0)])).is_stored("float16")
+
+
 def test_shrinking_is_judged(monkeypatch: pytest.MonkeyPatch) -> None:
     level = nested_cages(star(7, 56), 14).levels[0]
     further = shrunk(level)

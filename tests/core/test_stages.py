@@ -28,6 +28,7 @@ from nestedcages_core import (
     nested_cages,
     tasks,
     verify,
+    verify_motion,
 )
 from nestedcages_core.cache import forget
 from nestedcages_core.hierarchy import run
@@ -77,6 +78,56 @@ class TestTime:
     def test_within_a_tolerance_counts(self, clock: Callable[[float], None]) -> None:
         with pytest.raises(NestedCagesError, match="was over during level 1 of 1"):
             inner_cages(star(), Within(excess=0.5), seconds=0.5, progress=lambda _: clock(0.3))
+
+    @pytest.mark.parametrize(
+        ("work", "options"),
+        [
+            (nested_cages, {}),
+            (nested_cages, {"convex": True}),
+            (nested_cages, {"stored": np.float32}),
+            (inner_cages, {}),
+        ],
+        ids=["around", "convex", "stored", "inside"],
+    )
+    def test_the_best_cage_by_then_is_kept(
+        self, clock: Callable[[float], None], work: Any, options: dict[str, Any]
+    ) -> None:
+        """Time ends during each stage and each step of the tightening in turn: a cage, or an error where none is."""
+        forget()
+        steps: list[Progress] = []
+        whole = work(star(), 8, progress=steps.append, **options)[0]
+        kept = 0
+        for last in range(0, len(steps), 3):
+            forget()
+            calls = iter(range(len(steps) + 99))
+            try:
+                level = work(
+                    star(), 8, seconds=1.0, progress=lambda _, c=calls, k=last: clock(9.0 * (next(c) == k)), **options
+                )[0]
+            except NestedCagesError as error:
+                assert error.code == "time.over"
+                assert steps[last].stage in ("decimation", "flow", "reinflation", "tightening")
+                assert not kept  # none before it, but always one after it
+                continue
+            late = [each for each in level.report.notes if each.code == "note.time"]
+            pair = (level.fine, level.cage) if level.inside else (level.cage, level.fine)
+            assert verify(*pair, level.report.wanted_clearance)
+            assert verify_motion(level.cage, level.fine, level.reinflation.cage_steps, level.reinflation.fine_path)
+            assert level.side * level.excess >= level.side * whole.excess - 1e-9
+            assert len(late) == (last < len(steps) - 1)
+            kept += len(late)
+        assert kept
+
+    def test_the_next_level_gets_no_time(self, clock: Callable[[float], None]) -> None:
+        """The hierarchy is not shorter in silence: its first level is kept with a note, then comes the error."""
+        forget()
+
+        def late(progress: Progress) -> None:
+            clock(9.0 * (progress.stage == "tightening"))
+
+        with pytest.raises(NestedCagesError, match="during level 2 of 2") as caught:
+            nested_cages(star(), [12, 6], seconds=1.0, progress=late)
+        assert [note.code for note in caught.value.partial[0].report.notes if note.code == "note.time"]
 
     @pytest.mark.slow
     def test_enough_time_changes_nothing(self) -> None:
