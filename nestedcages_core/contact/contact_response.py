@@ -18,7 +18,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..constraints.base import terms_of
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray
 from ..geometry.precision import BACKTRACKING, MOST_ROUNDS, NEGLIGIBLE
@@ -119,6 +118,8 @@ class ContactResponse:
         farthest_motion[m:] = 0.0
         rows, room, softness = self._constraints(pairs, contacts, motion, farthest_motion)
         if self.bodies.bounds:
+            from ..constraints.base import terms_of
+
             more, rooms = terms_of(self.bodies.bounds, x[:m], radius)
             rows, room = [*rows, *more], np.concatenate((room, rooms))
             softness = np.concatenate((softness, np.full(len(rooms), HARD_COMPLIANCE)))

@@ -72,6 +72,14 @@ class Bodies:
             clearances,
         )
 
+    def short(self, cage: FloatArray) -> FloatArray | None:
+        """(m,) the most that a cage (m, 2) lacks of its bounds at each vertex; None without bounds."""
+        if not self.bounds:
+            return None
+        from ..constraints.base import short_of
+
+        return short_of(self.bounds, cage)
+
     @cached_property
     def of_vertex(self) -> FloatArray | None:
         """(m + n,) the clearances, as indices into x = (C; F)."""

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..constraints.base import short_of
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Count, SeveralStarts, Start
@@ -285,7 +284,7 @@ class LevelBuilder:
         return replace(
             cage,
             tightened=cage.untightened.with_tightening(steps),
-            rank=self._rank(cage, last) + MISSED * bool(bounds and short_of(bounds, last).any()),
+            rank=self._rank(cage, last) + MISSED * any(bound.short(last).any() for bound in bounds),
             counts={"tightening": outcome.iterations, "quadratic programs": outcome.quadratic_programs},
         )
 

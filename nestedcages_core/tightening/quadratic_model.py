@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..constraints.base import terms_of
 from ..contact.linearisation import Contacts, constraint_rows, local_axes, measure, resolve_corners
 from ..contact.pairs import Bodies, CandidateList, Pairs, WantedDistances
 from ..contact.pruning import not_implied
@@ -75,6 +74,8 @@ def model_at(
     curvature = contact_curvature(bodies, cage, loads, radius)
     rows, rooms, softness = [*constraint_rows(some, contact)], np.maximum(room[keep], 0.0), None
     if bodies.bounds:
+        from ..constraints.base import terms_of
+
         more, further = terms_of(bodies.bounds, cage, radius)
         softness = np.where(np.concatenate((rooms, further)) < 0.0, missed, 0.0) if missed else None
         rows, rooms = [*rows, *more], np.concatenate((rooms, further if missed else np.maximum(further, 0.0)))

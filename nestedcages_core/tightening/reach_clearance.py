@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..constraints.base import correction
 from ..contact.ccd import impacts
 from ..contact.contact_response import ContactResponse, Distances, FeasibilityRule
 from ..contact.linearisation import Contacts, measure
@@ -159,8 +158,11 @@ def restore(
     vertex lacked of its bounds before, None: bounds do not matter.
     """
     x, contacts = _apart(bodies, pairs, x, required, side)
-    for _ in range(0 if lacking is None else CORRECTIONS):
-        assert lacking is not None
+    if lacking is None:
+        return x, contacts
+    from ..constraints.base import correction
+
+    for _ in range(CORRECTIONS):
         motion = correction(bodies.bounds, x[: bodies.m], lacking)
         if motion is None:
             break

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..constraints.base import short_of
 from ..contact.ccd import impacts
 from ..contact.pairs import Bodies, Pairs
 from ..energies import CageEnergy
@@ -121,7 +120,7 @@ def find_trial(
     motion, missed = np.zeros_like(x), np.zeros(0, np.int64)
     closest = float(around.required.min(initial=np.inf))
     near = around.within(_expected(bodies, step, around))
-    lacking = short_of(bodies.bounds, x[:m]) if bodies.bounds else None
+    lacking = bodies.short(x[:m])
     for _ in range(MAX_ATTEMPTS):
         tried = x.copy()
         tried[:m] += fraction[:, None] * step
@@ -138,7 +137,7 @@ def find_trial(
         hit, _ = impacts(near.pairs, x, motion, near.distance, closest)
         failing = np.concatenate([hit, np.flatnonzero(after.distance < near.required)])
         if lacking is not None:
-            missed = np.flatnonzero(short_of(bodies.bounds, restored[:m]) > lacking)
+            missed = np.flatnonzero(np.asarray(bodies.short(restored[:m])) > lacking)
         if len(failing) == 0 and len(missed) == 0:
             restored_value = energy.value(restored[:m], bodies.coarse.successor)
             if restored_value < value - SUFFICIENT_DECREASE * float(fraction.min()) * max(decrease, 0.0):
