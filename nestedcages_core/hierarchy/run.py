@@ -132,7 +132,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
             number = int(level) if isinstance(level, Rising) else level
             asked = replace(chosen, about=None, seconds=None), about, inner, number, clearances, side
             try:
-                done = passed((yield from whole_level(work, progress, *asked)), inner)
+                done = passed((yield from whole_level(work, progress, *asked)), inner, chosen.clearance or 0.0)
                 break
             except NestedCagesError as error:
                 if error.code == "time.over":
@@ -141,7 +141,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
                     found = builder.best if isinstance(level, Within) else (yield from best_so_far(builder))
                     if found is None:
                         raise
-                    done = passed(found, inner)
+                    done = passed(found, inner, chosen.clearance or 0.0)
                     late = (note("note.time", seconds=seconds, stage=error.data["stage"]),)
                     break
                 if not isinstance(level, Rising):

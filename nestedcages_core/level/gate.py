@@ -138,10 +138,11 @@ def copied(level: Level) -> Level:
     return replace(level, flow=flow, reinflation=replace(level.reinflation, moving_steps=moving, cage_steps=cage))
 
 
-def passed(level: Level, inner: Mesh) -> Level:
-    """The level around or inside a mesh, as it was judged. Raises NestingError if it was not, or changed since."""
+def passed(level: Level, inner: Mesh, least: float = 0.0) -> Level:
+    """The level around or inside a mesh, as it was judged, at a least clearance. Raises NestingError if it was not, or
+    changed since."""
     seal, way = level.seal, Way.of(level)
-    if seal is None or seal.judged.numbers is None:
+    if seal is None or seal.judged.numbers is None or seal.judged.wanted < least:
         raise _refusal("The level was not judged.")
     cage, fine, told = seal.judged.cage, seal.judged.fine, seal.judged.told(level.report)
     same = level.cage is cage and level.fine is fine and np.array_equal(fine.vertices, inner.vertices)

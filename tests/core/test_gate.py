@@ -153,6 +153,12 @@ def test_settling_obeys_needs_and_certificates(fine: Mesh, monkeypatch: pytest.M
         nested_cages(fine, 14, grid=0.25)
 
 
+def test_settling_keeps_the_clearance_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(settling, "judged", lambda plan, cage, wanted: gate.judged(plan, cage, 0.0))
+    with pytest.raises(NestingError, match="not judged"):
+        nested_cages(star(7, 56), 14, grid=0.05, clearance=0.01)
+
+
 def iter_of(result: Any) -> Any:
     """A stage that has a result."""
     return result
