@@ -40,7 +40,7 @@ FAULTS = (
           "return 1.02 * _reach(cage, fine, limit, slack)[0]", TESTS + "limits_are_kept_to_the_digit"),
     Fault(CORE + "motion/following.py", " if judged(promises.plan, moved, clearance, same_loops=True) else None", "",
           TESTS + "a_step_that_leaves_the_drawing_is_no_cage"),
-    Fault(CORE + "level/gate.py", "if cage.fault is not None:\n            raise NestingError(\n                f",
+    Fault(CORE + "level/motion_gate.py", "if cage.fault is not None:\n            raise NestingError(\n                f",
           "if False:\n            raise NestingError(\n                f",
           TESTS + "a_key_that_leaves_the_drawing_is_an_error"),
     Fault(CORE + "motion/animated.py", "not verify_motion(cage, fine, np.stack([cage.vertices] * 2), way)", "False",

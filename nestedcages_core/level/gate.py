@@ -1,4 +1,4 @@
-"""The gate: the only place where a level is made, and a key of a motion.
+"""The gate: the only place where a level is made.
 
 Whatever made or changed a cage, its final numbers are judged here: that it is nested, simple and as far away as wanted,
 that it keeps what the needs promise, that its steps form a chain and move without collisions. The report tells what was
@@ -8,7 +8,7 @@ is new is judged; :func:`passed` finds what was changed elsewhere.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from hashlib import blake2b
 from itertools import pairwise
 from typing import NamedTuple
@@ -22,7 +22,6 @@ from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..tasks import Stage, drain
-from ..verification import Certificate, verify_motion
 from ..verification.motion import certifying
 from .plan import Plan
 from .report import JudgedCage, Level, NestingReport, Seal
@@ -110,7 +109,7 @@ def admitted(
         if not motion:
             assert motion.step is not None
             raise NestingError(_collides(first + motion.step, cage.side))
-    seal = Seal(cage, stored, _digest(way.flow.steps), links)
+    seal = Seal(cage, stored, digest_of(way.flow.steps), links)
     report = replace(cage.told(report), stored=stored)
     return Level(fine, way.coarse, mesh, way.flow, way.reinflation, report, cage.side, seal)
 
@@ -146,78 +145,12 @@ def passed(level: Level, inner: Mesh, least: float = 0.0) -> Level:
         raise _refusal("The level was not judged.")
     cage, fine, told = seal.judged.cage, seal.judged.fine, seal.judged.told(level.report)
     same = level.cage is cage and level.fine is fine and np.array_equal(fine.vertices, inner.vertices)
-    steps = way.leads(fine, cage) and (seal.flow, seal.links) == (_digest(way.flow.steps), _links(way.reinflation))
+    steps = way.leads(fine, cage) and (seal.flow, seal.links) == (digest_of(way.flow.steps), _links(way.reinflation))
     if not same or not steps:
         raise _refusal("The level is not the one that was judged.")
     if level.report != told or not level.report.stored == seal.stored == seal.judged.numbers[1]:
         raise _refusal("The report tells what was not measured.")
     return level
-
-
-class Posed(NamedTuple):
-    """A pose with its cage, to be a key."""
-
-    number: int
-    time: float
-    fine: FloatArray
-    cage: FloatArray
-    given: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Key:
-    """One certified instant; between consecutive keys fine mesh and cage move on straight lines."""
-
-    number: int
-    """Index of the given pose, or of the one before."""
-    time: float
-    fine: FloatArray = field(repr=False)
-    """(n, 2) vertices of the fine mesh; exactly those of a given pose."""
-    cage: FloatArray = field(repr=False)
-    """(m, 2) vertices of the cage."""
-    certificate: Certificate = field(repr=False)
-    given: bool
-    """Whether the key is a given pose, not one added between two of them."""
-
-
-@dataclass(frozen=True, eq=False)
-class MotionGate:
-    """Makes the keys of one moving cage."""
-
-    plan: Plan
-    """That of the first pose."""
-    topology: Mesh
-    """The cage's."""
-    wanted: float
-    """The clearance that is promised."""
-
-    def link(self, before: Posed | Key, after: Posed) -> bytes | None:
-        """The seal of the straight motion from one pose to another; None if it may collide."""
-        cages, fines = np.stack([before.cage, after.cage]), np.stack([before.fine, after.fine])
-        return _link(before, after) if verify_motion(self.topology, self.plan.fine, cages, fines) else None
-
-    def key(self, posed: Posed, before: Key | None, link: bytes | None) -> Key:
-        """A key after the one before, if any. Raises NestingError.
-
-        link: the seal of the motion from there; that motion is judged if the seal is that of another.
-        """
-        number, time, fine, points, given = posed
-        plan = replace(self.plan, fine=self.plan.fine.moved(fine))
-        cage = judged(plan, self.topology.moved(points), self.wanted, same_loops=True)
-        if cage.fault is not None:
-            raise NestingError(
-                f"The cage of pose {number} could not be certified: {cage.fault}",
-                code="certificate.failed",
-                problems=cage.certificate.problems or (cage.fault,),
-                pose=number,
-            )
-        if before is not None and link != _link(before, posed) and self.link(before, posed) is None:
-            raise NestingError(
-                f"The motion from pose {before.number} to the next could not be certified free of collisions.",
-                code="motion.collides",
-                pose=before.number,
-            )
-        return Key(number, time, fine, points, cage.certificate, given)
 
 
 def _refusal(said: str) -> NestingError:
@@ -233,21 +166,16 @@ def _collides(step: int, side: int) -> Fault:
     )
 
 
-def _digest(array: FloatArray) -> bytes:
+def digest_of(array: FloatArray) -> bytes:
     """That of the numbers and the shape of an array."""
     digest = blake2b(repr(array.shape).encode(), digest_size=DIGEST_BYTES)
     digest.update(array.tobytes())
     return digest.digest()
 
 
-def _link(before: Posed | Key, after: Posed) -> bytes:
-    """A digest of the straight motion from one pose to another."""
-    return b"".join(map(_digest, (before.fine, before.cage, after.fine, after.cage)))
-
-
 def _links(way: Reinflation) -> tuple[bytes, ...]:
     """A digest of both meshes before and after each motion from one step to the next."""
-    rest = _digest(way.moving_steps[-1])
-    fines = [*map(_digest, way.moving_steps[:-1]), *[rest] * (len(way.cage_steps) - len(way.moving_steps) + 1)]
-    steps = [fine + _digest(cage) for fine, cage in zip(fines, way.cage_steps, strict=True)]
+    rest = digest_of(way.moving_steps[-1])
+    fines = [*map(digest_of, way.moving_steps[:-1]), *[rest] * (len(way.cage_steps) - len(way.moving_steps) + 1)]
+    steps = [fine + digest_of(cage) for fine, cage in zip(fines, way.cage_steps, strict=True)]
     return tuple(one + other for one, other in pairwise(steps))

@@ -1,6 +1,6 @@
 """Cages that follow a moving drawing: constant topology, certified at every pose and every instant in between."""
 
-from ..level.gate import Key
+from ..level.motion_gate import Key
 from .animated import AnimatedCagesRun, animated_cages, certified_still, stream_cages
 from .following import followed
 from .results import MotionReport, MovingCages, MovingLevel

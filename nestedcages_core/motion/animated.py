@@ -15,7 +15,7 @@ from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh, MeshLike
 from ..hierarchy import Progress, Settings
 from ..hierarchy.settings import type_name
-from ..level.gate import Key
+from ..level.motion_gate import Key
 from ..tasks import Run, Stage, listened
 from ..verification import verify, verify_motion
 from .level import Allowance, LevelMotion

@@ -14,7 +14,7 @@ from ..geometry.mesh import Mesh
 from ..hierarchy import Settings, Within, nested_cages
 from ..hierarchy.settings import type_name
 from ..level.attempts import clearances_for
-from ..level.gate import Key, MotionGate, Posed
+from ..level.motion_gate import Key, MotionGate, Posed
 from ..level.units import SolverUnits
 from .between import Instant, Straightener, around
 from .following import Follower

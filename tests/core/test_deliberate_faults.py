@@ -33,7 +33,7 @@ from nestedcages_core.contact.pairs import Bodies
 from nestedcages_core.decimation import Start
 from nestedcages_core.geometry.lattice import Grid
 from nestedcages_core.geometry.predicates import orientation
-from nestedcages_core.level import gate
+from nestedcages_core.level import motion_gate
 from nestedcages_core.level.builder import LevelBuilder
 from nestedcages_core.level.settling import Settling
 from nestedcages_core.motion import following
@@ -282,7 +282,7 @@ def test_a_step_that_leaves_the_drawing_is_no_cage(monkeypatch: pytest.MonkeyPat
 def test_a_key_that_leaves_the_drawing_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """The cage of each key is certified, whatever follower and motion certificate say."""
     monkeypatch.setattr(following.Follower, "next", lambda self, cage, before, after: [cage + 3.0])
-    monkeypatch.setattr(gate, "verify_motion", lambda *_: True)
+    monkeypatch.setattr(motion_gate, "verify_motion", lambda *_: True)
     with pytest.raises(NestingError, match="The cage of pose 1 could not be certified"):
         animated_cages(star(), [star().vertices] * 2, [12])
 

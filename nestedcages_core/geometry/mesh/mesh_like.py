@@ -28,7 +28,8 @@ def is_mesh_like(shape: object) -> TypeGuard[MeshLike]:
     """Whether `Mesh.of` can try to read a value."""
     if isinstance(shape, list | tuple | np.ndarray | Mapping):
         return True
-    return not isinstance(shape, type) and hasattr(shape, "__geo_interface__")
+    name = "__geo_interface__"  # asked of the class first: as a property it would be computed
+    return not isinstance(shape, type) and (hasattr(type(shape), name) or hasattr(shape, name))
 
 
 def is_loop(shape: Sequence[Any] | NDArray[Any]) -> bool:

@@ -1,0 +1,86 @@
+"""The gate of moving cages: the only place where a key of a motion is made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import NestingError
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..verification import Certificate, verify_motion
+from .gate import digest_of, judged
+from .plan import Plan
+
+
+class Posed(NamedTuple):
+    """A pose with its cage, to be a key."""
+
+    number: int
+    time: float
+    fine: FloatArray
+    cage: FloatArray
+    given: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Key:
+    """One certified instant; between consecutive keys fine mesh and cage move on straight lines."""
+
+    number: int
+    """Index of the given pose, or of the one before."""
+    time: float
+    fine: FloatArray = field(repr=False)
+    """(n, 2) vertices of the fine mesh; exactly those of a given pose."""
+    cage: FloatArray = field(repr=False)
+    """(m, 2) vertices of the cage."""
+    certificate: Certificate = field(repr=False)
+    given: bool
+    """Whether the key is a given pose, not one added between two of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotionGate:
+    """Makes the keys of one moving cage."""
+
+    plan: Plan
+    """That of the first pose."""
+    topology: Mesh
+    """The cage's."""
+    wanted: float
+    """The clearance that is promised."""
+
+    def link(self, before: Posed | Key, after: Posed) -> bytes | None:
+        """The seal of the straight motion from one pose to another; None if it may collide."""
+        cages, fines = np.stack([before.cage, after.cage]), np.stack([before.fine, after.fine])
+        return _link(before, after) if verify_motion(self.topology, self.plan.fine, cages, fines) else None
+
+    def key(self, posed: Posed, before: Key | None, link: bytes | None) -> Key:
+        """A key after the one before, if any. Raises NestingError.
+
+        link: the seal of the motion from there; that motion is judged if the seal is that of another.
+        """
+        number, time, fine, points, given = posed
+        plan = replace(self.plan, fine=self.plan.fine.moved(fine))
+        cage = judged(plan, self.topology.moved(points), self.wanted, same_loops=True)
+        if cage.fault is not None:
+            raise NestingError(
+                f"The cage of pose {number} could not be certified: {cage.fault}",
+                code="certificate.failed",
+                problems=cage.certificate.problems or (cage.fault,),
+                pose=number,
+            )
+        if before is not None and link != _link(before, posed) and self.link(before, posed) is None:
+            raise NestingError(
+                f"The motion from pose {before.number} to the next could not be certified free of collisions.",
+                code="motion.collides",
+                pose=before.number,
+            )
+        return Key(number, time, fine, points, cage.certificate, given)
+
+
+def _link(before: Posed | Key, after: Posed) -> bytes:
+    """A digest of the straight motion from one pose to another."""
+    return b"".join(map(digest_of, (before.fine, before.cage, after.fine, after.cage)))
