@@ -29,6 +29,7 @@ from .hierarchy import (
     NestingReport,
     Progress,
     Settings,
+    Share,
     inner_cages,
     nested_cages,
 )
@@ -139,6 +140,7 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
     "nested_cages_many",
     "Settings",
     "Within",
+    "Share",
     "Progress",
     # the results
     "Hierarchy",
@@ -233,4 +235,4 @@ if not TYPE_CHECKING:  # a type checker would then take any name for one of the 
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_ROOM_OF})
+    return sorted(__all__)

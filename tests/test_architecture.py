@@ -53,10 +53,11 @@ BLENDER_PLACES = (
 
 # The face of the core. Names are added with care and never taken away: other programs import them.
 PUBLIC = """
-Mesh nested_cages NestedCagesRun inner_cages nested_cages_many Settings Within Progress Hierarchy Level NestingReport
-FlowResult Reinflation verify verify_motion Certificate MotionCertificate check cage_coordinates deform read_svg
-write_svg from_svg to_svg read_geojson write_geojson from_geojson features_from_geojson to_geojson write_engine_json
-to_engine_json read_png collision_outline NestedCagesError InvalidMeshError FlowError ReinflationError NestingError
+Mesh nested_cages NestedCagesRun inner_cages nested_cages_many Settings Within Share Progress Hierarchy Level
+NestingReport FlowResult Reinflation verify verify_motion Certificate MotionCertificate check cage_coordinates deform
+read_svg write_svg from_svg to_svg read_geojson write_geojson from_geojson features_from_geojson to_geojson
+write_engine_json to_engine_json read_png collision_outline NestedCagesError InvalidMeshError FlowError ReinflationError
+NestingError
 """
 
 # Method objects and helpers, which can be imported from the top too.

@@ -98,7 +98,8 @@ def parse_levels(text: str, units: Mapping[str, float]) -> tuple[Level, ...]:
     """
     words = core.hierarchy.level_words(text, units) or [text]
     try:
-        return tuple(OWN if word == OWN else core.hierarchy.parse_level(word, units) for word in words)
+        levels = [OWN if word == OWN else core.hierarchy.parse_level(word, units) for word in words]
+        return tuple(core.hierarchy.in_order(levels))
     except core.NestedCagesError as error:
         raise UserError(str(error)) from error
 

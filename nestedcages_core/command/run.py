@@ -11,7 +11,7 @@ from typing import Any, TextIO
 
 from ..errors import NestedCagesError
 from ..exchange import Limits
-from ..hierarchy import order_of
+from ..hierarchy import in_order
 from .check import check_files
 from .making import Result, make
 from .options import check_use, of_drawings, parser
@@ -52,9 +52,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _all(paths: Sequence[str], given: argparse.Namespace, line: ProgressLine) -> bool:
     """Process all files and write what concerns them together; whether anything failed."""
     out = sys.stderr if STREAM in (*given.output, given.report) else sys.stdout
-    order = order_of(given.levels)
-    if order:
-        tell(f"note: {order}", sys.stderr)
+    if in_order(given.levels) != given.levels:
+        tell("note: The levels are made from the finest to the coarsest.", sys.stderr)
     several = len(paths) > 1
     frames = [path for path in given.output if several and path != STREAM and STEM not in path]
     given.output = [path for path in given.output if path not in frames]

@@ -1,18 +1,20 @@
-"""Levels as text, in the shell and in Blender: vertex counts, percentages, distances, excesses."""
+"""Levels as text, in Python, in the shell and in Blender: vertex counts, percentages, distances, excesses."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from itertools import pairwise
+from collections.abc import Mapping
 from math import isfinite
 
-from ..errors import NestedCagesError
+from ..errors import NestingError
 from ..tolerance.within import Within
 from .levels import Share
 
 UNITS: Mapping[str, float] = {"px": 1.0, "u": 1.0}
 """Suffixes of distances with their lengths in input units: pixels and units of a file, which mean the same."""
+
+LENGTHS = ("mm", "cm", "m", "km", "in", "ft", "yd", "pt")
+"""Units that a scene of Blender has, and plain coordinates do not."""
 
 EITHER_WAY = r"(?<![\d.,%])\+?\d+,\d+[^\d\s.,;][^\s,;]*(?!,)"
 """A number with a decimal comma and a unit, or a count and another level, where no further comma tells."""
@@ -35,13 +37,13 @@ def parse_level(word: str, units: Mapping[str, float] = UNITS) -> int | Share | 
     """Parse one level: `64`, `20%`, `2px` or `+25%`.
 
     units: suffixes of distances with their lengths; the first one is the example in messages.
-    Raises NestedCagesError.
+    Raises NestingError.
     """
     found = re.fullmatch(r"(\+?)(\d+\.?\d*(?:e[+-]?\d+)?|\.\d+(?:e[+-]?\d+)?)([^\d.]*)", word)
     sign, number, unit = found.groups() if found else ("", "nan", "")
     if re.fullmatch(EITHER_WAY, word):
         first, second = word.split(",")
-        raise NestedCagesError(
+        raise NestingError(
             f"{word!r} may be one level or two; write {first}.{second}, or {first}, {second}.", code="level.invalid"
         )
     value = float(number)
@@ -54,24 +56,9 @@ def parse_level(word: str, units: Mapping[str, float] = UNITS) -> int | Share | 
             return Share(value / 100.0)
         if not unit and not sign and number.isdecimal():
             return int(number)
+    named = f" Coordinates have no {unit} here; {number}u is {number} of their own units." if unit in LENGTHS else ""
     known = ("a whole number of at least 1", "a percentage such as 8%", f"a distance such as 2{next(iter(units))}")
-    raise NestedCagesError(
-        f"A level is {', '.join(known)}, or an excess such as +25%; {word!r} is none of these.", code="level.invalid"
+    raise NestingError(
+        f"A level is {', '.join(known)}, or an excess such as +25%; {word!r} is none of these.{named}",
+        code="level.invalid",
     )
-
-
-def order_of(levels: Sequence[int | Share | Within]) -> str:
-    """What is odd about the order of levels, each around the one before; empty if nothing is."""
-
-    def size(level: int | Share | Within) -> tuple[str, float]:
-        if isinstance(level, Within):
-            return ("distance", -level.distance) if level.distance is not None else ("excess", -level.limit)
-        return ("share", level.fraction) if isinstance(level, Share) else ("count", float(level))
-
-    for k, (one, other) in enumerate(pairwise(map(size, levels)), 1):
-        if one[0] == other[0] and one[1] < other[1]:
-            return (
-                f"Level {k + 1} is finer than level {k}: each level encloses the one before, so the finest comes "
-                "first; a finer one around it gains nothing."
-            )
-    return ""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from math import inf
 from time import perf_counter
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from ..tasks import Run, Stage, limited, listened
 from ..tightening import Tightening
 from ..tolerance.within import Within
 from ..verification import verify
+from .asked import Wanted, in_order, listed_levels
 from .levels import Rising, Share, wanted_levels
 from .needs import constraints_of, needs_of
 from .settings import Settings
@@ -33,9 +34,6 @@ logger = logging.getLogger(__name__)
 
 ROOM_OF_A_LEVEL = 2.5
 """Distance between loops, in clearances, that leaves room for those of a further level: 2 fit exactly."""
-
-Wanted: TypeAlias = int | Share | MeshLike | Within
-"""A level as asked for."""
 
 
 def nested_cages(
@@ -49,8 +47,9 @@ def nested_cages(
     """Cages around ``fine``, each enclosing the one before, from the finest to the coarsest.
 
     fine: a mesh, or anything that `Mesh.of` reads: objects with `__geo_interface__`, an array (k, 2), lists of loops.
-    levels: for each cage its number of vertices, a `Share` of those of ``fine``, the user's own coarse mesh, or
-    `Within` for the fewest vertices that stay within a distance or an excess of ``fine``; a single level needs no list.
+    levels: for each cage its number of vertices, ``"8%"`` or a `Share` of those of ``fine``, the user's own coarse
+    mesh, or the fewest vertices within a distance, ``"2px"`` or ``"2u"`` in the input's units, or an excess of area,
+    ``"+25%"``, which are `Within`. A single level needs no list; counts and the like may come in any order.
     progress: called between iterations; may raise to cancel. True: a progress bar, if tqdm is installed.
     options: fields of `Settings`, such as ``clearance=0.01``, that replace those of ``settings``.
 
@@ -87,7 +86,7 @@ class NestedCagesRun(Run[Progress, Hierarchy]):
         self, fine: MeshLike, levels: Wanted | Sequence[Wanted], settings: Settings | None = None, **options: Any
     ) -> None:
         chosen = Settings.of(settings, **options)
-        super().__init__(_hierarchy(fine, _as_list(levels), chosen, self.side))
+        super().__init__(_hierarchy(fine, listed_levels(levels), chosen, self.side))
 
     @property
     def hierarchy(self) -> Hierarchy:
@@ -203,20 +202,6 @@ def _about(settings: Settings, fine: Mesh, side: int) -> Mesh:
     return about
 
 
-def _as_list(levels: Wanted | Sequence[Wanted]) -> list[Wanted]:
-    """The levels as a list; a single one needs none. Raises NestingError."""
-    single = int, np.integer, Share, Within, Mesh, Mapping
-    is_loop = isinstance(levels, np.ndarray) and levels.ndim == 2
-    if isinstance(levels, single) or hasattr(levels, "__geo_interface__") or is_loop:
-        return [levels]  # type: ignore[list-item]
-    if isinstance(levels, str) or not isinstance(levels, Iterable):
-        raise NestingError(
-            f"A level must be a vertex count, a Mesh or Within(…), for instance [64, 16], not {levels!r}.",
-            code="level.invalid",
-        )
-    return list(levels)
-
-
 def _checked(
     fine: MeshLike, levels: Sequence[Wanted], *, convex: bool, merges: bool
 ) -> tuple[Mesh, list[int | Mesh | Within]]:
@@ -229,7 +214,7 @@ def _checked(
     fine = Mesh.of(fine).validated()
     checked: list[int | Mesh | Within] = []
     loops = 1 if convex or merges else len(fine.loops)  # convex cages have this many vertices around each part
-    for number, asked in enumerate(levels, start=1):
+    for number, asked in enumerate(in_order(levels, len(fine.vertices)), start=1):
         (level,) = wanted_levels([asked], fine, merges=merges) if isinstance(asked, Share) else [asked]
         if isinstance(level, Within):
             checked.append(level)

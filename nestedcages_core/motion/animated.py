@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh, MeshLike
-from ..hierarchy import Progress, Settings
+from ..hierarchy import Progress, Settings, Wanted, in_order, listed_levels, wanted_levels
 from ..hierarchy.settings import type_name
 from ..level.motion_gate import Key
 from ..tasks import Run, Stage, listened
@@ -32,7 +32,7 @@ UNPOSED = ("poses.invalid", "setting.conflict", "level.invalid", "count.too_smal
 def animated_cages(
     fine: MeshLike,
     poses: ArrayLike | Iterable[ArrayLike],
-    levels: int | Mesh | Sequence[int | Mesh],
+    levels: Wanted | Sequence[Wanted],
     settings: Settings | None = None,
     *,
     times: ArrayLike | None = None,
@@ -44,7 +44,7 @@ def animated_cages(
 
     fine: gives the topology.
     poses: (T, n, 2), or an iterable of (n, 2) that is read once.
-    levels: for each cage its number of vertices, or a coarse mesh of the first pose.
+    levels: for each cage its number of vertices, ``"8%"`` of those of ``fine``, or a coarse mesh of the first pose.
     times: (T,) increasing; default: 0, 1, ...
     cyclic: the last cage equals the first. If the last pose differs from the first, the motion back to it is added,
     over the mean interval.
@@ -64,7 +64,7 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
         self,
         fine: MeshLike,
         poses: ArrayLike | Iterable[ArrayLike],
-        levels: int | Mesh | Sequence[int | Mesh],
+        levels: Wanted | Sequence[Wanted],
         settings: Settings | None = None,
         *,
         times: ArrayLike | None = None,
@@ -72,7 +72,7 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
         **options: Any,
     ) -> None:
         self._fine, self._cyclic = Mesh.of(fine, strict=True), cyclic
-        self._levels = [levels] if isinstance(levels, int | np.integer | Mesh) else list(levels)
+        self._levels: list[Any] = in_order(wanted_levels(listed_levels(levels), self._fine))
         if not self._levels:
             raise NestingError(
                 "There are no levels: give at least one vertex count or coarse mesh.", code="level.invalid"

@@ -20,6 +20,8 @@ UNITS = {"m": 1.0, "mm": 0.001, "u": 1.0}
         ("64, *", (64, "*")),
         ("7", (7,)),
         ("64,, 24,", (64, 24)),
+        ("24, 64", (64, 24)),  # the finest comes first
+        ("24, *, 64", (24, "*", 64)),
     ],
 )
 def test_levels_are_counts_or_own_objects(addon, text, levels) -> None:
@@ -62,7 +64,7 @@ def test_percentages_are_of_the_drawing_and_leave_enough_vertices_per_loop(addon
     ("levels", "counts", "note"),
     [
         ("61", [60], ("note.count", {"asked": 61, "given": 60, "on": "mesh"})),
-        ("20, 21", [20, 20], ("level.order", {"level": 2, "asked": 21, "given": 20})),
+        ("20%, 21", [12, 12], ("level.order", {"level": 2, "asked": 21, "given": 12})),
         ("5", [6], ("level.small", {"asked": 5, "given": 6})),
         ("1%", [8], ("level.share", {"share": 1.0, "total": 60, "given": 8})),
     ],

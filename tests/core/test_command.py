@@ -236,9 +236,15 @@ def test_counts_give_way_to_the_least_that_a_shape_allows(tmp_path: Path, capsys
         assert re.search(r"at least \d+", capsys.readouterr().err)
 
 
-def test_levels_in_the_wrong_order_are_remarked(drawing: Path, capsys: pytest.CaptureFixture) -> None:
-    assert main([str(drawing), "--levels", "40%", "60%", "--quiet"]) == 0
-    assert "note: Level 2 is finer than level 1: each level encloses the one before" in capsys.readouterr().err
+def test_levels_are_made_from_the_finest_to_the_coarsest(drawing: Path, capsys: pytest.CaptureFixture) -> None:
+    report = drawing.with_name("report.json")
+    assert main([str(drawing), "--levels", "40%", "60%", "--quiet", "--report", str(report)]) == 0
+    assert "note: The levels are made from the finest to the coarsest" in capsys.readouterr().err
+    (shape,) = json.loads(report.read_text())["inputs"][0]["shapes"]
+    first, second = (level["vertices"] for level in shape["levels"])
+    assert first > second
+    assert main([str(drawing), "--levels", "60%", "40%", "--quiet"]) == 0
+    assert "finest" not in capsys.readouterr().err
 
 
 @pytest.mark.slow

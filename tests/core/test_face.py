@@ -15,8 +15,10 @@ from nestedcages_core import (
     Level,
     Mesh,
     NestedCagesError,
+    NestingError,
     Progress,
     Settings,
+    Share,
     Within,
     animated_cages,
     from_geojson,
@@ -29,6 +31,7 @@ from nestedcages_core import (
     to_svg,
 )
 from nestedcages_core.geometry.drawable import Drawable
+from nestedcages_core.hierarchy import in_order
 from shapes import ring
 
 OUTER, HOLE = ring(60, 1.0), ring(20, 0.4)
@@ -50,6 +53,49 @@ def test_a_single_loop_is_a_shape(shape: Any) -> None:
 def test_a_single_level_needs_no_list(level: Any) -> None:
     alone = nested_cages(OUTER, level)
     assert alone[0].cage == nested_cages(OUTER, [level])[0].cage
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("20%", Share(0.2)),
+        ("0.2u", Within(distance=0.2)),
+        ("0.2px", Within(distance=0.2)),
+        ("+25%", Within(excess=0.25)),
+        ("24", 24),
+        ("24, 12", [24, 12]),
+        (["20%", 9], [12, 9]),
+    ],
+)
+@pytest.mark.parametrize("make", [nested_cages, inner_cages])
+def test_levels_can_be_texts_as_in_the_command(make: Any, text: Any, same: Any) -> None:
+    by_text, by_value = make(OUTER, text), make(OUTER, same)
+    assert by_text.cages == by_value.cages
+
+
+def test_texts_that_are_no_levels_are_told() -> None:
+    with pytest.raises(NestingError, match=r"'5mm' is none of these\. Coordinates have no mm here; 5u is 5"):
+        nested_cages(OUTER, "5mm")
+    with pytest.raises(NestingError, match="A level is a whole number of at least 1, a percentage such as 8%"):
+        nested_cages(OUTER, [24, ""])
+    poses = np.stack([OUTER, OUTER + 0.1])
+    assert len(animated_cages(OUTER, poses, "20%").levels[0].cage.vertices) == 12
+
+
+@pytest.mark.parametrize(
+    ("given", "counts"), [([12, 24], [24, 12]), (["20%", 24, "10%"], [24, 12, 6]), ([24, 24], [24, 24])]
+)
+def test_counts_in_any_order_are_made_finest_first(given: list[Any], counts: list[int]) -> None:
+    assert [len(cage.vertices) for cage in nested_cages(OUTER, given).cages] == counts
+
+
+def test_levels_that_cannot_be_compared_stay_in_order() -> None:
+    coarse = Mesh.from_loops([ring(12, 1.5)])
+    for levels in ([24, coarse, 48], [24, Within(distance=0.2)], [True, 3]):
+        assert in_order(levels, 60) == levels
+    assert in_order([Within(excess=0.5), Within(excess=0.1)]) == [Within(excess=0.1), Within(excess=0.5)]
+    assert in_order([Share(0.1), Share(0.5)]) == [Share(0.5), Share(0.1)]
+    assert in_order([24, Share(0.5)]) == [24, Share(0.5)]
 
 
 def test_settings_can_be_keywords() -> None:
