@@ -14,7 +14,7 @@ from nestedcages_core import lapack
 
 ROOT = Path(__file__).resolve().parents[2]
 
-MAX_LINES_LOADED = 12_250
+MAX_LINES_LOADED = 12_300
 """Lines of the core that a default cage imports; a reader of the method has to know no more."""
 
 METHOD = (
@@ -139,5 +139,5 @@ def test_names_imported_later_are_those_that_a_type_checker_sees() -> None:
     }
     assert seen == {(room, name) for room, names in nestedcages_core._LATER.items() for name in names.split()}
     assert all(hasattr(nestedcages_core, name) for _, name in seen)
-    assert {name for _, name in seen} <= set(dir(nestedcages_core))
+    assert dir(nestedcages_core) == sorted(nestedcages_core.__all__)  # what most programs need
     assert not hasattr(nestedcages_core, "no_such_name")
