@@ -241,7 +241,7 @@ def scaled(scale):
     ("options", "sentence"),
     [
         ({"levels": "12", "clearance": 1000.0}, "larger than the drawing, since the clearance is 3"),
-        ({"levels": "8%, 20%"}, "Levels go from fine to coarse: level 2 asks for "),
+        ({"levels": "8%, 20%"}, "2 certified cages; excess "),
         ({"levels": "12"}, "3 certified cages for 3 drawings; excess "),
     ],
 )
