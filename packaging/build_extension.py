@@ -18,15 +18,15 @@ import re
 import shutil
 import subprocess
 import sys
-import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from licences import licences
 from manual_pages import write_pages
 
 ROOT = Path(__file__).resolve().parents[1]
 
-SHIPPED = ("__init__.py", "addon", "nestedcages_core", "LICENSE", "README.md", "CHANGELOG.md")
+SHIPPED = ("__init__.py", "addon", "nestedcages_core", "LICENSE")
 """What goes into the zip beside the manifest and the wheels."""
 
 
@@ -100,8 +100,7 @@ def main() -> int:
             print(f"{path.name}, {bundle.name}: {size / 1e6:.0f} MB, valid")
             if size > MAX_ZIP:
                 raise SystemExit(f"{path.name} for {bundle.name} has {size:,} bytes, more than {MAX_ZIP:,}.")
-            name, _, platform = path.name.rpartition("-")
-            path.rename(options.output / f"{name}-{bundle.name}-{platform}")
+            path.rename(options.output / path.name)
     return 0
 
 
@@ -158,7 +157,10 @@ def renew_hashes() -> None:
 
 
 def stage(folder: Path, bundle: Bundle, wheels: list[Path]) -> Path:
-    """A copy of what is shipped, with the guide as pages, whose manifest names Blenders, wheels and platforms."""
+    """A copy of what is shipped, with the guide as pages, whose manifest names Blenders, wheels and platforms.
+
+    extensions.blender.org takes one zip per version and platform, so the version of each bundle carries its name.
+    """
     shutil.rmtree(folder, ignore_errors=True)
     (folder / "wheels").mkdir(parents=True)
     for name in SHIPPED:
@@ -168,13 +170,15 @@ def stage(folder: Path, bundle: Bundle, wheels: list[Path]) -> Path:
             shutil.copy(ROOT / name, folder / name)
     write_pages(folder / "manual")
     for path in wheels:
-        without_tests(path, folder / "wheels" / path.name)
+        shutil.copy(path, folder / "wheels")
+    (folder / "licences.txt").write_text("\n".join(licences(wheels)) + "\n", encoding="utf-8")
     manifest = (ROOT / "blender_manifest.toml").read_text(encoding="utf-8")
     names = "".join(f'  "./wheels/{path.name}",\n' for path in wheels)
     platforms = ", ".join(f'"{platform}"' for platform in bundle.platforms)
     keys, table, tables = manifest.partition("\n[")
     first, before = bundle.blenders
     keys = re.sub(r'(?m)^(blender_version_min = )".*"$', rf'\1"{first}"', keys)
+    keys = re.sub(r'(?m)^(version = ".*)"$', rf'\1+{bundle.name}"', keys)
     listed = f"platforms = [{platforms}]\nwheels = [\n{names}]\n"
     if before is not None:
         listed += f'blender_version_max = "{before}"\n'
@@ -182,18 +186,6 @@ def stage(folder: Path, bundle: Bundle, wheels: list[Path]) -> Path:
         listed += f'website = "{website}"\n'
     (folder / "blender_manifest.toml").write_text(keys + listed + table + tables, encoding="utf-8")
     return folder
-
-
-def without_tests(wheel: Path, target: Path) -> None:
-    """A copy of a wheel without the tests of its package, a tenth of scipy's, and without their lines in its record."""
-    with zipfile.ZipFile(wheel) as source, zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as copy:
-        for entry in source.infolist():
-            if "/tests/" in entry.filename:
-                continue
-            content = source.read(entry)
-            if entry.filename.endswith(".dist-info/RECORD"):
-                content = b"".join(line for line in content.splitlines(keepends=True) if b"/tests/" not in line)
-            copy.writestr(entry, content, zipfile.ZIP_DEFLATED)
 
 
 def blender_command() -> Path:

@@ -14,11 +14,10 @@ import shutil
 import subprocess
 import sys
 import tomllib
-import zipfile
-from email.parser import BytesParser
 from pathlib import Path
 
 import numpy as np
+from licences import licences
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
@@ -91,21 +90,6 @@ def listing(folder: Path, wheels: list[Path]) -> None:
     for name in SCREENSHOTS:
         shutil.copy(ROOT / "docs" / "guide" / f"{name}.png", folder)
     pictures(folder)
-
-
-def licences(wheels: list[Path]) -> list[str]:
-    """Name, version and licence of each bundled package, as its wheel says. Raises SystemExit where one says none."""
-    found = set()
-    for path in wheels:
-        with zipfile.ZipFile(path) as archive:
-            name = next(name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
-            told = BytesParser().parsebytes(archive.read(name))
-        classifiers = [entry.rpartition(":: ")[2] for entry in told.get_all("Classifier", []) if "License ::" in entry]
-        licence = told["License-Expression"] or ", ".join(classifiers) or (told["License"] or "").partition("\n")[0]
-        if not licence:
-            raise SystemExit(f"{path.name} does not say its licence.")
-        found.add(f"{told['Name']} {told['Version']}: {licence}")
-    return sorted(found)
 
 
 def pictures(folder: Path) -> None:

@@ -61,7 +61,7 @@ def main() -> int:
         path = Path(sys.argv[1])
     else:
         kind = "blender4.2" if sys.version_info < (3, 13) else "blender5.1"
-        zips = sorted((ROOT / "dist").glob(f"nested_cages-*-{kind}-linux_x64.zip"))
+        zips = sorted((ROOT / "dist").glob(f"nested_cages-*+{kind}-linux_x64.zip"))
         path = next(iter(zips), ROOT / "dist" / "missing.zip")
     if not path.is_file():
         print(f"There is no zip at {path}: run packaging/build_extension.py first.", file=sys.stderr)
