@@ -97,13 +97,19 @@ LAYERS = {  # from the lowest to the highest
 }
 
 
-def path(points: str) -> str:
-    """A smooth closed curve through points as SVG path data: each tangent is a sixth of the chord of its neighbours."""
-    p = read(points) * (1.0, -1.0)
+def curves(points: str) -> np.ndarray:
+    """(n, 4, 2) the smooth closed curve through points, as Béziers: a tangent is along the chord of the neighbours."""
+    p = read(points)
     slope = (np.roll(p, -1, axis=0) - np.roll(p, 1, axis=0)) / 6.0
     after, leading = np.roll(p, -1, axis=0), np.roll(slope, -1, axis=0)
-    curves = np.concatenate((p + slope, after - leading, after), axis=1)
-    return f"M{p[0, 0]:g},{p[0, 1]:g} " + " ".join("C" + " ".join(f"{x:.1f}" for x in curve) for curve in curves) + " Z"
+    return np.stack((p, p + slope, after - leading, after), axis=1)
+
+
+def path(points: str) -> str:
+    """The curve as path data of SVG, whose y points down."""
+    beziers = curves(points) * (1.0, -1.0)
+    x, y = beziers[0, 0]
+    return f"M{x:g},{y:g} " + " ".join("C" + " ".join(f"{c:.1f}" for c in b[1:].ravel()) for b in beziers) + " Z"
 
 
 def drawn() -> str:
