@@ -42,7 +42,7 @@ PLATFORMS = {
 X64_AND_MAC = tuple(platform for platform in PLATFORMS if platform != "windows-arm64")
 """Those with wheels for Python 3.11."""
 
-MAX_ZIP = 45_000_000
+MAX_ZIP = 50_000_000
 """Largest size of a zip in bytes: a download that users wait for."""
 
 
