@@ -18,10 +18,10 @@ from mathutils import Matrix, Vector
 from . import record
 from .animation.timeline import Timing
 from .binding import binding, field
-from .core import blamed, core, triangulation
+from .core import blamed, core, gate, steps, triangulation
 from .errors import UserError
 from .generation import output
-from .generation.generate import Generation, Options, Request, Result
+from .generation.generate import STORED, Generation, Options, Request, Result
 from .generation.job import Work
 from .generation.verifying import same_frame
 from .io import silhouettes
@@ -146,12 +146,14 @@ def make(context: Context, drawing: Drawing, armature: Object, vertices: int) ->
 
 
 def _jointed(result: Result, bones: Sequence[core.Bone]) -> Result:
-    """A result whose cage has vertices at the joints, and stands still."""
+    """A result whose cage has vertices at the joints, and stands still. Raises: UserError."""
     (level,) = result.levels
-    cage = core.with_joints(level.cage, bones)
-    steps = np.broadcast_to(cage.vertices, (len(level.reinflation.cage_steps), *cage.vertices.shape))
-    still = replace(level.reinflation, cage_steps=steps)
-    return replace(result, levels=(replace(level, coarse=cage, cage=cage, reinflation=still),))
+    with blamed(f"'{result.drawing.name}'"):
+        cage = core.with_joints(level.cage, bones)
+        cage = cage.moved(steps.as_stored(cage.vertices, STORED))
+        # vertices on edges are rounded, and so is what they keep of the clearance
+        wanted = min(level.report.wanted_clearance, core.verify(cage, level.fine).clearance)
+        return replace(result, levels=(gate.standing(level.fine, cage, level.report, wanted),))
 
 
 def _weigh(cage: Object, armature: Object, bones: Sequence[core.Bone]) -> None:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from nestedcages_core.errors import notes as errors
     from nestedcages_core.exchange import pictures
     from nestedcages_core.geometry import broad_phase, distance, loops, predicates, triangulation
-    from nestedcages_core.level import steps
+    from nestedcages_core.level import gate, steps
 else:
 
     class _LazyModule(ModuleType):
@@ -46,10 +46,10 @@ else:
     core, broad_phase = map(_LazyModule, ("core", "geometry.broad_phase"))
     distance, memory = map(_LazyModule, ("geometry.distance", "cache"))
     loops, pictures, predicates = map(_LazyModule, ("geometry.loops", "exchange.pictures", "geometry.predicates"))
-    errors, steps = map(_LazyModule, ("errors.notes", "level.steps"))
+    errors, gate, steps = map(_LazyModule, ("errors.notes", "level.gate", "level.steps"))
     tasks, triangulation = map(_LazyModule, ("tasks", "geometry.triangulation"))
 
-__all__ = ["blamed", "broad_phase", "core", "distance", "errors", "known", "loops", "memory"]
+__all__ = ["blamed", "broad_phase", "core", "distance", "errors", "gate", "known", "loops", "memory"]
 __all__ += ["pictures", "predicates", "remembered", "steps", "tasks", "triangulation"]
 
 Result = TypeVar("Result")

@@ -156,7 +156,7 @@ JUDGED_FIELDS = {"coarse", "cage", "fine", "flow", "reinflation", "seal", "side"
 
 
 def gate_violations(sources: Mapping[str, str]) -> list[str]:
-    """Where the core's files (path below the core -> source) make what only a gate makes, one sentence each."""
+    """Where the files of a package (path below it -> source) make what only a gate makes, one sentence each."""
     found: list[str] = []
     for path, source in sources.items():
         for node in nodes(source):
@@ -244,6 +244,7 @@ def test_kernel_and_needs_ask_for_no_class_of_a_method() -> None:
 
 def test_only_the_gate_makes_levels_and_keys() -> None:
     assert gate_violations(below(CORE)) == []
+    assert gate_violations(below("addon")) == []
     wrong = "Level(1)\nx.Key(2)\nreplace(level, cage=3)\nreplace(level, report=4)\nreplace(plan, fine=5)"
     assert len(gate_violations({"a.py": wrong})) == 3
     assert gate_violations({GATE: wrong}) == [f"{GATE}:2: makes a Key"]

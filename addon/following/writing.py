@@ -12,7 +12,7 @@ from bpy.types import Collection, Scene
 from .. import record
 from ..animation import shape_keys
 from ..animation.timeline import Timing
-from ..core import core
+from ..core import blamed, core, gate
 from ..errors import FloatArray, UserError
 from ..generation import output
 from ..generation.generate import Result
@@ -44,25 +44,19 @@ def write(
 
 
 def _standing(result: Moving) -> Result:
-    """The first pose with its cages as a result for one frame."""
-    inner, levels = result.poses.drawing.mesh(), []
+    """The first pose with its cages as a result for one frame. Raises: UserError."""
+    drawing, levels = result.poses.drawing, []
+    inner = drawing.mesh()
     for cage in result.cages:
         least, excess = _measures(cage)
         report = core.NestingReport(
             True, True, least, least, float(np.median(excess)), "flow", {}, {"following": cage.report.seconds},
             cage.report.notes,
         )  # fmt: skip
-        levels.append(_at_rest(inner, cage.cage, report))
+        with blamed(f"'{drawing.name}'"):
+            levels.append(gate.standing(inner, cage.cage, report, least))
         inner = cage.cage
-    return Result(_in_world(result.poses.drawing, result.poses.scale), tuple(levels))
-
-
-def _at_rest(fine: core.Mesh, cage: core.Mesh, report: core.NestingReport) -> core.Level:
-    """A level without flow and reinflation."""
-    rest = fine.vertices[None]
-    return core.Level(
-        fine, cage, cage, core.FlowResult(rest, 0, "inside"), core.Reinflation(rest, cage.vertices[None], 0), report
-    )
+    return Result(_in_world(drawing, result.poses.scale), tuple(levels))
 
 
 def _measures(cage: core.MovingLevel) -> tuple[float, FloatArray]:
@@ -104,7 +98,9 @@ def write_still(scene: Scene, result: Result, used: dict[str, Any]) -> None:
     source = result.drawing.source
     if source is None:
         raise UserError(f"'{result.drawing.name}' was deleted meanwhile, so its cages were discarded")
-    levels = [_at_rest(level.fine, level.cage, level.report) for level in result.levels]
+    levels = [
+        gate.rerouted(level, gate.Way.at_rest(level.fine, level.cage), level.report.stored) for level in result.levels
+    ]
     timing = Timing(start_frame=scene.frame_current, frames_per_step=1, show_flow=False)
     drawing = _in_world(result.drawing, scale_of(source))
     output.write(scene, [Result(drawing, tuple(levels), result.kinds, used)], timing, still=True)

@@ -16,7 +16,7 @@ from ..exchange import Limits, cut_at_borders
 from ..exchange.pictures import picture_cages
 from ..geometry.mesh import Mesh
 from ..hierarchy import LEAST, Hierarchy, Level, Rising, Settings, Within, inner_cages, nested_cages, wanted_levels
-from ..level.gate import at_rest
+from ..level.gate import standing
 from .progress import ProgressLine
 from .sources import NamedShape, Source
 
@@ -132,7 +132,8 @@ def _at_borders(
         for levels, mesh, level, cut in zip(cut_back, inner, given, cuts, strict=True):
             if level is not None:
                 wanted = min(level.report.wanted_clearance, cut.clearance)
-                levels.append(at_rest(level, mesh, cut.cage, wanted, cut.note))
+                report = replace(level.report, notes=(*level.report.notes, cut.note))
+                levels.append(standing(mesh, cut.cage, report, wanted, side=level.side))
         borders.append(
             {
                 "points_read": sum(len(region.vertices) for region in regions),

@@ -123,11 +123,13 @@ def rerouted(level: Level, way: Way, stored: str | None = None) -> Level:
     return drain(admitted(cage, way, level.report, level, stored=stored))
 
 
-def at_rest(level: Level, inner: Mesh, cage: Mesh, wanted: float, *notes: Fault) -> Level:
-    """A level with another cage around a mesh, which nothing moves and no need binds. Raises NestingError."""
-    verdict = judged(Plan.of(inner, side=level.side), cage, wanted, same_loops=False)
-    report = replace(level.report, notes=(*level.report.notes, *notes))
-    return drain(admitted(verdict, Way.at_rest(inner, cage), report))
+def standing(fine: Mesh, cage: Mesh, report: NestingReport, wanted: float, *, side: int = 1) -> Level:
+    """The level of a cage that stands still, with a mesh in it or around it, and that no constraint binds.
+
+    Raises NestingError.
+    """
+    verdict = judged(Plan.of(fine, side=side), cage, wanted, same_loops=False)
+    return drain(admitted(verdict, Way.at_rest(fine, cage), report))
 
 
 def copied(level: Level) -> Level:
