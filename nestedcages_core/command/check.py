@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import json
-import re
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from ..checker import check, faults_of_motion
+from ..checker import TOLERANCE, check, faults_of_motion
 from ..errors import NestedCagesError
-from ..exchange import Limits, read_svg, read_whole
-from ..exchange.pictures import boundary_of_pixels, read_png
+from ..hierarchy import Share, Within, level_words, parse_level
 from .options import decimals, length, symmetry
 from .progress import tell
+from .written import Levels, Loops, Shapes, pages_differ, read_cages, read_drawings
 
 HOLDS, WRONG = 0, 1
 """Exit statuses; wrong use ends with 2, by argparse."""
@@ -25,18 +22,10 @@ HOLDS, WRONG = 0, 1
 MOST_SAID = 20
 """Maximum number of problems that are printed."""
 
-WRITTEN_PATH = re.compile(r'<path id="([^"]*)" class="(level|inner)-(\d+)"[^>]*?\sd="([^"]*)"')
-"""A path as this program writes it: its id, the side, the level and the loops."""
-
-LAST_WORDS = re.compile(r"-?(drawing|shape|cage-\d+)$| (Inner )?(Fine|Cage \d+)(\.\d+)?$")
-"""What the command and Blender add to the number or name of a shape in an id."""
-
-NUMBER = re.compile(r"[-+.\deE]+")
-
 DESCRIPTION = """\
 Checks cages that this program has written: without rounding, on the coordinates in the files, by code that shares
-nothing with the method. RESULT is the .svg, .geojson or .json that was written, DRAWING what it was made from. A map,
-an outline and an .svg of this program are read as they stand, other .svg and .png by the program's own readers.
+nothing with the method. RESULT is the .svg, .geojson or .json that was written, DRAWING what it was made from. Both are
+read as viewers show them: what is hidden does not count, and what cannot be judged is refused.
 Two .json with frames are checked at each frame, and on the straight lines in between."""
 
 EPILOG = "exit status: 0 everything holds, 1 something does not or a file cannot be read, 2 wrong use of the options"
@@ -44,31 +33,41 @@ EPILOG = "exit status: 0 everything holds, 1 something does not or a file cannot
 
 def check_files(arguments: Sequence[str]) -> int:
     """Run the command; the exit status."""
-    given = _parser().parse_args(arguments)
+    options = _parser()
+    given = options.parse_args(arguments)
     try:
-        problems, count = _problems(given)
+        given.levels = [parse_level(word) for word in level_words(" ".join(given.levels or ()))]
+    except NestedCagesError as error:
+        options.error(f"argument --levels: {error}")
+    kind, judged = "error", ""
+    try:
+        drawings, results = read_drawings(given.drawing, given.tolerance), read_cages(given.result)
+        kind, judged = "wrong", _judged(results)
+        problems = list(_problems(given, drawings, results))
     except OSError as error:
-        problems, count = [f"{error.filename}: {error.strerror}"], None
-    except (NestedCagesError, ValueError, LookupError, TypeError, AttributeError) as error:
-        problems, count = [f"the files cannot be read as outlines: {error}"], None
+        problems = [f"{error.filename}: {error.strerror}"]
+    except (NestedCagesError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
+        problems = [f"the files cannot be read as outlines: {error}"]
     more = len(problems) - MOST_SAID
     for problem in [*problems[:MOST_SAID], *([f"and {more} more"] if more > 0 else [])]:
-        tell(f"{'error' if count is None else 'wrong'}: {problem}", sys.stderr)
+        tell(f"{kind}: {problem}", sys.stderr)
     if not problems:
-        tell(f"{count} cage{'s' * (count != 1)}: everything holds.", sys.stdout)
+        tell(judged, sys.stdout)
     return WRONG if problems else HOLDS
 
 
-def _problems(given: argparse.Namespace) -> tuple[list[str], int | None]:
-    """What is wrong, and the number of cages. Raises an error for what can't be read."""
-    drawings, moves = _drawings(given.drawing, given.tolerance)
-    read, also_moves = _read(given.result)
-    results = [
-        ([levels[k] for k in sorted(levels) if k > 0], [levels[k] for k in sorted(levels, reverse=True) if k < 0])
-        for levels in read
-    ]
-    if len(drawings) != len(results) or not results:
-        return [f"{given.drawing} has {len(drawings)} shapes, {given.result} cages of {len(results)}"], 0
+def _problems(given: argparse.Namespace, drawings: Shapes, results: Shapes) -> Iterator[str]:
+    """What is wrong."""
+    if len(drawings.shapes) != len(results.shapes):
+        yield f"{given.drawing} has {len(drawings.shapes)} shapes, {given.result} cages of {len(results.shapes)}"
+        return
+    if drawings.moves != results.moves:
+        yield "only one of the files has the frames of a motion"
+        return
+    if drawings.y_up and results.frame is not None:
+        turned = [Loops([ring * (1.0, -1.0) for ring in levels[0].rings]) for levels in drawings.shapes]
+        drawings = drawings._replace(shapes=[{0: loops} for loops in turned])
+    yield from _faults_of_page(given, drawings, results)
     is_picture = Path(given.drawing).suffix.lower() == ".png"  # whose holes are closed and whose parts may be joined
     options = {
         "same_loops": False if given.any_loops or is_picture else None,
@@ -76,86 +75,92 @@ def _problems(given: argparse.Namespace) -> tuple[list[str], int | None]:
         "symmetry": given.symmetry,
         "distance": given.distance,
     }
-    found = []
-    for k, (drawing, sides) in enumerate(zip(drawings, results, strict=True), 1):
-        for side, cages in [(side, cages) for side, cages in enumerate(sides) if cages] or [(0, [])]:
-            verdict = check(drawing, cages, given.clearance, inside=given.inside or side == 1, **options)
-            found += [f"shape {k}: {problem}" if len(results) > 1 else problem for problem in verdict.problems]
-    if moves and also_moves:
-        found += _faults_between([outer[0] for outer, _ in results], drawings)
-    return found, sum(len(cages) for sides in results for cages in sides)
+    for number, (drawing, levels) in enumerate(zip(drawings.shapes, results.shapes, strict=True), 1):
+        of_shape = f"shape {number}: " if len(results.shapes) > 1 else ""
+        for inside, cages in _sides(levels):
+            options["inside"] = given.inside or inside
+            shown = levels.get(0, drawing[0])
+            for around in (drawing[0], *([] if _equal(shown, drawing[0]) else [shown])):
+                found = check(around.rings, [cage.rings for cage in cages], given.clearance, **options).problems
+                yield from (f"{of_shape}{problem}" for problem in found)
+            yield from (f"{of_shape}{problem}" for problem in _faults_of_levels(given, drawing[0], cages, inside))
+    if results.moves:
+        yield from _faults_between([levels[1] for levels in results.shapes], [each[0] for each in drawings.shapes])
 
 
-def _faults_between(cages: Sequence[Any], drawings: Sequence[Any]) -> list[str]:
+def _sides(levels: Levels) -> Iterator[tuple[bool, list[Loops]]]:
+    """The cages of a shape from the finest on, those outside and those inside; without any, none outside."""
+    for side in (1, -1):
+        cages = [levels[level] for level in sorted(levels, key=abs) if side * level > 0]
+        if cages or (side > 0 and not any(levels)):
+            yield side < 0, cages
+
+
+def _equal(one: Loops, other: Loops) -> bool:
+    return len(one.rings) == len(other.rings) and all(map(np.array_equal, one.rings, other.rings))
+
+
+def _faults_of_page(given: argparse.Namespace, drawings: Shapes, results: Shapes) -> Iterator[str]:
+    """Pictures whose pages show other places."""
+    if results.frame is None:
+        return
+    if drawings.frame is not None and drawings.frame.page is not None:
+        if pages_differ(drawings.frame, results.frame):
+            yield f"{given.result} is drawn on another page, or in another view box, than {given.drawing}"
+        return
+    box = results.frame.page
+    points = np.concatenate([ring for levels in drawings.shapes for ring in levels[0].rings])
+    if box is None or not ((points >= box[:2]) & (points <= np.add(box[:2], box[2:]))).all():
+        yield f"the page of {given.result} does not show all of {given.drawing}"
+
+
+def _faults_of_levels(given: argparse.Namespace, drawing: Loops, cages: Sequence[Loops], inside: bool) -> Iterator[str]:
+    """Levels that are missing, or are not as they were asked for."""
+    if given.levels and len(given.levels) != len(cages):
+        yield f"there are {len(cages)} levels, not {len(given.levels)}"
+        return
+    for number, (level, cage) in enumerate(zip(given.levels, cages, strict=False), 1):
+        if isinstance(level, Within) and level.distance is not None:
+            found = check(drawing.rings, cage.rings, distance=level.limit, same_loops=False, inside=inside)
+            yield from (f"level {number}: {problem}" for problem in found.problems)
+        elif isinstance(level, Within):
+            excess = abs(cage.area / drawing.area - 1.0)
+            if excess > level.limit * (1.0 + float(TOLERANCE)):
+                yield f"level {number} has an excess of {100.0 * excess:.6g} %, not {100.0 * level.limit:.6g} %"
+        else:
+            most = level.of([len(ring) for ring in drawing.rings]) if isinstance(level, Share) else level
+            if cage.count > most:
+                yield f"level {number} has {cage.count} vertices, not {most}"
+
+
+def _judged(results: Shapes) -> str:
+    """What was judged: the levels with their vertices and loops, of all shapes together."""
+    levels = sorted({level for levels in results.shapes for level in levels if level}, key=lambda k: (k < 0, abs(k)))
+    lines, total = [], 0
+    for level in levels:
+        cages = [levels[level] for levels in results.shapes if level in levels]
+        total += len(cages)
+        counts = (sum(cage.count for cage in cages), "vertices"), (sum(len(cage.rings) for cage in cages), "loops")
+        several = [(len(cages), "frames" if results.moves else "shapes")] if len(results.shapes) > 1 else []
+        said = (f"{count} {name if count != 1 else name[:-1]}" for count, name in (*several, *counts))
+        lines.append(f"{'inner ' if level < 0 else ''}level {abs(level)}: {', '.join(said)}")
+    return "\n".join([f"{total} cage{'s' * (total != 1)}: everything holds.", *lines])
+
+
+def _faults_between(cages: Sequence[Loops], drawings: Sequence[Loops]) -> list[str]:
     """Contacts on the straight lines from each frame to the next, for frames with corresponding vertices."""
-    lengths = [[[len(ring) for ring in rings] for rings in frames] for frames in (cages, drawings)]
-    if any(frame != frames[0] for frames in lengths for frame in frames):
-        return ["frames differ in their numbers of vertices, so the motion between them is not known"]
-    edges, steps = [], []
     for frames in (cages, drawings):
-        loops = np.split(np.arange(sum(map(len, frames[0]))), np.cumsum([len(ring) for ring in frames[0]])[:-1])
-        edges.append(np.concatenate([np.stack([loop, np.roll(loop, -1)], axis=1) for loop in loops]))
-        steps.append(np.stack([np.concatenate(rings) for rings in frames]))
-    return faults_of_motion(edges[0], edges[1], steps[0], steps[1], range(len(cages) - 1))
-
-
-def _drawings(path: str, tolerance: float | None) -> tuple[list[Any], bool]:
-    """The rings of each shape of a file, and whether they are frames of a motion."""
-    suffix = Path(path).suffix.lower()
-    if suffix == ".png":
-        return [boundary_of_pixels(read_png(path)[:, :, 3] > 0).rings], False
-    if suffix == ".svg":
-        known = [levels[0] for levels in _paths(path) if 0 in levels]
-        return known or [read_svg(path, tolerance=tolerance).rings], False
-    read, moves = _read(path)
-    return [rings for levels in read for rings in levels.values()], moves
-
-
-def _read(path: str) -> tuple[list[dict[int, Any]], bool]:
-    """The rings of each level of each shape of a file, and whether they are frames of a motion."""
-    if Path(path).suffix.lower() == ".svg":
-        return _paths(path), False
-    document = json.loads(read_whole(path, Limits()))
-    shapes: list[dict[int, Any]] = []
-    for rings, level in _shapes(document):
-        if level == 1 or not shapes:
-            shapes.append({})
-        shapes[-1][level] = rings
-    return shapes, "frames" in document
-
-
-def _paths(path: str) -> list[dict[int, Any]]:
-    """The rings of each level of each shape, 0 the drawing and below it inner cages, as this program writes an SVG."""
-    found = WRITTEN_PATH.findall(read_whole(path, Limits()).decode("utf-8", errors="replace"))
-    owners = [LAST_WORDS.sub("", name) for name, *_ in found]
-    if len(set(owners)) != sum(level == "0" for _, _, level, _ in found):  # named by somebody else
-        owners = [""] * len(found)
-    shapes: dict[str, dict[int, Any]] = {}
-    for owner, (name, side, number, data) in zip(owners, found, strict=True):
-        level, shape = int(number) if side == "level" else -int(number), shapes.setdefault(owner, {})
-        if level in shape:
-            raise ValueError(f"{name} has the level of another path, and ids do not tell which shapes they belong to")
-        shape[level] = [np.array(NUMBER.findall(part), float).reshape(-1, 2) for part in data.split("M")[1:]]
-    return [shapes[owner] for owner in sorted(shapes, key=lambda owner: int(owner) if owner.isdecimal() else 0)]
-
-
-def _shapes(document: Any) -> Iterator[tuple[list[Any], int]]:
-    """Rings and level of each feature of a map, of an outline, or of each frame of an animation."""
-    if "polygons" in document:
-        yield [ring for part in document["polygons"] for ring in (part["outer"], *part.get("holes", ()))], 1
-    for part in document.get("frames", ()) or document.get("features", ()):
-        yield from _shapes(part)
-    geometry = document.get("geometry", document) or {}
-    if geometry.get("type") in ("Polygon", "MultiPolygon"):
-        several = geometry["coordinates"] if geometry["type"] == "MultiPolygon" else [geometry["coordinates"]]
-        level = (document.get("properties") or {}).get("level", 1)
-        yield [np.array(ring, float)[:-1, :2] for part in several for ring in part], level
+        if any(not np.array_equal(frame.edges, frames[0].edges) for frame in frames):
+            return ["frames differ in their numbers of vertices, so the motion between them is not known"]
+    steps = [np.stack([np.concatenate(frame.rings) for frame in frames]) for frames in (cages, drawings)]
+    return faults_of_motion(cages[0].edges, drawings[0].edges, steps[0], steps[1], range(len(cages) - 1))
 
 
 def _parser() -> argparse.ArgumentParser:
     options = argparse.ArgumentParser(prog="nested-cages check", description=DESCRIPTION, epilog=EPILOG)
     options.add_argument("drawing", metavar="DRAWING")
     options.add_argument("result", metavar="RESULT")
+    options.add_argument("--levels", nargs="+", metavar="N", help="what each cage must have at most, none left out")
     options.add_argument("--clearance", type=length, metavar="LENGTH", help="smallest distance (default: above 0)")
     options.add_argument("--inside", action="store_true", help="the cages lie inside the drawing")
     options.add_argument("--any-loops", action="store_true", help="cages may close holes and wrap several parts")

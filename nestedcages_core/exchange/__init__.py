@@ -5,6 +5,7 @@ from .engine_json import (
     frames_to_engine_json,
     from_engine_json,
     is_engine_json,
+    outlines_from_engine_json,
     to_engine_json,
     write_engine_json,
 )
@@ -23,6 +24,7 @@ from .geojson import (
 from .limits import Limits
 from .neighbours import Cut, cut_at_borders
 from .svg.document import Frame
+from .svg.levels import levels_in_svg
 from .svg.options import DRAWING_LIMITS, SvgOptions
 from .svg.parts import SvgPart, svg_parts
 from .svg.reading import SvgDrawing, from_svg, read_svg, read_svg_drawing, svg_drawing
@@ -50,6 +52,8 @@ __all__ = [
     "from_svg",
     "is_engine_json",
     "joined",
+    "levels_in_svg",
+    "outlines_from_engine_json",
     "read_geojson",
     "read_map",
     "read_svg",

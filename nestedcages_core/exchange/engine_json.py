@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -15,6 +16,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.mesh.geo_interface import polygons_of, shown
+from ..geometry.predicates import orientation
 from ..geometry.triangulation import piece_vertices, triangulate
 from .decimals import check_decimals, subtracted
 from .files import write_whole
@@ -128,15 +130,67 @@ def from_engine_json(text: str | bytes, *, flip_y: float | None = None, limits: 
     if loops cross or touch, or a hole is not inside its polygon.
     """
     limits = limits or Limits()
+    return _mesh_of(_document(text, (FORMAT,), limits), flip_y, Quota(limits))
+
+
+def outlines_from_engine_json(text: str | bytes, *, limits: Limits | None = None) -> tuple[list[Mesh], bool]:
+    """The outline of a document, or those of its frames, and whether it has frames.
+
+    Raises NestedCagesError as `from_engine_json`, and where triangles or pieces do not fill their outline.
+    """
+    limits = limits or Limits()
+    document, quota = _document(text, (FORMAT, FRAMES), limits), Quota(limits)
+    moves = document["format"] == FRAMES
+    parts = document.get("frames") if moves else [document]
+    if not isinstance(parts, list) or not parts or not all(isinstance(part, Mapping) for part in parts):
+        raise invalid_file(f"The collision outline has {shown(parts)} where its list of frames belongs.")
+    outlines = []
+    for part in parts:
+        outlines.append(_mesh_of(part, None, quota))
+        for name in ("triangles", "pieces"):
+            if name in part and not _fill(part, part[name], outlines[-1]):
+                raise invalid_file(f"The {name} of the collision outline do not fill it, each once and convex.")
+    return outlines, moves
+
+
+def _fill(document: Mapping[str, Any], faces: Any, outline: Mesh) -> bool:
+    """Whether faces of a document's points, all convex, cover an outline exactly once.
+
+    Their borders add up to the outline, and so do their winding numbers, none of which is negative.
+    """
+    (points,) = polygons_of({"type": "Polygon", "coordinates": [document.get("points")]})[0] or [np.zeros((0, 2))]
+    border: Counter[tuple[tuple[float, float], ...]] = Counter()
+    for face in faces if isinstance(faces, list) else [None]:
+        whole = isinstance(face, list) and len(face) > 2 and all(type(k) is int and 0 <= k < len(points) for k in face)
+        if not whole or not _is_convex(corners := points[face]):
+            return False
+        ends = [*map(tuple, corners.tolist())]
+        for begin, end in zip(ends, [*ends[1:], ends[0]], strict=True):
+            border[begin, end] += 1
+            border[end, begin] -= 1
+    for begin, end in outline.vertices[outline.edges].tolist():
+        border[tuple(begin), tuple(end)] -= 1
+        border[tuple(end), tuple(begin)] += 1
+    return not any(border.values())
+
+
+def _is_convex(corners: FloatArray) -> bool:
+    """Whether a loop turns left wherever it turns."""
+    turns = orientation(corners, np.roll(corners, -1, axis=0), np.roll(corners, -2, axis=0))
+    return bool((turns >= 0).all() and turns.any())
+
+
+def _document(text: str | bytes, formats: Sequence[str], limits: Limits) -> Mapping[str, Any]:
+    """A document in one of some formats. Raises NestedCagesError."""
     document, _ = loaded_json(text, "a collision outline", limits)
-    if not isinstance(document, Mapping) or document.get("format") != FORMAT:
-        raise invalid_file(f'This is not a collision outline: its format is not "{FORMAT}".')
+    if not isinstance(document, Mapping) or document.get("format") not in formats:
+        raise invalid_file(f'This is not a collision outline: its format is not "{formats[0]}".')
     version = document.get("version")
     if type(version) is not int or version != VERSION:
         raise invalid_file(
             f"The collision outline is of version {shown(version)}, but version {VERSION} is read; export it again."
         )
-    return _mesh_of(document, flip_y, Quota(limits))
+    return document
 
 
 def _polygons(mesh: Mesh, flip_y: float | None) -> list[dict[str, Any]]:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from nestedcages_core import (
+    Feature,
+    Mesh,
     animated_cages,
     features_from_geojson,
     frames_to_engine_json,
@@ -40,7 +43,8 @@ def test_drawings_and_outlines(tmp_path: Path, capsys: pytest.CaptureFixture) ->
     drawing, svg, outline = tmp_path / "in.svg", tmp_path / "out.svg", tmp_path / "out.json"
     drawing.write_text(CURVED)
     assert main([str(drawing), "--levels", "16", "8", "--grid", "0.01", "-o", str(svg), "-o", str(outline)]) == 0
-    assert checked(capsys, drawing, svg, "--decimals", "2") == (0, "2 cages: everything holds.\n")
+    said = "2 cages: everything holds.\nlevel 1: 16 vertices, 1 loop\nlevel 2: 8 vertices, 1 loop\n"
+    assert checked(capsys, drawing, svg, "--decimals", "2", "--levels", "16", "50%") == (0, said)
     assert checked(capsys, svg, outline)[0] == 0
     fine = from_svg(CURVED)
     for cage, options, fault in (
@@ -56,28 +60,202 @@ def test_drawings_and_outlines(tmp_path: Path, capsys: pytest.CaptureFixture) ->
         assert fault in said
     both = {"D": fine, "C": nested_cages(fine, [16]).cages[0], "I": inner_cages(fine, [16]).cages[0]}
     svg.write_text(to_svg(both, levels=[0, 1, -1]))
-    assert checked(capsys, svg, svg) == (0, "2 cages: everything holds.\n")
+    assert "\ninner level 1: 16 vertices" in checked(capsys, svg, svg)[1]
     named = {f"{owner} {what}": both[key] for owner in "ab" for what, key in (("Fine", "D"), ("Cage 1", "C"))}
     svg.write_text(to_svg(named, levels=[0, 1, 0, 1]))
-    assert checked(capsys, svg, svg) == (0, "2 cages: everything holds.\n")
+    assert "\nlevel 1: 2 shapes, 32 vertices, 2 loops" in checked(capsys, svg, svg)[1]
     svg.write_text(to_svg({**both, "I": both["C"]}, levels=[0, 1, 1]))
     assert "has the level of another" in checked(capsys, svg, svg)[1]
     svg.write_text(to_svg({**both, "I": both["C"]}, levels=[0, 1, -1]))
     assert checked(capsys, svg, svg)[0] == 1
-    svg.write_text(to_svg(both["C"]))
+    svg.write_text(to_svg(both["C"], view_box=(0, 0, 9, 9)))
     assert "there is no cage" in checked(capsys, drawing, svg)[1]
+
+
+CAGES = nested_cages(from_svg(CURVED), [16, 8]).cages
+PICTURE = to_svg({"drawing": from_svg(CURVED), "cage-1": CAGES[0], "cage-2": CAGES[1]}, view_box=(0, 0, 9, 9))
+FIRST = re.search(r' *<path id="cage-1".*?/>', PICTURE, re.DOTALL)[0]  # type: ignore[index]
+BOTH = re.search(r' *<path id="cage-2".*/>', PICTURE.partition('  <path id="drawing"')[0], re.DOTALL)[0]  # type: ignore[index]
+OTHER = f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 9 9' data-outlines='decoration'>{BOTH}</svg>"
+
+
+def in_place_of_first(path: str) -> str:
+    return PICTURE.replace(FIRST, path)
+
+
+def styled(style: str) -> str:
+    return in_place_of_first(FIRST.replace("<path", f'<path style="{style}"'))
+
+
+FORGED = {
+    "in comments": (PICTURE.replace(BOTH, f"<!--{BOTH}-->"), "no cage"),
+    "one in a comment": (in_place_of_first(f"<!--{FIRST}-->"), "no level 1"),
+    "far away": (PICTURE.replace(BOTH, f'<g transform="translate(50 0)">{BOTH}</g>'), "outside of the cage"),
+    "scaled": (in_place_of_first(FIRST.replace("<path", '<path transform="scale(.9)"')), "meets"),
+    "scaled beyond numbers": (in_place_of_first(FIRST.replace("<path", '<path transform="scale(1e300)"')), "refused"),
+    "moved by style": (styled("transform:translateX(2px)"), "meets"),
+    "moved by what is not read": (styled("translate:3px 0"), "not judged: the element 'path', translate"),
+    "another view box": (PICTURE.replace("0 0 9 9", "0 0 18 18"), "another view box"),
+    "another page": (PICTURE.replace('viewBox', 'width="9" height="2" viewBox'), "another page"),
+    "not displayed": (in_place_of_first(FIRST.replace("<path", '<path display="none"')), "no level 1"),
+    "not displayed by style": (styled("display:none"), "no level 1"),
+    "not displayed by a sheet": (PICTURE.replace("</svg>", "<style>#cage-1{display:none}</style></svg>"), "'style'"),
+    "by a default of the document": (
+        f'<!DOCTYPE svg [<!ATTLIST path display CDATA "none">]>{PICTURE}', "cages of 0"),
+    "by another's sheet": ('<?xml-stylesheet href="a.css"?>' + PICTURE, "an instruction to programs"),
+    "not visible": (PICTURE.replace(BOTH, f'<g visibility="hidden">{BOTH}</g>'), "no cage"),
+    "not opaque": (PICTURE.replace(BOTH, f'<g opacity="0">{BOTH}</g>'), "no cage"),
+    "no paint": (in_place_of_first(re.sub('(fill|stroke)="#', r'\1="none" a\1="#', FIRST)), "no level 1"),
+    "as definitions": (PICTURE.replace(BOTH, f"<defs>{BOTH}</defs>"), "no cage"),
+    "as a symbol": (PICTURE.replace(BOTH, f"<symbol>{BOTH}</symbol>"), "no cage"),
+    "used elsewhere": (PICTURE.replace("</svg>", '<use href="#cage-1" x="40"/></svg>'), "the level of another"),
+    "only used elsewhere": (
+        PICTURE.replace(BOTH, f'<defs><g id="g">{BOTH}</g></defs><use href="#g" x="40"/>'), "outside of the cage"),
+    "in a picture of its own": (
+        PICTURE.replace(BOTH, f'<svg viewBox="0 0 3 3" width="9" height="9">{BOTH}</svg>'), "more than paths"),
+    "clipped": (PICTURE.replace(BOTH, '<clipPath id="c"><path d="M0 0h1v1z"/></clipPath>'
+                                f'<g clip-path="url(#c)">{BOTH}</g>'), "clip paths"),
+    "clipped by a shape": (styled("clip-path:circle(1px)"), "clip path"),
+    "masked": (PICTURE.replace(BOTH, f'<mask id="m"/><g mask="url(#m)">{BOTH}</g>'), "clip paths, masks"),
+    "animated": (in_place_of_first(FIRST.replace("/>", '><set attributeName="d" to=""/></path>')), "'set'"),
+    "scripted": (PICTURE.replace("</svg>", "<script>1</script></svg>"), "'script'"),
+    "scripted by others": (
+        PICTURE.replace("</svg>", "<h:script xmlns:h='http://www.w3.org/1999/xhtml'/></svg>"), "'script'"),
+    "scripted by an event": (PICTURE.replace("<svg", '<svg onload="1"'), "onload"),
+    "covered": (PICTURE.replace("</svg>", '<path d="M0 0h9v9h-9z" fill="#fff"/></svg>'), "its class is no level"),
+    "covered by a picture": (PICTURE.replace("</svg>", '<image href="a.png" width="9" height="9"/></svg>'), "1 image"),
+    "curved": (in_place_of_first(FIRST.replace("Z", "C 0 0 9 0 9 9 Z", 1)), "has curves"),
+    "filled holes": (
+        in_place_of_first(FIRST.replace("evenodd", "nonzero").replace(' d="', ' d="M1 1h1v1z')), "fill rule evenodd"),
+    "of two levels": (in_place_of_first(FIRST.replace("level-1", "level-1 level-2")), "its class is no level"),
+    "a level left out": (in_place_of_first(""), "There is a level 2, but no level 1"),
+    "levels swapped": (re.sub("level-[12]", lambda k: f"level-{3 - int(k[0][-1])}", PICTURE), "level 2: "),
+    "twice the same": (PICTURE.replace("</svg>", FIRST + "</svg>"), "the level of another"),
+    "around another drawing": (
+        re.sub('(?s)<path id="drawing".*?/>', '<path id="drawing" class="level-0" d="M0 0h8v8z"/>', PICTURE), "meets"),
+    "not of a page": (PICTURE.replace('viewBox="0 0 9 9"', ""), "another view box"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("forged", FORGED)
+def test_what_a_viewer_does_not_show_so_is_refused(forged: str, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    drawing, result = tmp_path / "in.svg", tmp_path / "out.svg"
+    drawing.write_text(CURVED)
+    content, fault = FORGED[forged]
+    result.write_text(content)
+    status, said = checked(capsys, drawing, result)
+    assert (status, fault if fault != "refused" else "") == (1, fault if fault in said else "")
+
+
+@pytest.mark.parametrize(
+    "picture",
+    [
+        PICTURE,
+        OTHER,
+        PICTURE.replace(BOTH, f'<g transform="scale(2)"><g transform="scale(.5)">{BOTH}</g></g>'),
+        PICTURE.replace(BOTH, f'<defs><g id="g">{BOTH}</g></defs><use href="#g"/>'),
+        styled("stroke:red;-inkscape-stroke:none"),
+    ],
+)
+def test_what_a_viewer_shows_holds(picture: str, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    drawing, result = tmp_path / "in.svg", tmp_path / "out.svg"
+    drawing.write_text(CURVED)
+    result.write_text(picture)
+    assert checked(capsys, drawing, result, "--levels", "16 8")[0] == 0
+    for levels, fault in (
+        ("16", "2 levels, not 1"),
+        ("16 8 4", "2 levels, not 3"),
+        ("15 8", "level 1 has 16 vertices, not 15"),
+        ("16 1%", "level 2 has 8"),
+        ("+0.1% 8", "level 1 has an excess of"),
+        ("0.001u 8", "level 1: the cage is farther"),
+    ):
+        assert fault in checked(capsys, drawing, result, "--levels", levels)[1]
+    assert checked(capsys, drawing, result, "--levels", "+50% 9u")[0] == 0
+
+
+ONE = Mesh.from_loops([[(1, 1), (2, 1), (2, 2), (1, 2)]])
+AROUND = Mesh.from_loops([[(0, 0), (3, 0), (3, 3), (0, 3)]])
+
+
+def features(*levels: object, ring: object = None) -> str:
+    """A map of cages around `ONE` with some levels, each wider than the one before."""
+    found = [Feature(AROUND.moved(AROUND.vertices * (1 + k) - k), {"level": x}) for k, x in enumerate(levels)]
+    document = json.loads(to_geojson(found))
+    if ring is not None:
+        document["features"][0]["geometry"]["coordinates"] = ring
+    return json.dumps(document)
+
+
+SQUARE = [[0, 0], [3, 0], [3, 3], [0, 3], [0, 0]]
+OUTLINE = json.loads(to_engine_json(AROUND, triangles=True, pieces=4))
+
+
+def outline(**changed: object) -> str:
+    return json.dumps({**OUTLINE, **changed})
+
+
+@pytest.mark.parametrize(
+    ("ending", "content", "fault"),
+    [
+        ("geojson", features(1, 2, 2), "the level of another"),
+        ("geojson", features(2, 1), "no level 1"),
+        ("geojson", features(1, 3), "no level 2"),
+        ("geojson", features(1, True), "not a whole number"),
+        ("geojson", features(1, "2"), "not a whole number"),
+        ("geojson", features(0, 1), "not a whole number"),
+        ("geojson", features(1, ring=[[*SQUARE[:4], [1.5, 1.5]]]), "meets"),
+        ("geojson", features(1, ring=[SQUARE, [[4, 4], [5, 4], [5, 5], [4, 4]]]), "cannot be read"),
+        ("geojson", features(1, ring=[SQUARE, SQUARE]), "cannot be read"),
+        ("geojson", features(1).replace("Polygon", "LineString"), "cannot be read"),
+        ("geojson", "[" * 200_000, "cannot be read"),
+        ("geojson", '{"a":' * 200_000, "cannot be read"),
+        ("json", "[" * 200_000, "cannot be read"),
+        ("json", '{"format": "nested-cages outline", "polygons":' + "[" * 200_000, "cannot be read"),
+        ("svg", f"<svg xmlns='http://www.w3.org/2000/svg'>{'<g>' * 50_000}{'</g>' * 50_000}</svg>", "cannot be read"),
+        ("json", outline(triangles=OUTLINE["triangles"][:1]), "triangles of the collision outline do not fill"),
+        ("json", outline(triangles=OUTLINE["triangles"] * 2), "do not fill"),
+        ("json", outline(triangles=[t[::-1] for t in OUTLINE["triangles"]]), "do not fill"),
+        ("json", outline(pieces=[[0, 1, 9]]), "do not fill"),
+        ("json", outline(pieces=[]), "do not fill"),
+        ("json", outline(points=[[9, 9], *OUTLINE["points"][1:]]), "do not fill"),
+        ("json", outline(version=2), "version"),
+        ("json", outline(format="nested-cages frames", frames=[]), "list of frames"),
+        ("json", outline(format="nested-cages frames", frames=[{"polygons": OUTLINE["polygons"]}]), "only one"),
+    ],
+)  # fmt: skip
+def test_forged_maps_and_outlines_are_refused(
+    ending: str, content: str, fault: str, tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    drawing, result = tmp_path / "in.geojson", tmp_path / f"out.{ending}"
+    drawing.write_text(to_geojson(ONE))
+    for good, kind in ((features(1, 2), "geojson"), (outline(), "json"), (to_svg([ONE, AROUND], y_up=True), "svg")):
+        (tmp_path / f"good.{kind}").write_text(good)
+        assert kind != ending or checked(capsys, drawing, tmp_path / f"good.{kind}")[0] == 0
+    result.write_text(content)
+    status, said = checked(capsys, drawing, result)
+    assert status == 1
+    assert fault in said
+
+
+def test_a_picture_shows_all_of_a_drawing_without_a_page(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    drawing, result = tmp_path / "in.geojson", tmp_path / "out.svg"
+    drawing.write_text(to_geojson(ONE))
+    for box, holds in (((-1, -4, 9, 9), True), ((5, 5, 9, 9), False), ((1.5, -4, 9, 9), False)):
+        result.write_text(to_svg([ONE, AROUND], view_box=box, y_up=True))
+        assert (checked(capsys, drawing, result)[0] == 0) is holds
 
 
 def test_maps(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     drawing, result = tmp_path / "in.geojson", tmp_path / "out.geojson"
     drawing.write_text(json.dumps({"type": "FeatureCollection", "features": [region(0.0, "a"), region(5.0, None)]}))
     assert main([str(drawing), "--levels", "16", "8", "-o", str(result)]) == 0
-    assert checked(capsys, drawing, result) == (0, "4 cages: everything holds.\n")
-    features = list(features_from_geojson(result.read_text()))
-    swapped = [features[k] for k in (0, 1, 3, 2)]
+    assert checked(capsys, drawing, result, "--levels", "16", "8")[1].startswith("4 cages: everything holds.\n")
+    cages = list(features_from_geojson(result.read_text()))
+    swapped = [cages[k] for k in (0, 1, 3, 2)]
     result.write_text(to_geojson(swapped[:2]))
     assert "2 shapes" in checked(capsys, drawing, result)[1]
-    result.write_text(to_geojson([features[k] for k in (2, 3, 0, 1)]))
+    result.write_text(to_geojson([cages[k] for k in (2, 3, 0, 1)]))
     assert "shape 1: level 1: " in checked(capsys, drawing, result)[1]
 
 

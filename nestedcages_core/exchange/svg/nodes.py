@@ -48,6 +48,8 @@ class Shape:
     id: str = ""
     groups: tuple[str, ...] = ()
     """Names of the groups around it, the outermost first."""
+    classes: str = ""
+    """Its own ones, as written."""
 
 
 @dataclass(frozen=True, eq=False)

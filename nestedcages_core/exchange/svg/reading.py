@@ -159,7 +159,7 @@ def _what_counts(scene: Scene, notes: list[str]) -> Group:
     strokes = sum(_is_seen(shape.stroke_paint, options) for shape in scene.root.shapes())
     if strokes and not options.strokes and scene.document.strokes_count:
         notes.append(f"Left out: {strokes} stroke{'s' if strokes > 1 else ''}, since strokes are turned off.")
-    found = _only(scene.root, lambda shape: _visible(shape, options))
+    found = visible_part(scene.root, options)
     if not found.children:
         found = _only(scene.root, _as_outline)
     if not found.children:
@@ -174,6 +174,11 @@ def _what_counts(scene: Scene, notes: list[str]) -> Group:
             notes.append(f"Left out: the {shapes[0].name}, which covers the whole page.")
             found = _only(found, lambda shape: None if shape is shapes[0] else shape)
     return found
+
+
+def visible_part(group: Group, options: SvgOptions) -> Group:
+    """A group with its visible shapes, and of these the visible paints."""
+    return _only(group, lambda shape: _visible(shape, options))
 
 
 def _only(group: Group, chosen: Callable[[Shape], Shape | None]) -> Group:

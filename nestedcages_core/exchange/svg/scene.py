@@ -203,6 +203,7 @@ class Scene:
                 style.get("vector-effect") != "non-scaling-stroke",
                 next(iter(layer_names(item)), ""),
                 context.groups,
+                item.get("class", ""),
             )
         )
         for end in MARKERS if name_of(item) in MARKED else ():

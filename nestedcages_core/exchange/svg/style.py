@@ -36,6 +36,8 @@ OWN = frozenset(
 GEOMETRY = frozenset(("x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "d"))
 """Attributes of shapes that styles replace."""
 
+KNOWN = INHERITED | OWN | GEOMETRY
+
 UNSET = ("unset", "revert", "revert-layer")
 """Values that leave a property as if nothing were said."""
 
@@ -139,16 +141,28 @@ def _replaced(found: dict[str, str], variables: Style) -> dict[str, str]:
 @lru_cache(maxsize=4096)
 def declarations(text: str) -> tuple[Declaration, ...]:
     """Known declarations of a style attribute or of a rule."""
+    return tuple(each for each in _declared(text) if each[0] in KNOWN or each[0].startswith("--"))
+
+
+def unread(text: str) -> list[str]:
+    """Properties of a style attribute that are not followed here."""
+    return [key for key, _, _ in _declared(text) if key not in KNOWN and not key.startswith("--")]
+
+
+def _declared(text: str) -> list[Declaration]:
+    """All declarations of a style attribute or of a rule."""
+    if not text.strip():
+        return []
     tinycss2, _ = load_css()
-    return tuple(
+    return [
         (
             node.name if node.name.startswith("--") else node.lower_name,
             tinycss2.serialize(node.value).strip(),
             node.important,
         )
         for node in tinycss2.parse_blocks_contents(text, True, True)
-        if node.type == "declaration" and (node.lower_name in INHERITED | OWN | GEOMETRY or node.name.startswith("--"))
-    )
+        if node.type == "declaration"
+    ]
 
 
 def _element_class(cssselect2: ModuleType) -> Any:
