@@ -117,6 +117,14 @@ def add_bones(context: Context, name: str, frame: Frame, bones: Sequence[core.Bo
     return made
 
 
+def add_skeleton(context: Context, drawing: Drawing, skeleton: core.character.Skeleton) -> tuple[Object, int]:
+    """A new armature along the limbs of a drawing, and the number of its bones. Raises: UserError."""
+    bones = core.suggest_bones(drawing.mesh(), skeleton)
+    if not bones:
+        raise UserError(f"'{drawing.name}' has no limbs: it is round; draw a bone yourself")
+    return add_bones(context, f"{drawing.name} Bones", drawing.frame, bones), len(bones)
+
+
 def make(context: Context, drawing: Drawing, armature: Object, vertices: int) -> Work[Collection]:
     """A cage around a drawing, bound, and moved by the bones of an armature. Raises: UserError.
 

@@ -99,7 +99,7 @@ def drawn() -> str:
 
 def made(path: Path) -> Figure:
     """The parts of an SVG, the armature that moves them, and their cage: three actions."""
-    bpy.ops.object.nested_cages_import(filepath=str(path), outlines="PARTS")
+    bpy.ops.object.nested_cages_import(filepath=str(path), outlines="PARTS", plane="XY", centre=False)
     parts = list(bpy.context.selected_objects)
     bpy.ops.object.nested_cages_suggest_bones()
     armature = bpy.context.object

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from math import pi
 from pathlib import Path
 
 import bpy
 import numpy as np
 from bpy.types import Context, Object
+from mathutils import Vector
 
 from .. import keys
 from ..core import blamed, core
@@ -27,12 +30,15 @@ EACH = {"ONE": False, "SEVERAL": True, "PARTS": True, "AUTO": None}
 
 @dataclass(frozen=True)
 class Shape:
-    """A mesh of the core and its name, and by default: whether its y points down, and metres per unit."""
+    """A mesh of the core and its name, and by default: whether its y points down, and metres per unit. ``placed``:
+    whether its coordinates mean a place, as those of maps and of exported cages do.
+    """
 
     name: str
     mesh: core.Mesh
     y_down: bool
     scale: float = PIXEL
+    placed: bool = True
 
 
 def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], tuple[str, ...]]:
@@ -48,8 +54,8 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], tuple[st
     with blamed(f"'{path.name}' cannot be read"):
         if ending in SVG:
             drawing = exchange.svg_drawing(content, each=EACH[outlines])
-            scale = EXPORTED if drawing.written else PIXEL
-            return [Shape(name or path.stem, mesh, True, scale) for name, mesh in drawing.shapes], drawing.notes
+            scale, ours = EXPORTED if drawing.written else PIXEL, drawing.written
+            return [Shape(name or path.stem, mesh, True, scale, ours) for name, mesh in drawing.shapes], drawing.notes
         if exchange.is_engine_json(content):
             return [Shape(path.stem, exchange.from_engine_json(content), True, EXPORTED)], ()
         table = exchange.read_map(content)
@@ -97,6 +103,20 @@ def place(context: Context, shapes: list[Shape], *, y_down: bool | None, scale: 
         context.collection.objects.link(obj)
         placed.append(obj)
     return placed
+
+
+def arrange(objects: Sequence[Object], *, upright: bool, centred: bool) -> None:
+    """Puts the middle of new objects, which lie on the floor, at the origin, and stands them up, seen from the front.
+    What is higher in the stack is in front.
+    """
+    if centred:
+        ends = [filling.points_of(filling.mesh_of(obj)) + np.array(obj.location) for obj in objects]
+        middle = middle_of(np.concatenate([np.stack([each.min(axis=0), each.max(axis=0)]) for each in ends])[:, :2])
+        for obj in objects:
+            obj.location -= Vector((*middle.tolist(), 0.0))
+    for obj in objects if upright else ():
+        there = obj.location.copy()
+        obj.location, obj.rotation_euler.x = (there.x, -there.z, there.y), pi / 2.0
 
 
 def middle_of(points: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ from ..errors import FloatArray
 from ..generation.job import Progress, Work
 from ..scene import display, filling
 from ..scene.plane import divided, size
-from .importers import PIXEL, content_of, middle_of, stored_mesh
+from .importers import PIXEL, SVG, content_of, middle_of, stored_mesh
 
 # Longest edge of a part as a fraction of the drawing's size: straight limbs bend too.
 LONGEST_SIDE = 1.0 / 64.0
@@ -28,11 +28,20 @@ Materials = dict[tuple[str, tuple[float, ...]], bpy.types.Material]
 Paint: TypeAlias = "tuple[str, tuple[float, ...], core.Mesh]"
 
 
-def read(path: Path) -> tuple[tuple[core.exchange.SvgPart, ...], tuple[str, ...]]:
-    """The parts of a layered SVG, the lowest first, and notes on what was left out. Raises: UserError."""
+def read(path: Path, outlines: str) -> tuple[tuple[core.exchange.SvgPart, ...], tuple[str, ...]]:
+    """The parts of a layered SVG, the lowest first, and notes on what was left out. Raises: UserError.
+
+    outlines: "PARTS", or "AUTO" for none of exported cages and of drawings of a single shape; else there are none.
+    """
+    wanted, automatic = path.suffix.lower() in SVG and outlines in ("PARTS", "AUTO"), outlines == "AUTO"
+    if not wanted:
+        return (), ()
     content = content_of(path)
     with blamed(f"'{path.name}' cannot be read"):
-        return core.exchange.svg_parts(content)
+        if automatic and core.exchange.is_written_svg(content):
+            return (), ()
+        parts, notes = core.exchange.svg_parts(content)
+    return ((), ()) if automatic and len(parts) < 2 else (parts, notes)
 
 
 def place(

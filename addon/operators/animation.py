@@ -20,8 +20,9 @@ from ..properties.settings import all_values, filled, options_of
 from ..scene import ownership
 from ..scene.convert import ReadingOptions
 from ..scene.ownership import chosen, collection_of_active, scene_again, scene_of
-from .base import NOTHING, DialogJobOperator, Operator, OutputOperator, redraw
+from .base import NOTHING, DialogJobOperator, Operator, OutputOperator
 from .generate import DrawingsOperator, sources
+from .views import redraw
 
 # Approximate fraction of the work for reading the frames.
 READING_PART = 0.2

@@ -17,7 +17,8 @@ from ..notes import sentence
 from ..properties.kinds import flag
 from ..scene import ownership
 from ..scene.grease_pencil import hidden_parts
-from ..scene.ownership import chosen, outputs_of_chosen, scene_of
+from ..scene.ownership import chosen, outputs_of_chosen, scene_of, select
+from . import views
 
 Outcome = set[Literal["RUNNING_MODAL", "CANCELLED", "FINISHED", "PASS_THROUGH", "INTERFACE"]]
 
@@ -112,8 +113,8 @@ class JobOperator(Operator):
 
     # Whether the work changes the scene before it is done, which blocks all other changes.
     exclusive = False
-    # A setting of the 3D view that shows the result, by its part and name: its default, and what is better.
-    shown_by: tuple[str, str, object, object] | None = None
+    # Settings of the 3D view that show the result.
+    shown_by: tuple[views.Setting, ...] = ()
 
     _job: Job | None = None
     _timer: Any = None
@@ -158,17 +159,13 @@ class JobOperator(Operator):
         return {"RUNNING_MODAL"} if self.exclusive else {"PASS_THROUGH"}
 
     def _ended(self, context: Context, job: Job) -> Outcome:
-        """Shows the result in this 3D view, unless the user has changed its setting, or why there is none."""
+        """Shows the result in the 3D view, unless the user has changed its settings, or why there is none."""
         self.cancel(context)
         if isinstance(job.error, UserError):
             return self.fail(job.error)
         if job.error is not None:
             raise job.error
-        space: Any = context.space_data
-        if self.shown_by is not None and isinstance(space, bpy.types.SpaceView3D):
-            part, name, default, better = self.shown_by
-            if getattr(getattr(space, part), name) == default:
-                setattr(getattr(space, part), name, better)
+        views.show(context, self.shown_by)
         return {"FINISHED"}
 
     def cancel(self, context: Context) -> None:
@@ -180,14 +177,14 @@ class JobOperator(Operator):
             self._job.stop()
         if context.workspace is not None:
             context.workspace.status_text_set(None)
-        redraw(context)
+        views.redraw(context)
 
     def _show(self, context: Context, job: Job) -> None:
         """Shows progress in the status bar, and redraws the panel."""
         context.workspace.status_text_set(
             f"Nested Cages {100.0 * job.fraction:.0f} %  {job.message}   |   Esc over the 3D view: cancel"
         )
-        redraw(context)
+        views.redraw(context)
 
 
 class OutputOperator(JobOperator):
@@ -300,9 +297,7 @@ def _asks_to_cancel(context: Context, event: bpy.types.Event) -> bool:
     return any(0 <= x - area.x < area.width and 0 <= y - area.y < area.height for area in areas)
 
 
-def redraw(context: Context) -> None:
-    """Redraws the 3D views."""
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+def pose(context: Context, rig: Object) -> None:
+    """Selects an armature alone, in Pose Mode."""
+    select(context, rig)
+    bpy.ops.object.mode_set(mode="POSE")

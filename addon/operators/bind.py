@@ -20,16 +20,14 @@ from ..scene import filling, ownership
 from ..scene.areas import paints
 from ..scene.convert import Drawing
 from ..scene.ownership import check_free, chosen, outputs_of_chosen, scene_of, select
-from .base import JobOperator, Operator, OutputOperator
+from .base import JobOperator, Operator, OutputOperator, pose
+from .views import OUTLINES
 
 METHOD_ITEMS = (
     ("AUTO", "Automatic", "Harmonic; linear where that would take too many weights to play"),
     (HARMONIC, NAMES[HARMONIC], "Smooth, also in concave cages and around holes"),
     (LINEAR, NAMES[LINEAR], "Linear on the triangles of the cage: nothing leaves it unless a triangle flips"),
 )
-
-# Borders and edges between faces at an angle instead of all edges.
-OUTLINES = ("overlay", "wireframe_threshold", 1.0, 0.5)
 
 
 class BindingOperator(OutputOperator):
@@ -52,7 +50,7 @@ class LinkOperator(BindingOperator):
 
     method: choice("Method", "How each level follows the next coarser one", METHOD_ITEMS, default="AUTO")
 
-    shown_by = OUTLINES
+    shown_by = (OUTLINES,)
 
     def each(self, context: Context, collection: Collection) -> Work[binding.Binding]:
         if not self.needs_bound and ownership.is_bound(collection):
@@ -131,8 +129,7 @@ class OBJECT_OT_nested_cages_add_handles(OutputOperator, bpy.types.Operator):
 
     def finish(self, context: Context, done: Sequence[tuple[Collection, None]]) -> None:
         cages = [ownership.members(collection)[-1] for collection, _ in done]
-        select(context, handles.add(context, cages))
-        bpy.ops.object.mode_set(mode="POSE")
+        pose(context, handles.add(context, cages))
         number = sum(len(filling.points_of(filling.mesh_of(cage))) for cage in cages)
         self.report({"INFO"}, f"{counted(number, 'handle')}: move them, and the drawing follows")
 
@@ -161,7 +158,7 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
 
     vertices: whole("Vertices", "Vertices of the cage apart from those at joints; 0: as many as its loops need", min=0)
 
-    shown_by = OUTLINES
+    shown_by = (OUTLINES,)
 
     @classmethod
     def unavailable(cls, context: Context) -> str:
@@ -181,8 +178,7 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
             raise UserError("The armature or a drawing was deleted meanwhile, so the cage was discarded")
         collection = yield from characters.make(context, whole, armature, self.vertices)
         cage = ownership.members(collection)[-1]
-        select(context, armature)
-        bpy.ops.object.mode_set(mode="POSE")
+        pose(context, armature)
         self.tell_skipped(problems, "object")
         self.report(
             {"INFO"},
@@ -223,13 +219,10 @@ class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
         whole, problems = self.united(context, _drawings(context))
         yield Progress(0.0, "uniting painted areas")
         skeleton = core.character.Skeleton(self.protrudes, self.bends, self.longest)
-        suggested = core.suggest_bones(whole.mesh(), skeleton)
-        if not suggested:
-            raise UserError(f"'{whole.name}' has no limbs: it is round; draw a bone yourself")
-        armature = characters.add_bones(context, f"{whole.name} Bones", whole.frame, suggested)
+        armature, number = characters.add_skeleton(context, whole, skeleton)
         select(context, *(obj for part in parts if (obj := found_object(part)) is not None), armature)
         self.tell_skipped(problems, "object")
-        self.report({"INFO"}, f"{counted(len(suggested), 'bone')}: edit them, then press Rig with Armature")
+        self.report({"INFO"}, f"{counted(number, 'bone')}: edit them, then press Rig with Armature")
 
 
 def _drawings(context: Context) -> Sequence[Object]:

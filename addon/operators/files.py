@@ -21,6 +21,7 @@ from ..scene import convert, ownership
 from ..scene.filling import mesh_of
 from ..scene.ownership import chosen, outputs_of_chosen, scene_of, select
 from .base import DialogJobOperator, Operator, Outcome
+from .views import FLAT_LIGHT
 
 Y_ITEMS = (
     ("AUTO", "Automatic", "Down in SVG and collision outlines, up in maps"),
@@ -28,10 +29,15 @@ Y_ITEMS = (
     ("UP", "Up", "The y axis of the file points up, as in maps"),
 )
 OUTLINE_ITEMS = (
-    ("AUTO", "Automatic", "Several outlines from exported cages, one from other files"),
+    ("AUTO", "Automatic", "Parts of drawings with several shapes, one outline of others; exported cages as they were"),
     ("ONE", "One Outline", "The filled area of everything, with overlaps united"),
     ("SEVERAL", "Several Outlines", "An outline of each shape"),
     ("PARTS", "Parts of a Character", "A filled part of each shape with its colours and strokes, one above the other"),
+)
+PLANE_ITEMS = (
+    ("AUTO", "Automatic", "Drawings stand upright; maps and exported cages lie on the floor"),
+    ("XZ", "Standing", "Upright, seen from the front, as Grease Pencil draws"),
+    ("XY", "Lying", "On the floor, seen from the top"),
 )
 Y_DOWN = {"AUTO": None, "DOWN": True, "UP": False}
 EXTENSIONS = (*importers.SVG, *importers.MAPS)
@@ -74,13 +80,17 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         min=0.0,
         soft_max=100.0,
     )
-    outlines: choice("SVG As", "Number of outlines to make from an SVG", OUTLINE_ITEMS, default="AUTO")
+    outlines: choice("SVG As", "What to make of an SVG", OUTLINE_ITEMS, default="AUTO")
+    plane: choice("Plane", "How drawings are put into the scene", PLANE_ITEMS, default="AUTO")
+    centre: flag(
+        "Centre", "Put the middle of a drawing at the origin; maps and exported cages keep their places", default=True
+    )
 
     def ask(self, context: Context, _event: bpy.types.Event) -> Any:
         return self.invoke_popup(context)
 
     def draw(self, _context: Context) -> None:
-        self.draw_options("y", "scale", "outlines")
+        self.draw_options("outlines", "plane", "centre", "y", "scale")
 
     def work(self, context: Context) -> Work[None]:
         paths = paths_of(self)
@@ -90,8 +100,8 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         layered_files: list[tuple[str, Any]] = []
         for done, path in enumerate(paths):
             yield Progress(0.5 * done / len(paths), f"reading '{path.name}'")
-            if self.outlines == "PARTS" and path.suffix.lower() in importers.SVG:
-                parts, notes = svg_parts.read(path)
+            parts, notes = svg_parts.read(path, self.outlines)
+            if parts:
                 layered_files.append((path.stem, parts))
             else:
                 of_file, notes = importers.shapes_in(path, self.outlines)
@@ -99,8 +109,14 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
             for note in notes:
                 self.report({"WARNING"}, f"'{path.name}': {note}")
         made = yield from importers.place(context, shapes, y_down=Y_DOWN[self.y], scale=self.scale)
+        drawn = [obj for obj, shape in zip(made, shapes, strict=True) if not shape.placed]
         for title, parts in layered_files:
-            made += yield from svg_parts.place(context, title, parts, y_down=self.y != "UP", scale=self.scale)
+            drawn += yield from svg_parts.place(context, title, parts, y_down=self.y != "UP", scale=self.scale)
+        placed = [obj for obj in made if obj not in drawn]
+        importers.arrange(placed, upright=self.plane == "XZ", centred=False)
+        importers.arrange(drawn, upright=self.plane != "XY", centred=self.centre and bool(drawn))
+        made = [*placed, *drawn]
+        self.shown_by = (FLAT_LIGHT,) if layered_files else ()
         select(context, *made)
         count = sum(len(mesh_of(obj).vertices) for obj in made)
         word = "part" if layered_files and not shapes else "outline"

@@ -31,6 +31,7 @@ from ..scene.grease_pencil import hidden_parts
 from ..scene.ownership import scene_again, scene_of
 from ..scene.reading import Lines, lines_of_all
 from .base import JobOperator, Operator
+from .views import WIRES
 
 # Weight in a vertex group from which on a vertex is pinned.
 PINNED = 0.5
@@ -52,7 +53,7 @@ class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
     bl_label = "Generate Nested Cages"
     modes = ("OBJECT", "EDIT_MESH")
     wrong_mode = "Switch to Object Mode, or select edge loops of a mesh in Edit Mode"
-    shown_by = ("shading", "wireframe_color_type", "THEME", "OBJECT")
+    shown_by = (WIRES,)
 
     def prepare(self, context: Context) -> None:
         self.take_from_panel(context)

@@ -27,7 +27,7 @@ from .svg.document import Frame
 from .svg.levels import levels_in_svg
 from .svg.options import DRAWING_LIMITS, SvgOptions
 from .svg.parts import SvgPart, svg_parts
-from .svg.reading import SvgDrawing, from_svg, read_svg, read_svg_drawing, svg_drawing
+from .svg.reading import SvgDrawing, from_svg, is_written_svg, read_svg, read_svg_drawing, svg_drawing
 from .svg.writing import to_svg, write_svg
 from .swept import swept
 
@@ -51,6 +51,7 @@ __all__ = [
     "from_geojson",
     "from_svg",
     "is_engine_json",
+    "is_written_svg",
     "joined",
     "levels_in_svg",
     "outlines_from_engine_json",

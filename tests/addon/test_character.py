@@ -508,7 +508,7 @@ def test_gradients_patterns_uses_and_lines_become_parts_and_the_rest_is_told(tmp
 def test_a_layered_svg_of_twelve_parts_is_posed_after_four_actions(tmp_path) -> None:
     file = tmp_path / "figure.svg"
     file.write_text(layered_svg())
-    actions = [lambda: bpy.ops.object.nested_cages_import(filepath=str(file), outlines="PARTS")]
+    actions = [lambda: bpy.ops.object.nested_cages_import(filepath=str(file), plane="XY", centre=False)]
     assert actions[0]() == {"FINISHED"}
     parts = {obj.name: obj for obj in bpy.context.selected_objects}
     wanted = {name: (group, kind) for group, layer in LAYERS.items() for name, kind in layer.items()}

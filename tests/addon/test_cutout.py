@@ -25,10 +25,10 @@ def opacity() -> Any:
     return ((radius < 1.0) & (radius > 0.3)).astype(np.float32)
 
 
-def picture(name: str = "part.png") -> Any:
+def picture(name: str = "part.png", alpha: Any = None) -> Any:
     image = bpy.data.images.new(name, WIDTH, HEIGHT, alpha=True)
     pixels = np.ones((HEIGHT, WIDTH, 4), np.float32)
-    pixels[:, :, 3] = opacity()
+    pixels[:, :, 3] = opacity() if alpha is None else alpha
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     return image
@@ -67,7 +67,7 @@ def plane(image: Any) -> Any:
 def cut(**options: Any) -> Any:
     bpy.context.view_layer.update()
     assert bpy.ops.object.nested_cages_cutout(**options) == {"FINISHED"}
-    return next(obj for obj in bpy.data.objects if obj.name in ("part", "leg", "tile") and obj.type == "MESH")
+    return next((o for o in bpy.data.objects if o.name in ("part", "leg", "tile") and o.type == "MESH"), None)
 
 
 def faces(obj: Any) -> Any:
@@ -114,7 +114,7 @@ def test_a_file_becomes_a_bound_mesh_that_shows_it(tmp_path) -> None:
     assert len(cage_of(obj).data.vertices) == 16
     assert bpy.context.scene.timeline_markers[:] == []
     rig = bpy.context.object
-    assert rig.type == "ARMATURE" and len(rig.pose.bones) == 16
+    assert bpy.context.mode == "POSE" and rig.type == "ARMATURE" and len(rig.pose.bones) == 16
     rest = evaluated(obj)
     for bone in rig.pose.bones:
         bone.matrix = Matrix.Translation((0.0, 0.5, 0.0)) @ bone.matrix
@@ -123,6 +123,32 @@ def test_a_file_becomes_a_bound_mesh_that_shows_it(tmp_path) -> None:
     for bone in rig.pose.bones:
         bone.matrix_basis = Matrix()
     assert_follows(obj)
+
+
+def test_with_a_skeleton_bones_along_the_limbs_move_one_cage(tmp_path) -> None:
+    rows, columns = np.mgrid[:HEIGHT, :WIDTH]
+    limbs = (abs(rows - 23.5) < 6.0) | (abs(columns - 47.5) < 6.0)
+    cut(filepath=str(file_of(picture("cross.png", limbs), tmp_path)), skeleton=True)
+    rig, obj = bpy.context.object, bpy.data.objects["cross"]
+    assert bpy.context.mode == "POSE" and len(rig.pose.bones) >= 3
+    rest = evaluated(obj)
+    last = max((bone for bone in rig.pose.bones if not bone.children), key=lambda bone: abs(bone.tail.x))
+    last.rotation_mode, last.rotation_euler.x = "XYZ", 0.5
+    bpy.context.view_layer.update()
+    moved = np.linalg.norm(evaluated(obj) - rest, axis=1)
+    far, near = (rest[:, 0] * np.sign(last.tail.x) * side for side in (1.0, -1.0))
+    assert moved[far.argmax()] > 0.02 and moved[near.argmax()] < 1e-3
+
+
+def test_what_has_no_limbs_gets_no_skeleton_and_nothing_is_made(tmp_path) -> None:
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    path = file_of(picture("disc.png", np.hypot(x - 47.5, y - 23.5) < 20.0), tmp_path)
+    bpy.data.images.load(str(path))
+    before = snapshot()
+    with pytest.raises(RuntimeError, match="no limbs"):
+        bpy.ops.object.nested_cages_cutout(filepath=str(path), skeleton=True)
+    kept = ("objects", "meshes", "armatures", "collections", "selected", "active")
+    assert {name: before[name] for name in kept} == {name: snapshot()[name] for name in kept}
 
 
 def test_several_files_share_nothing_but_the_scene(tmp_path) -> None:

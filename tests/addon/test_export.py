@@ -228,7 +228,8 @@ def test_an_outline_that_stands_up_is_written_as_seen_from_the_front(core, tmp_p
 def test_drawings_are_read_from_files_and_caged(core, tmp_path, capfd) -> None:
     overlapping = '<svg xmlns="http://www.w3.org/2000/svg"><circle r="50"/><rect width="80" height="80"/></svg>'
     (tmp_path / "logo.svg").write_text(overlapping)
-    assert bpy.ops.object.nested_cages_import(filepath=str(tmp_path / "logo.svg")) == {"FINISHED"}
+    lying = {"outlines": "ONE", "plane": "XY", "centre": False}
+    assert bpy.ops.object.nested_cages_import(filepath=str(tmp_path / "logo.svg"), **lying) == {"FINISHED"}
     assert "1 outline, " in capfd.readouterr().out
     logo = bpy.context.active_object
     assert logo.name == "logo"

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import poly_curve, star
+from drawings import evaluated, in_world, poly_curve, star
 from test_panels import Layout
 
 
@@ -47,11 +47,32 @@ def test_shapes_of_any_svg_can_be_read_one_by_one(addon, tmp_path) -> None:
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 10"><rect width="10" height="10"/>'
         '<circle id="dot" cx="12" cy="5" r="4"/><path fill="none" d="M0 0h1"/></svg>'
     )
-    assert bpy.ops.object.nested_cages_import(filepath=str(path)) == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="ONE") == {"FINISHED"}
     assert len(bpy.data.objects) == 1
     assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="SEVERAL") == {"FINISHED"}
     assert sorted(obj.name for obj in bpy.data.objects) == ["dot", "rect 1", "two"]
     assert bpy.data.objects["rect 1"].dimensions.x == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("shapes", [1, 2])
+@pytest.mark.parametrize(("plane", "up"), [("AUTO", 2), ("XZ", 2), ("XY", 1)])
+def test_a_drawing_stands_in_its_middle_and_several_shapes_are_parts(tmp_path, shapes, plane, up) -> None:
+    drawn = ('<rect id="low" x="10" width="10" height="40" fill="red"/>', '<circle id="high" cx="30" cy="35" r="5"/>')
+    path = tmp_path / "drawing.svg"
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 90 90">{"".join(drawn[:shapes])}</svg>')
+    assert bpy.ops.object.nested_cages_import(filepath=str(path), plane=plane) == {"FINISHED"}
+    bpy.context.view_layer.update()
+    made = {obj.name: obj for obj in bpy.context.selected_objects}
+    assert list(made) == (["drawing"] if shapes == 1 else ["low", "high"])
+    corners = np.concatenate([in_world(obj, evaluated(obj)) for obj in made.values()])
+    size = (0.1, 0.4) if shapes == 1 else (0.25, 0.4)
+    for axis, extent in zip((0, up), size, strict=True):
+        assert [corners[:, axis].min(), corners[:, axis].max()] == pytest.approx([-extent / 2, extent / 2], abs=1e-6)
+    if shapes == 2:  # what is drawn later is above, or in front, and y goes down in the file
+        above, front = made["high"].location - made["low"].location, -1.0 if up == 2 else 1.0
+        assert above[up] == pytest.approx(-0.15, abs=1e-6) and above[3 - up] * front > 0.0
+        assert made["low"].data.polygons and made["low"].data.materials[0].name == "Fill #FF0000"
+    assert bpy.ops.object.nested_cages_generate(levels="8") == {"FINISHED"}
 
 
 @pytest.mark.slow

@@ -84,6 +84,11 @@ def svg_drawing(text: str | bytes, *, each: bool | None = False, **options: Any)
     return SvgDrawing(tuple(named), reading.document.frame, written, reading.said())
 
 
+def is_written_svg(text: str | bytes) -> bool:
+    """Whether this package has written an SVG document. Raises NestedCagesError for input that is not SVG."""
+    return not Document(text, SvgOptions().limits).strokes_count
+
+
 class Reading:
     """A document, its tree of what counts, its areas, and the notes."""
 

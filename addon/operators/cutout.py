@@ -1,0 +1,235 @@
+"""Cutout: pictures, and layers of Grease Pencil, as objects that cages move."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.types import Context, Object
+from bpy_extras.io_utils import ImportHelper
+
+from .. import characters
+from ..animation.timeline import Timing
+from ..binding import binding, handles
+from ..core import core
+from ..errors import UserError, counted
+from ..generation import output
+from ..generation.generate import Generation, Options, Request, Result
+from ..generation.job import Work
+from ..generation.levels import lengths, parse_levels
+from ..generation.methods import Methods
+from ..io import pictures
+from ..io.pictures import Canvas, Picture
+from ..keys import found_object
+from ..properties.kinds import flag, text, whole
+from ..properties.settings import filled, settings_of
+from ..scene import grease_pencil, ownership
+from ..scene.convert import Drawing, fine_drawing, read
+from ..scene.ownership import scene_of, select
+from .base import pose
+from .files import FilesOperator, paths_of
+from .pictures import NAMES, PictureProperties, trace_options
+from .views import FLAT_LIGHT, TEXTURES
+
+
+@dataclass(frozen=True)
+class Part:
+    """A picture, where it lies, and the number of the object that shows it, if one does."""
+
+    image: bpy.types.Image
+    canvas: Canvas
+    shown_by: int | None
+
+
+class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
+    """Cut out image files, or selected image planes and empties, as textured meshes that follow a cage; and the layers
+    of Grease Pencil drawings
+    """
+
+    bl_label = "Cutout"
+    exclusive = True
+    shown_by = (TEXTURES, FLAT_LIGHT)
+
+    filepath: text(
+        "File Path",
+        "Picture with an alpha channel; empty takes the selected image planes and image empties",
+        subtype="FILE_PATH",
+        options={"SKIP_PRESET", "SKIP_SAVE"},
+    )
+    filter_image: flag("Images", "Show images", default=True, options={"HIDDEN", "SKIP_SAVE"})
+    vertices: whole("Vertices", "Vertex count of the mesh's outline", default=64, min=3, soft_max=256)
+    levels: text("Cages", "Vertices of each cage, innermost first, such as 16 or 32, 12", default="16")
+    bind: flag("Bind", "Make the pictures follow their cages", default=True)
+    handles: flag("Handles", "Add a bone per corner of each bound cage to move that corner", default=True)
+    skeleton: flag(
+        "Skeleton", "Put all of it in one cage, moved by bones along its limbs, instead of cages with bones at corners"
+    )
+
+    def ask(self, context: Context, event: bpy.types.Event) -> Any:
+        selected = _shown_pictures(context) or _strokes(context)
+        return super().ask(context, event) if selected else ImportHelper.invoke(self, context, event)
+
+    def draw(self, _context: Context) -> None:
+        self.draw_options("vertices", *NAMES, "skeleton")
+        alone = self.layout.column()
+        alone.active = not self.skeleton
+        for name in ("levels", "bind", "handles"):
+            alone.prop(self, name)
+
+    def work(self, context: Context) -> Work[None]:
+        if not paths_of(self) and not _shown_pictures(context) and _strokes(context):
+            yield from self._cut_layers(context, _strokes(context))
+            return
+        parts, settings = self._parts(context), settings_of(context)
+        levels = parse_levels(self.levels, lengths(scene_of(context)))
+        drawings: list[tuple[Part, Drawing]] = []
+        problems: list[UserError] = []
+        opaque: list[str] = []
+        for part in parts:
+            try:
+                frame, shown = part.canvas.frame(), Picture.of(part.image)
+                outline = yield from shown.trace(self.vertices, **trace_options(self))
+                points = part.canvas.placed(np.asarray(outline.vertices) / shown.size)
+                name = Path(part.image.name).stem or part.image.name
+                drawing = Drawing(name, frame, tuple(points[loop] for loop in outline.loops))
+                drawing.mesh()
+            except UserError as error:
+                problems.append(error)
+                continue
+            drawings.append((part, drawing))
+            if (shown.alpha > self.threshold).all():
+                opaque.append(part.image.name)
+        if not drawings:
+            raise problems[0]
+        results: list[Result] = []
+        if not self.skeleton:
+            requests = [Request(drawing) for _, drawing in drawings]
+            generation = Generation(requests, Options(levels=levels, methods=filled(Methods, settings)))
+            yield from generation
+            problems, results = problems + generation.problems, generation.results
+            # Those that have a cage, in the same order.
+            caged = {id(result.drawing) for result in results}
+            drawings = [(part, drawing) for part, drawing in drawings if id(drawing) in caged]
+        made: list[Object] = []
+        with _kept(made):
+            for part, drawing in drawings:
+                data = pictures.textured_mesh(drawing.name, drawing.mesh(), part.canvas, part.image)
+                made.append(pictures.place(context, drawing.name, data, drawing.frame, found_object(part.shown_by)))
+            context.view_layer.update()
+            yield from self._rig(context, made, results)
+        _hide([found_object(part.shown_by) for part, _ in drawings])
+        self.tell_skipped(problems, "picture")
+        for name in opaque:
+            self.report(
+                {"WARNING"},
+                f"'{name}' has no transparent pixels, so its outline is a rectangle: erase its background, or raise "
+                "the threshold",
+            )
+
+    def _cut_layers(self, context: Context, drawn: Sequence[Object]) -> Work[None]:
+        """Makes each layer that shows something an object of its own, in cages. Raises: UserError."""
+        levels, methods = parse_levels(self.levels, lengths(scene_of(context))), filled(Methods, settings_of(context))
+        made = [part for obj in drawn for part in grease_pencil.separated(context, obj)]
+        with _kept(made):
+            context.view_layer.update()
+            results: list[Result] = []
+            if not self.skeleton:
+                requests = [Request(fine_drawing(read(context, part))) for part in made]
+                generation = Generation(requests, Options(levels=levels, methods=methods))
+                yield from generation
+                if generation.problems:
+                    raise generation.problems[0]
+                results = generation.results
+            yield from self._rig(context, made, results)
+        self.tell_hidden(context, drawn)
+        _hide(drawn)
+
+    def _rig(self, context: Context, made: list[Object], results: Sequence[Result]) -> Work[None]:
+        """One cage around all new objects, moved by bones along their limbs; or the cages of these results."""
+        noun = "layer" if made[0].type == grease_pencil.KINDS[0] else "picture"
+        if not self.skeleton:
+            self._write(context, made, results, noun)
+            return
+        count = len(made)
+        whole, problems = yield from characters.united_drawing(context, made, 0.0)
+        armature, bones = characters.add_skeleton(context, whole, core.character.Skeleton())
+        made.append(armature)
+        yield from characters.make(context, whole, armature, 0)
+        pose(context, armature)
+        self.tell_skipped(problems, noun)
+        self.report({"INFO"}, f"{counted(count, noun)} cut out: turn {counted(bones, 'bone')} to pose it")
+
+    def _write(self, context: Context, made: Sequence[Object], results: Sequence[Result], noun: str) -> None:
+        """Cages around the new objects, without animation, and bound."""
+        placed = [
+            replace(result, drawing=replace(result.drawing, identity=obj.session_uid))
+            for obj, result in zip(made, results, strict=True)
+        ]
+        scene = scene_of(context)
+        collections, _ = output.write(scene, placed, filled(Timing, settings_of(context)), still=True)
+        context.view_layer.update()
+        cages: list[Object] = []
+        for collection in collections if self.bind else ():
+            try:
+                binding.bind(context, collection)
+            except UserError as error:
+                self.report({"WARNING"}, f"Not bound: {error}")
+                continue
+            cages.append(ownership.members(collection)[-1])
+        rig = handles.add(context, cages) if self.handles and cages else None
+        if rig is None:
+            select(context, *made)
+        else:
+            pose(context, rig)
+        how = "the vertices of the cage" if rig is None else "the bones"
+        self.report({"INFO"}, f"{counted(len(made), noun)} cut out: move {how} to pose it")
+
+    def _parts(self, context: Context) -> list[Part]:
+        """The requested pictures. Raises: UserError."""
+        if paths := paths_of(self):
+            images = [pictures.load(path) for path in paths]
+            places = pictures.side_by_side(list(map(pictures.size_of, images)))
+            return [Part(image, place, None) for image, place in zip(images, places, strict=True)]
+        shown = _shown_pictures(context)
+        if not shown:
+            raise UserError("Choose a picture file, or select image planes, image empties or Grease Pencil drawings")
+        return [
+            Part(image, pictures.canvas_of(obj, pictures.size_of(image)), obj.session_uid)
+            for obj in shown
+            if (image := pictures.image_on(obj)) is not None
+        ]
+
+
+@contextmanager
+def _kept(made: list[Object]) -> Iterator[None]:
+    """Removes new objects if what follows fails or is cancelled."""
+    try:
+        yield
+    except BaseException:
+        bpy.data.batch_remove([block for obj in made for block in (obj, obj.data)])
+        raise
+
+
+def _hide(objects: Iterable[Object | None]) -> None:
+    """Hides what new objects show instead."""
+    for obj in objects:
+        if obj is not None:
+            obj.hide_set(True)
+            obj.hide_render = True
+
+
+def _shown_pictures(context: Context) -> list[Object]:
+    """The selected objects that show a picture and are not cutouts, the active one first."""
+    active = context.view_layer.objects.active
+    shown = [obj for obj in context.selected_objects if pictures.image_on(obj) is not None]
+    return sorted(shown, key=lambda obj: (obj is not active, obj.name))
+
+
+def _strokes(context: Context) -> list[Object]:
+    """The selected Grease Pencil drawings."""
+    return [obj for obj in context.selected_objects if obj.type == grease_pencil.KINDS[0]]
