@@ -15,6 +15,7 @@ from ..solver.banded import Rows
 if TYPE_CHECKING:
     from ..decimation.line_cycles.chain import Lines
     from ..decimation.line_cycles.places import NormalFrame
+    from ..solver.elimination import Elimination
 
 CORRECTION = 1.02
 """Length of a correction of missed rows, in what they lack: it makes up for what is not linear."""
@@ -45,6 +46,10 @@ class Units(Protocol):
 
 class Bound:
     """A constraint on cages of one topology, in the units of the solvers. The base class bounds nothing."""
+
+    def eliminated(self, images: Elimination | None) -> Elimination | None:
+        """The unknowns where the constraint has equalities; images: those of the symmetry of the cage."""
+        return images
 
     def rows(self, cage: FloatArray, radius: float) -> Iterable[Terms]:
         """The inequalities at a cage (m, 2) that motions of its vertices by at most a radius along two axes can break.

@@ -215,7 +215,7 @@ class FeasibilityRule(NamedTuple):
         least = self._least(contacts)
         kept = np.ones(len(x))
         for _ in range(MOST_ROUNDS):
-            moved = kept[:, None] * motion
+            moved = self.bodies.scaled(motion, kept)
             hit, _ = impacts(pairs, x, moved, contacts.distance, self.clearance)
             close = np.flatnonzero(measure(pairs, x + moved).distance < least)
             failing = np.concatenate([hit, close])
@@ -223,6 +223,6 @@ class FeasibilityRule(NamedTuple):
                 return kept
             vertex = np.unique(np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing]]))
             kept[vertex] *= BACKTRACKING
-            if self.bodies.tie is not None:
-                kept[: self.bodies.m] = self.bodies.tie.least(kept[: self.bodies.m])
+            if self.bodies.elimination is not None:
+                kept[: self.bodies.m] = self.bodies.elimination.least(kept[: self.bodies.m])
         return np.zeros(len(x))

@@ -24,7 +24,7 @@ from ..solver.quadratic_program import InteriorPoint, QPSolution, QuadraticProgr
 
 if TYPE_CHECKING:
     from ..constraints.base import Bound
-    from ..solver.reduction import Tie
+    from ..solver.elimination import Elimination
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +41,8 @@ class Bodies:
     """(n,) boundary length of each fine vertex: half of its two edges, in the fine mesh itself."""
     cage_edge_length: float
     """Mean length of the coarse edges, the unit of motions of the cage."""
-    tie: Tie | None = None
-    """Ties the cage vertices of a symmetric cage; None: all are free."""
+    elimination: Elimination | None = None
+    """The unknowns of a cage with equalities, such as a symmetric one; None: all vertices are free."""
     bounds: tuple[Bound, ...] = ()
     """What the cage keeps next to its distances."""
     clearances: FloatArray | None = None
@@ -53,13 +53,15 @@ class Bodies:
         cls,
         coarse: Mesh,
         fine: Mesh,
-        tie: Tie | None = None,
+        images: Elimination | None = None,
         *,
         side: int = 1,
         bounds: tuple[Bound, ...] = (),
         clearances: FloatArray | None = None,
     ) -> Bodies:
-        """side: 1 for a cage around the fine mesh, -1 for one inside it."""
+        """images: of a symmetric cage. side: 1 for a cage around the fine mesh, -1 for one inside it."""
+        for bound in bounds:
+            images = bound.eliminated(images)
         lengths = fine.edge_lengths
         return cls(
             coarse,
@@ -67,7 +69,7 @@ class Bodies:
             fine.loop_order.walked(side),
             0.5 * (lengths + lengths[fine.predecessor]),
             float(coarse.edge_lengths.mean()),
-            tie,
+            images,
             bounds,
             clearances,
         )
@@ -96,15 +98,29 @@ class Bodies:
         return len(self.fine.numbers)
 
     def solved(self, solver: InteriorPoint, program: QuadraticProgram, absolute: float, order: BandOrder) -> QPSolution:
-        """The solution of a program over the cage vertices that keeps their ties; order: see :attr:`order`."""
-        if self.tie is None:
+        """The solution of a program over the cage vertices that keeps its equalities; order: see :attr:`order`."""
+        if self.elimination is None:
             return solver.solve(program, absolute, order)
-        return self.tie.solve(solver, program, absolute, order)
+        return self.elimination.solve(solver, program, absolute, order)
+
+    def scaled(self, motion: FloatArray, fraction: FloatArray) -> FloatArray:
+        """A motion of the cage, (m, 2), or of all, (m + n, 2), of which each vertex takes at most a fraction; the cage
+        keeps its equalities."""
+        scaled: FloatArray = fraction[:, None] * motion
+        if self.elimination is not None:
+            scaled[: self.m] = self.elimination.scaled(motion[: self.m], fraction[: self.m])
+        return scaled
+
+    def longest(self, motion: FloatArray) -> FloatArray:
+        """(m, 2) a motion of the cage that keeps its equalities, as long as those of a motion (m, 2)."""
+        return motion if self.elimination is None else self.elimination.longest(motion)
 
     @cached_property
     def order(self) -> BandOrder:
-        """An order of the cage vertices, or of their orbits, that keeps neighbours close together."""
-        return BandOrder.of(self.m, np.arange(self.m), self.cage.successor) if self.tie is None else self.tie.order
+        """An order of the cage vertices, or of their unknowns, that keeps neighbours close together."""
+        if self.elimination is not None:
+            return self.elimination.order
+        return BandOrder.of(self.m, np.arange(self.m), self.cage.successor)
 
     @cached_property
     def successor(self) -> IntArray:

@@ -89,7 +89,7 @@ class _Motion:
     """State of a motion along the path."""
 
     def __init__(self, settings: SequentialQP, bodies: Bodies, x: FloatArray, clearance: float) -> None:
-        self.settings, self.x = settings, x
+        self.settings, self.bodies, self.x = settings, bodies, x
         self.m = bodies.m
         self.unit = bodies.cage_edge_length
         self.gap = settings.gap * self.unit
@@ -140,7 +140,7 @@ class _Motion:
                 stride *= BACKTRACKING
             if kept.any():
                 arrived = (kept[self.m :] >= 1.0) & (part >= 1.0)
-                x = self.x + kept[:, None] * response.motion
+                x = self.x + self.bodies.scaled(response.motion, kept)
                 x[self.m :][arrived] = target[arrived]
                 self.x = x
                 yield x

@@ -244,7 +244,7 @@ class LevelBuilder:
             flow.steps,
             contacts=[self.units.method(contact) for contact in attempt.contacts],
             clearance=self.units.clearance(attempt.clearances[0]),
-            tie=None if alike is None else alike.tie,
+            images=None if alike is None else alike.images,
             bounds=self.plan.bounds(unit_coarse, self.units),
         )
         reinflation = yield from self.progress.follow(expansion, lambda done: (done, "reinflation"))
@@ -262,10 +262,10 @@ class LevelBuilder:
         start = cage.untightened.cage_steps[-1]
         assert cage.energy is not None
         steps: list[FloatArray] = []
-        tie = None if cage.alike is None else cage.alike.tie
-        bounds, clearances = self.plan.bounds(cage.unit_coarse, self.units), self.plan.clearances(self.units)
+        images = None if cage.alike is None else cage.alike.images
+        bounds, wide = self.plan.bounds(cage.unit_coarse, self.units), self.plan.clearances(self.units)
         tightening = self.settings.tightening.run(
-            Bodies.of(cage.unit_coarse, self.unit_fine, tie, side=self.plan.side, bounds=bounds, clearances=clearances),
+            Bodies.of(cage.unit_coarse, self.unit_fine, images, side=self.plan.side, bounds=bounds, clearances=wide),
             start,
             self.unit_fine.vertices,
             clearance=self.units.clearance(clearance),

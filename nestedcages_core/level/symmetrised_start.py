@@ -12,16 +12,16 @@ from ..geometry.arrays import FloatArray
 from ..geometry.group import Orbits, Symmetry
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE
-from ..solver.reduction import Tie
+from ..solver.elimination import Elimination
 
 
 @dataclass(frozen=True, eq=False)
 class Alike:
-    """A coarse mesh with exact symmetry, and the ties of its vertices."""
+    """A coarse mesh with exact symmetry, and which of its vertices are images."""
 
     start: Start
     orbits: Orbits
-    tie: Tie
+    images: Elimination
 
     def symmetrised(self, steps: FloatArray) -> FloatArray:
         """Steps (K, m, 2) of the cage in the input's units with exact symmetry."""
@@ -50,7 +50,7 @@ def made_alike(start: Start, symmetry: Symmetry, side: int) -> Alike:
     return Alike(
         start._replace(coarse=exact, on_curve=on_curve),
         orbits,
-        Tie.of(orbits, coarse.loop_order.walked(side).successor),
+        Elimination.of_images(orbits, coarse.loop_order.walked(side).successor),
     )
 
 

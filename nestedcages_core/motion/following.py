@@ -24,7 +24,7 @@ from ..level.gate import judged
 from ..level.settling import placements
 from ..level.symmetrised_start import orbits_of
 from ..level.units import SolverUnits
-from ..solver.reduction import Tie
+from ..solver.elimination import Elimination
 from ..tasks import drain
 from ..tightening.reach_clearance import restore
 from ..verification import verify
@@ -73,10 +73,10 @@ class Follower:
         unit_cage, unit_fine = units.from_input(cage), units.from_input(fine)
         group = promises.plan.group
         orbits = None if group is None else orbits_of(cage, group)
-        tie = None if orbits is None else Tie.of(orbits, cage.successor)
+        images = None if orbits is None else Elimination.of_images(orbits, cage.successor)
         plan, energy = promises.plan, promises.settings.energy.at(unit_cage)
         bounds, clearances = plan.bounds(unit_cage, units), plan.clearances(units)
-        bodies = Bodies.of(unit_cage, unit_fine, tie, bounds=bounds, clearances=clearances)
+        bodies = Bodies.of(unit_cage, unit_fine, images, bounds=bounds, clearances=clearances)
         kept = units.clearance(clearance + promises.room)
         return cls(units, unit_cage, unit_fine, bodies, kept, energy, promises, orbits)
 

@@ -167,7 +167,7 @@ def restore(
         if motion is None:
             break
         moved = x.copy()
-        moved[: bodies.m] += motion if bodies.tie is None else bodies.tie.longest(motion)
+        moved[: bodies.m] += bodies.longest(motion)
         moved, after = _apart(bodies, pairs, moved, required, side)
         if bool((after.distance < required).any()):
             break
@@ -207,15 +207,15 @@ def outward_correction(
     first, second = short.searchsorted((pairs.fine_cage.stop, pairs.cage_fine.stop))
     shift = np.zeros(bodies.m)
     np.maximum.at(shift, pairs.start.take(short[:first]), missing[:first])
-    if bodies.tie is not None:
-        shift = bodies.tie.largest_of_edges(shift)
+    if bodies.elimination is not None:
+        shift = bodies.elimination.largest_of_edges(shift)
     correction = shift_edges(bodies, x[: bodies.m], shift)
     push = contacts.normal.T.take(short[first:], axis=1).T * missing[first:, None]
     np.add.at(correction, pairs.point.take(short[first:]), push)
     own = short[second:]
     np.subtract.at(correction, pairs.start.take(own), push[second - first :])
     np.subtract.at(correction, pairs.end.take(own), push[second - first :])
-    return correction if bodies.tie is None else bodies.tie.longest(correction)
+    return bodies.longest(correction)
 
 
 def shift_edges(bodies: Bodies, cage: FloatArray, shift: FloatArray) -> FloatArray:

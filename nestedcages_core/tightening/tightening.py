@@ -193,12 +193,12 @@ class _Run:
         """
         multipliers = solution.multipliers
         active = multipliers > ACTIVE_MULTIPLIER * multipliers.max(initial=0.0)
-        tie = self.bodies.tie
-        program = model.program if tie is None else tie.program(model.program)
+        elimination = self.bodies.elimination
+        program = model.program if elimination is None else elimination.program(model.program)
         softest = negative_curvature(program, self.order, active)
         if softest is None:
             return None
-        direction = softest.direction if tie is None else tie.motion(softest.direction)
+        direction = softest.direction if elimination is None else elimination.motion(softest.direction)
         length = ESCAPE_LENGTH * self.settings.first_radius * self.bodies.cage_edge_length
         decrease = -0.5 * softest.curvature * length**2
         model = model.measured_at(self.x)

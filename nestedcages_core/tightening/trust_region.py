@@ -123,7 +123,7 @@ def find_trial(
     lacking = bodies.short(x[:m])
     for _ in range(MAX_ATTEMPTS):
         tried = x.copy()
-        tried[:m] += fraction[:, None] * step
+        tried[:m] += bodies.scaled(step, fraction)
         restored, after = restore(bodies, near.pairs, tried, near.required, near.side, lacking)
         moved = np.hypot(*(restored[:m] - x[:m]).T)
         if (moved > near.farthest_motion[:m]).any() and near is not around:
@@ -149,8 +149,8 @@ def find_trial(
         pairs = near.pairs
         vertex = np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing], missed])
         fraction[np.unique(vertex[vertex < m])] *= STEP_REDUCTION
-        if bodies.tie is not None:
-            fraction = bodies.tie.least(fraction)
+        if bodies.elimination is not None:
+            fraction = bodies.elimination.least(fraction)
     return Trial(x, fraction, value, False)
 
 

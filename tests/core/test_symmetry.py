@@ -24,12 +24,8 @@ from nestedcages_core import (
     nested_cages,
     verify,
 )
-from nestedcages_core.energies import Blocks
 from nestedcages_core.geometry.group import Orbits, Symmetry, mirror_axis
 from nestedcages_core.needs.solids import overlay
-from nestedcages_core.solver.banded import Rows
-from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
-from nestedcages_core.solver.reduction import Tie
 from shapes import letter_a, star
 
 AXES = (Mirror(), Mirror((0.25, 0.0)), Mirror((0.1, 3.0), (1.0, 0.0)), Mirror((0.3, -0.2), (1.0, 2.0)))
@@ -192,39 +188,6 @@ def test_bad_symmetries_are_rejected() -> None:
     level = nested_cages(star(), [coarse], Settings(symmetry=Mirror((0, 0), (1, 0)))).levels[0]
     check(level, Mirror((0, 0), (1, 0)))
     assert "does not have a mirror" in level.report.notes[0]
-
-
-def test_a_tied_program_is_the_program_in_the_tied_unknowns() -> None:
-    square = Mesh.from_loops([[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (0.0, 1.5), (-1.0, 1.0)]])
-    orbit = Orbits.of(square.vertices, square.successor, Mirror(), 1e-9)
-    assert orbit is not None
-    tie = Tie.of(orbit, square.successor)
-    rng = np.random.default_rng(0)
-    m = 5
-    blocks = Blocks(np.arange(m), square.successor, rng.normal(size=(m, 2, 2)))
-    blocks = Blocks.sum([(1.0, blocks), (9.0, Blocks(np.arange(m), np.arange(m), np.tile(np.eye(2), (m, 1, 1))))])
-    rows = Rows(np.stack([np.arange(m), square.successor]), rng.normal(size=(2, m)), rng.normal(size=(2, m)))
-    axes = np.tile(np.eye(2), (m, 1, 1))
-    program = QuadraticProgram(rng.normal(size=(m, 2)), blocks, [rows], np.full(m, 0.1), np.full(m, 0.5), axes)
-    tied = tie.program(program)
-    spread = np.zeros((2 * m, 2 * len(tie.first)))
-    for vertex in range(m):
-        spread[2 * vertex : 2 * vertex + 2, 2 * tie.orbit[vertex] : 2 * tie.orbit[vertex] + 2] = tie.linear[vertex]
-    assert np.allclose(spread.T @ blocks.dense(m) @ spread, tied.hessian.dense(len(tie.first)))
-    assert np.allclose(spread.T @ program.gradient.ravel(), tied.gradient.ravel())
-    dense = np.zeros((m, 2 * m))
-    for k in range(m):
-        for vertex, weight in zip(rows.vertex[:, k], rows.weight[:, k], strict=True):
-            dense[k, 2 * vertex : 2 * vertex + 2] += weight * rows.direction[:, k]
-    of_tied = np.zeros((m, 2 * len(tie.first)))
-    (group,) = tied.rows
-    for k in range(m):
-        for j, vertex in enumerate(group.vertex[:, k]):
-            of_tied[k, 2 * vertex : 2 * vertex + 2] += group.weight[j, k] * group.directions[k, j]
-    assert np.allclose(dense @ spread, of_tied)
-    step = tie.solve(InteriorPoint(), program, 0.0).step
-    assert np.allclose(step * [-1.0, 1.0], step[orbit.partner])
-    assert (np.full(m, 0.1) + dense @ step.ravel() > -1e-6).all()
 
 
 def test_an_energy_that_is_not_symmetric_gives_a_symmetric_cage() -> None:
