@@ -97,6 +97,9 @@ if TYPE_CHECKING:
     from .exchange.pictures import alpha_channel as alpha_channel
     from .exchange.pictures import boundary_of_pixels as boundary_of_pixels
     from .exchange.pictures import collision_outline, read_png
+    from .geometry.symmetry import Found as Found
+    from .geometry.symmetry import Mirror as Mirror
+    from .geometry.symmetry import Rotation as Rotation
     from .geometry.triangulation import convex_pieces as convex_pieces
     from .motion import AnimatedCagesRun as AnimatedCagesRun
     from .motion import Key as Key
@@ -106,9 +109,6 @@ if TYPE_CHECKING:
     from .motion import animated_cages
     from .motion import followed as followed
     from .motion import stream_cages as stream_cages
-    from .needs.symmetry import Found as Found
-    from .needs.symmetry import Mirror as Mirror
-    from .needs.symmetry import Rotation as Rotation
     from .published.gurditta_jacobson_2022 import AUGMENTED_2022 as AUGMENTED_2022
     from .published.gurditta_jacobson_2022 import AUGMENTED_2022_REPAIRED as AUGMENTED_2022_REPAIRED
     from .published.gurditta_jacobson_2022 import AllPairs as AllPairs
@@ -189,7 +189,7 @@ _LATER = {
     "decimation.choices": "OnCurve ArcLength OwnDecimation",
     "energies.choices": "BoundaryARAP ElementEnergy InitialDisplacement InteriorARAP ShapeKeeping StepDisplacement",
     "geometry.triangulation": "convex_pieces",
-    "needs.symmetry": "Found Mirror Rotation",
+    "geometry.symmetry": "Found Mirror Rotation",
     "solver.newton": "ProjectedNewton",
     "batch": "BatchProgress Outcome nested_cages_many",
     "character": "Bone Character Skeleton bone_weights suggest_bones with_joints",

@@ -10,7 +10,7 @@ import numpy as np
 from nestedcages_core import Mesh, Mirror, NestedCagesError, Rotation, Settings, nested_cages, verify
 from nestedcages_core.cache import forget
 from nestedcages_core.geometry.group import Orbits
-from nestedcages_core.needs.solids import overlay
+from nestedcages_core.geometry.solids import overlay
 
 from .table import Table, per_cent
 

@@ -16,8 +16,8 @@ from ..errors import NestedCagesError
 from ..exchange import DRAWING_LIMITS, Limits
 from ..exchange.decimals import MAX_DECIMALS
 from ..geometry.lattice import Grid
+from ..geometry.symmetry import Found, Mirror, Rotation
 from ..hierarchy import level_words, parse_level
-from ..needs.symmetry import Found, Mirror, Rotation
 from .outputs import STEM, WRITTEN
 from .sources import KINDS, STREAM, kind_of
 

@@ -1,25 +1,86 @@
-"""What decimations are told of the places on a shape that matter."""
+"""Importance: weights along a shape, and places that keep a vertex."""
 
 from __future__ import annotations
 
-from typing import Protocol
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray
+from ..geometry.group import Symmetry
 from ..geometry.loops import Loops
+from ..geometry.mesh import Mesh
+from ..geometry.signed_distance import EdgeSearch
+from ..geometry.vectors import norm
+from .line_cycles.turns import PIN_REACH
+
+LEAST_WEIGHT = 0.02
+"""Lower bound of the weights, as a fraction of their mean, so that all edges are pulled inwards."""
+
+FARTHEST_PIN = 0.02
+"""Distance from a pin, in diagonals, up to which the closest vertex of an outline is the pinned one: levels, and
+drawings united with their images, run that far outside of the drawing itself."""
 
 
-class ImportanceMap(Protocol):
-    """What a need says of a shape to a decimation, in input units."""
+@dataclass(frozen=True, eq=False)
+class Importance:
+    """Weights and pins of a fine mesh, in input units; shared by all its levels."""
 
-    @property
-    def weights(self) -> FloatArray | None: ...
+    fine: Mesh
+    weights: FloatArray | None
+    """(n,) weight of each fine vertex, at least 0; None: equal weights."""
+    pins: FloatArray
+    """(P, 2) places that keep a vertex, near the outline of the fine mesh."""
+    symmetry: Symmetry | None = None
+    """Symmetry of the cages: a place matters as much as the most important one of its images."""
+
+    @cached_property
+    def relative(self) -> FloatArray:
+        """(n,) weights with a mean of 1 along the outline, and a lower bound."""
+        assert self.weights is not None
+        fine = self.fine
+        length = 0.5 * (fine.edge_lengths + fine.edge_lengths[fine.predecessor])
+        mean = float(length @ self.weights) / float(length.sum())
+        relative: FloatArray = np.maximum(self.weights / mean, LEAST_WEIGHT)
+        return relative
+
+    @cached_property
+    def _edges(self) -> EdgeSearch:
+        return EdgeSearch.of(self.fine)
+
     def at(self, points: FloatArray) -> FloatArray:
-        """(P,) weight at the closest place on the shape to each of the points (P, 2)."""
+        """(P,) weight at the closest place on the fine mesh to each of the points (P, 2)."""
+        if self.weights is None:
+            return np.ones(len(points))
+        group = self.symmetry
+        images = [points] if group is None else [group.image(points, k) for k in range(group.order)]
+        ends = self.relative[self.fine.successor]
+        return np.asarray(np.max([self._edges.closest(image).between(self.relative, ends) for image in images], axis=0))
 
     def pinned(self, outline: Loops) -> BoolArray:
-        """(n,) the vertices of an outline that the decimation keeps."""
+        """(n,) the vertices of an outline that are closest to pins; with `with_vertices` all pins have one."""
+        held = np.zeros(len(outline.vertices), bool)
+        for pin in self.pins:
+            distance = norm(outline.vertices - pin)
+            held[int(np.argmin(distance))] |= bool(distance.min() <= FARTHEST_PIN * self.fine.diagonal)
+        return held
 
     def with_vertices(self, outline: Loops, most: float = np.inf) -> Loops:
-        """The outline with additional vertices at places that keep one, as long as it has at most so many."""
+        """The outline with additional vertices at pins without one, as long as it has at most so many."""
+        for pin in self.pins:
+            missed = len(outline.vertices) < most and norm(outline.vertices - pin).min()
+            if missed > 0.5 * PIN_REACH * self.fine.diagonal:
+                outline = _with_vertex(outline, pin)
+        return outline
+
+
+def _with_vertex(outline: Loops, place: FloatArray) -> Loops:
+    """The outline with a vertex at the point on it that is closest to a place."""
+    starts, ends = outline.vertices, outline.vertices[outline.successor]
+    close = EdgeSearch(starts, ends).closest(place[None])
+    edge, new = int(close.edge[0]), close.between(starts, ends)[0]
+    loop = int(np.searchsorted(outline.begins, edge, side="right")) - 1
+    sizes: list[int] = outline.sizes.tolist()
+    sizes[loop] += 1
+    return Loops.of(np.insert(starts, edge + 1, new, axis=0), sizes)

@@ -21,7 +21,7 @@ def _preferring_symmetry(settings: Settings, about: Mesh) -> Settings:
     axis = None if preferring is None else mirror_axis(about)
     if axis is None or preferring is None:
         return settings
-    from ..needs.symmetry import Mirror
+    from ..geometry.symmetry import Mirror
 
     point, direction = (tuple(each.tolist()) for each in axis)
     return replace(settings, decimation=preferring(Mirror(point, direction)))

@@ -111,7 +111,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
     if settings.merge is not None:
         if side < 0:
             raise NestingError("Inner cages keep all loops; leave out merge.", code="setting.conflict")
-        from ..needs.merging import Merging
+        from ..decimation.merging import Merging
 
         fallback = settings.fallback and Merging(settings.merge, settings.fallback)
         settings = replace(settings, decimation=Merging(settings.merge), fallback=fallback)
@@ -148,7 +148,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
                 level = level.after(error)  # more vertices each time, and at most those of the mesh
         advised = level.notes() if isinstance(level, Rising) else ()
         if done.report.excess > LOOSE and not (needs or constraints or isinstance(level, Mesh)):
-            from ..needs.merging import advice
+            from ..decimation.merging import advice
 
             advised += advice(inner, done.cage)
         return replace(done, report=replace(done.report, notes=(*remarks, *done.report.notes, *advised, *late)))

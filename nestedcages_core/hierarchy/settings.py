@@ -19,7 +19,7 @@ from ..parameters import check_flag, has_method
 
 if TYPE_CHECKING:
     from ..constraints.base import Constraint
-    from ..needs.symmetry import Found
+    from ..geometry.symmetry import Found
 
 STORED_TYPES = ("float32", "float16")
 """Types that can hold coordinates, other than doubles."""

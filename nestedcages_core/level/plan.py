@@ -26,9 +26,6 @@ if TYPE_CHECKING:
 EdgeCost: TypeAlias = Callable[[int, FloatArray, FloatArray], FloatArray]
 """(K,) what an edge adds to the energy, in squared input units: its first vertex, and places (K, 2) of both ends."""
 
-EDGE_SAMPLES = (np.arange(8) + 0.5) / 8
-"""Places along an edge, as fractions of it, whose weights are averaged."""
-
 
 class Numbers(Protocol):
     """The numbers that coordinates of cages may be, if not all."""

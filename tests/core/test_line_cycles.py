@@ -25,6 +25,7 @@ from nestedcages_core import (
 from nestedcages_core.constraints import LeastEdge
 from nestedcages_core.decimation.hull.narrow_gaps import HULL_OFFSET
 from nestedcages_core.decimation.hull.outer_hull import SOURCE as HULL
+from nestedcages_core.decimation.importance import Importance
 from nestedcages_core.decimation.line_cycles.around import Around
 from nestedcages_core.decimation.line_cycles.candidates import Obstacles
 from nestedcages_core.decimation.line_cycles.chain import Chain, Lines
@@ -33,7 +34,6 @@ from nestedcages_core.decimation.line_cycles.method import SOURCE, cycles_around
 from nestedcages_core.decimation.line_cycles.shortest_cycles import Paths
 from nestedcages_core.decimation.line_cycles.turns import Turns
 from nestedcages_core.decimation.request import Request
-from nestedcages_core.needs.priorities.importance import Importance
 from nestedcages_core.tasks import drain
 from shapes import annulus, assert_nested, comb, disc, islands, letter_a, polygon, ring, star
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from nestedcages_core import Mesh, NestedCagesError, Settings, inner_cages, nested_cages, verify
+from nestedcages_core.decimation.merging import Bridged, Merging
 from nestedcages_core.hierarchy import Share
-from nestedcages_core.needs.merging import Bridged, Merging
 from shapes import islands, polygon, ring
 
 

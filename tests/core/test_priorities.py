@@ -19,9 +19,9 @@ from nestedcages_core import (
     verify_motion,
 )
 from nestedcages_core.constraints.angles import angles_of
+from nestedcages_core.decimation.importance import Importance
 from nestedcages_core.energies import CageEnergy
-from nestedcages_core.needs.priorities.energies import Springs, WeightedArea
-from nestedcages_core.needs.priorities.importance import Importance
+from nestedcages_core.energies.weighted_area import Springs, WeightedArea
 from shapes import annulus, derivative, letter_a, ring, star
 
 TOP = 2.5

@@ -25,7 +25,7 @@ from nestedcages_core import (
     verify,
 )
 from nestedcages_core.geometry.group import Orbits, Symmetry, mirror_axis
-from nestedcages_core.needs.solids import overlay
+from nestedcages_core.geometry.solids import overlay
 from shapes import letter_a, star
 
 AXES = (Mirror(), Mirror((0.25, 0.0)), Mirror((0.1, 3.0), (1.0, 0.0)), Mirror((0.3, -0.2), (1.0, 2.0)))

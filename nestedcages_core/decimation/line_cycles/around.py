@@ -30,7 +30,7 @@ from .shortest_cycles import Paths
 from .turns import SLACK
 
 if TYPE_CHECKING:
-    from ..importance import ImportanceMap
+    from ..importance import Importance
     from .images import Images
     from .rules import LineRule
 
@@ -78,7 +78,7 @@ class Around:
         outline: Loops,
         shift: FloatArray | float,
         symmetry: Symmetry | None = None,
-        importance: ImportanceMap | None = None,
+        importance: Importance | None = None,
         *,
         must: bool = True,
         rules: Sequence[LineRule] = (),

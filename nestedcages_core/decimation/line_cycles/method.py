@@ -35,7 +35,7 @@ from .around import Around
 from .loop_search import NoCyclesError
 
 if TYPE_CHECKING:
-    from ..importance import ImportanceMap
+    from ..importance import Importance
     from .rules import LineRule
 
 SOURCE = "line cycles"
@@ -68,7 +68,7 @@ class LineCycles:
     """Whether the start comes with a mesh on the fine one, from which the flow leads to a cage."""
     symmetry: Symmetry | None = None
     """Symmetry of the fine mesh that the cycles have too; None: they need not be symmetric."""
-    importance: ImportanceMap | None = None
+    importance: Importance | None = None
     """Where vertices matter; None: everywhere alike."""
     rules: tuple[LineRule, ...] = ()
     """What cages keep, as far as lines show it."""
@@ -100,7 +100,7 @@ class LineCycles:
         chosen = self.symmetry is not None or self.preferred is not None
         return self if chosen else replace(self, preferred=symmetry)
 
-    def respecting(self, importance: ImportanceMap) -> LineCycles:
+    def respecting(self, importance: Importance) -> LineCycles:
         """The same with more lines where vertices matter."""
         return replace(self, importance=importance, preferred=None)
 

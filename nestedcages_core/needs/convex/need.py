@@ -82,7 +82,7 @@ class Convex(Need):
         weight_at = getattr(energy, "weight_at", None)
         if weight_at is None:
             return None
-        from .corner_area import CornerArea
+        from ...energies.corner_area import CornerArea
 
         return CornerArea.of(coarse, units.from_input(plan.outline), weight_at, energy.after(coarse.vertices))
 

@@ -10,8 +10,10 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
+from ...decimation.importance import Importance
 from ...decimation.line_cycles.turns import PIN_REACH
 from ...energies import CageEnergy
+from ...energies.weighted_area import Springs, WeightedArea
 from ...energies.weighted_sum import BoundSum
 from ...errors import Fault, NestingError, note
 from ...geometry.arrays import TINY, FloatArray, IntArray
@@ -23,8 +25,6 @@ from ...geometry.vectors import cross, norm, rotated_right
 from ...level.plan import Need, Plan
 from ...level.settings import LevelSettings
 from ...level.units import SolverUnits
-from .energies import Springs, WeightedArea
-from .importance import Importance
 
 Chosen = TypeVar("Chosen", bound=LevelSettings)
 Places: TypeAlias = Sequence[Sequence[float]]

@@ -14,6 +14,9 @@ from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
 from ...geometry.precision import NEGLIGIBLE
 from ...geometry.predicates import winding_number
+from ...geometry.solids import overlay
+from ...geometry.symmetry.detection import Found
+from ...geometry.symmetry.maps import Mirror
 from ...geometry.vectors import rotated_right
 from ...level.attempts import contacts_for
 from ...level.plan import Need, Numbers, Plan
@@ -21,9 +24,6 @@ from ...level.settings import LevelSettings
 from ...level.symmetrised_start import orbits_of
 from ...level.units import ROUNDING_ULPS
 from ...verification.certificate import loops_in_words
-from ..solids import overlay
-from .detection import Found
-from .symmetry import Mirror
 
 Chosen = TypeVar("Chosen", bound=LevelSettings)
 

@@ -1,4 +1,4 @@
-"""Solids of meshes as polygons of shapely, for needs that unite or intersect them."""
+"""Solids of meshes as polygons of shapely, for what unites or intersects them."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 import scipy
 
 from ..errors import InvalidMeshError
-from ..geometry.arrays import FloatArray
-from ..geometry.distance import point_edge
-from ..geometry.mesh import Mesh
-from ..geometry.precision import INPUT_ROUND_OFF, ROUND_OFF
-from ..geometry.predicates import winding_number
-from ..geometry.vectors import cross, norm
 from ..libraries import load_shapely
+from .arrays import FloatArray
+from .distance import point_edge
+from .mesh import Mesh
+from .precision import INPUT_ROUND_OFF, ROUND_OFF
+from .predicates import winding_number
+from .vectors import cross, norm
 
 OVERLAID_AT_ONCE = 8
 """Meshes: n that all overlap cross each other in n² places, but the unions of a few in about as many as they have

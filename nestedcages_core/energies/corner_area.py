@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...decimation.line_cycles.chain import Chain
-from ...energies.base import Blocks, CageEnergy
-from ...geometry.arrays import FloatArray, IntArray
-from ...geometry.mesh import Mesh
-from ...geometry.precision import NEGLIGIBLE
-from ...geometry.vectors import cross, norm, rotated_right
+from ..decimation.line_cycles.chain import Chain
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.mesh import Mesh
+from ..geometry.precision import NEGLIGIBLE
+from ..geometry.vectors import cross, norm, rotated_right
+from .base import Blocks, CageEnergy
 
 
 class Corners(NamedTuple):

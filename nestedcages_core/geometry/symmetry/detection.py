@@ -7,13 +7,13 @@ from math import cos, pi, sin
 
 import numpy as np
 
-from ...geometry.arrays import FloatArray
-from ...geometry.group import HAND_DRAWN, Symmetry, rounded
-from ...geometry.mesh import Mesh
-from ...geometry.precision import MOST_ROUNDS, ROUND_OFF
-from ...geometry.signed_distance import EdgeSearch
 from ...parameters import check_positive
-from .symmetry import Mirror, Rotation
+from ..arrays import FloatArray
+from ..group import HAND_DRAWN, Symmetry, rounded
+from ..mesh import Mesh
+from ..precision import MOST_ROUNDS, ROUND_OFF
+from ..signed_distance import EdgeSearch
+from .maps import Mirror, Rotation
 
 SAMPLES = 400
 """Minimum number of points along the outline whose images are compared with it."""

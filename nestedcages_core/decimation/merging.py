@@ -8,15 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from ..decimation import Count, Decimation, LineCycles, Start
-from ..decimation.budget import LEAST_PER_LOOP
 from ..errors import Fault, InvalidMeshError, NestedCagesError, NestingError, note
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE
+from ..geometry.solids import mesh_of
 from ..libraries import load_shapely
 from ..parameters import check_limit, check_part
 from ..tasks import Stage, drain
-from .solids import mesh_of
+from .base import Count, Decimation, Start
+from .budget import LEAST_PER_LOOP
+from .line_cycles import LineCycles
 
 PARTS = (0.0, 0.5, 1.0)
 """Parts of the distance that gaps are closed over, where bridges alone do not suffice: none is best for all shapes."""

@@ -9,10 +9,10 @@ from math import cos, hypot, isfinite, pi, sin
 import numpy as np
 
 from ...errors import invalid_setting
-from ...geometry.arrays import FloatArray
-from ...geometry.group import Symmetry, rounded
-from ...geometry.mesh import Mesh
 from ...parameters import check_count
+from ..arrays import FloatArray
+from ..group import Symmetry, rounded
+from ..mesh import Mesh
 
 SETTLING_STEPS = 4
 """Maximum number of double images until a point is its own."""

@@ -1,4 +1,4 @@
-"""Energies of priorities: the weighted excess, and springs at pins."""
+"""The weighted excess, and springs at pins."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...energies.base import Blocks, CageEnergy
-from ...geometry.arrays import FloatArray, IntArray
-from ...geometry.mesh import Mesh
-from ...geometry.signed_distance import EdgeSearch
-from ...geometry.vectors import cross, rotated_left, rotated_right
-from ...level.plan import EDGE_SAMPLES
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.mesh import Mesh
+from ..geometry.signed_distance import EdgeSearch
+from ..geometry.vectors import cross, rotated_left, rotated_right
+from .base import Blocks, CageEnergy
+
+EDGE_SAMPLES = (np.arange(8) + 0.5) / 8
+"""Places along an edge, as fractions of it, whose weights are averaged."""
 
 MAX_BACKWARDS = 0.2
 """Fraction of a loop up to which the closest points of an edge's ends may be in reverse order."""
