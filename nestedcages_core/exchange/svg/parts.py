@@ -36,6 +36,8 @@ class SvgPart:
     stroke_colour: Colour
     stroke_width: float
     """Before transforms; 0 without a stroke."""
+    identity: str = ""
+    """Its own label or id; empty if it has none."""
 
 
 def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], tuple[str, ...]]:
@@ -75,6 +77,7 @@ def _svg_part(shape: Shape, number: int, fill: Mesh | None, stroke: Mesh | None)
         stroke,
         shape.stroke_paint.rgba if shape.stroke_paint else (0.0, 0.0, 0.0, 0.0),
         shape.stroke.width if shape.stroke and shape.stroke_paint else 0.0,
+        shape.id,
     )
 
 

@@ -1,0 +1,34 @@
+"""The parts of a layered SVG as parts of a puppet."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..geometry.mesh import Mesh
+from ..libraries import load_shapely
+from ..puppet import PuppetPart
+from .fill import united
+from .svg.parts import SvgPart, svg_parts
+
+NEEDED_FOR = "Parts with fills and strokes"
+
+
+def puppet_parts(text: str | bytes, **options: Any) -> tuple[tuple[PuppetPart, ...], tuple[str, ...]]:
+    """Each shape of a document with all that it paints, the lowest first, y pointing up, and notes on omissions.
+
+    options: fields of `SvgOptions`. Raises NestedCagesError as `from_svg`.
+    """
+    parts, notes = svg_parts(text, **options)
+    return tuple(PuppetPart(part.name, _outline(part), part.groups, part.identity) for part in parts), notes
+
+
+def _outline(part: SvgPart) -> Mesh:
+    """Fill and stroke as one, turned over."""
+    paints = [paint for paint in (part.fill, part.stroke) if paint is not None]
+    if len(paints) > 1:
+        shapely = load_shapely(NEEDED_FOR)
+        solids = [shapely.geometry.shape(paint.__geo_interface__) for paint in paints]
+        whole = united(shapely, [shapely.union_all(solids)])
+    else:
+        whole = paints[0]
+    return Mesh.from_loops([ring * (1.0, -1.0) for ring in whole.rings])

@@ -1,0 +1,244 @@
+"""The tree of the parts: which part hangs on which, from overlaps, stacking order, round pins and groups."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..errors import NestedCagesError, invalid_setting
+from ..libraries import load_shapely
+from .links import Choice, Hold, Link
+from .parts import NEEDED_FOR, PuppetPart
+from .scores import CONTAINED, Scores
+from .twins import hangs_on, with_twins
+
+DETAIL = 0.35
+"""A part that lies in another one is a detail of it up to this part of its area."""
+
+CARRIED, SPECK = 0.25, 0.03
+"""A part that carries another one of at least this part of its own area is no detail, unless it is as small as a speck,
+in areas of the part that it lies in."""
+
+LIMB, SLENDER, TIP = 0.25, 1.6, 0.35
+"""A part that lies in another one hangs on a limb beside it instead, such as a hand on a sleeve over the body: for at
+least this score, on a part this slender, and this near its end, in lengths of that part."""
+
+PER_LEVEL = 0.9
+"""Factor for each level down from the root: of two parents, the one nearer the root."""
+
+SMALL, THIN, CLINGS = 0.12, 0.12, 0.5
+"""What rides rather than turns: leaves of less than this part of their parent's area; lines thinner than this, in radii
+of the parent; leaves with more than this part of their area on the parent."""
+
+
+def links_of(parts: Sequence[PuppetPart], choices: Mapping[str, Choice] | None = None) -> tuple[Link, ...]:
+    """The link of every part, in the order of the parts, which is the stacking order, the lowest first.
+
+    choices: by name of the part. Raises NestedCagesError for choices that name no part or that make a circle.
+    """
+    return _Tree(parts, dict(choices or {})).links()
+
+
+class _Tree:
+    def __init__(self, parts: Sequence[PuppetPart], choices: dict[str, Choice]) -> None:
+        self.parts = parts
+        self.scores = Scores(parts)
+        number = {part.name: k for k, part in enumerate(parts)}
+        wrong = [name for name in choices if name not in number]
+        wrong += [choice.parent for choice in choices.values() if choice.parent and choice.parent not in number]
+        if wrong:
+            raise invalid_setting(f"There is no part {wrong[0]!r}; there are {', '.join(number)}.")
+        self.choices = {number[name]: choice for name, choice in choices.items()}
+        self.chosen = {k: number[choice.parent] for k, choice in self.choices.items() if choice.parent}
+        self._check_circles()
+
+    def _check_circles(self) -> None:
+        for start in self.chosen:
+            seen, here = {start}, start
+            while here in self.chosen:
+                here = self.chosen[here]
+                if here in seen:
+                    raise invalid_setting(f"{self.parts[start].name!r} would hang on itself; choose another parent.")
+                seen.add(here)
+
+    def links(self) -> tuple[Link, ...]:
+        """Details first, then limbs from the root outwards, then who rides."""
+        found = self._details()
+        limbs = [part for part in range(len(self.parts)) if part not in found]
+        depth = self._limbs(limbs, found)
+        with_twins(self.scores, found, set(self.choices))
+        for part in sorted(limbs, key=lambda part: depth[part]):
+            found[part] = self._held(part, found)
+        for (part, other), pin in self.scores.pins.items():
+            if found[part].parent == other and found[part].hold is Hold.JOINT:
+                found[part] = replace(found[part], joint=_place(self.parts[pin].disc[0]))
+                if pin not in self.chosen:
+                    found[pin] = replace(found[pin], parent=part)
+        for part, choice in self.choices.items():
+            if choice.joint is not None:
+                found[part] = replace(found[part], joint=choice.joint)
+        return tuple(found[part] for part in range(len(self.parts)))
+
+    # ---- details
+
+    def _details(self) -> dict[int, Link]:
+        """Parts within others, which ride on what is painted just below them."""
+        scores, areas = self.scores, self.scores.areas
+        best = [self._likely(part) for part in range(len(self.parts))]
+        found: dict[int, Link] = {}
+        for part in range(len(self.parts)):
+            choice = self.choices.get(part, Choice())
+            if choice.parent == "" or choice.hold is Hold.JOINT:
+                continue
+            inside = [
+                p
+                for p in scores.near(part)
+                if areas[part] < DETAIL * areas[p] and scores.share(part, p) >= CONTAINED
+            ]
+            carries = any(
+                best[other] == part
+                and areas[other] > CARRIED * areas[part]
+                and scores.share(other, part) < CONTAINED
+                for other in scores.near(part)
+            )
+            is_detail = inside and not self._hangs_beside(part, best[part])
+            is_detail = is_detail and (not carries or min(areas[part] / areas[p] for p in inside) < SPECK)
+            if choice.hold is Hold.RIDES or is_detail:
+                below = [p for p in inside if p < part]
+                host = self.chosen.get(part, max(below) if below else min(inside, default=best[part]))
+                if host is not None:
+                    found[part] = self._link(part, host, Hold.RIDES, 1.0)
+        return found
+
+    def _likely(self, part: int) -> int | None:
+        """The parent that scores best, among those that are not much smaller."""
+        if part in self.chosen:
+            return self.chosen[part]
+        areas = self.scores.areas
+        able = [p for p in self.scores.near(part) if areas[p] > 0.2 * areas[part]]
+        return max(able, key=lambda p: self.scores.of(part, p), default=None)
+
+    def _hangs_beside(self, part: int, parent: int | None) -> bool:
+        """Whether a part over or under others hangs at the end of a slender part that lies over or under them too."""
+        if parent is None or self.scores.share(part, parent) >= CONTAINED:
+            return False
+        holding = [p for p in self.scores.near(part) if self.scores.share(part, p) >= CONTAINED and p != parent]
+        if any((p < part) != (p < parent) for p in holding):
+            return False
+        limb = self.parts[parent]
+        low, high = self.scores.meetings[part, parent].span(limb)
+        middle = 0.5 * (low + high)
+        at_tip = min(middle, 1.0 - middle) < TIP
+        return at_tip and limb.slenderness >= SLENDER and self.scores.of(part, parent) >= LIMB
+
+    # ---- limbs
+
+    def _limbs(self, limbs: list[int], found: dict[int, Link]) -> dict[int, int]:
+        """Links of the limbs by Prim's method, the best joint first; the depth of each."""
+        scores = self.scores
+        root = self._root(limbs)
+        found[root] = Link(Hold.ROOT, None, _place(self.parts[root].disc[0]), float(self.scores.radii[root]))
+        depth = {root: 0}
+        host = {part: self._host(part, found) for part in range(len(self.parts)) if part not in limbs}
+        while len(depth) < len(limbs):
+            waiting = [part for part in limbs if part not in depth]
+            candidates = [
+                (scores.of(part, p) * PER_LEVEL ** depth[p], -part, -p)
+                for part in waiting
+                if part not in self.chosen
+                for p in scores.near(part)
+                if p in depth
+            ]
+            ready = [part for part in waiting if host.get(self.chosen.get(part, -1), self.chosen.get(part)) in depth]
+            best, part, parent = max(candidates, default=(0.0, 0, 0))
+            if ready:
+                part, parent = ready[0], self.chosen[ready[0]]
+            elif best > 0.0:
+                part, parent = -part, -parent
+            else:
+                part, parent = self._nearest([part for part in waiting if part not in self.chosen], list(depth))
+            found[part] = self._link(part, parent, Hold.JOINT, scores.of(part, parent))
+            depth[part] = depth[host.get(parent, parent)] + 1
+        for part in limbs:
+            found[part] = replace(found[part], margin=self._margin(part, found))
+        return depth
+
+    def _root(self, limbs: list[int]) -> int:
+        """The chosen root, else the largest part, by its area times the limbs that it meets."""
+        roots = [part for part, choice in self.choices.items() if choice.parent == ""]
+        if len(roots) > 1:
+            names = " and ".join(repr(self.parts[part].name) for part in roots)
+            raise invalid_setting(f"{names} can't both be the root; choose one.")
+        free = [part for part in limbs if part not in self.chosen]
+        if not roots and not free:
+            raise invalid_setting("Every part has a chosen parent; leave one of them without, as the root.")
+        among = set(limbs)
+        return roots[0] if roots else max(
+            free, key=lambda part: self.scores.areas[part] * (1 + sum(p in among for p in self.scores.near(part)))
+        )
+
+    def _host(self, part: int, found: dict[int, Link]) -> int:
+        """The limb that a detail lies on, through other details."""
+        seen = {part}
+        while part in found and found[part].parent is not None:
+            part = found[part].parent  # type: ignore[assignment]
+            if part in seen:
+                raise NestedCagesError("Details lie on each other in a circle; choose the parent of one of them.")
+            seen.add(part)
+        return part
+
+    def _nearest(self, waiting: list[int], placed: list[int]) -> tuple[int, int]:
+        """The part nearest to those that are placed, and to which."""
+        shapely = load_shapely(NEEDED_FOR)
+        return min(
+            ((part, p) for part in waiting for p in placed),
+            key=lambda pair: float(shapely.distance(self.parts[pair[0]].solid, self.parts[pair[1]].solid)),
+        )
+
+    def _margin(self, part: int, found: Mapping[int, Link]) -> float:
+        """How much lower the next limb scores that does not hang on this one itself."""
+        parent = found[part].parent
+        best = 1.0 if parent is None else self.scores.of(part, parent)
+        others = [
+            self.scores.of(part, p)
+            for p in self.scores.near(part)
+            if p != parent and found[p].hold is not Hold.RIDES and not hangs_on(found, p, part)
+        ]
+        return 1.0 - min(1.0, max(others, default=0.0) / best) if best > 0.0 else 0.0
+
+    def _link(self, part: int, parent: int, hold: Hold, score: float) -> Link:
+        met = self.scores.meetings.get(part, parent)
+        is_chosen = part in self.chosen
+        if met is None:
+            shapely = load_shapely(NEEDED_FOR)
+            line = shapely.shortest_line(self.parts[part].solid, self.parts[parent].solid)
+            middle = shapely.get_coordinates(line).mean(axis=0)
+            return Link(hold, parent, _place(middle), 0.0, np.inf, score, 1.0, is_chosen)
+        middle, radius = met.disc
+        return Link(hold, parent, _place(middle), radius if met.area else 0.0, met.gap, score, 1.0, is_chosen)
+
+    # ---- who rides
+
+    def _held(self, part: int, found: Mapping[int, Link]) -> Link:
+        """The link of a limb, riding where it is a line, a small leaf, or a leaf that clings to its parent."""
+        link, scores = found[part], self.scores
+        if link.hold is not Hold.JOINT or link.parent is None:
+            return link
+        wanted = self.choices.get(part, Choice()).hold
+        if wanted is not None:
+            return replace(link, hold=wanted)
+        base = link.parent
+        while found[base].hold is Hold.RIDES:
+            base = found[base].parent  # type: ignore[assignment]
+        is_leaf = not any(other.parent == part and other.hold is not Hold.RIDES for other in found.values())
+        is_line = scores.radii[part] < THIN * scores.radii[base]
+        is_small = scores.areas[part] < SMALL * scores.areas[base]
+        if is_line or (is_leaf and (is_small or scores.share(part, link.parent) > CLINGS)):
+            return replace(link, hold=Hold.RIDES)
+        return link
+
+
+def _place(point: np.ndarray) -> tuple[float, float]:
+    return float(point[0]), float(point[1])

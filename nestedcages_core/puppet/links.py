@@ -1,0 +1,74 @@
+"""How a part hangs on another one, and what a user has chosen about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from ..errors import invalid_setting
+
+DOUBTFUL_MARGIN = 0.15
+"""A link is marked as doubtful if another parent scores nearly as well: less than this part below the best."""
+
+DOUBTFUL_SCORE = 0.15
+"""A link is marked as doubtful too if its own score is below this."""
+
+
+class Hold(Enum):
+    """What holds a part."""
+
+    ROOT = "root"
+    """Nothing: the others hang on it."""
+    JOINT = "joint"
+    """It turns around a joint on its parent."""
+    RIDES = "rides"
+    """It moves with what it lies on."""
+
+
+@dataclass(frozen=True)
+class Link:
+    """How a part hangs on its parent."""
+
+    hold: Hold
+    parent: int | None
+    """Number of the part that carries this one; None for the root."""
+    joint: tuple[float, float]
+    """Where it turns; for a rider, the middle of what it shares with its parent."""
+    radius: float = 0.0
+    """Of the largest disc in both parts around the joint; 0 where they do not overlap."""
+    gap: float = 0.0
+    """Distance to the parent in the drawing; infinite where the part touches nothing near and was hung on the nearest
+    one."""
+    score: float = 1.0
+    """How well it fits, from 0."""
+    margin: float = 1.0
+    """How much lower the next parent scores, as a fraction of this one's score."""
+    is_chosen: bool = False
+    """Whether a user chose the parent."""
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether a user should look at it."""
+        if self.is_chosen or self.parent is None:
+            return False
+        return self.gap == float("inf") or self.margin < DOUBTFUL_MARGIN or self.score < DOUBTFUL_SCORE
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What a user decides about a part; None leaves it to the draft."""
+
+    parent: str | None = None
+    """Name of the part to hang on; an empty text makes it the root."""
+    joint: tuple[float, float] | None = None
+    """Where it turns."""
+    hold: Hold | None = None
+    """Whether it turns or rides."""
+    bones: int | None = None
+    """Number of bones along the part: it bends if there are two or more."""
+
+    def __post_init__(self) -> None:
+        if self.bones is not None and self.bones < 1:
+            raise invalid_setting(f"A part has at least one bone, not {self.bones}.")
+        if self.parent == "" and self.hold not in (None, Hold.ROOT):
+            raise invalid_setting("A root hangs on nothing; leave its hold to the draft.")

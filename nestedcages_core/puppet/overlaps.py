@@ -1,0 +1,88 @@
+"""How two parts meet: what they share, the largest disc in it, and where along each of them it lies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..geometry.arrays import FloatArray
+from ..libraries import load_shapely
+from .parts import NEEDED_FOR, PuppetPart, largest_disc
+
+NEAR = 0.2
+"""Parts this far apart may still hang together, in radii of the smaller one: drawn apart by a stroke, or cut out."""
+
+WIDENED = 0.25
+"""Parts that do not overlap are widened by this much of that distance, beyond half the gap between them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Meeting:
+    """Two parts that overlap, touch, or nearly do."""
+
+    shared: Any
+    """Their overlap; where they only touch or are apart, that of the parts widened until they overlap."""
+    area: float
+    """Of the overlap as drawn, 0 where they are apart."""
+    gap: float
+    """Distance between the parts as drawn."""
+
+    @cached_property
+    def disc(self) -> tuple[FloatArray, float]:
+        """Centre (2,) and radius of the largest disc in what they share."""
+        return largest_disc(self.shared)
+
+    @cached_property
+    def length(self) -> float:
+        """Longer side of the smallest rectangle around what they share."""
+        shapely = load_shapely(NEEDED_FOR)
+        corners = shapely.get_coordinates(shapely.oriented_envelope(self.shared))
+        return float(np.hypot(*np.diff(corners, axis=0).T).max(initial=0.0))
+
+    def span(self, part: PuppetPart) -> tuple[float, float]:
+        """From where to where it lies along a part, 0 and 1 at the part's ends."""
+        places = part.along(load_shapely(NEEDED_FOR).get_coordinates(self.shared))
+        return float(places.min()), float(places.max())
+
+
+class Meetings:
+    """The meetings of all pairs of some parts."""
+
+    def __init__(self, parts: Sequence[PuppetPart]) -> None:
+        shapely = load_shapely(NEEDED_FOR)
+        solids = [part.solid for part in parts]
+        radii = np.array([part.disc[1] for part in parts])
+        tree = shapely.STRtree(solids)
+        self._of: dict[tuple[int, int], Meeting] = {}
+        self.near: list[list[int]] = [[] for _ in parts]
+        """Numbers of the parts that each one meets."""
+        for i, j in tree.query(solids, predicate="dwithin", distance=NEAR * radii).T.tolist():
+            if i < j or (i > j and (j, i) not in self._of):
+                i, j = min(i, j), max(i, j)
+                reach = NEAR * min(radii[i], radii[j])
+                gap = float(shapely.distance(solids[i], solids[j]))
+                if gap <= reach and (i, j) not in self._of:
+                    self._of[i, j] = _meeting(solids[i], solids[j], gap, reach)
+                    self.near[i].append(j)
+                    self.near[j].append(i)
+
+    def __getitem__(self, pair: tuple[int, int]) -> Meeting:
+        return self._of[min(pair), max(pair)]
+
+    def get(self, i: int, j: int) -> Meeting | None:
+        """The meeting of two parts, None if they are farther apart."""
+        return self._of.get((min(i, j), max(i, j)))
+
+
+def _meeting(one: Any, other: Any, gap: float, reach: float) -> Meeting:
+    shapely = load_shapely(NEEDED_FOR)
+    shared = shapely.intersection(one, other)
+    area = float(shared.area)
+    if area > 0.0:
+        return Meeting(shared, area, 0.0)
+    wide = 0.5 * gap + WIDENED * reach
+    return Meeting(shapely.intersection(one.buffer(wide), other.buffer(wide)), 0.0, gap)
