@@ -94,6 +94,7 @@ if TYPE_CHECKING:
     from .exchange import frames_to_engine_json as frames_to_engine_json
     from .exchange import from_engine_json as from_engine_json
     from .exchange import is_engine_json as is_engine_json
+    from .exchange import puppet_parts as puppet_parts
     from .exchange.pictures import alpha_channel as alpha_channel
     from .exchange.pictures import boundary_of_pixels as boundary_of_pixels
     from .exchange.pictures import collision_outline, read_png
@@ -126,6 +127,12 @@ if TYPE_CHECKING:
     from .published.gurditta_jacobson_2022 import SmallestDistance as SmallestDistance
     from .published.gurditta_jacobson_2022 import TimeOfImpact as TimeOfImpact
     from .published.gurditta_jacobson_2022 import UniformGrid as UniformGrid
+    from .puppet import PartChoice as PartChoice
+    from .puppet import Puppet as Puppet
+    from .puppet import PuppetDraft as PuppetDraft
+    from .puppet import PuppetPart as PuppetPart
+    from .puppet import draft_puppet as draft_puppet
+    from .puppet import puppet_of as puppet_of
     from .solver.newton import ProjectedNewton as ProjectedNewton
 
 __version__ = "1.0.0"
@@ -198,11 +205,12 @@ _LATER = {
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
         "Cut Feature cut_at_borders character_to_engine_json features_from_geojson frames_to_engine_json "
-        "from_engine_json from_geojson from_svg is_engine_json read_geojson read_svg swept to_engine_json to_geojson "
-        "to_svg write_engine_json write_geojson write_svg"
+        "from_engine_json from_geojson from_svg is_engine_json puppet_parts read_geojson read_svg swept to_engine_json "
+        "to_geojson to_svg write_engine_json write_geojson write_svg"
     ),
     "exchange.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
     "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",
+    "puppet": "PartChoice Puppet PuppetDraft PuppetPart draft_puppet puppet_of",
     "published.gurditta_jacobson_2022": (
         "AUGMENTED_2022 AUGMENTED_2022_REPAIRED AllPairs EvenSamples GaussLegendre GradientDescent Midpoint NoFilter "
         "PaperContact PaperFlow QuadraticFallOff RandomSamples Repairs SignedDistanceFlow SmallestDistance "

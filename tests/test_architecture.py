@@ -22,7 +22,7 @@ CORE = "nestedcages_core"
 ROOMS = """
 checker_distance checker errors libraries tasks cache parameters lapack geometry decimation flow energies solver
 constraints contact tightening verification level needs tolerance hierarchy motion published coordinates character
-exchange batch command __main__ __init__
+puppet exchange batch command __main__ __init__
 """
 
 # The rooms of the add-on, in the same sense. `core` is its door to the core.

@@ -2,13 +2,27 @@
 
 - `Bone`, `suggest_bones`: a skeleton along the limbs, to be edited or taken.
 - `with_joints`: a cage with vertices where limbs bend.
-- `bone_weights`: how much each bone moves each vertex of a cage; `skinned`: the vertices under a pose of the bones.
+- `bone_weights`: how much each bone moves each vertex of a cage; `skinned`: the vertices under a pose of the bones,
+  blended with `PreserveVolume` or `Linear`.
 - `Character`: a drawing with its cage, bones and all weights, for game engines; `Pose`: a frame of its animation.
 """
 
 from .bones import Bone, with_joints
 from .character import Character, Pose
 from .skeleton import Skeleton, suggest_bones
+from .skins import Linear, PreserveVolume, Skin
 from .weights import bone_weights, skinned
 
-__all__ = ["Bone", "Character", "Pose", "Skeleton", "bone_weights", "skinned", "suggest_bones", "with_joints"]
+__all__ = [
+    "Bone",
+    "Character",
+    "Linear",
+    "Pose",
+    "PreserveVolume",
+    "Skeleton",
+    "Skin",
+    "bone_weights",
+    "skinned",
+    "suggest_bones",
+    "with_joints",
+]

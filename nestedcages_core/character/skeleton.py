@@ -155,7 +155,7 @@ def _bones_of(axis: MedialAxis, chains: list[_Chain], chosen: Skeleton, first: i
     begun = first
     for k in [trunk, *(k for k in range(len(chains)) if k != trunk)]:
         chain = chains[k]
-        path = _trimmed(axis, chain.path) if chain.is_limb else chain.path
+        path = trimmed(axis, chain.path) if chain.is_limb else chain.path
         if k != trunk:
             path = _outside_fork(axis, path)
         parent = None if k == trunk else begun if chain.parent is None else last[chain.parent]
@@ -180,11 +180,11 @@ def _direction(points: FloatArray) -> FloatArray:
     return along / (np.hypot(*along) or 1.0)
 
 
-def _trimmed(axis: MedialAxis, path: list[int]) -> list[int]:
+def trimmed(axis: MedialAxis, path: list[int]) -> list[int]:
     """A limb without its last turn into a corner of the tip."""
     points, radii = axis.points[path], axis.radii[path]
     least = THIN * float(np.median(radii))
-    along = _along(points)
+    along = along_path(points)
     end = len(path)
     while end > 2 and radii[end - 1] < least < np.hypot(*(points[end - 1] - points[0])):
         before = int(np.searchsorted(along, along[end - 1] - 0.5 * least))
@@ -194,7 +194,7 @@ def _trimmed(axis: MedialAxis, path: list[int]) -> list[int]:
     return path[:end]
 
 
-def _along(points: FloatArray) -> FloatArray:
+def along_path(points: FloatArray) -> FloatArray:
     """(N,) distance of each point of a path from the first."""
     steps = np.diff(points, axis=0)
     return np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))))
@@ -222,7 +222,7 @@ def _joints(axis: MedialAxis, path: list[int], chosen: Skeleton) -> list[int]:
         if off[k - i] > chosen.bends and i < k < j:
             kept.add(k)
             waiting += [(i, k), (k, j)]
-    along = _along(points)
+    along = along_path(points)
     for i, j in pairwise(sorted(kept)):
         pieces = int((along[j] - along[i]) / (chosen.long * np.median(radii[i : j + 1]))) + 1
         wanted = along[i] + (along[j] - along[i]) * np.arange(1, pieces) / pieces
@@ -248,7 +248,7 @@ class MedialAxis:
 
     def length(self, path: list[int]) -> float:
         """Length of a path."""
-        return float(_along(self.points[path])[-1])
+        return float(along_path(self.points[path])[-1])
 
 
 def medial_axis(mesh: Mesh) -> MedialAxis:

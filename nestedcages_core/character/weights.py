@@ -14,6 +14,7 @@ from ..geometry.triangulation import Sampling, Triangulation
 from ..geometry.triangulation.constrained import constrained_delaunay
 from ..geometry.triangulation.solid import sample
 from .bones import Bone, ends_of, radii_of
+from .skins import Motions, PreserveVolume, Skin
 
 SPACING, AT_CORNERS = 1.0 / 64.0, 0.5
 """Spacing of the triangles, in diagonals of the cage, and at its corners as a fraction of that."""
@@ -119,12 +120,23 @@ def _nearest_bone(point: FloatArray, ends: FloatArray) -> int:
     return int(np.argmin(np.hypot(away[:, 0], away[:, 1])))
 
 
-def skinned(points: FloatArray, weights: FloatArray, bones: Sequence[Bone], turned: Mapping[int, float]) -> FloatArray:
+def skinned(
+    points: FloatArray,
+    weights: FloatArray,
+    bones: Sequence[Bone],
+    turned: Mapping[int, float],
+    skin: Skin | None = None,
+) -> FloatArray:
     """(P, 2) points moved by bones that are turned around their heads.
 
     points: (P, 2) at rest; weights: (P, B), rows of sum 1; turned: degrees, counter-clockwise, by number of the bone,
-    relative to its parent. As Blender's Armature modifier with *Preserve Volume* (dual quaternions, Kavan et al. 2007).
+    relative to its parent. By default as Blender's Armature modifier with *Preserve Volume*.
     """
+    return (skin or PreserveVolume()).moved(points, weights, motions_of(bones, turned))
+
+
+def motions_of(bones: Sequence[Bone], turned: Mapping[int, float]) -> Motions:
+    """Where bones are that are turned around their heads by degrees relative to their parents."""
     ends_of(bones)
     turns, shifts = np.ones(len(bones), dtype=np.complex128), np.zeros(len(bones), dtype=np.complex128)
     halves = np.zeros(len(bones))
@@ -136,12 +148,4 @@ def skinned(points: FloatArray, weights: FloatArray, bones: Sequence[Bone], turn
             above = turns[bone.parent]
             turn, shift, half = above * own, above * shift + shifts[bone.parent], half + halves[bone.parent]
         turns[number], shifts[number], halves[number] = turn, shift, half
-    real = np.exp(1j * halves)
-    dual = 0.5 * shifts * np.conj(real)
-    strongest = real[weights.argmax(axis=1)]
-    signs = np.where(np.real(real[None] * np.conj(strongest)[:, None]) < 0.0, -1.0, 1.0)
-    blended, moved = (weights * signs) @ real, (weights * signs) @ dual
-    size = np.abs(blended)
-    blended, moved = blended / size, moved / size
-    z = blended**2 * (points[:, 0] + 1j * points[:, 1]) + 2.0 * moved * blended
-    return np.stack((z.real, z.imag), axis=1)
+    return Motions(turns, shifts, halves)

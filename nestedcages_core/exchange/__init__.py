@@ -23,6 +23,7 @@ from .geojson import (
 )
 from .limits import Limits
 from .neighbours import Cut, cut_at_borders
+from .puppet_parts import puppet_parts
 from .svg.document import Frame
 from .svg.levels import levels_in_svg
 from .svg.options import DRAWING_LIMITS, SvgOptions
@@ -55,6 +56,7 @@ __all__ = [
     "joined",
     "levels_in_svg",
     "outlines_from_engine_json",
+    "puppet_parts",
     "read_geojson",
     "read_map",
     "read_svg",

@@ -1,3 +1,28 @@
-from .graph import links_of
-from .links import Choice, Hold, Link
-from .parts import PuppetPart, with_unique_names
+"""Puppets: layered drawings whose parts hang together by joints and move by themselves.
+
+- `PuppetPart`: a painted solid of the drawing; `draft_puppet`: which part hangs on which, with bones.
+- `PuppetDraft`: parts, links and bones; `PartChoice`: what a user decides about a part instead.
+- `puppet_of`: the draft's `Puppet`: a `BendField` for each part that bends, weights, and a `JointRange` for each bone.
+"""
+
+from .draft import PuppetDraft, draft_puppet
+from .fields import BendField
+from .links import Hold, Link, PartChoice
+from .parts import PuppetPart
+from .puppet import Puppet, puppet_of
+from .ranges import JointRange
+from .sides import Side
+
+__all__ = [
+    "BendField",
+    "Hold",
+    "JointRange",
+    "Link",
+    "PartChoice",
+    "Puppet",
+    "PuppetDraft",
+    "PuppetPart",
+    "Side",
+    "draft_puppet",
+    "puppet_of",
+]

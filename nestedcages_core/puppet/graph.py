@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import NestedCagesError, invalid_setting
+from ..geometry.arrays import FloatArray
 from ..libraries import load_shapely
-from .links import Choice, Hold, Link
+from .links import Hold, Link, PartChoice
 from .parts import NEEDED_FOR, PuppetPart
 from .scores import CONTAINED, Scores
 from .twins import hangs_on, with_twins
@@ -22,7 +23,7 @@ CARRIED, SPECK = 0.25, 0.03
 in areas of the part that it lies in."""
 
 LIMB, SLENDER, TIP = 0.25, 1.6, 0.35
-"""A part that lies in another one hangs on a limb beside it instead, such as a hand on a sleeve over the body: for at
+"""A part that lies in another one hangs on a limb next to it instead, such as a hand on a sleeve over the body: for at
 least this score, on a part this slender, and this near its end, in lengths of that part."""
 
 PER_LEVEL = 0.9
@@ -33,7 +34,7 @@ SMALL, THIN, CLINGS = 0.12, 0.12, 0.5
 of the parent; leaves with more than this part of their area on the parent."""
 
 
-def links_of(parts: Sequence[PuppetPart], choices: Mapping[str, Choice] | None = None) -> tuple[Link, ...]:
+def links_of(parts: Sequence[PuppetPart], choices: Mapping[str, PartChoice] | None = None) -> tuple[Link, ...]:
     """The link of every part, in the order of the parts, which is the stacking order, the lowest first.
 
     choices: by name of the part. Raises NestedCagesError for choices that name no part or that make a circle.
@@ -42,7 +43,7 @@ def links_of(parts: Sequence[PuppetPart], choices: Mapping[str, Choice] | None =
 
 
 class _Tree:
-    def __init__(self, parts: Sequence[PuppetPart], choices: dict[str, Choice]) -> None:
+    def __init__(self, parts: Sequence[PuppetPart], choices: dict[str, PartChoice]) -> None:
         self.parts = parts
         self.scores = Scores(parts)
         number = {part.name: k for k, part in enumerate(parts)}
@@ -73,7 +74,7 @@ class _Tree:
             found[part] = self._held(part, found)
         for (part, other), pin in self.scores.pins.items():
             if found[part].parent == other and found[part].hold is Hold.JOINT:
-                found[part] = replace(found[part], joint=_place(self.parts[pin].disc[0]))
+                found[part] = replace(found[part], joint=_as_place(self.parts[pin].disc[0]))
                 if pin not in self.chosen:
                     found[pin] = replace(found[pin], parent=part)
         for part, choice in self.choices.items():
@@ -89,18 +90,14 @@ class _Tree:
         best = [self._likely(part) for part in range(len(self.parts))]
         found: dict[int, Link] = {}
         for part in range(len(self.parts)):
-            choice = self.choices.get(part, Choice())
+            choice = self.choices.get(part, PartChoice())
             if choice.parent == "" or choice.hold is Hold.JOINT:
                 continue
             inside = [
-                p
-                for p in scores.near(part)
-                if areas[part] < DETAIL * areas[p] and scores.share(part, p) >= CONTAINED
+                p for p in scores.near(part) if areas[part] < DETAIL * areas[p] and scores.share(part, p) >= CONTAINED
             ]
             carries = any(
-                best[other] == part
-                and areas[other] > CARRIED * areas[part]
-                and scores.share(other, part) < CONTAINED
+                best[other] == part and areas[other] > CARRIED * areas[part] and scores.share(other, part) < CONTAINED
                 for other in scores.near(part)
             )
             is_detail = inside and not self._hangs_beside(part, best[part])
@@ -139,7 +136,7 @@ class _Tree:
         """Links of the limbs by Prim's method, the best joint first; the depth of each."""
         scores = self.scores
         root = self._root(limbs)
-        found[root] = Link(Hold.ROOT, None, _place(self.parts[root].disc[0]), float(self.scores.radii[root]))
+        found[root] = Link(Hold.ROOT, None, _as_place(self.parts[root].disc[0]), float(self.scores.radii[root]))
         depth = {root: 0}
         host = {part: self._host(part, found) for part in range(len(self.parts)) if part not in limbs}
         while len(depth) < len(limbs):
@@ -175,8 +172,12 @@ class _Tree:
         if not roots and not free:
             raise invalid_setting("Every part has a chosen parent; leave one of them without, as the root.")
         among = set(limbs)
-        return roots[0] if roots else max(
-            free, key=lambda part: self.scores.areas[part] * (1 + sum(p in among for p in self.scores.near(part)))
+        return (
+            roots[0]
+            if roots
+            else max(
+                free, key=lambda part: self.scores.areas[part] * (1 + sum(p in among for p in self.scores.near(part)))
+            )
         )
 
     def _host(self, part: int, found: dict[int, Link]) -> int:
@@ -215,9 +216,9 @@ class _Tree:
             shapely = load_shapely(NEEDED_FOR)
             line = shapely.shortest_line(self.parts[part].solid, self.parts[parent].solid)
             middle = shapely.get_coordinates(line).mean(axis=0)
-            return Link(hold, parent, _place(middle), 0.0, np.inf, score, 1.0, is_chosen)
+            return Link(hold, parent, _as_place(middle), 0.0, np.inf, score, 1.0, is_chosen)
         middle, radius = met.disc
-        return Link(hold, parent, _place(middle), radius if met.area else 0.0, met.gap, score, 1.0, is_chosen)
+        return Link(hold, parent, _as_place(middle), radius if met.area else 0.0, met.gap, score, 1.0, is_chosen)
 
     # ---- who rides
 
@@ -226,7 +227,7 @@ class _Tree:
         link, scores = found[part], self.scores
         if link.hold is not Hold.JOINT or link.parent is None:
             return link
-        wanted = self.choices.get(part, Choice()).hold
+        wanted = self.choices.get(part, PartChoice()).hold
         if wanted is not None:
             return replace(link, hold=wanted)
         base = link.parent
@@ -240,5 +241,5 @@ class _Tree:
         return link
 
 
-def _place(point: np.ndarray) -> tuple[float, float]:
+def _as_place(point: FloatArray) -> tuple[float, float]:
     return float(point[0]), float(point[1])

@@ -55,7 +55,7 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Choice:
+class PartChoice:
     """What a user decides about a part; None leaves it to the draft."""
 
     parent: str | None = None

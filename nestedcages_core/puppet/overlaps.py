@@ -66,7 +66,7 @@ class Meetings:
                 reach = NEAR * min(radii[i], radii[j])
                 gap = float(shapely.distance(solids[i], solids[j]))
                 if gap <= reach and (i, j) not in self._of:
-                    self._of[i, j] = _meeting(solids[i], solids[j], gap, reach)
+                    self._of[i, j] = _meeting_of(solids[i], solids[j], gap, reach)
                     self.near[i].append(j)
                     self.near[j].append(i)
 
@@ -78,7 +78,7 @@ class Meetings:
         return self._of.get((min(i, j), max(i, j)))
 
 
-def _meeting(one: Any, other: Any, gap: float, reach: float) -> Meeting:
+def _meeting_of(one: Any, other: Any, gap: float, reach: float) -> Meeting:
     shapely = load_shapely(NEEDED_FOR)
     shared = shapely.intersection(one, other)
     area = float(shared.area)

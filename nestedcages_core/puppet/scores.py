@@ -1,4 +1,4 @@
-"""How well one part hangs on another: a score from their overlap, the groups around them and pins that lie over both."""
+"""How well one part hangs on another: a score from their overlap, the groups around them and pins over both."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ROUND = 0.9
 """Least area of a round part, in those of its largest disc."""
 
 PIN_SIZE, PIN_SHARED, PIN_INSIDE = 0.15, 0.3, 0.95
-"""A pin: its most area, in those of each of the two parts under it; how much of it both share; how much lies in each."""
+"""A pin: its most area, in those of each of two parts under it; how much of it both share; how much lies in each."""
 
 AT_END, OFF_END = 0.12, 0.4
 """An overlap this near an end of the part, in lengths of the part, is a joint there; factor of one that is not."""
@@ -82,10 +82,7 @@ class Scores:
     def _score(self, child: int, parent: int) -> float:
         met, part = self.meetings[child, parent], self.parts[child]
         thinner = min(self.radii[child], max(self.radii[parent], CARRYING_RADIUS * self.radii[child]))
-        if met.area > 0.0:
-            width = met.disc[1] / thinner
-        else:
-            width = APART * 0.5 * met.length / thinner
+        width = (met.disc[1] if met.area > 0.0 else APART * 0.5 * met.length) / thinner
         size = min(1.0, self.areas[parent] / self.areas[child]) ** SIZE_POWER
         group = SAME_GROUP if self.same_group(child, parent) else 1.0
         pin = PINNED if (child, parent) in self.pins else 1.0

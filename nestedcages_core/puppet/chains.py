@@ -1,0 +1,144 @@
+"""Which parts bend, and the places of their joints along the middle."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import scipy
+
+from ..character.skeleton import MedialAxis, along_path, medial_axis, pruned, trimmed
+from ..errors import NestedCagesError
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..geometry.vectors import norm, rotated_left
+from .parts import PuppetPart
+
+LEAF_BENDS, CARRIER_BENDS = 4.4, 9.0
+"""A part bends if it is at least this long, in radii, from its joint to its tip; one that carries limbs is stiffer."""
+
+BONE_LENGTH, MOST_BONES = 4.0, 6
+"""Length of a bone in a part that bends, in radii: room for the blends around both of its joints; and the most bones
+that a draft gives a part."""
+
+PROTRUDES = 0.9
+"""Branches of the middle that reach less than this beyond their fork, in radii, are none."""
+
+TIP_REACH, TIP_POINTS = 0.8, 4
+"""How far the last bone goes on towards the tip, in radii there, and the points that tell its direction."""
+
+KNEE, KNEE_PLACE = 0.35, (0.4, 0.6)
+"""Two bones meet where the middle is farthest from straight, if that is this far, in radii, and within these parts of
+the length."""
+
+
+def chain_of(part: PuppetPart, joint: tuple[float, float] | None, *, carries: bool, bones: int | None) -> FloatArray:
+    """(K + 1, 2) the heads of K bones along a part, and the tip of the last one.
+
+    joint: where the part turns; None for a root, whose chain runs from tip to tip. carries: whether limbs hang on it.
+    bones: number of bones, if a user chose it.
+    """
+    path = _middle(part, joint)
+    if path is None:
+        return _straight(part, joint)
+    points, radius = path
+    along = along_path(points)
+    if bones is None:
+        bends = along[-1] >= (CARRIER_BENDS if carries else LEAF_BENDS) * radius
+        bones = int(np.clip(along[-1] / (BONE_LENGTH * radius), 2, MOST_BONES)) if bends else 1
+    if bones == 1:
+        return _straight(part, joint) if joint is None else points[[0, -1]]
+    places = np.linspace(0.0, along[-1], bones + 1)
+    if bones == 2:
+        places[1] = _knee(points, along, radius)
+    return np.stack([np.interp(places, along, points[:, axis]) for axis in (0, 1)], axis=1)
+
+
+def _knee(points: FloatArray, along: FloatArray, radius: float) -> float:
+    """Where along a path of two bones their joint is."""
+    across = rotated_left(points[-1] - points[0]) / norm(points[-1] - points[0])
+    off = np.abs((points - points[0]) @ across)
+    low, high = (part * along[-1] for part in KNEE_PLACE)
+    off = np.where((along >= low) & (along <= high), off, 0.0)
+    farthest = int(off.argmax())
+    return float(along[farthest] if off[farthest] > KNEE * radius else 0.5 * along[-1])
+
+
+def _straight(part: PuppetPart, joint: tuple[float, float] | None) -> FloatArray:
+    """One bone: from the joint to the farthest point, or along a root, upwards or to the right."""
+    if joint is not None:
+        start = np.array(joint)
+        away = part.outline.vertices - start
+        return np.stack((start, start + away[int(norm(away).argmax())]))
+    corners = part.box
+    ends = np.stack((0.5 * (corners[0] + corners[3]), 0.5 * (corners[1] + corners[2])))
+    along = ends[1] - ends[0]
+    if along[int(np.abs(along).argmax())] < 0.0:
+        ends = ends[::-1]
+    inset = min(0.5 * part.slenderness**-1.0, 0.4) * (ends[1] - ends[0])
+    return np.stack((ends[0] + inset, ends[1] - inset))
+
+
+def _middle(part: PuppetPart, joint: tuple[float, float] | None) -> tuple[FloatArray, float] | None:
+    """The path along the middle of the part's largest component, from the joint to the farthest tip, and its median
+    radius; None where the part is too round to have one."""
+    try:
+        axis = pruned(medial_axis(largest_component(part.outline)), PROTRUDES)
+    except (NestedCagesError, scipy.spatial.QhullError):
+        return None
+    if len(axis.links) < 2:
+        return None
+    nodes = np.array(list(axis.links))
+    if joint is None:
+        ends = _farthest(axis, nodes, _farthest(axis, nodes, int(nodes[0]))[-1])
+        ends = trimmed(axis, trimmed(axis, ends)[::-1])
+    else:
+        start = int(nodes[scipy.spatial.cKDTree(axis.points[nodes]).query(joint)[1]])
+        ends = trimmed(axis, _farthest(axis, nodes, start))
+    if len(ends) < TIP_POINTS:
+        return None
+    points, radii = axis.points[ends], axis.radii[ends]
+    points = np.concatenate((points, [_tip(points, radii)]))
+    if joint is not None:
+        ahead = norm(points - joint) > radii.min()
+        first = int(ahead.argmax()) if ahead.any() else 0
+        return np.concatenate((np.array([joint]), points[first:])), float(np.median(radii))
+    return np.concatenate(([_tip(points[-2::-1], radii[::-1])], points)), float(np.median(radii))
+
+
+def _tip(points: FloatArray, radii: FloatArray) -> FloatArray:
+    """(2,) the end of the last bone: a little beyond the middle's last point."""
+    ahead = points[len(radii) - 1] - points[len(radii) - TIP_POINTS]
+    return np.asarray(points[len(radii) - 1] + TIP_REACH * radii[-1] * ahead / (float(norm(ahead)) or 1.0))
+
+
+def _farthest(axis: MedialAxis, nodes: FloatArray, start: int) -> list[int]:
+    """The shortest path from a point of the axis to the one at the greatest distance along it."""
+    number = {int(node): k for k, node in enumerate(nodes)}
+    pairs = np.array([(number[i], number[j]) for i, others in axis.links.items() for j in others]).T
+    lengths = norm(axis.points[nodes[pairs[0]]] - axis.points[nodes[pairs[1]]]) + np.finfo(float).tiny
+    graph = scipy.sparse.csr_array((lengths, tuple(pairs)), shape=(len(nodes),) * 2)
+    distance, before = scipy.sparse.csgraph.dijkstra(graph, indices=number[start], return_predecessors=True)
+    path = [int(np.where(np.isfinite(distance), distance, -1.0).argmax())]
+    while before[path[-1]] >= 0:
+        path.append(int(before[path[-1]]))
+    return [int(nodes[k]) for k in path[::-1]]
+
+
+def largest_component(mesh: Mesh) -> Mesh:
+    """The largest outer loop of a mesh with its holes."""
+    component = mesh.component_of_loop
+    areas = np.bincount(component, mesh.loop_areas)
+    if len(areas) == 1:
+        return mesh
+    return Mesh.from_loops([ring for ring, owner in zip(mesh.rings, component, strict=True) if owner == areas.argmax()])
+
+
+def nearest_bone(chain: FloatArray, place: tuple[float, float]) -> int:
+    """The bone of a chain (K + 1, 2) nearest to a place."""
+    gaps = []
+    for head, tail in pairwise(chain):
+        along = tail - head
+        part = np.clip((place - head) @ along / (along @ along), 0.0, 1.0)
+        gaps.append(float(norm(head + part * along - place)))
+    return int(np.argmin(gaps))

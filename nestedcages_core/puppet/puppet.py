@@ -1,0 +1,130 @@
+"""A puppet: a draft with the fields of its bending parts, weights everywhere, and ranges of its joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..character import Bone, PreserveVolume, Skin, skinned
+from ..character.bones import ends_of
+from ..errors import invalid_setting
+from ..geometry.arrays import FloatArray, IntArray
+from .draft import PuppetDraft
+from .fields import BendField, bend_field
+from .links import Hold
+from .ranges import FREE, JointRange, ranges_of
+from .scores import CONTAINED
+
+KEPT_RADIUS = 1.0
+"""Radius around a part's own joint that its bends leave alone, in radii of the disc there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Puppet:
+    """Parts that move by themselves. Make it with `puppet_of`."""
+
+    draft: PuppetDraft
+    fields: tuple[BendField | None, ...]
+    """The field that carries each part: its own one if it bends, that of the part it rides on; None for a part that one
+    bone moves, `draft.bone_of`."""
+    ranges: tuple[JointRange, ...]
+    """Of each bone."""
+    skin: Skin = field(default_factory=PreserveVolume)
+    """How bones blend, for which weights and ranges hold."""
+
+    @property
+    def bones(self) -> tuple[Bone, ...]:
+        """The draft's bones: head, tail, parent and name."""
+        return self.draft.bones
+
+    def weights_at(self, part: int, points: FloatArray) -> FloatArray:
+        """(P, B) weights of all bones at points (P, 2) of a part, rows of sum 1: one not 0 without a field, two at its
+        vertices, at most four between these."""
+        weights = np.zeros((len(points), len(self.bones)))
+        carrier = self.fields[part]
+        if carrier is None:
+            weights[:, self.draft.bone_of[part]] = 1.0
+        else:
+            own = slice(carrier.first_bone, carrier.first_bone + len(carrier.bends) + 1)
+            weights[:, own] = carrier.weights_at(points)
+        return weights
+
+    def strongest(self, part: int, points: FloatArray, most: int = 4) -> tuple[IntArray, FloatArray]:
+        """(P, most) numbers and weights of the strongest bones at points of a part, strongest first; rows of sum 1."""
+        weights = self.weights_at(part, points)
+        order = np.argsort(-weights, axis=1, kind="stable")[:, :most]
+        kept = np.take_along_axis(weights, order, axis=1)
+        return order, kept / kept.sum(axis=1, keepdims=True)
+
+    def moved(self, part: int, points: FloatArray, turned: Mapping[str, float]) -> FloatArray:
+        """Points (P, 2) of a part where a pose takes them.
+
+        turned: degrees, counter-clockwise, relative to the parent, by name of the bone. Raises NestedCagesError for the
+        name of no bone. Points in a field move with its triangles, as what is bound to it in Blender.
+        """
+        degrees, carrier = self._numbered(turned), self.fields[part]
+        if carrier is None:
+            return skinned(points, self.weights_at(part, points), self.bones, degrees, self.skin)
+        vertices = carrier.grid.vertices
+        weights = np.zeros((len(vertices), len(self.bones)))
+        weights[:, carrier.first_bone : carrier.first_bone + len(carrier.bends) + 1] = carrier.weights
+        posed = skinned(vertices, weights, self.bones, degrees, self.skin)
+        return np.asarray(points + carrier.grid.interpolation(points) @ (posed - vertices))
+
+    def posed(self, turned: Mapping[str, float]) -> list[FloatArray]:
+        """(n, 2) vertices of each part's outline under a pose; see `moved`."""
+        return [self.moved(k, part.outline.vertices, turned) for k, part in enumerate(self.draft.parts)]
+
+    def beyond(self, turned: Mapping[str, float]) -> tuple[str, ...]:
+        """Names of the bones that a pose turns out of the ranges without folds; with none, the pose is proved."""
+        degrees = self._numbered(turned)
+        return tuple(self.bones[k].name for k, angle in degrees.items() if not self.ranges[k].holds(angle))
+
+    def _numbered(self, turned: Mapping[str, float]) -> dict[int, float]:
+        number = {bone.name: k for k, bone in enumerate(self.bones)}
+        unknown = [name for name in turned if name not in number]
+        if unknown:
+            raise invalid_setting(f"There is no bone {unknown[0]!r}; there are {', '.join(number)}.")
+        return {number[name]: angle for name, angle in turned.items()}
+
+
+def puppet_of(draft: PuppetDraft, skin: Skin | None = None) -> Puppet:
+    """Fields, weights and ranges for a draft. Raises NestedCagesError where a part that bends has no cage."""
+    chosen = skin or PreserveVolume()
+    ends_of(draft.bones)
+    fields: dict[int, BendField] = {}
+    ranges = [FREE] * len(draft.bones)
+    for part in range(len(draft.parts)):
+        chain = draft.chain(part)
+        if len(chain) < 2:
+            continue
+        riders = _riders(draft, part)
+        places = np.array([draft.bones[chain[0]].head, *(draft.bones[bone].tail for bone in chain)])
+        own = bend_field(
+            [draft.parts[k].solid for k in (part, *riders)],
+            places,
+            chain[0],
+            KEPT_RADIUS * draft.links[part].radius if draft.links[part].parent is not None else 0.0,
+            chosen,
+        )
+        ranges[chain[1] : chain[-1] + 1] = ranges_of(own, chosen)
+        fields.update(dict.fromkeys((part, *riders), own))
+    return Puppet(draft, tuple(fields.get(k) for k in range(len(draft.parts))), tuple(ranges), chosen)
+
+
+def _riders(draft: PuppetDraft, part: int) -> list[int]:
+    """What lies on a part and bends with it, riders of riders included."""
+    found: list[int] = []
+    for k in draft.children(part):
+        link = draft.links[k]
+        if link.hold is Hold.RIDES and link.radius > 0.0 and _share_on(draft, k, part) >= CONTAINED:
+            found += [k, *_riders(draft, k)]
+    return found
+
+
+def _share_on(draft: PuppetDraft, rider: int, part: int) -> float:
+    """The part of a rider's area that lies on a part."""
+    solid = draft.parts[rider].solid
+    return float(solid.intersection(draft.parts[part].solid).area / solid.area)

@@ -1,0 +1,117 @@
+"""Left and right, near and far: from names, from mirrored places, and from the stacking order."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import takewhile
+
+import numpy as np
+
+from ..geometry.vectors import norm
+from .links import Hold, Link
+from .parts import PuppetPart
+from .twins import alike, hangs_on
+
+WORDS = {"l": "L", "left": "L", "r": "R", "right": "R"}
+"""Words in names that say left or right."""
+
+DEPTHS = {"near": "near", "front": "", "far": "far", "back": "", "behind": "far"}
+"""Words in names that are dropped where two parts are near and far; the first and the last of them say so."""
+
+MIRRORED = 0.12
+"""Two parts are left and right if their mirrored middles are this near, in their length plus their distance."""
+
+LEAST_STEM = 3
+"""Letters that two names must begin with to share a name."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """Which of two parts one is."""
+
+    side: str = ""
+    """"L" or "R", as for mirrored poses in Blender: L is at larger x from the front, and the near side of a figure that
+    looks towards smaller x; empty for parts in the middle."""
+    depth: str = ""
+    """"near" or "far", for two limbs before and behind the same part; else empty."""
+    stem: str = ""
+    """The part's name without words for the side."""
+
+
+def sides_of(parts: Sequence[PuppetPart], links: Sequence[Link]) -> tuple[Side, ...]:
+    """The side of every part."""
+    found = [_by_name(part.name) for part in parts]
+    root = next(k for k, link in enumerate(links) if link.parent is None)
+    middle = float(parts[root].disc[0][0])
+    taken = {root} | {k for k, side in enumerate(found) if side.side}
+    near_side = _near_side(parts, links, root)
+    linked = dict(enumerate(links))
+    for far, near in alike(parts):
+        if far in taken or near in taken or hangs_on(linked, far, near) or hangs_on(linked, near, far):
+            continue
+        stems = _stems(parts[far].name, parts[near].name)
+        if _are_mirrored(parts[far], parts[near], middle):
+            sides = ("L", "R") if parts[far].disc[0][0] > middle else ("R", "L")
+            depths = ("", "")
+        elif far < root < near:
+            sides = ("R", "L") if near_side == "L" else ("L", "R")
+            depths = ("far", "near")
+        else:
+            continue
+        for part, side, depth, stem in zip((far, near), sides, depths, stems, strict=True):
+            found[part] = Side(side, depth, stem)
+        taken |= {far, near}
+    return tuple(found)
+
+
+def _name_words(name: str) -> list[str]:
+    """The words of a name, split at signs, at capitals and around numbers."""
+    return re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+", name)
+
+
+def _without(name: str, dropped: Iterable[str]) -> str:
+    """A name without some of its words; the name itself if it has none of them, or no others."""
+    words = _name_words(name)
+    kept = [word for word in words if word.lower() not in dropped]
+    return "_".join(kept) if kept and len(kept) < len(words) else name
+
+
+def _by_name(name: str) -> Side:
+    """The side that a name says. A single letter counts at the start and at the end."""
+    words = [word.lower() for word in _name_words(name)]
+    sides = [
+        WORDS[word]
+        for k, word in enumerate(words)
+        if word in WORDS and len(words) > 1 and (len(word) > 1 or k in (0, len(words) - 1))
+    ]
+    depth = next((DEPTHS[word] for word in words if word in DEPTHS), "")
+    return Side(sides[-1], depth, _without(name, WORDS)) if sides else Side("", depth, name)
+
+
+def _stems(one: str, other: str) -> tuple[str, str]:
+    """The name that both are given, if theirs differ by a word for the depth or at the end; else their own ones."""
+    stem = _without(one, DEPTHS)
+    if stem != _without(other, DEPTHS):
+        same = takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False))
+        stem = "".join(letter for letter, _ in same).rstrip("._- ")
+    return (stem, stem) if len(stem) >= LEAST_STEM else (one, other)
+
+
+def _are_mirrored(one: PuppetPart, other: PuppetPart, middle: float) -> bool:
+    """Whether two parts lie left and right of a vertical line, at about equal distances and heights."""
+    a, b = one.disc[0], other.disc[0]
+    size = float(norm(one.box[1] - one.box[0])) + abs(float(a[0] - b[0]))
+    off = np.array([a[0] + b[0] - 2.0 * middle, a[1] - b[1]])
+    return bool(norm(off) < MIRRORED * size and (a[0] - middle) * (b[0] - middle) < 0.0)
+
+
+def _near_side(parts: Sequence[PuppetPart], links: Sequence[Link], root: int) -> str:
+    """The side that is seen of a figure from the side: L if it looks towards smaller x.
+
+    It looks to where most details of its limbs are: eyes, noses and mouths lie in the head.
+    """
+    details = [k for k, link in enumerate(links) if link.hold is Hold.RIDES and link.parent != root]
+    places = np.array([parts[k].disc[0][0] for k in details])
+    return "R" if np.sign(places - parts[root].disc[0][0]).sum() > 0.0 else "L"

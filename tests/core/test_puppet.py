@@ -1,0 +1,207 @@
+"""Puppets: which part hangs on which, parts that bend, and the ranges in which nothing folds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+import pytest
+import shapely
+
+from nestedcages_core import Mesh, NestedCagesError
+from nestedcages_core.character import Linear, PreserveVolume, Skin, skinned
+from nestedcages_core.coordinates import folded
+from nestedcages_core.puppet import Hold, PartChoice, PuppetDraft, PuppetPart, draft_puppet, puppet_of
+
+
+def solid(name: str, area: shapely.Geometry) -> PuppetPart:
+    return PuppetPart(name, Mesh.of(area), identity=name)
+
+
+def limb(name: str, *points: tuple[float, float], width: float = 1.0) -> PuppetPart:
+    return solid(name, shapely.LineString(points).buffer(0.5 * width))
+
+
+def ball(name: str, x: float, y: float, radius: float) -> PuppetPart:
+    return solid(name, shapely.Point(x, y).buffer(radius))
+
+
+def figure() -> list[PuppetPart]:
+    """A figure from the front: legs behind the torso, arms over it with hands below the arms, and a face."""
+    parts = [limb(f"thigh_{s}", (k * 1.0, -1.0), (k * 1.1, -4.0)) for s, k in (("l", 1), ("r", -1))]
+    parts += [limb(f"shin_{s}", (k * 1.1, -4.0), (k * 1.2, -7.0), width=0.9) for s, k in (("l", 1), ("r", -1))]
+    parts += [limb("neck", (0.0, 3.0), (0.0, 4.4), width=0.8)]
+    parts += [solid("torso", shapely.box(-1.6, -1.4, 1.6, 3.4).buffer(0.3))]
+    parts += [ball("head", 0.0, 5.5, 1.5), ball("eye_l", 0.5, 5.8, 0.3), ball("eye_r", -0.5, 5.8, 0.3)]
+    parts += [ball("pupil_l", 0.5, 5.8, 0.12), ball("pupil_r", -0.5, 5.8, 0.12)]
+    for s, k in (("l", 1), ("r", -1)):
+        parts += [ball(f"hand_{s}", k * 3.4, -0.4, 0.6)]
+        parts += [limb(f"arm_{s}", (k * 1.6, 3.0), (k * 3.4, 0.0), width=0.9)]
+    return parts
+
+
+PARENTS = {
+    "torso": None, "neck": "torso", "head": "neck", "thigh_l": "torso", "thigh_r": "torso", "shin_l": "thigh_l",
+    "shin_r": "thigh_r", "eye_l": "head", "eye_r": "head", "pupil_l": "eye_l", "pupil_r": "eye_r", "arm_l": "torso",
+    "arm_r": "torso", "hand_l": "arm_l", "hand_r": "arm_r",
+}  # fmt: skip
+
+
+def parents(draft: PuppetDraft) -> dict[str, str | None]:
+    names = [part.name for part in draft.parts]
+    return {
+        name: None if link.parent is None else names[link.parent] for name, link in zip(names, draft.links, strict=True)
+    }
+
+
+def test_parts_hang_together_by_their_overlaps() -> None:
+    draft = draft_puppet(figure())
+    assert parents(draft) == PARENTS
+    holds = {part.name: link.hold for part, link in zip(draft.parts, draft.links, strict=True)}
+    assert {name for name, hold in holds.items() if hold is Hold.RIDES} == {"eye_l", "eye_r", "pupil_l", "pupil_r"}
+    assert {bone.name for bone in draft.bones} >= {"torso", "head", "arm.L", "arm.R", "hand.L", "shin.R"}
+    knee = draft.links[draft.number("shin_l")].joint
+    assert np.hypot(knee[0] - 1.1, knee[1] + 4.0) < 0.3
+
+
+def test_bones_form_one_tree_in_the_order_of_their_parents() -> None:
+    bones = draft_puppet(figure()).bones
+    assert [bone.parent for bone in bones].count(None) == 1
+    assert all(bone.parent is None or bone.parent < k for k, bone in enumerate(bones))
+
+
+def test_parts_move_and_turn_as_one_drawing() -> None:
+    """Neither place, size nor direction of the drawing changes what hangs on what."""
+    turn = np.array([[0.0, -1.0], [1.0, 0.0]])
+    moved = [
+        PuppetPart(part.name, Mesh(1e3 * part.outline.vertices @ turn + 5e4, part.outline.edges)) for part in figure()
+    ]
+    assert parents(draft_puppet(moved)) == PARENTS
+
+
+def test_a_choice_moves_a_part_to_another_parent_and_can_be_taken_back() -> None:
+    draft = draft_puppet(figure())
+    edited = draft.edited("hand_l", PartChoice(parent="torso", joint=(1.0, 0.0)))
+    assert parents(edited) == PARENTS | {"hand_l": "torso"}
+    assert edited.links[edited.number("hand_l")].joint == (1.0, 0.0)
+    assert parents(edited.edited("hand_l", PartChoice())) == PARENTS
+    rooted = draft.edited("head", PartChoice(parent=""))
+    assert parents(rooted) == PARENTS | {"head": None, "neck": "head", "torso": "neck"}
+
+
+@pytest.mark.parametrize(
+    ("choices", "said"),
+    [
+        ({"arm_l": PartChoice(parent="hand_l"), "hand_l": PartChoice(parent="arm_l")}, "would hang on itself"),
+        ({"arm_l": PartChoice(parent="wing")}, "no part 'wing'"),
+        ({"arm_l": PartChoice(parent=""), "head": PartChoice(parent="")}, "can't both be the root"),
+    ],
+)
+def test_choices_that_cannot_be_are_told(choices: dict[str, PartChoice], said: str) -> None:
+    with pytest.raises(NestedCagesError, match=said):
+        draft_puppet(figure(), choices)
+
+
+def test_a_part_that_touches_nothing_hangs_on_the_nearest_and_is_told() -> None:
+    draft = draft_puppet([*figure(), ball("balloon", 9.0, 9.0, 1.0)])
+    assert draft.notes == ("balloon touches nothing: it hangs on head, which is nearest.",)
+    assert "balloon" in draft.doubtful
+
+
+def test_parts_that_nearly_touch_hang_together() -> None:
+    draft = draft_puppet([solid("body", shapely.box(0.0, 0.0, 6.0, 3.0)), ball("head", 7.03, 2.0, 1.0)])
+    link = draft.links[1]
+    assert (link.parent, link.gap) == (0, pytest.approx(0.03, abs=1e-3))
+    assert np.hypot(link.joint[0] - 6.0, link.joint[1] - 2.0) < 0.1
+
+
+def tail(count: int | None = None) -> tuple[list[PuppetPart], dict[str, PartChoice]]:
+    """A bent tail with a spot on it, on a body."""
+    bent = [(2.0 + 0.4 * k, 0.5 + 0.8 * np.sin(0.4 * k)) for k in range(24)]
+    parts = [limb("tail", *bent, width=1.2), ball("body", 0.0, 0.5, 2.6), ball("spot", *bent[14], 0.3)]
+    return parts, {} if count is None else {"tail": PartChoice(bones=count)}
+
+
+SKINS = [PreserveVolume(), Linear()]
+
+
+@pytest.mark.parametrize("skin", SKINS, ids=["volume", "linear"])
+@pytest.mark.parametrize("count", [None, 8])
+def test_no_triangle_flips_within_the_ranges_whatever_the_other_joints_do(skin: Skin, count: int | None) -> None:
+    puppet = puppet_of(draft_puppet(*tail(count)), skin)
+    field = puppet.fields[0]
+    assert field is not None
+    joints = range(field.first_bone + 1, field.first_bone + 1 + len(field.bends))
+    assert all(puppet.ranges[k].low <= -60.0 and puppet.ranges[k].high >= 60.0 for k in joints) or count == 8
+    vertices, triangles = field.grid.vertices, field.grid.triangles
+    weights = np.zeros((len(vertices), len(puppet.bones)))
+    weights[:, field.first_bone : field.first_bone + len(field.bends) + 1] = field.weights
+    random = np.random.default_rng(1)
+    for trial in range(60):
+        pick: Callable[[float, float], float] = random.uniform if trial % 2 else lambda *ends: random.choice(ends)
+        turned = {k: pick(puppet.ranges[k].low, puppet.ranges[k].high) for k in joints}
+        posed = skinned(vertices, weights, puppet.bones, turned, skin).astype(np.float32).astype(np.float64)
+        assert not folded(posed, triangles).any()
+
+
+@pytest.mark.parametrize("skin", SKINS, ids=["volume", "linear"])
+def test_ranges_end_near_the_first_fold(skin: Skin) -> None:
+    puppet = puppet_of(draft_puppet(*tail(2)), skin)
+    field = puppet.fields[0]
+    assert field is not None
+    joint = field.first_bone + 1
+    weights = np.zeros((len(field.grid.vertices), len(puppet.bones)))
+    weights[:, field.first_bone : joint + 1] = field.weights
+    for end in (puppet.ranges[joint].low, puppet.ranges[joint].high):
+        assert 90.0 < abs(end) <= 170.0
+        beyond = skinned(field.grid.vertices, weights, puppet.bones, {joint: end + 1.0 * np.sign(end)}, skin)
+        assert abs(end) == 170.0 or folded(beyond, field.grid.triangles).any()
+
+
+def test_the_cage_stays_simple_in_its_narrower_range() -> None:
+    puppet = puppet_of(draft_puppet(*tail(2)))
+    field = puppet.fields[0]
+    assert field is not None
+    joint = field.first_bone + 1
+    own = puppet.ranges[joint]
+    assert own.low <= own.simple_low < -60.0 and 60.0 < own.simple_high <= own.high
+    ring = shapely.linestrings(field.grid.vertices[field.rim])
+    order = shapely.get_coordinates(shapely.polygonize([shapely.union_all(ring)]).geoms[0].exterior)
+
+    def is_simple(angle: float) -> bool:
+        return bool(shapely.is_valid(shapely.Polygon(puppet.moved(0, order, {puppet.bones[joint].name: angle}))))
+
+    assert all(is_simple(angle) for angle in np.linspace(own.simple_low, own.simple_high, 41))
+
+
+def test_weights_suit_engines_and_vertices_are_those_that_float32_stores() -> None:
+    puppet = puppet_of(draft_puppet(*tail()))
+    field = puppet.fields[0]
+    assert field is not None and puppet.fields[2] is field and puppet.fields[1] is None
+    for array in (field.grid.vertices, field.weights):
+        assert np.array_equal(array, array.astype(np.float32))
+    assert np.array_equal(field.weights.sum(axis=1), np.ones(len(field.weights)))
+    assert (field.weights >= 0.0).all() and ((field.weights > 0.0).sum(axis=1) <= 2).all()
+    bones, weights = puppet.strongest(2, puppet.draft.parts[2].outline.vertices)
+    assert bones.shape == weights.shape and weights.shape[1] <= 4
+    assert np.allclose(weights.sum(axis=1), 1.0) and (np.diff(weights, axis=1) <= 0.0).all()
+
+
+def moved_by(puppet_parts: Iterable[PuppetPart], turned: dict[str, float]) -> dict[str, float]:
+    """How far each part moves at most."""
+    puppet = puppet_of(draft_puppet(puppet_parts))
+    posed = zip(puppet.draft.parts, puppet.posed(turned), strict=True)
+    return {part.name: float(np.abs(points - part.outline.vertices).max()) for part, points in posed}
+
+
+def test_a_limb_turns_alone_with_what_hangs_on_it() -> None:
+    moved = moved_by(figure(), {"arm.L": 40.0})
+    assert {name for name, by in moved.items() if by > 1e-9} == {"arm_l", "hand_l"}
+
+
+def test_a_pose_beyond_a_range_names_its_bones() -> None:
+    puppet = puppet_of(draft_puppet(*tail(2)))
+    assert puppet.beyond({"tail.001": 30.0, "tail": 175.0}) == ()
+    assert puppet.beyond({"tail.001": 172.0}) == ("tail.001",)
+    with pytest.raises(NestedCagesError, match="no bone 'wing'"):
+        puppet.posed({"wing": 1.0})
