@@ -8,7 +8,7 @@ from .collision import (
     picture_cages,
     picture_cages_run,
 )
-from .png import decode_png, read_png
+from .png import decode_png, encode_png, read_png
 
 __all__ = [
     "alpha_channel",
@@ -16,6 +16,7 @@ __all__ = [
     "collision_outline",
     "corresponding",
     "decode_png",
+    "encode_png",
     "picture_cages",
     "picture_cages_run",
     "read_png",

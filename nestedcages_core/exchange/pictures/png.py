@@ -1,4 +1,4 @@
-"""PNG files as arrays, by Pillow."""
+"""PNG files as arrays, by Pillow, and arrays as PNG."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import io
 import os
 import struct
 import warnings
+import zlib
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,9 @@ SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 SIZE = slice(16, 24)
 """Bytes of width and height."""
+
+RGBA = 6
+"""Colour type of a PNG with red, green, blue and alpha."""
 
 GREY = ("1", "L", "I", "I;16")
 """Modes of Pillow for pictures without colour and alpha."""
@@ -74,3 +78,16 @@ def _rgba(image: Any) -> Pixels:
     key = clear * (65535 if most == 65535 else 255) // most if isinstance(clear, int) else -1
     alpha = np.where(grey == key, 0, 255)
     return np.dstack([*[grey >> 8 if most == 65535 else grey] * 3, alpha]).astype(np.uint8)
+
+
+def encode_png(pixels: Pixels) -> bytes:
+    """A PNG of (H, W, 4) red, green, blue and alpha."""
+    height, width = pixels.shape[:2]
+    rows = np.zeros((height, 1 + 4 * width), np.uint8)  # each row begins with its filter, which is none
+    rows[:, 1:] = pixels.reshape(height, 4 * width)
+    head = struct.pack(">IIBBBBB", width, height, 8, RGBA, 0, 0, 0)
+    return SIGNATURE + _chunk(b"IHDR", head) + _chunk(b"IDAT", zlib.compress(rows.tobytes())) + _chunk(b"IEND", b"")
+
+
+def _chunk(kind: bytes, content: bytes) -> bytes:
+    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
