@@ -77,9 +77,15 @@ def look(distance: float, place: tuple[float, float] = (0.0, 0.0)) -> None:
 def sidebar() -> Steps:
     """Shows the tab; its names are there once the sidebar was drawn."""
     _, area, _ = view()
-    area.tag_redraw()
-    yield 0.7
-    next(region for region in area.regions if region.type == "UI").active_panel_category = TAB
+    region = next(region for region in area.regions if region.type == "UI")
+    for _ in range(20):
+        area.tag_redraw()
+        yield 0.7
+        try:
+            region.active_panel_category = TAB
+        except AttributeError:  # not yet
+            continue
+        break
     area.tag_redraw()
 
 

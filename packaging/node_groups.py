@@ -19,6 +19,8 @@ FILE = Path(__file__).resolve().parents[1] / "addon" / "scene" / "nodes.blend"
 MOTION, WEIGHT, DIGEST = "nested_cages_motion", "nested_cages_weight_", "nested_cages_digest"
 # Corners of the cross-section of thick lines.
 TUBE_CORNERS = 8
+# Largest number of halvings of edges, as in addon/binding/field.py.
+MAX_HALVINGS = 5
 
 Tree = Any
 Node = Any
@@ -137,8 +139,7 @@ def follow(tree: Tree) -> None:
         tree.links.new(geometry, both.inputs[0])
     real = _out(_node(tree, "GeometryNodeRealizeInstances", {"Geometry": _out(both)}))
     lines = _node(tree, "GeometryNodeResampleCurve", {"Curve": real}, mode="EVALUATED")
-    cut = {"Mesh": _out(lines), "Level": start.outputs["Subdivide"]}
-    geometry = _out(_node(tree, "GeometryNodeSubdivideMesh", cut))
+    geometry = _halved(tree, _out(lines), start.outputs["Subdivide"])
     inputs = {
         "Mesh": field.outputs["Geometry"],
         "Value": _attribute(tree, MOTION, "FLOAT_VECTOR"),
@@ -147,6 +148,16 @@ def follow(tree: Tree) -> None:
     way = _out(_node(tree, "GeometryNodeSampleNearestSurface", inputs, data_type="FLOAT_VECTOR"), "Value")
     turned = _out(_node(tree, "FunctionNodeTransformDirection", {"Direction": way, "Transform": there}))
     _end(tree, _out(_node(tree, "GeometryNodeSetPosition", {"Geometry": geometry, "Offset": turned})))
+
+
+def _halved(tree: Tree, mesh: Socket, times: Socket) -> Socket:
+    """A mesh with its edges halved so often, step by step: Blender 5.2 repairs links to a level, and logs it."""
+    for number in range(MAX_HALVINGS):
+        finer = _out(_node(tree, "GeometryNodeSubdivideMesh", {"Mesh": mesh, "Level": 1}))
+        more = _node(tree, "FunctionNodeCompare", {"A": times, "B": number}, data_type="INT", operation="GREATER_THAN")
+        step = {"Switch": _out(more), "False": mesh, "True": finer}
+        mesh = _out(_node(tree, "GeometryNodeSwitch", step, input_type="GEOMETRY"))
+    return mesh
 
 
 def edges(tree: Tree) -> None:
