@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from .character import with_joints as with_joints
     from .checker import Verdict as Verdict
     from .checker import check
+    from .constraints import AxisAligned as AxisAligned
     from .constraints import Box as Box
     from .constraints import LeastAngle as LeastAngle
     from .constraints import LeastEdge as LeastEdge
@@ -201,7 +202,7 @@ _LATER = {
     "batch": "BatchProgress Outcome nested_cages_many",
     "character": "Bone Character Skeleton bone_weights suggest_bones with_joints",
     "checker": "Verdict check",
-    "constraints": "Box LeastAngle LeastEdge LoopClearance Outside",
+    "constraints": "AxisAligned Box LeastAngle LeastEdge LoopClearance Outside",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
         "Cut Feature cut_at_borders character_to_engine_json features_from_geojson frames_to_engine_json "

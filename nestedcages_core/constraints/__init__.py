@@ -11,6 +11,7 @@ from ..solver.banded import Rows
 from .base import Bound, Constraint, Terms, Units
 
 if TYPE_CHECKING:
+    from .axis_aligned import AxisAligned
     from .box import Box
     from .least_angle import LeastAngle
     from .least_edge import LeastEdge
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from .outside import Outside
 
 __all__ = [
+    "AxisAligned",  # edges along the axes, or along other directions
     "Bound",  # a constraint on one topology, for the solvers
     "Box",  # no vertex outside of a rectangle
     "Constraint",  # what cages keep; the base class of all
@@ -35,7 +37,7 @@ def __getattr__(name: str) -> Any:
     """Constraints are imported when one is asked for: most runs have none."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from . import box, least_angle, least_edge, loop_clearance, outside
+    from . import axis_aligned, box, least_angle, least_edge, loop_clearance, outside
 
-    files = box, least_angle, least_edge, loop_clearance, outside
+    files = axis_aligned, box, least_angle, least_edge, loop_clearance, outside
     return next(getattr(file, name) for file in files if hasattr(file, name))

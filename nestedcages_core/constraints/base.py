@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 
 from ..errors import Fault
-from ..geometry.arrays import FloatArray
+from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..solver.banded import Rows
 
 if TYPE_CHECKING:
-    from ..decimation.line_cycles.chain import Lines
+    from ..decimation.line_cycles.chain import Chain, Lines
     from ..decimation.line_cycles.places import NormalFrame
     from ..solver.elimination import Elimination
 
@@ -47,9 +47,16 @@ class Units(Protocol):
 class Bound:
     """A constraint on cages of one topology, in the units of the solvers. The base class bounds nothing."""
 
-    def eliminated(self, images: Elimination | None) -> Elimination | None:
-        """The unknowns where the constraint has equalities; images: those of the symmetry of the cage."""
+    def eliminated(self, images: Elimination | None, successor: IntArray) -> Elimination | None:
+        """The unknowns where the constraint has equalities; images: those of the symmetry of the cage.
+
+        successor: (m,) of its vertices; loops of cages inside are walked backwards.
+        """
         return images
+
+    def settled(self, cage: FloatArray, successor: IntArray) -> FloatArray:
+        """(m, 2) a cage next to one (m, 2) that keeps the equalities."""
+        return cage
 
     def rows(self, cage: FloatArray, radius: float) -> Iterable[Terms]:
         """The inequalities at a cage (m, 2) that motions of its vertices by at most a radius along two axes can break.
@@ -84,6 +91,17 @@ class Constraint:
         """(L,) distance to keep from each loop of the mesh inside, or around, on top of the clearance; None: none."""
         return None
 
+    def candidates(self, chain: Chain, at: IntArray, lines: Lines, frame: NormalFrame, shift: float) -> Lines:
+        """The candidate lines of the start next to a loop, in the units of the frame; all others if need be.
+
+        at: (N,) vertices that stretches begin at. shift: by which lines are then moved away from the loop.
+        """
+        return lines
+
+    def reach(self, chain: Chain, lines: Lines, shift: float) -> FloatArray:
+        """(2, K) how far own candidates run from their contacts forwards and backwards, in units of the frame."""
+        return np.full((2, len(lines)), np.inf)
+
     def free(self, lines: Lines, frame: NormalFrame) -> FloatArray:
         """(2, K) how far candidate lines of the start run from their points forwards and backwards, in the units of
         the frame; negative: a line is no candidate."""
@@ -93,6 +111,10 @@ class Constraint:
     def turn_limits(self) -> tuple[float, float]:
         """The least length of an edge, and angle in degrees, that the start looks for."""
         return 0.0, 0.0
+
+    def started(self, coarse: Mesh, side: int) -> Mesh:
+        """The start from a coarse mesh, such as one that keeps equalities exactly. Raises NestingError."""
+        return coarse
 
     def bound(self, coarse: Mesh, fine: Mesh, units: Units) -> Bound:
         """The constraint on cages with the edges of a coarse mesh; both meshes are in the units of the solvers."""

@@ -60,12 +60,12 @@ class Bodies:
         clearances: FloatArray | None = None,
     ) -> Bodies:
         """images: of a symmetric cage. side: 1 for a cage around the fine mesh, -1 for one inside it."""
+        lengths, cage = fine.edge_lengths, coarse.loop_order.walked(side)
         for bound in bounds:
-            images = bound.eliminated(images)
-        lengths = fine.edge_lengths
+            images = bound.eliminated(images, cage.successor)
         return cls(
             coarse,
-            coarse.loop_order.walked(side),
+            cage,
             fine.loop_order.walked(side),
             0.5 * (lengths + lengths[fine.predecessor]),
             float(coarse.edge_lengths.mean()),

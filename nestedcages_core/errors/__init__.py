@@ -50,6 +50,7 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "numbers.no_room": ("spacing", "finer", "count", "clearance"),
     "numbers.missed": (),
     "box.left": ("place", "distance"),
+    "edges.not_aligned": ("place",),
     "obstacle.met": ("clearance", "wanted", "place"),
     "edge.short": ("wanted", "given", "place"),
     "angle.sharp": ("wanted", "given", "place"),

@@ -112,7 +112,7 @@ class LevelBuilder:
         for attempt in attempts(self.settings, self.outline, source, clearances, self.plan.side):
             try:
                 self.starts = []
-                starts = yield from self._coarse_meshes(attempt)
+                starts = self.plan.started((yield from self._coarse_meshes(attempt)))
                 if self.symmetry is not None:
                     from .symmetrised_start import symmetric_starts
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 import numpy as np
 
-from ..decimation import Count
+from ..decimation import Count, Start
 from ..decimation.budget import clamped
 from ..energies import CageEnergy
-from ..errors import Fault, note
+from ..errors import Fault, NestingError, note
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh, by_side
@@ -162,6 +162,23 @@ class Plan:
                     notes += (note("note.count", on="constraint", asked=count, given=possible),)
                     count = possible
         return count, notes
+
+    def started(self, starts: Sequence[Start]) -> list[Start]:
+        """The starts that constraints allow. Raises the error of the first one if there are none."""
+        allowed: list[Start] = []
+        errors: list[NestingError] = []
+        for start in starts:
+            coarse = start.coarse
+            try:
+                for constraint in self.constraints:
+                    coarse = constraint.started(coarse, self.side)
+            except NestingError as error:
+                errors.append(error)
+            else:
+                allowed.append(start if coarse is start.coarse else Start(coarse, start.source))
+        if errors and not allowed:
+            raise errors[0]
+        return allowed
 
     def bounds(self, coarse: Mesh, units: SolverUnits) -> tuple[Bound, ...]:
         """The constraints on cages with the edges of a coarse mesh, in the units of the solvers."""

@@ -120,6 +120,8 @@ class Follower:
         bodies = self.bodies
         if self.orbits is not None:
             guess = self.units.points(self.orbits.symmetrised(self.units.to_input(guess)))
+        for bound in bodies.bounds:
+            guess = bound.settled(guess, bodies.cage.successor)
         old, new = np.concatenate([cage, before]), np.concatenate([guess, after])
         pairs = find_pairs(bodies, new, RESTORED_REACH * bodies.cage_edge_length)
         required = np.full(len(pairs), AIM * self.clearance)

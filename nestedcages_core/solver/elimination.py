@@ -170,11 +170,15 @@ class Elimination:
 
     def longest(self, motion: FloatArray) -> FloatArray:
         """(m, 2) a motion that keeps the equalities: for each block the longest unknowns of a motion (m, 2)."""
-        back = np.concatenate([_product(self.inverse[slot], motion) for slot in self.slots])
+        back = np.concatenate(self.readings(motion))
         by_length = np.argsort(back[:, 0] ** 2 + back[:, 1] ** 2, kind="stable")
         unknowns = np.zeros((len(self.first[0]), 2))
         unknowns[self.block.ravel()[by_length]] = back[by_length]  # the last value written stays
         return self.motion(unknowns)
+
+    def readings(self, motion: FloatArray) -> list[FloatArray]:
+        """w times (m, 2) the unknowns of its blocks that a motion (m, 2) of each vertex stands for."""
+        return [_product(self.inverse[slot], motion) for slot in self.slots]
 
     def _least(self, values: FloatArray) -> FloatArray:
         least = np.full(len(self.first[0]), np.inf)

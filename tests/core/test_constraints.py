@@ -12,6 +12,7 @@ import pytest
 from marks import slow_after
 from nestedcages_core import Mesh, Mirror, NestedCagesError, animated_cages, inner_cages, nested_cages, verify
 from nestedcages_core.constraints import (
+    AxisAligned,
     Bound,
     Box,
     Constraint,
@@ -78,6 +79,7 @@ MAKERS: dict[str, Callable[[Mesh], Constraint]] = {
     "edge": lambda fine: LeastEdge(0.3 * float(fine.edge_lengths.sum()) / 24),
     "angle": lambda fine: LeastAngle(40.0),
     "obstacle": lambda fine: Outside(disc(fine), 0.002 * fine.diagonal),
+    "axes": lambda fine: AxisAligned(),
     "above": lambda fine: Above(float(fine.vertices[:, 1].min()) - 0.004 * fine.diagonal),
 }
 SHAPES = {"star": star(5, 90), "letter": letter_a(), "ring": annulus(60)}
@@ -89,7 +91,11 @@ SHAPES = {"star": star(5, 90), "letter": letter_a(), "ring": annulus(60)}
 def test_constraints_are_kept(names: tuple[str, ...], shape: str, inside: bool) -> None:
     fine = SHAPES[shape]
     constraints = [MAKERS[name](fine) for name in names]
-    level = (inner_cages if inside else nested_cages)(fine, 24, constraints=constraints)[0]
+    try:
+        level = (inner_cages if inside else nested_cages)(fine, 24, constraints=constraints)[0]
+    except NestedCagesError as error:  # stairs have short edges where there is no room for others
+        assert {"axes", "edge"} == set(names) and error.code == "edge.short", error
+        return
     assert verify(*((fine, level.cage) if inside else (level.cage, fine)))
     assert [constraint.fault(level.cage, fine) for constraint in constraints] == [None] * len(constraints)
 

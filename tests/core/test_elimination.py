@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from nestedcages_core import Mesh
+from nestedcages_core import Mesh, Mirror
 from nestedcages_core.energies import Blocks
 from nestedcages_core.geometry.arrays import FloatArray
 from nestedcages_core.geometry.group import Orbits
-from nestedcages_core.needs.symmetry import Mirror
 from nestedcages_core.solver.banded import Rows
 from nestedcages_core.solver.elimination import Elimination
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram

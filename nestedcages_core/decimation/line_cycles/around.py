@@ -106,6 +106,7 @@ class Around:
         self.alike: dict[int, Search] = {}
         """Of each loop that stands for its images, among the same turns."""
         self.rounds = 0
+        self.few_turns = False
 
     def run(self, bias: float) -> Stage[float, tuple[float, Mesh]]:
         """Area and mesh. Raises NoCyclesError."""
@@ -218,7 +219,11 @@ class Around:
             # long edges deserve few places, but a line each
             deserved_lines = USUAL_SHARE * target * max(share, chain.length / length)
             expected = max(float(LEAST_PER_LOOP), min(len(at) / PLACES_PER_VERTEX, deserved_lines))
-            lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, shift, corners=self._is_thorough(chain))
+            usual = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, shift, corners=self._is_thorough(chain))
+            lines = usual
+            for rule in self.rules:
+                lines = rule.candidates(chain, at, lines, self.frame, shift)
+            self.few_turns = lines is not usual  # those of a few directions
             yield
             found.append((lines.shifted(shift), at, expected, deserved_lines))
         obstacles = Obstacles(self.outline.split(), self.request.regions)
@@ -266,7 +271,7 @@ class Around:
         if chain.swept[-1] < 0.0:  # every ray in a hole ends at it; in the solid around it some end nowhere
             usable &= (free < REACH).all(axis=0)
         for rule in self.rules:
-            free = np.minimum(free, rule.free(lines, self.frame))
+            free = np.minimum(free, np.minimum(rule.free(lines, self.frame), rule.reach(chain, lines, shift)))
             usable &= (free > 0.0).all(axis=0)
         free += SLACK
         if images is not None and halves is not None:
@@ -280,7 +285,7 @@ class Around:
         if count < 3:
             raise NoCyclesError.around([k])
         width = count - 1
-        if count * expected**2 > FULL_SEARCH:
+        if count * expected**2 > FULL_SEARCH and not self.few_turns:
             width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
         sizes = self._sizes(k, deserved, count, self._copies(k, images), parts)
         if halves is not None:

@@ -48,9 +48,11 @@ def candidates(chain: Chain, at: IntArray, longest: float, shift: float, *, corn
     return lines.beside_pins(chain) if len(chain.pins) else lines
 
 
-def supporting_lines(chain: Chain, first: IntArray, last: IntArray) -> Lines:
-    """Tangents along the chords of stretches of vertices first .. last, which may pass the end of the chain."""
-    direction = chain.vertices[last % chain.size] - chain.vertices[first]
+def supporting_lines(chain: Chain, first: IntArray, last: IntArray, direction: FloatArray | None = None) -> Lines:
+    """Tangents of stretches of vertices first .. last, which may pass the end of the chain, along their chords, or
+    along given directions (K, 2)."""
+    if direction is None:
+        direction = chain.vertices[last % chain.size] - chain.vertices[first]
     length = norm(direction)
     sound = length > 0.0
     first, last, direction = first[sound], last[sound], direction[sound] / length[sound, None]

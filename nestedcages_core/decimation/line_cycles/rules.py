@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from ...geometry.arrays import FloatArray
+from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.mesh import Mesh
-from .chain import Lines
+from .chain import Chain, Lines
 from .places import NormalFrame
 
 
@@ -19,6 +19,12 @@ class LineRule(Protocol):
 
     def distances(self, fine: Mesh) -> FloatArray | None:
         """(L,) distance from each loop of a mesh, in the input's units; None: none."""
+
+    def candidates(self, chain: Chain, at: IntArray, lines: Lines, frame: NormalFrame, shift: float) -> Lines:
+        """The candidate lines, or others; see `Constraint`."""
+
+    def reach(self, chain: Chain, lines: Lines, shift: float) -> FloatArray:
+        """(2, K) how far these run from their contacts forwards and backwards."""
 
     def free(self, lines: Lines, frame: NormalFrame) -> FloatArray:
         """(2, K) how far lines run forwards and backwards, in the units of the frame; negative: not at all."""
