@@ -10,6 +10,9 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.predicates import BoxTree, orientation
 from .limits import Quota
 
+PAIRS_PER_SECOND = 1_000_000
+"""Pairs of edges whose boxes meet that are looked at in a second (measured)."""
+
 Edges = tuple[FloatArray, FloatArray]
 """Starts and ends, (E, 2) each."""
 
@@ -33,10 +36,15 @@ def spend_crossings(edges: Edges, quota: Quota | None, *, own: bool = False) -> 
     if quota is None:
         return
     long = (edges[0] != edges[1]).any(axis=1)
-    starts, ends = edges[0][long], edges[1][long]
-    tree = BoxTree(starts, ends)
+    both = np.sort(np.stack([edge[long] @ [1.0, 1j] for edge in edges], axis=1), axis=1)
+    different, copies = np.unique(both, axis=0, return_counts=True)
+    starts, ends = (np.stack([end.real, end.imag], axis=1) for end in different.T)
+    tree, pairs = BoxTree(starts, ends), 0
     for i, j in tree.blocks(slim=True):
-        quota.spend_crossings(int(_do_cross(starts[i], ends[i], starts[j], ends[j]).sum()), own=own)
+        crosses = _do_cross(starts[i], ends[i], starts[j], ends[j])
+        quota.spend_crossings(int(copies[i[crosses]] @ copies[j[crosses]]), own=own)
+        quota.spend("seconds", (pairs + len(i)) // PAIRS_PER_SECOND - pairs // PAIRS_PER_SECOND)
+        pairs += len(i)
 
 
 def _do_cross(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> BoolArray:

@@ -60,6 +60,9 @@ class Numbers(Protocol):
     def finer(self) -> Iterator[Numbers]:
         """Finer numbers, tried for the message where these have no cage."""
 
+    def hasty(self) -> Numbers:
+        """The same numbers, on which places are not improved once there are some."""
+
 
 class Need:
     """A promise in addition to the number of vertices. It sees the plan, never another need."""

@@ -50,6 +50,10 @@ class Settling:
         coarse."""
         return [room * self.numbers.spacing for room in (ROOMS[:1] if self.numbers.grid is not None else ROOMS)]
 
+    def hasty(self) -> Settling:
+        """The same, content with the first places."""
+        return Settling(replace(self.plan, numbers=self.numbers.hasty()), self.choices, self.progress)
+
     def settled(self, level: Level) -> Stage[Progress, Level | None]:
         """The level with its cage on the numbers, certified; None if there is none."""
         yield from self.progress.begin("verification")

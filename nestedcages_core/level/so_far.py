@@ -15,11 +15,10 @@ from .report import Level, Progress
 def best_so_far(builder: LevelBuilder) -> Stage[Progress, Level | None]:
     """The best cage that a builder has by now, as a certified level; None if there is none.
 
-    The tightening is taken as far as it is; without any, a start that is a cage. Nothing is searched on a grid, which
-    may take long.
+    The tightening is taken as far as it is; without any, a start that is a cage. On a grid the first places do.
     """
     plan, attempt, cages = builder.plan, builder.attempt, list(builder.cages)
-    if attempt is None or (plan.numbers is not None and plan.numbers.grid is not None):
+    if attempt is None:
         return None
     if builder.at_work is not None:
         cage, steps = builder.at_work
@@ -40,7 +39,7 @@ def best_so_far(builder: LevelBuilder) -> Stage[Progress, Level | None]:
         if level is None:
             level = yield from builder.assembly.untightened(builder.starts, attempt.clearances, plan.remarks)
         if level is not None and builder.settling is not None:
-            level = yield from builder.settling.settled(level)
+            level = yield from builder.settling.hasty().settled(level)
         if level is not None and plan.inner is not None:
             level = yield from builder.assembly.around(plan.inner, level)
     except NestedCagesError:

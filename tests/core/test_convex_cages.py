@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ from nestedcages_core import (
     verify,
 )
 from nestedcages_core.geometry.convex_hull import convex_hull
+from nestedcages_core.level import settling
 from nestedcages_core.level.symmetrised_start import orbits_of
 from nestedcages_core.needs.convex.need import is_convex
 from shapes import annulus, disc, islands, letter_a, polygon, ring, star
@@ -184,6 +186,22 @@ def test_symmetric_polygons_are_the_least_where_these_are_symmetric() -> None:
             assert cage_of(fine, count).excess <= level.excess + 1e-9 <= best * (1.0 + 1e-3)
     pair = nested_cages(disc(40, 0.5, 2.0, 0.0), [6], Settings(convex=True, symmetry=Mirror((1.0, 0.0)))).levels[0]
     assert [len(loop) for loop in pair.cage.loops] == [6, 6]
+
+
+def test_triangles_that_a_grid_turns_over_are_mended_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two needles on a coarse grid: hulls of three corners have none to drop, which went on for ever."""
+    fine = Mesh.from_loops([[(0, y), (500, y + 0.5), (0, y + 1)] for y in (0, 20)])
+    searched: list[int] = []
+    placed = settling.placements
+
+    def counted(plan: Any, *asked: Any) -> Any:
+        searched.append(len(asked[1].vertices))
+        return placed(plan, *asked)
+
+    monkeypatch.setattr(settling, "placements", counted)
+    with pytest.raises(NestingError, match=r"a grid of 0\.5 works"):
+        nested_cages(fine, 6, convex=True, grid=5.0)
+    assert len(searched) < 10
 
 
 def test_weights_move_convex_cages() -> None:

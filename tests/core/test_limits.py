@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import fields, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -31,11 +32,13 @@ from nestedcages_core.command import main
 from nestedcages_core.exchange import (
     DRAWING_LIMITS,
     Limits,
+    crossings,
     limits,
     read_map,
     svg_drawing,
 )
 from nestedcages_core.exchange.pictures import decode_png
+from nestedcages_core.exchange.svg import selectors
 from test_pictures import encoded
 
 SQUARES = [[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2]] for x in (0, 5, 10)]
@@ -99,11 +102,50 @@ def test_what_reaches_a_limit_is_read_and_one_more_is_not(
     number: int, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read, given, used = CASES[number]
-    for crossings in ("CROSSINGS_PER_SECOND", "SELF_CROSSINGS_PER_SECOND") if name == "seconds" else ():
-        monkeypatch.setattr(limits, crossings, 1)
+    for each in ("CROSSINGS_PER_SECOND", "SELF_CROSSINGS_PER_SECOND") if name == "seconds" else ():
+        monkeypatch.setattr(limits, each, 1)
     assert read(given, replace(Limits(), **{name: used[name]})) is not None
     with pytest.raises(NestedCagesError, match=f"raise the limit for {name}, or make the input smal"):
         read(given, replace(Limits(), **{name: used[name] - 1}))
+
+
+RECT, RED = "<rect width='1' height='1'/>", "{fill:red}"
+TOO_LONG, TOO_DEEP = "selectors of the style sheets, .* take too long", "too deeply"
+
+
+@pytest.mark.parametrize(
+    ("sheet", "body", "fault"),
+    [
+        (f"*:not(*:nth-child(2n+1)) > * ~ *{RED}" * 60, RECT * 60, TOO_LONG),
+        (f"*:not(*:nth-child(2n+1)) > * ~ *{RED}" * 60, RECT, None),
+        (f"*:nth-of-type(2n+1):last-of-type:only-of-type{RED}" * 60, RECT * 200, TOO_LONG),
+        (f"*:has(*:has(*:has(a))){RED}" * 30, "<g>" * 20 + RECT * 20 + "</g>" * 20, TOO_LONG),
+        (",".join(["*[a]"] * 400) + RED, RECT * 300, TOO_LONG),
+        ("*" + ":not([a])" * 1000 + RED, RECT * 100, TOO_LONG),
+        (f"*{RED}" * 1200, RECT, TOO_LONG),
+        ("a " * 400 + RED, RECT, TOO_DEEP),
+        (":not(*:is(" * 100 + "a" + "))" * 100 + RED, RECT, TOO_DEEP),
+        ("@media {" * 3000, RECT, TOO_DEEP),
+        (f"[*|a]{RED} b::first-line{RED} ,{RED}", RECT, None),
+        ("svg{" + "".join(f"--{a}:{f'var(--{b})' * 40};" for a, b in pairwise("abcdefghi")) + "fill:var(--a)}", RECT,
+         "values of more than 100,000 characters"),
+        ("", RECT * 400, None),
+        ("", "".join(f"<path d='M{k} 0h9v9h-9z'/>" for k in range(12)), "the 10 seconds allowed"),
+    ],
+    ids=range(14),
+)  # fmt: skip
+def test_small_drawings_take_bounded_work(
+    sheet: str, body: str, fault: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With a fortieth of the budget."""
+    monkeypatch.setattr(selectors, "MOST_WORK", selectors.MOST_WORK // 40)
+    monkeypatch.setattr(crossings, "PAIRS_PER_SECOND", 10)
+    drawing = svg(f"<style>{sheet}</style>{body}")
+    if fault is None:
+        assert from_svg(drawing).area == 1.0
+        return
+    with pytest.raises(NestedCagesError, match=fault):
+        from_svg(drawing)
 
 
 @pytest.mark.slow

@@ -85,9 +85,10 @@ class TestTime:
             (nested_cages, {}),
             (nested_cages, {"convex": True}),
             (nested_cages, {"stored": np.float32}),
+            (nested_cages, {"grid": 0.02}),
             (inner_cages, {}),
         ],
-        ids=["around", "convex", "stored", "inside"],
+        ids=["around", "convex", "stored", "grid", "inside"],
     )
     def test_the_best_cage_by_then_is_kept(
         self, clock: Callable[[float], None], work: Any, options: dict[str, Any]

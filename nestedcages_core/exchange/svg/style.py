@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from types import ModuleType
-from typing import Any
 from xml.etree import ElementTree as ET
 
 from ...errors import NestedCagesError
 from ...libraries import load_css
 from .document import Document
 from .elements import name_of
+from .selectors import matched
 
 MARKERS = ("marker", "marker-start", "marker-mid", "marker-end")
 
@@ -47,16 +46,11 @@ VARIABLE = re.compile(r"var\(\s*(--[\w-]+)\s*(?:,([^()]*))?\)")
 MAX_REFERENCES = 8
 """Longest chain of variables that refer to each other."""
 
+MAX_VALUE = 100_000
+"""Maximum number of characters that variables add to all values of an element at once."""
+
 PATH_DATA = re.compile(r"path\(\s*['\"](.*)['\"]\s*\)", re.DOTALL)
 
-CONDITIONS = ("media", "supports", "layer")
-"""Rules around others; what is asked of the program is taken to be supported."""
-
-MEDIA = ("", "all", "screen")
-"""Conditions of @media that are true."""
-
-MAX_LOOKED_THROUGH = 20_000_000
-"""Maximum number of elements that selectors visit; some seconds."""
 
 Style = Mapping[str, str]
 
@@ -76,12 +70,7 @@ class Styles:
             if name_of(item) == "style" and item.get("type", "text/css") in ("", "text/css")
         ]
         if any(text.strip() for text in texts):
-            try:
-                self.sheets = _matched(document.root, texts)
-            except RecursionError as error:
-                raise NestedCagesError(
-                    "The style sheets nest blocks too deeply; simplify them.", code="limit.exceeded"
-                ) from error
+            self.sheets = matched(document.root, texts, declarations)
         self.variables = {key: value for key, value in self.own(document.root).items() if key.startswith("--")}
 
     def own(self, item: ET.Element) -> dict[str, str]:
@@ -130,7 +119,13 @@ def _replaced(found: dict[str, str], variables: Style) -> dict[str, str]:
     if not any("var(" in value for value in found.values()):
         return found
     known = {**variables, **{key: value for key, value in found.items() if key.startswith("--")}}
+    longest = max((len(value) for key, value in known.items() if key.startswith("--")), default=0)
     for _ in range(MAX_REFERENCES):
+        if longest * sum(value.count("var(") for value in found.values()) > MAX_VALUE:
+            raise NestedCagesError(
+                f"The variables of the styles make values of more than {MAX_VALUE:,} characters; simplify them.",
+                code="limit.exceeded",
+            )
         found = {
             key: VARIABLE.sub(lambda name: known.get(name[1], name[2] or ""), value).strip()
             for key, value in found.items()
@@ -163,73 +158,3 @@ def _declared(text: str) -> list[Declaration]:
         for node in tinycss2.parse_blocks_contents(text, True, True)
         if node.type == "declaration"
     ]
-
-
-def _element_class(cssselect2: ModuleType) -> Any:
-    """Elements for selectors, which count their visits."""
-
-    class Element(cssselect2.ElementWrapper):  # type: ignore[name-defined,misc]
-        looked_through = 0
-
-        @property
-        def ancestors(self) -> tuple[Any, ...]:
-            return self._along("_ancestors", "parent")
-
-        @property
-        def previous_siblings(self) -> tuple[Any, ...]:
-            return self._along("_previous_siblings", "previous")
-
-        def _along(self, cache: str, step: str) -> tuple[Any, ...]:
-            found: tuple[Any, ...] | None = getattr(self, cache)
-            if found is None:
-                chain = []
-                other = getattr(self, step)
-                while other is not None:
-                    chain.append(other)
-                    other = getattr(other, step)
-                found = tuple(reversed(chain))
-                setattr(self, cache, found)
-            Element.looked_through += len(found) + 1
-            if Element.looked_through > MAX_LOOKED_THROUGH:
-                raise NestedCagesError(
-                    "The selectors of the style sheets take too long to match; simplify them.", code="limit.exceeded"
-                )
-            return found
-
-    return Element
-
-
-def _matched(root: ET.Element, texts: Iterable[str]) -> dict[ET.Element, Sequence[Declaration]]:
-    """Declarations of style sheets for each matching element, the most specific last."""
-    tinycss2, cssselect2 = load_css()
-    matcher = cssselect2.Matcher()
-    nodes = (node for text in texts for node in tinycss2.parse_stylesheet(text, True, True))
-    for prelude, content in _rules(tinycss2, nodes):
-        payload = declarations(tinycss2.serialize(content))
-        try:
-            selectors = cssselect2.compile_selector_list(prelude) if payload else ()
-        except cssselect2.SelectorError:
-            continue  # as browsers do
-        for selector in selectors:
-            if selector.pseudo_element is None:
-                matcher.add_selector(selector, payload)
-    found: dict[ET.Element, Sequence[Declaration]] = {}
-    for wrapper in _element_class(cssselect2).from_xml_root(root).iter_subtree():
-        matches = matcher.match(wrapper)
-        if matches:
-            found[wrapper.etree_element] = [each for match in matches for each in match[3]]
-    return found
-
-
-def _rules(tinycss2: ModuleType, nodes: Iterable[Any]) -> Iterator[tuple[Any, Any]]:
-    """Selectors and declarations of rules, including those for screens, as tokens."""
-    for node in nodes:
-        if node.type == "qualified-rule":
-            yield node.prelude, node.content
-        elif (
-            node.type == "at-rule"
-            and node.lower_at_keyword in CONDITIONS
-            and node.content is not None
-            and (node.lower_at_keyword != "media" or tinycss2.serialize(node.prelude).strip().lower() in MEDIA)
-        ):
-            yield from _rules(tinycss2, tinycss2.parse_rule_list(node.content, True, True))

@@ -91,10 +91,11 @@ class Convex(Need):
         return None if is_convex(cage) else Fault("The cage is not convex.", "convex.missed")
 
     def mended(self, plan: Plan, cage: Mesh) -> tuple[Mesh, Fault] | None:
-        """The convex hull of a cage with dents or straight angles."""
-        if is_convex(cage):
+        """The convex hull of a cage with dents or straight angles; None for one that is inside out or flat."""
+        hulls = [] if is_convex(cage) else _hulls(cage, range(len(cage.loops)), plan.group)
+        if not hulls or min(map(len, hulls)) < LEAST_PER_LOOP or sum(map(len, hulls)) == len(cage.vertices):
             return None
-        hull = Mesh.from_loops(_hulls(cage, range(len(cage.loops)), plan.group))
+        hull = Mesh.from_loops(hulls)
         orbits = None if plan.group is None else orbits_of(hull, plan.group)
         hull = hull if orbits is None else hull.moved(orbits.symmetrised(hull.vertices))
         on = "hull" if plan.numbers is None else "grid"

@@ -13,6 +13,7 @@ from ...errors import Fault, NestingError
 from ...geometry.arrays import FloatArray
 from ...geometry.lattice import Grid
 from ...geometry.mesh import Mesh
+from ...geometry.precision import MOST_ROUNDS
 from ...level.plan import EdgeCost, Need, Plan
 from ...level.steps import as_stored
 from ...tasks import Stage
@@ -33,6 +34,8 @@ class Lattice:
     stored: str | None
     largest: float
     """Largest coordinate of the drawing, which sets the spacing of the numbers of a type."""
+    rounds: int = MOST_ROUNDS
+    """Maximum number of improvements of places on a length."""
 
     @property
     def spacing(self) -> float:
@@ -66,8 +69,14 @@ class Lattice:
         if self.lattice is None:
             yield 1.0
             return self.nearest(cage.vertices)
-        found = yield from put_on_grid(cage, fine, self.lattice, clearance=clearance, side=side, edge_cost=cost)
+        found = yield from put_on_grid(
+            cage, fine, self.lattice, clearance=clearance, side=side, edge_cost=cost, rounds=self.rounds
+        )
         return None if found is None else as_stored(found, self.stored)
+
+    def hasty(self) -> Lattice:
+        """The same, on which places are not improved once there are some."""
+        return replace(self, rounds=0)
 
     def finer(self) -> Iterator[Lattice]:
         """Grids that are finer by usual factors."""

@@ -40,12 +40,19 @@ MAX_LAYER = 72
 
 
 def put_on_grid(
-    cage: Mesh, fine: Mesh, grid: Grid, *, clearance: float, side: int, edge_cost: EdgeCost | None = None
+    cage: Mesh,
+    fine: Mesh,
+    grid: Grid,
+    *,
+    clearance: float,
+    side: int,
+    edge_cost: EdgeCost | None = None,
+    rounds: int = MOST_ROUNDS,
 ) -> Stage[float, FloatArray | None]:
     """(m, 2) grid points for the vertices of a cage around a fine mesh, or inside it; None if none were found.
 
     clearance: smallest distance to keep from the fine mesh, above 0, as in the coordinates of the meshes. edge_cost:
-    what is minimised; None: the area. A generator: yields a fraction after every improvement.
+    what is minimised; None: the area. rounds: of improvements, at most. A generator: yields a fraction after each.
     """
     search = _CoordinateDescent(cage, fine, grid, clearance, side, edge_cost)
     found: IntArray | None = None
@@ -57,7 +64,7 @@ def put_on_grid(
     if found is None:
         return None
     reaches = list(LATER_REACHES)
-    for number in range(MOST_ROUNDS):
+    for number in range(rounds):
         better = search.chosen(search.layers_around(found, reaches[0]))
         yield 1.0 - 0.75 / (2.0 + number)
         if better is not None and search.cost(better) < search.cost(found):
