@@ -6,10 +6,10 @@ from . import operators
 from .binding import adoption, sweep
 from .following import claims
 from .properties import schema
-from .ui import menus, online_manual, overlay, panels, preferences
+from .ui import doors, menus, online_manual, overlay, panels, preferences
 
 # In the order of registration; each knows only those before it.
-_ROOMS = (schema, operators, adoption, sweep, claims, panels, preferences, menus, online_manual, overlay)
+_ROOMS = (schema, operators, adoption, sweep, claims, doors, panels, preferences, menus, online_manual, overlay)
 
 
 def register() -> None:

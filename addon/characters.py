@@ -185,7 +185,7 @@ def json_of(context: Context, collection: Collection, *, flip_y: bool, frames: b
     fine, cage = ownership.members(collection)[0], ownership.members(collection)[-1]
     armature = next((each.object for each in cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)), None)
     if armature is None:
-        raise UserError(f"'{cage.name}' follows no armature: press Rig with Armature first")
+        raise UserError(f"'{cage.name}' follows no armature: press Rig first")
     height = float(filling.points_of(filling.mesh_of(cage))[0, 2])
     bones = bones_of(armature, Frame(world_matrix(cage), height, scale_of(cage), own=True))
     painted = np.nan_to_num(filling.weights_of(filling.mesh_of(cage), len(cage.vertex_groups)))

@@ -158,7 +158,7 @@ class Generation:
         if options.inside and not are_counts(options.levels):
             raise UserError("Inner cages have vertex counts: leave distances and excesses out of the levels")
         if options.inside and options.rules.convex:
-            raise UserError("Convex cages lie around a drawing: leave 'Inside' or 'Convex' off")
+            raise UserError("Convex cages lie around a drawing: leave 'Cage Inside' or 'Convex' off")
         self.results: list[Result] = []
         self.problems: list[UserError] = []
         self._plans: list[Plan] = []

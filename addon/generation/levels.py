@@ -164,19 +164,27 @@ def are_counts(levels: Sequence[Level]) -> bool:
     return not any(isinstance(level, core.Within) for level in levels)
 
 
-def meanings(levels: Sequence[Level], sizes: Sequence[int], size: float, unit: tuple[str, float]) -> list[str]:
-    """What levels come to for a drawing, such as "20 % = 93 vertices"; one line on all where they are counts.
+def meanings(levels: Sequence[Level], drawings: Sequence[Sequence[int]], size: float, unit: tuple[str, float]) -> str:
+    """What levels come to for some drawings: "20 % = 4 to 93, 8 % = 4 to 37 vertices"; their vertices where all levels
+    are counts.
 
-    sizes: vertices of its loops. size: its diagonal in units of the scene. unit: what the scene marks lengths with, and
-    its length.
+    drawings: vertices of the loops of each. size: the largest diagonal in units of the scene. unit: what the scene
+    marks lengths with, and its length.
     """
     name, length = unit
-    lines = []
+    said: list[str] = []
+    shares = [level for level in levels if isinstance(level, core.hierarchy.Share)]
     for level in levels:
         if isinstance(level, core.hierarchy.Share):
-            lines.append(f"{100.0 * level.fraction:.4g} % = {level.of(sizes)} vertices")
+            counts = _span([level.of(sizes) for sizes in drawings])
+            said.append(f"{100.0 * level.fraction:.4g} % = {counts}{' vertices' if level is shares[-1] else ''}")
         elif isinstance(level, core.Within) and level.excess is not None:
-            lines.append(f"+{100.0 * level.excess:.4g} % = {1.0 + level.excess:.4g} times the area")
+            said.append(f"+{100.0 * level.excess:.4g} % = {1.0 + level.excess:.4g} times the area")
         elif isinstance(level, core.Within) and size > 0.0:
-            lines.append(f"{level.limit / length:.4g} {name} = {100.0 * level.limit / size:.3g} % of the size")
-    return lines or [f"of {sum(sizes)} vertices"]
+            said.append(f"{level.limit / length:.4g} {name} = {100.0 * level.limit / size:.3g} % of the size")
+    return ", ".join(said) or f"of {_span([sum(sizes) for sizes in drawings])} vertices"
+
+
+def _span(counts: Sequence[int]) -> str:
+    """The least and the largest of some counts."""
+    return str(min(counts)) if min(counts) == max(counts) else f"{min(counts)} to {max(counts)}"

@@ -1,4 +1,4 @@
-"""Follow Animation: cages around a drawing that moves; Live: cages that follow its edits; Remove Animation."""
+"""Follow a Moving Drawing: cages around a drawing that moves; Live: cages that follow its edits; Remove Animation."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ READING_PART = 0.2
 class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.types.Operator):
     """Wrap the selected animated drawings in cages that move with them and strictly enclose them at every instant"""
 
-    bl_label = "Follow Animation"
+    bl_label = "Follow a Moving Drawing"
 
     frame_start: whole("Start", "First frame; the scene's if it is not set", default=1)
     frame_end: whole("End", "Last frame; the scene's if it is not set", default=250)
@@ -75,7 +75,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
         scene, reading = scene_of(context), filled(ReadingOptions, self)
         options = options_of(self, scene)
         if options.inside:
-            raise UserError("Cages that follow a motion lie around the drawing: leave 'Inside' off")
+            raise UserError("Cages that follow a motion lie around the drawing: leave 'Cage Inside' off")
         if options.rules.kinds() or self.weight_group or self.pin_group or self.joint_armature:
             raise UserError(f"Cages that follow a motion do not support '{groups.SHAPE_TITLE}': reset its settings")
         name = scene.name

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Literal
 
 import bpy
@@ -24,7 +25,7 @@ Outcome = set[Literal["RUNNING_MODAL", "CANCELLED", "FINISHED", "PASS_THROUGH", 
 
 NOTHING = "Select a drawing that has cages, or one of its cages"
 
-# The place named by the last message, if there is one, for Select Fault.
+# The place named by the last message, if there is one, for Show.
 last_fault: list[Fault] = []
 
 # Blender only reads properties of bases that are not registered.
@@ -295,6 +296,16 @@ def _asks_to_cancel(context: Context, event: bpy.types.Event) -> bool:
     areas = [area for area in context.window.screen.areas if area.type == "VIEW_3D"]
     x, y = event.mouse_x, event.mouse_y
     return any(0 <= x - area.x < area.width and 0 <= y - area.y < area.height for area in areas)
+
+
+@contextmanager
+def removed_on_failure(made: list[Object]) -> Iterator[None]:
+    """Removes new objects if what follows fails or is cancelled."""
+    try:
+        yield
+    except BaseException:
+        bpy.data.batch_remove([block for obj in made for block in (obj, obj.data)])
+        raise
 
 
 def pose(context: Context, rig: Object) -> None:

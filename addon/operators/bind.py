@@ -1,4 +1,4 @@
-"""Bind, Rebind, Unbind, handles at the corners of a bound cage, and Adopt; Rig with Armature and Suggest Bones."""
+"""Bind, Rebind, Unbind, handles at the corners of a bound cage, and Adopt; Rig and Suggest Bones."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..scene import filling, ownership
 from ..scene.areas import paints
 from ..scene.convert import Drawing
 from ..scene.ownership import check_free, chosen, outputs_of_chosen, scene_of, select
-from .base import JobOperator, Operator, OutputOperator, pose
+from .base import JobOperator, Operator, OutputOperator, pose, removed_on_failure
 from .views import OUTLINES
 
 METHOD_ITEMS = (
@@ -150,33 +150,29 @@ class OnParts(JobOperator):
 
 
 class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
-    """Put one cage around all selected drawings, with vertices where the joints of the selected armature need them, and
-    let its bones move them all
+    """Put one cage around all selected drawings, with vertices where joints need them, and let bones move them all:
+    those of the selected armature, or else new ones along the limbs
     """
 
-    bl_label = "Rig with Armature"
+    bl_label = "Rig"
 
     vertices: whole("Vertices", "Vertices of the cage apart from those at joints; 0: as many as its loops need", min=0)
 
     shown_by = (OUTLINES,)
 
-    @classmethod
-    def unavailable(cls, context: Context) -> str:
-        if _armature(context) is None:
-            return "Select an armature too, or press Suggest Bones"
-        return super().unavailable(context)
-
     def work(self, context: Context) -> Work[None]:
         armature = _armature(context)
         adopt(scene_of(context), chosen(context))
         groups = ownership.with_parts(scene_of(context), _drawings(context))
-        identity, parts = armature.session_uid, [part for group in groups for part in group]
+        parts, identity = [part for group in groups for part in group], armature and armature.session_uid
         whole, problems = self.united(context, parts)
         yield Progress(0.0, "uniting painted areas")
-        armature = found_object(identity)
+        new = [] if armature else [characters.add_skeleton(context, whole, core.character.Skeleton())[0]]
+        armature = found_object(identity) if identity else new[0]
         if armature is None or whole.source is None:
             raise UserError("The armature or a drawing was deleted meanwhile, so the cage was discarded")
-        collection = yield from characters.make(context, whole, armature, self.vertices)
+        with removed_on_failure(new):
+            collection = yield from characters.make(context, whole, armature, self.vertices)
         cage = ownership.members(collection)[-1]
         pose(context, armature)
         self.tell_skipped(problems, "object")
@@ -222,16 +218,20 @@ class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
         armature, number = characters.add_skeleton(context, whole, skeleton)
         select(context, *(obj for part in parts if (obj := found_object(part)) is not None), armature)
         self.tell_skipped(problems, "object")
-        self.report({"INFO"}, f"{counted(number, 'bone')}: edit them, then press Rig with Armature")
+        self.report({"INFO"}, f"{counted(number, 'bone')}: edit them, then press Rig")
 
 
 def _drawings(context: Context) -> Sequence[Object]:
-    """The selected objects that paint something and are no cages."""
-    return [obj for obj in context.selected_objects if paints(obj) and ownership.level_of(obj) is None]
+    """The selected objects that paint something and are no cages; of an armature alone, what it moves."""
+    drawn = [obj for obj in context.selected_objects if paints(obj) and ownership.level_of(obj) is None]
+    return drawn or [obj for each in outputs_of_chosen(context) for obj in ownership.originals(each)]
 
 
 def _armature(context: Context) -> Object | None:
-    """The selected armature, of several the active one."""
+    """The selected armature, of several the active one; else the one that moves the selected drawings already."""
     active = context.view_layer.objects.active
     armatures = [obj for obj in context.selected_objects if obj.type == "ARMATURE"]
-    return active if active in armatures else next(iter(armatures), None)
+    cages = [ownership.members(each)[-1] for each in outputs_of_chosen(context)] if not armatures else []
+    rigs = [each for cage in cages for each in cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)]
+    moving = [each.object for each in rigs if each.object is not None]
+    return active if active in armatures else next(iter((*armatures, *moving)), None)

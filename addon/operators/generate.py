@@ -213,7 +213,7 @@ def requests(context: Context, values: GenerationProperties) -> tuple[list[Reque
     if values.use_selected_as_levels:
         if active not in selected or len(selected) < 2:
             raise UserError(
-                "'Selected as Levels' needs the drawing as the active object and at least one coarse mesh selected "
+                "'Selected as Cages' needs the drawing as the active object and at least one coarse mesh selected "
                 "as well"
             )
         own = [obj for obj in selected if obj is not active]

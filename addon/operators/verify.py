@@ -1,4 +1,4 @@
-"""Verify Cages, Select Fault and Write Report."""
+"""Verify Cages, Show and Write Report."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def _nested(context: Context, hidden: bool = False) -> list[list[Object]]:
 class OBJECT_OT_nested_cages_select_fault(Operator, bpy.types.Operator):
     """Enter Edit Mode with the points selected that the last message is about, and zoom to them"""
 
-    bl_label = "Select Fault"
+    bl_label = "Show"
     modes = ()
 
     @classmethod

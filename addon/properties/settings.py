@@ -28,19 +28,19 @@ class GenerationProperties:
     """The settings, as a mixin for Blender's classes."""
 
     levels: text(
-        "Levels",
+        "Cages",
         "What each cage has, finest first: a number of vertices (64), a share of the drawing's vertices (20%), or as "
         "few as keep within a distance of the drawing (5mm, 0.2ft, 2u for units) or add at most some area (+25%)",
         default=DEFAULT_LEVELS,
     )
     level_objects: text("Own Objects", "For scripts: names of the objects that * in the levels stands for, a line each")
     use_selected_as_levels: flag(
-        "Selected as Levels", "Use the active object as the drawing and the other selected objects as its coarse meshes"
+        "Selected as Cages", "Use the active object as the drawing and the other selected objects as its coarse meshes"
     )
     together: flag(
         "All in One", "Wrap all selected drawings in common cages, in the plane of the active one; united if they cross"
     )
-    inside: flag("Inside", "Make cages inside the drawing, of locally largest area, each inside the one before")
+    inside: flag("Cage Inside", "Make cages inside the drawing, of locally largest area, each inside the one before")
     convex: flag("Convex", "Make the smallest convex polygon around each part, with as many vertices as the level says")
     grid: length("Grid", "Put all vertices of cages at multiples of this length from the object's origin; 0 for none")
     merge: length(
@@ -63,10 +63,10 @@ class GenerationProperties:
         unit="ROTATION",
     )
     clearance: length(
-        "Clearance", "Smallest distance between a cage and what it encloses; 0 uses the share of the size below"
+        "Gap", "Smallest distance between a cage and what it encloses; 0 uses the share of the size below"
     )
     clearance_share: number(
-        "Of the Size",
+        "Gap in %",
         "Smallest distance in percent of the drawing's diagonal; 0 uses the smallest that is safe, 0.001 %",
         min=0.0,
         max=100.0,

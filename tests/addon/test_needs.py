@@ -95,12 +95,12 @@ def test_the_panel_says_what_levels_come_to(addon) -> None:
     settings = bpy.context.scene.nested_cages
     settings.levels = "20%, 5 cm, +25%, 12"
     bpy.context.view_layer.update()
-    said = addon.ui.panels._said_of_levels(bpy.context, settings)
-    assert said == ["20 % = 12 vertices", "0.05 m = 0.884 % of the size", "+25 % = 1.25 times the area"]
+    said = addon.ui.doors.counts(bpy.context).split(", ")
+    assert sorted(said) == ["+25 % = 1.25 times the area", "0.05 m = 0.884 % of the size", "20 % = 12 vertices"]
     settings.levels = "12"
-    assert addon.ui.panels._said_of_levels(bpy.context, settings) == ["of 60 vertices"]
+    assert addon.ui.doors.counts(bpy.context) == "of 60 vertices"
     settings.levels = "12 apples"
-    assert addon.ui.panels._said_of_levels(bpy.context, settings) == []
+    assert addon.ui.doors.counts(bpy.context) == ""
 
 
 def test_inner_cages_lie_inside_and_play(core) -> None:
@@ -200,7 +200,7 @@ def test_inner_cages_move_nothing_and_say_so(addon) -> None:
         assert not getattr(bpy.ops.object, f"nested_cages_{operator}").poll()
     with pytest.raises(RuntimeError, match="Inner cages do not contain the drawing, so they cannot move it"):
         bpy.ops.object.nested_cages_bind()
-    with pytest.raises(RuntimeError, match="lie around the drawing: leave 'Inside' off"):
+    with pytest.raises(RuntimeError, match="lie around the drawing: leave 'Cage Inside' off"):
         bpy.ops.object.nested_cages_follow(levels="16", inside=True)
     with pytest.raises(RuntimeError, match="leave distances and excesses out"):
         bpy.ops.object.nested_cages_follow(levels="2u")

@@ -417,7 +417,7 @@ REFUSALS = {
     "closed surface": (lambda: bpy.ops.mesh.primitive_cube_add(), {}, "'Cube' is a solid"),
     "crossing loops": (lambda: poly_curve("Two", [circle(20), circle(20, 1.0, (1.0, 0.0))]), {}, "'Two': "),
     "no levels selected": (
-        lambda: poly_curve("Drawing", [star()]), {"use_selected_as_levels": True}, "'Selected as Levels' needs"
+        lambda: poly_curve("Drawing", [star()]), {"use_selected_as_levels": True}, "'Selected as Cages' needs"
     ),
     "level out of plane": (levels_out_of_plane, {"use_selected_as_levels": True}, "'Tilted' does not lie in one plane"),
     "impossible clearance": (

@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 import pytest
 
-from drawings import bezier_circle, circle, grid_face, poly_curve, star, text, wire
+from drawings import bezier_circle, choose, circle, grid_face, poly_curve, star, text, wire
 
 
 class Layout:
@@ -73,16 +73,99 @@ def draw(extension):
 
 
 def test_the_panel_shows_the_settings(draw) -> None:
+    poly_curve("Drawing", [star()])
     drawn = draw("VIEW3D_PT_nested_cages")
     assert {"levels", "clearance", "object.nested_cages_generate", "object.nested_cages_bind"} <= set(drawn)
     assert not {"energy", "fit_length", "shrink", "as_published"} & set(drawn)
     assert {"fit_length", "show_flow", "shrink"} <= set(draw("VIEW3D_PT_nested_cages_animation"))
     assert "resolution" in draw("VIEW3D_PT_nested_cages_reading")
-    bones = ["object.nested_cages_suggest_bones", "object.nested_cages_rig"]
-    assert draw("VIEW3D_PT_nested_cages_character") == bones
+
+
+def squares(*places: float) -> list[Any]:
+    """Overlapping or separate faces, all selected."""
+    made = [grid_face(f"Part {number}", 1) for number, _ in enumerate(places)]
+    for obj, x in zip(made, places, strict=True):
+        obj.location = (x, 0.0, 0.01 * x)
+    bpy.context.view_layer.update()
+    return made
+
+
+def image_empty() -> None:
+    obj = bpy.data.objects.new("Sprite", None)
+    obj.empty_display_type, obj.data = "IMAGE", bpy.data.images.new("sprite", 8, 8, alpha=True)
+    bpy.context.scene.collection.objects.link(obj)
+    obj.select_set(True)
+
+
+def rigged() -> None:
+    squares(0.0, 0.8, 1.6)
+    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+
+
+def cut_out() -> None:
+    image_empty()
+    bpy.data.images["sprite"].pixels.foreach_set([1.0] * 256)
+    assert bpy.ops.object.nested_cages_cutout(levels="4") == {"FINISHED"}
+
+
+# What is selected, the title of the door that opens, and the button to press, which is the first in it.
+FITTING = {
+    "nothing": (lambda: None, "", ""),
+    "a camera": (bpy.ops.object.camera_add, "", ""),
+    "a drawing": (lambda: poly_curve("Drawing", [star()]), "CAGES", "generate"),
+    "drawings side by side": (lambda: squares(0.0, 2.0, 4.0), "CAGES", "generate"),
+    "overlapping parts": (lambda: squares(0.0, 0.5, 1.0), "RIG", "rig"),
+    "an armature": (bpy.ops.object.armature_add, "RIG", "rig"),
+    "a rig in Pose Mode": (rigged, "RIG", "rig"),
+    "a picture": (image_empty, "PICTURE", "cutout"),
+    "a cutout in Pose Mode": (cut_out, "PICTURE", "cutout"),
+}
+
+
+@pytest.mark.parametrize("name", FITTING)
+def test_the_door_that_fits_is_open_and_its_first_button_is_the_one_to_press(draw, addon, name) -> None:
+    select, door, button = FITTING[name]
+    select()
+    assert addon.ui.doors.opened(bpy.context) == door
+    drawn = draw("VIEW3D_PT_nested_cages")
+    assert drawn[:3] == ["scene.nested_cages_door"] * 3
+    pressed = next(each for each in drawn if each.startswith("object."))
+    assert pressed == f"object.nested_cages_{button or 'import'}"
+    operator = getattr(bpy.ops.object, pressed.partition(".")[2])
+    assert operator.poll() or bpy.context.mode == "POSE" or name == "an armature"
+    assert (addon.ui.doors.NOTHING in drawn) == (not door)
+
+
+def test_a_door_opened_by_hand_stays_until_another_one_fits(addon) -> None:
+    doors = addon.ui.doors
+    drawing = poly_curve("Drawing", [star()])
+    bpy.ops.scene.nested_cages_door(door="RIG")
+    assert doors.opened(bpy.context) == "RIG"
+    image_empty()
+    drawing.select_set(False)
+    assert doors.opened(bpy.context) == "PICTURE"
+
+
+def test_buttons_stay_in_their_places_whatever_is_selected(draw, addon) -> None:
+    """What is drawn above and between the buttons of an open door does not depend on the selection."""
+    places = set()
+    poly_curve("Drawing", [star()])
+    for step in (
+        lambda: None,
+        lambda: bpy.ops.object.nested_cages_generate(levels="20, 10"),
+        lambda: choose(bpy.data.objects["Drawing Cage 1"]),
+        bpy.ops.object.nested_cages_bind,
+        lambda: choose(bpy.data.objects["Drawing"]),
+        lambda: squares(4.0, 8.0),
+    ):
+        step()
+        drawn = draw("VIEW3D_PT_nested_cages")
+        places.add(tuple((k, each) for k, each in enumerate(drawn) if "nested_cages" in each))
+    assert len(places) == 1
 
 
 def test_every_setting_is_in_one_of_the_panels_and_in_the_redo_panel(draw, addon) -> None:
+    poly_curve("Drawing", [star()])
     names = sorted(set(addon.properties.settings.NAMES) - {"level_objects"})
     parts = ("", "_animation", "_rules", "_reading")
     drawn = [name for part in parts for name in draw(f"VIEW3D_PT_nested_cages{part}")]
@@ -121,8 +204,17 @@ def test_levels_are_told_in_vertices_beside_them(draw, addon, name) -> None:
         count = len(addon.scene.convert.read(bpy.context, obj).points)
     bpy.context.scene.nested_cages.levels = "20%, 50%"
     drawn = draw("VIEW3D_PT_nested_cages")
-    assert f"20 % = {max(4, round(0.2 * count))} vertices" in drawn
-    assert f"50 % = {round(0.5 * count)} vertices" in drawn
+    assert f"50 % = {round(0.5 * count)}, 20 % = {max(4, round(0.2 * count))} vertices" in drawn
+
+
+def test_levels_are_told_for_all_selected_drawings(draw) -> None:
+    for count in (40, 300, 100):
+        poly_curve("Drawing", [star(count)]).location.x = count
+    bpy.context.view_layer.update()
+    bpy.context.scene.nested_cages.levels = "20%, 2"
+    assert "20 % = 8 to 60 vertices" in draw("VIEW3D_PT_nested_cages")
+    bpy.context.scene.nested_cages.levels = "10"
+    assert "of 40 to 300 vertices" in draw("VIEW3D_PT_nested_cages")
 
 
 def test_results_are_short_and_the_numbers_are_in_a_report(draw) -> None:

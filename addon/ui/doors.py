@@ -1,0 +1,207 @@
+"""Three doors by task: which of them fits what is selected, which is open, and what is behind each.
+
+What they offer stays in its place while a door is open: what cannot be used is greyed out, with its reason.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.types import Context, Object
+from mathutils import Vector
+
+from ..errors import UserError, counted
+from ..generation.job import running
+from ..generation.levels import lengths, loop_sizes, meanings, parse_levels
+from ..io.pictures import image_on
+from ..operators.base import Operator, last_fault
+from ..properties import groups
+from ..properties.kinds import choice, registration
+from ..properties.settings import copy_values, settings_of
+from ..scene import ownership
+from ..scene.areas import paints
+from ..scene.ownership import chosen, outputs_of_chosen, scene_of
+
+RIG, PICTURE, CAGES = "RIG", "PICTURE", "CAGES"
+TITLES = {RIG: "Rig a Character", PICTURE: "Cut Out a Picture", CAGES: "Cages around Drawings"}
+SAYS = {
+    RIG: "Bend a drawing of one or many parts with bones, in one cage around all of them",
+    PICTURE: "Make pictures with a transparent background parts to pose",
+    CAGES: "Wrap drawings in coarse outlines that strictly enclose them, and move them by these",
+}
+ICONS = {RIG: "ARMATURE_DATA", PICTURE: "IMAGE_PLANE", CAGES: "MOD_MESHDEFORM"}
+NOTHING = "Select drawings, pictures or a character"
+# Objects that are looked at, so that a panel is drawn at once whatever is selected.
+MOST = 200
+# Fraction of the selected drawings that overlap others from which on they are the parts of a character.
+PARTS = 0.5
+
+# The door that was opened by hand, and the one that fitted then: it stays open until another one fits.
+_by_hand: dict[str, str] = {}
+
+
+def fitting(context: Context) -> str:
+    """The door that fits the selection; empty if none does."""
+    objects = _looked_at(context)
+    sources = [source for each in outputs_of_chosen(context) if (source := ownership.source_of(each)) is not None]
+    if any(image_on(obj) is not None for obj in (*sources, *objects)):
+        return PICTURE
+    if any(obj.type == "ARMATURE" for obj in objects):
+        return RIG
+    drawings = [obj for obj in objects if paints(obj)]
+    if len(drawings) > 1 and not any(ownership.level_of(obj) is not None for obj in drawings) and _overlap(drawings):
+        return RIG
+    return CAGES if drawings else ""
+
+
+def opened(context: Context) -> str:
+    """The door that is open: the one that fits, unless another one was opened since."""
+    fits = fitting(context)
+    return _by_hand["door"] if _by_hand.get("fits") == fits else fits
+
+
+def _looked_at(context: Context) -> list[Object]:
+    """What is selected; with nothing selected, the active object if it has cages."""
+    selected = list(context.selected_objects)
+    return (selected or [obj for obj in chosen(context) if outputs_of_chosen(context)])[:MOST]
+
+
+def _overlap(objects: Sequence[Object]) -> bool:
+    """Whether most objects overlap others, seen along the direction in which all of them are thinnest."""
+    corners = np.array([[obj.matrix_world @ Vector(corner) for corner in obj.bound_box] for obj in objects])
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    seen = np.argsort(high.max(axis=0) - low.min(axis=0))[1:]
+    low, high = low[:, seen], high[:, seen]
+    meet = ((low[:, None] < high) & (low < high[:, None])).all(axis=2)
+    return bool((meet.sum(axis=1) > 1).mean() > PARTS)
+
+
+def draw(layout: Any, context: Context) -> None:
+    """The doors, a line about the selection, and what is behind the door that is open."""
+    door = opened(context)
+    column = layout.column(align=True)
+    for name, title in TITLES.items():
+        column.operator("scene.nested_cages_door", text=title, icon=ICONS[name], depress=name == door).door = name
+    row = layout.row()
+    row.label(text=_selection(context, door), translate=False)
+    if last_fault:
+        row.operator("object.nested_cages_select_fault", icon="VIEWZOOM")
+    if door:
+        BEHIND[door](layout, context)
+    else:
+        layout.operator("object.nested_cages_import", text="Import Drawings", icon="IMPORT")
+        layout.operator("object.nested_cages_cutout", text="Cut Out Picture Files", icon="IMAGE_PLANE")
+
+
+def _selection(context: Context, door: str) -> str:
+    """What is selected, in a line."""
+    selected = [obj for obj in context.selected_objects if obj.type != "ARMATURE"]
+    if not door:
+        return NOTHING
+    if len(selected) == 1:
+        return selected[0].name
+    return counted(len(selected), "drawing" if door != PICTURE else "picture") if selected else ""
+
+
+def _first(layout: Any, name: str, **options: Any) -> Any:
+    """The button to press, or in its place what it is doing."""
+    row, job = layout.row(align=True), running()
+    row.scale_y = 1.5
+    if job is None:
+        return row.operator(f"object.nested_cages_{name}", **options)
+    row.progress(factor=job.fraction, text=job.message)
+    row.operator("object.nested_cages_cancel", text="", icon="CANCEL")
+    return None
+
+
+def _rig(layout: Any, context: Context) -> None:
+    _first(layout, "rig", icon="ARMATURE_DATA")
+    column = layout.column(align=True)
+    column.operator("object.nested_cages_suggest_bones", icon="GROUP_BONE")
+    column.operator("object.nested_cages_bind", text="Bind New Parts", icon="LINKED")
+    layout.operator("object.nested_cages_import", text="Import Parts", icon="IMPORT")
+
+
+def _picture(layout: Any, context: Context) -> None:
+    _first(layout, "cutout", icon="IMAGE_PLANE")
+    column = layout.column(align=True)
+    column.operator("object.nested_cages_cutout", text="Cut Out with Skeleton", icon="ARMATURE_DATA").skeleton = True
+    column.operator("object.nested_cages_from_image", icon="IMAGE_DATA")
+
+
+def _cages(layout: Any, context: Context) -> None:
+    settings = settings_of(context)
+    button = _first(layout, "generate", icon="MOD_MESHDEFORM")
+    if button is not None:
+        copy_values(settings, button)
+    column = layout.column()
+    column.use_property_split, column.use_property_decorate = True, False
+    row = column.row()
+    row.active = not settings.use_selected_as_levels
+    row.prop(settings, "levels")
+    row = column.row()
+    row.alignment = "RIGHT"
+    row.label(text=counts(context), translate=False)
+    groups.draw(column, settings, groups.SPACE)
+    grid = layout.column(align=True)
+    for pair in (("bind", "LINKED", "unbind", "UNLINKED"), ("rebind", "FILE_REFRESH", "add_handles", "BONE_DATA")):
+        row = grid.row(align=True)
+        for name, icon in zip(pair[::2], pair[1::2], strict=True):
+            row.operator(f"object.nested_cages_{name}", icon=icon)
+    grid.operator("object.nested_cages_follow", icon="CON_FOLLOWTRACK")
+
+
+BEHIND: dict[str, Callable[[Any, Context], None]] = {RIG: _rig, PICTURE: _picture, CAGES: _cages}
+
+
+def counts(context: Context) -> str:
+    """The vertices of the cages of all selected drawings: "20 % = 4 to 93 vertices"; empty if they are not known."""
+    settings, known = settings_of(context), lengths(scene_of(context))
+    drawings = [obj for obj in chosen(context)[:MOST] if ownership.level_of(obj) is None and obj.mode == "OBJECT"]
+    sizes = [of_one for obj in drawings if sum(of_one := loop_sizes(obj, settings.resolution))]
+    try:
+        levels = parse_levels(settings.levels, known) if sizes else ()
+    except UserError:
+        return ""
+    size = max((obj.dimensions.length for obj in drawings), default=0.0)
+    return meanings(levels, sizes, size, next(iter(known.items()))) if levels else ""
+
+
+class SCENE_OT_nested_cages_door(Operator, bpy.types.Operator):
+    """Show these buttons until others fit what is selected"""
+
+    bl_label = "Task"
+    bl_options = {"INTERNAL"}
+    modes = ()
+    during_jobs = True
+
+    door: choice("Door", "What to do", [(name, title, "") for name, title in TITLES.items()])
+
+    @classmethod
+    def description(cls, _context: Context, properties: Any) -> str:
+        return SAYS[properties.door]
+
+    def run(self, context: Context) -> None:
+        _by_hand.update(door=self.door, fits=fitting(context))
+
+
+@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
+def _forget(*_: object) -> None:
+    """Another file was opened."""
+    _by_hand.clear()
+
+
+_register, _unregister = registration((SCENE_OT_nested_cages_door,))
+
+
+def register() -> None:
+    _register()
+    bpy.app.handlers.load_post.append(_forget)
+
+
+def unregister() -> None:
+    bpy.app.handlers.load_post.remove(_forget)
+    _unregister()
