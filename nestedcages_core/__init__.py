@@ -74,10 +74,10 @@ if TYPE_CHECKING:
     from .energies.choices import StepDisplacement as StepDisplacement
     from .energies.no_energy import NoEnergy as NoEnergy
     from .energies.weighted_sum import WeightedSum as WeightedSum
-    from .exchange import Cut as Cut
+    from .exchange import Coverage as Coverage
     from .exchange import Feature as Feature
     from .exchange import character_to_engine_json as character_to_engine_json
-    from .exchange import cut_at_borders as cut_at_borders
+    from .exchange import coverage_cages as coverage_cages
     from .exchange import (
         features_from_geojson,
         from_geojson,
@@ -205,7 +205,7 @@ _LATER = {
     "constraints": "AxisAligned Box LeastAngle LeastEdge LoopClearance Outside",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
-        "Cut Feature cut_at_borders character_to_engine_json features_from_geojson frames_to_engine_json "
+        "Coverage Feature coverage_cages character_to_engine_json features_from_geojson frames_to_engine_json "
         "from_engine_json from_geojson from_svg is_engine_json puppet_parts read_geojson read_svg swept to_engine_json "
         "to_geojson to_svg write_engine_json write_geojson write_svg"
     ),

@@ -14,12 +14,12 @@ pictures itself."""
 
 
 @contextmanager
-def _needed(name: str, purpose: str) -> Iterator[None]:
+def _needed(name: str, purpose: str, install: str = INSTALL) -> Iterator[None]:
     """Raises NestedCagesError where the library is missing; purpose: the subject, such as "Merging parts"."""
     try:
         yield
     except ImportError as error:
-        problem = f"{purpose} needs {name}; {INSTALL}."
+        problem = f"{purpose} needs {name}; {install}."
         raise NestedCagesError(problem, code="dependency.missing", library=name) from error
 
 
@@ -36,6 +36,13 @@ def load_css() -> tuple[Any, Any]:
         import cssselect2
         import tinycss2.color4
     return tinycss2, cssselect2
+
+
+def load_pyogrio(purpose: str) -> Any:
+    """pyogrio (GDAL), for the subject of a sentence. Raises NestedCagesError where it is missing."""
+    with _needed("pyogrio", purpose, "install it with 'pip install nested-cages[maps]'"):
+        import pyogrio
+    return pyogrio
 
 
 def load_pictures() -> Any:

@@ -35,7 +35,7 @@ DOOR = "core.py"
 THIRD_PARTY = {"numpy", "scipy"}
 # Optional libraries, each in its room alone, imported when needed: formats, plots, progress bars.
 OPTIONAL = {
-    "libraries": {"shapely", "tinycss2", "cssselect2", "PIL"},
+    "libraries": {"shapely", "tinycss2", "cssselect2", "PIL", "pyogrio"},
     "geometry": {"matplotlib"},
     "tasks": {"tqdm"},
 }

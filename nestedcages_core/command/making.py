@@ -8,15 +8,14 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..batch import Outcome, nested_cages_many
 from ..errors import NestedCagesError
-from ..exchange import Limits, cut_at_borders
+from ..exchange import Coverage, Limits, coverage_cages
 from ..exchange.pictures import picture_cages
 from ..geometry.mesh import Mesh
 from ..hierarchy import LEAST, Hierarchy, Level, Rising, Settings, Within, inner_cages, nested_cages, wanted_levels
-from ..level.gate import standing
 from .progress import ProgressLine
 from .sources import NamedShape, Source
 
@@ -49,8 +48,8 @@ class Result:
     made: Sequence[Made] = ()
     failures: Sequence[str] = ()
     """One sentence per shape that has no cages, or not all of them."""
-    borders: Sequence[dict[str, Any]] = ()
-    """For each level: points read, points of the cages and what they cover of their neighbours, uncut and cut."""
+    coverages: Sequence[Coverage] = ()
+    """For each level: the regions of a map whose borders are simplified."""
 
 
 def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
@@ -58,6 +57,8 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
 
     Counts that are too small for a shape are raised to the least that does, and a note says so, unless `strict`.
     """
+    if given.borders is not None:
+        return _coverage(source, given, line)
     failures = list(source.failures)
     made: list[Made] = []
     for shape, outcome in zip(source.shapes, _made_outcomes(source, given, line), strict=True):
@@ -69,9 +70,7 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
             hierarchy = error.partial
         if isinstance(hierarchy, Hierarchy) and hierarchy.levels:
             made.append(Made(shape, hierarchy.fine, hierarchy.levels))
-    if given.borders is None:
-        return Result(source, made, failures)
-    return Result(source, *_at_borders(made, failures, given.clearance, given.borders or None))
+    return Result(source, made, failures)
 
 
 def _wanted(mesh: Mesh, given: argparse.Namespace) -> list[int | Mesh | Within]:
@@ -117,31 +116,11 @@ def _processes(count: int) -> Executor:
     return ProcessPoolExecutor(min(count, MAX_PROCESSES_ON_WINDOWS) if sys.platform == "win32" else count)
 
 
-def _at_borders(
-    made: Sequence[Made], failures: list[str], clearance: float | None, width: float | None
-) -> tuple[list[Made], list[str], list[dict[str, Any]]]:
-    """The result with all cages cut at the borders between regions, level by level, and what that changed."""
-    regions = inner = [each.fine for each in made]
-    land = sum(region.area for region in regions)
-    cut_back: list[list[Level]] = [[] for _ in made]
-    borders = []
-    for number in range(max((len(each.levels) for each in made), default=0)):
-        given = [each.levels[number] if number < len(each.levels) else None for each in made]
-        meshes = [mesh if level is None else level.cage for level, mesh in zip(given, inner, strict=True)]
-        cuts = cut_at_borders(meshes, regions, clearance=clearance, inner=inner, width=width)
-        for levels, mesh, level, cut in zip(cut_back, inner, given, cuts, strict=True):
-            if level is not None:
-                wanted = min(level.report.wanted_clearance, cut.clearance)
-                report = replace(level.report, notes=(*level.report.notes, cut.note))
-                levels.append(standing(mesh, cut.cage, report, wanted, side=level.side))
-        borders.append(
-            {
-                "points_read": sum(len(region.vertices) for region in regions),
-                "points_uncut": sum(cut.points_before for cut in cuts),
-                "points": sum(len(cut.cage.vertices) for cut in cuts),
-                "overlap_uncut": sum(cut.overlap_before for cut in cuts) / land,
-                "overlap": sum(cut.overlap for cut in cuts) / land,
-            }
-        )
-        inner = [cut.cage for cut in cuts]
-    return [each._replace(levels=levels) for each, levels in zip(made, cut_back, strict=True)], failures, borders
+def _coverage(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
+    """The cage around all regions of a map, divided among them."""
+    regions = [shape.content for shape in source.shapes if isinstance(shape.content, Mesh)]
+    settings = Settings(**{name: getattr(given, name) for name in SETTINGS})
+    found = coverage_cages(regions, given.levels, settings, width=given.borders or None, progress=line.of_run)
+    land = found[0].coast.fine
+    coast = Made(NamedShape("Coast", land), land, [coverage.coast for coverage in found])
+    return Result(source, [coast], source.failures, found)

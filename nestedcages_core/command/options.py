@@ -157,7 +157,8 @@ OPTIONS = {
                 "(default: 1/2000 of the drawing's diagonal); gaps and spikes narrower than a tenth of it go, in maps "
                 "too; a clearance of at least as much encloses the curves themselves"),
         _option("--element", "--only", metavar="ID", help="read only the element with this id"),
-        _option("--layers", nargs="+", metavar="NAME", help="read only these layers, by label or id"),
+        _option("--layers", nargs="+", metavar="NAME", help="read only these layers: of a drawing by label or "
+                "id, of a map file by name (default: the first with polygons)"),
         _option("--no-strokes", help="leave strokes out"),
         _option("--no-background", help="leave out a shape that covers the whole page"),
         _option("--no-crop", help="keep what lies outside the page"),
@@ -167,8 +168,8 @@ OPTIONS = {
     "maps": (
         _option("--jobs", type=_whole(1), metavar="N", help="processes for the features (default: 1)"),
         _option("--borders", type=lambda text: length(text.removesuffix("px")), nargs="?", const=0.0, metavar="WIDTH",
-                help="cut cages at the borders that features share, so that they overlap as little as cages can; with "
-                "a width, 0.5, they follow borders within it, with few points"),
+                help="for features that share borders: one cage around their land, divided along borders that are "
+                "simplified once for both sides, within a width such as 0.5 (default: about as coarsely as the coast)"),
     ),
     "pictures": (
         _option("--padding", type=length, metavar="PIXELS", help="the clearance; parts closer are joined"),
@@ -194,11 +195,11 @@ OPTIONS = {
 }  # fmt: skip
 """The options by topic of the help."""
 
-ALSO_FOR = {"tolerance": {"map"}, "inside": {"drawing", "map"}}
+ALSO_FOR = {"tolerance": {"map"}, "layers": {"map"}, "inside": {"drawing", "map"}}
 """Kinds of files other than those of the topic that an option is for."""
 
 APART = (
-    *(("padding", "clearance"), ("grid", "decimals"), ("inside", "jobs"), ("inside", "borders")),
+    *(("padding", "clearance"), ("grid", "decimals"), ("inside", "jobs"), ("inside", "borders"), ("jobs", "borders")),
     *(("borders", "grid"), ("borders", "decimals"), ("borders", "symmetry"), ("convex", "inside")),
     *(("convex", other) for other in ("borders", "min_edge", "min_angle")),
     *(("merge", other) for other in ("inside", "convex", "borders", "symmetry", "min_edge", "min_angle")),

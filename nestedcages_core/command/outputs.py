@@ -9,8 +9,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..errors import invalid_file
-from ..exchange import Feature, frames_to_engine_json, to_engine_json, to_geojson, to_svg, write_whole
+from ..exchange import Coverage, Feature, frames_to_engine_json, to_engine_json, to_geojson, to_svg, write_whole
 from ..exchange.pictures import corresponding
 from ..geometry.mesh import Mesh
 from ..hierarchy import Level
@@ -59,7 +61,9 @@ def text_of(result: Result, kind: str, *, flip_y: bool, triangles: bool, pieces:
     if kind == "svg":
         return _svg(result)
     if kind == "geojson":
-        features = [_feature(each, k, level) for each in result.made for k, level in enumerate(each.levels, 1)]
+        features = _regions(result) or [
+            _feature(each, k, level) for each in result.made for k, level in enumerate(each.levels, 1)
+        ]
         return to_geojson(features, indent=1, crs=result.source.crs)
     flip = result.source.height if flip_y else None
     return to_engine_json(result.made[0].levels[-1], flip_y=flip, triangles=triangles, pieces=pieces, indent=1)
@@ -114,7 +118,7 @@ def entry(result: Result, written: Sequence[str], errors: Sequence[str], *, skip
             }
             for each in result.made
         ],
-        "borders": list(result.borders),
+        "borders": [_borders(result, coverage) for coverage in result.coverages],
         "written": list(written),
         "skipped": skipped,
     }
@@ -157,16 +161,42 @@ def _measures(level: Level) -> dict[str, Any]:
     }
 
 
+def _borders(result: Result, coverage: Coverage) -> dict[str, Any]:
+    read = [each.content.vertices for each in result.source.shapes if isinstance(each.content, Mesh)]
+    points = len(np.unique(np.concatenate(read), axis=0))
+    return {"points_read": points, "points": coverage.points, "width": coverage.width}
+
+
 def _svg(result: Result) -> str:
     """The shapes and their cages in the frame of the input: the page, the pixels, or a map with north up."""
     meshes: dict[str, Mesh] = {}
     levels: list[int] = []
+    regions = [coverage.regions for coverage in result.coverages]
+    if regions:
+        drawn = [[each.content for each in result.source.shapes], *regions]
+        levels = [level for level, shown in enumerate(drawn) for _ in shown]
+        named = {f"{k}-cage-{level}" if level else f"{k}-drawing": mesh
+                 for level, shown in enumerate(drawn) for k, mesh in enumerate(shown)}  # fmt: skip
+        return to_svg(named, frame=result.source.frame, levels=levels, y_up=True)
     for number, each in enumerate(result.made):
         prefix = f"{number}-" if len(result.made) > 1 else ""
         meshes[f"{prefix}drawing"] = each.fine
         meshes.update({f"{prefix}cage-{k}": level.cage for k, level in enumerate(each.levels, 1)})
         levels += range(1 + len(each.levels))
     return to_svg(meshes, frame=result.source.frame, levels=levels, y_up=result.source.kind == "map")
+
+
+def _regions(result: Result) -> list[Feature]:
+    """The regions of all levels, each with the properties that it had."""
+    return [
+        Feature(
+            mesh,
+            {**shape.properties, "level": k, "vertices": len(mesh.vertices)},
+            shape.id if len(result.coverages) == 1 else None,
+        )
+        for k, coverage in enumerate(result.coverages, 1)
+        for shape, mesh in zip(result.source.shapes, coverage.regions, strict=True)
+    ]
 
 
 def _feature(made: Made, number: int, level: Level) -> Feature:

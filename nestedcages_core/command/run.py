@@ -127,7 +127,7 @@ def _words(error: OSError | NestedCagesError, path: str) -> str:
 
 
 def _say(result: Result, out: TextIO | None) -> None:
-    """Print the certificate of every cage, and what is to be said of borders."""
+    """Print the certificate of every cage, and how far borders moved."""
     several = len(result.source.shapes) + len(result.source.failures) > 1
     for each in result.made:
         count = len(each.fine.loops)
@@ -135,10 +135,5 @@ def _say(result: Result, out: TextIO | None) -> None:
         tell(f"{name}: {len(each.fine.vertices)} vertices, {count} loop{'s' * (count != 1)}", out)
         for k, level in enumerate(each.levels, 1):
             tell(f"  Level {k}: {len(level.cage.vertices)} vertices, {level.report}", out)
-    for k, border in enumerate(result.borders, 1):
-        tell(
-            f"Level {k} at its borders: {border['points']} points that cover {100.0 * border['overlap']:.3g} % of "
-            f"the land, instead of {border['points_uncut']} that cover {100.0 * border['overlap_uncut']:.3g} %, of "
-            f"{border['points_read']} read",
-            out,
-        )
+    for k, coverage in enumerate(result.coverages, 1):
+        tell(f"Level {k}: {coverage.points} points with all borders, which moved by {coverage.width:.3g} at most", out)

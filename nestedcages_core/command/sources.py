@@ -10,7 +10,17 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import invalid_file
-from ..exchange import Frame, Limits, from_engine_json, is_engine_json, read_map, read_whole, svg_drawing
+from ..exchange import (
+    FILES,
+    Frame,
+    Limits,
+    from_engine_json,
+    is_engine_json,
+    map_document,
+    read_map,
+    read_whole,
+    svg_drawing,
+)
 from ..exchange.pictures import decode_png
 from ..geometry.arrays import AnyArray
 from ..geometry.mesh import Mesh
@@ -18,7 +28,7 @@ from ..geometry.mesh import Mesh
 STREAM = "-"
 """Stands for the standard input or output."""
 
-KINDS = {".svg": "drawing", ".geojson": "map", ".json": "map", ".png": "picture"}
+KINDS = {".svg": "drawing", ".geojson": "map", ".json": "map", ".png": "picture", **dict.fromkeys(FILES, "map")}
 """The content of a file by its extension."""
 
 BEGINNINGS = {b"\x89PNG": "picture", b"<": "drawing", b"{": "map"}
@@ -75,7 +85,12 @@ def kind_of(path: str) -> str | None:
 
 def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
     """The shapes of a file; options: those of drawings. Raises NestedCagesError or OSError."""
-    data, kind = _streamed(limits) if path == STREAM else (read_whole(path, limits), kind_of(path))
+    data: Any
+    if path == STREAM:
+        data, kind = _streamed(limits)
+    else:
+        kind = kind_of(path)
+        data = map_document(path, limits, options["layers"]) if kind == "map" else read_whole(path, limits)
     if kind == "picture":
         picture = decode_png(data, limits=limits)
         opaque = ("No pixel is fully transparent, so the whole picture may count as opaque.",)
@@ -86,7 +101,7 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
     if kind == "drawing":
         drawing = svg_drawing(data, **options)
         return Source(path, kind, [NamedShape("drawing", drawing.mesh)], drawing.notes, frame=drawing.frame)
-    if is_engine_json(data):
+    if isinstance(data, bytes) and is_engine_json(data):
         return Source(path, "outline", [NamedShape("drawing", from_engine_json(data, limits=limits))])
     found = read_map(data, limits, options["tolerance"], clean=True)
     if not found.features and not found.refused:

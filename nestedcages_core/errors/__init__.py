@@ -85,7 +85,6 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "note.tolerance": ("limit", "taken", "count", "fewest", "on"),
     "note.pose": ("pose",),
     "note.time": ("seconds", "stage"),
-    "note.cut": ("asked", "given", "before", "covered", "on"),
     "note.text": ("text",),
 }
 """All codes, each with the names of the data that it may carry. Places are (x, y) in the input's units; loops and

@@ -39,9 +39,6 @@ NOTES: Mapping[str, str] = {
     "{limit_percent:.6g} % was allowed.",
     "time": "The time of {seconds:g} s was over during the {stage}: the cage is the best certified one by then.",
     "pose": "The path to pose {pose} is blocked: a new cage was made there.",
-    "cut": "Cut at its borders: {given} vertices instead of {asked}, {covered:.3g} of its neighbours covered instead "
-    "of {before:.3g}.",
-    "cut failed": "Not cut at its borders: the cut cage could not be certified.",
     "text": "{text}",
 }
 """Sentences of notes, by the code without `note.`, and by what it is `on` where it has several: formats for their data.

@@ -1,6 +1,7 @@
 """Shapes in and out: SVG, GeoJSON and collision outlines for game engines."""
 
 from .character_json import character_to_engine_json
+from .coverage import Coverage, coverage_cages
 from .engine_json import (
     frames_to_engine_json,
     from_engine_json,
@@ -21,8 +22,8 @@ from .geojson import (
     to_geojson,
     write_geojson,
 )
+from .gis_files import FILES, map_document
 from .limits import Limits
-from .neighbours import Cut, cut_at_borders
 from .puppet_parts import puppet_parts
 from .svg.document import Frame
 from .svg.levels import levels_in_svg
@@ -34,7 +35,8 @@ from .swept import swept
 
 __all__ = [
     "DRAWING_LIMITS",
-    "Cut",
+    "FILES",
+    "Coverage",
     "Feature",
     "Frame",
     "Limits",
@@ -45,7 +47,7 @@ __all__ = [
     "SvgPart",
     "character_to_engine_json",
     "clipped",
-    "cut_at_borders",
+    "coverage_cages",
     "features_from_geojson",
     "frames_to_engine_json",
     "from_engine_json",
@@ -55,6 +57,7 @@ __all__ = [
     "is_written_svg",
     "joined",
     "levels_in_svg",
+    "map_document",
     "outlines_from_engine_json",
     "puppet_parts",
     "read_geojson",

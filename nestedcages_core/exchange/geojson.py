@@ -17,7 +17,8 @@ from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.mesh.geo_interface import polygons_of, shown
 from .decimals import check_decimals
-from .files import read_whole, write_whole
+from .files import write_whole
+from .gis_files import map_document
 from .limits import LimitError, Limits, Quota
 from .meridian import across
 from .meshes import meshes_of
@@ -142,9 +143,9 @@ def from_geojson(source: Any, *, limits: Limits | None = None, tolerance: float 
 
 
 def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None, tolerance: float | None = None) -> Mesh:
-    """All polygons of a GeoJSON file as one mesh; see `from_geojson`."""
+    """All polygons of a GeoJSON file as one mesh, or with pyogrio of a Shapefile, GeoPackage or TopoJSON."""
     limits = limits or Limits()
-    return from_geojson(read_whole(path, limits), limits=limits, tolerance=tolerance)
+    return from_geojson(map_document(path, limits), limits=limits, tolerance=tolerance)
 
 
 def to_geojson(
@@ -212,7 +213,7 @@ def _loaded(source: Any, limits: Limits) -> tuple[Mapping[str, Any], bool]:
     if not isinstance(document, Mapping) or not isinstance(document.get("type"), str):
         raise invalid_file("This is not GeoJSON: the document is not an object with a type.")
     if document["type"] == "Topology":
-        raise invalid_file("This is TopoJSON; convert it with topojson.Topology(…).to_geojson() or topo2geo.")
+        raise invalid_file("This is TopoJSON; give its file to read_geojson or the command, which use pyogrio.")
     return document, has_nan
 
 

@@ -248,30 +248,6 @@ def test_levels_are_made_from_the_finest_to_the_coarsest(drawing: Path, capsys: 
 
 
 @pytest.mark.slow
-def test_borders_within_a_width_make_the_map_smaller(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    y = np.linspace(0.0, 10.0, 120)
-    border = np.stack((0.15 * np.sin(5.0 * y), y), axis=1)
-    west = np.concatenate((border, [(-9.0, 10.0), (-9.0, 0.0)]))
-    east = np.concatenate((border[::-1], [(9.0, 0.0), (9.0, 10.0)]))
-    members = [{"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [
-        [*land.tolist(), land[0].tolist()]]}} for land in (west, east)]  # fmt: skip
-    (tmp_path / "map.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": members}))
-    found = {}
-    for option in (["--borders"], ["--borders", "0.5px"]):
-        report, out = tmp_path / "report.json", tmp_path / "out.geojson"
-        command = [str(tmp_path / "map.geojson"), "--levels", "6", "-o", str(out), "--report", str(report)]
-        assert main([*command, *option, "--quiet"]) == 0
-        assert "Level 1 at its borders: " in capsys.readouterr().out
-        (found[len(option)],) = json.loads(report.read_text())["inputs"][0]["borders"]
-        for member, feature in zip(members, features_from_geojson(out.read_bytes()), strict=True):
-            assert verify(feature.mesh, Mesh.from_geometry(member), same_loops=False)
-    assert found[1]["points_read"] == found[2]["points_read"] == 244
-    assert found[1]["points"] > 200 > 40 > found[2]["points"]
-    assert found[1]["overlap"] < found[2]["overlap"] < 0.06
-    assert found[2]["overlap"] < found[2]["overlap_uncut"]
-
-
-@pytest.mark.slow
 def test_a_closed_output_loses_no_work(drawing: Path, tmp_path: Path) -> None:
     command = f"{sys.executable} -m nestedcages_core letter.svg --levels 24 -o out.svg --report"
     for closing in (" r.json >&- 2>&-", " - >&-"):

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from nestedcages_core import (
-    Feature,
     Level,
     Mesh,
     NestingError,
@@ -19,12 +17,10 @@ from nestedcages_core import (
     animated_cages,
     inner_cages,
     nested_cages,
-    to_geojson,
     verify,
     verify_motion,
 )
 from nestedcages_core.cache import forget
-from nestedcages_core.command import main, making
 from nestedcages_core.hierarchy import run
 from nestedcages_core.level import gate, level_cache, settling, steps
 from nestedcages_core.level.assembly import Assembly
@@ -358,22 +354,3 @@ def test_neighbours_of_a_pushed_key_are_judged_again(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(Straightener, "settle", forgetful)
     with pytest.raises(NestingError, match="The motion from pose 1 to the next"):
         animated_cages(fine, poses, 16, clearance=1e-3)
-
-
-def test_cut_cages_are_judged(tmp_path: Path, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch) -> None:
-    regions = [Mesh.from_loops([ring(24, 1.0, 0.0, (x, 0.0))]) for x in (0.0, 3.0)]
-    file, out = tmp_path / "map.geojson", tmp_path / "out.geojson"
-    file.write_text(to_geojson([Feature(region, {}) for region in regions]))
-    command = [str(file), "--levels", "8", "--borders", "-o", str(out), "--quiet"]
-    assert main(command) == 0
-    true = making.cut_at_borders
-
-    def smaller(cages: Any, regions: Any, **options: Any) -> Any:
-        cuts = true(cages, regions, **options)
-        centre = [cut.cage.vertices.mean(axis=0) for cut in cuts]
-        moved = [cut.cage.moved(at + 0.9 * (cut.cage.vertices - at)) for cut, at in zip(cuts, centre, strict=True)]
-        return [replace(cut, cage=cage) for cut, cage in zip(cuts, moved, strict=True)]
-
-    monkeypatch.setattr(making, "cut_at_borders", smaller)
-    assert main(command) != 0
-    assert "the cage" in capsys.readouterr().err.lower()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 import warnings
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nestedcages_core import InvalidMeshError, Mesh, NestedCagesError, nested_cages
+from nestedcages_core.command import main
 from nestedcages_core.errors import NestedCagesWarning
 from nestedcages_core.exchange import (
     Feature,
@@ -170,7 +172,7 @@ def test_what_is_no_polygon_is_said_with_its_place_by_every_reader(name: str, tm
         ('{"type": 5}', "not an object with a type"),
         ('{"type": "FeatureCollection"}', "has None where its list"),
         ('{"type": "FeatureCollection", "features": "all"}', "has 'all' where its list"),
-        ('{"type": "Topology", "objects": {}}', "TopoJSON; convert it"),
+        ('{"type": "Topology", "objects": {}}', "TopoJSON; give its file"),
         ('{"type": "Polygn", "coordinates": []}', "type 'Polygn' has no inside"),
         ('{"type": "Point", "coordinates": [0, 0]}', "no polygons"),
         ('{"type": "Polygon"}', "Polygon 0 is None, not a list"),
@@ -354,3 +356,43 @@ def test_names_are_short_and_on_one_line() -> None:
     found = read_map(collection(feature([BOW_TIE], name="long\n" * 99)))
     assert len(found.features[0].name) < 100
     assert "\n" not in found.notes[0]
+
+
+@pytest.mark.parametrize("suffix", [".shp", ".gpkg", ".topojson", ".json"])
+def test_files_of_map_programs_are_read(suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    pyogrio = pytest.importorskip("pyogrio")
+    path, out = tmp_path / f"land{suffix}", tmp_path / "out.geojson"
+    if suffix in (".shp", ".gpkg"):
+        squares = [shapely.box(0, 0, 2, 2), shapely.box(2, 0, 5, 2)]
+        table = {"name": np.array(["west", "east"], dtype=object), "people": np.array([3, 4])}
+        driver = {".shp": "ESRI Shapefile", ".gpkg": "GPKG"}[suffix]
+        pyogrio.raw.write(
+            path, shapely.to_wkb(squares), list(table.values()), list(table), geometry_type="Polygon", driver=driver,
+            crs="EPSG:4326",
+        )  # fmt: skip
+    else:
+        arcs = [[[2, 0], [0, 2]], [[2, 2], [-2, 0], [0, -2], [2, 0]], [[2, 2], [3, 0], [0, -2], [-3, 0]]]
+        west, east = (
+            {"type": "Polygon", "arcs": [[0, arc]], "properties": {"name": name, "people": people}}
+            for name, people, arc in (("west", 3, 1), ("east", 4, 2))
+        )
+        land = {"type": "GeometryCollection", "geometries": [west, east]}
+        topology = {"type": "Topology", "arcs": arcs, "transform": {"scale": [1, 1], "translate": [0, 0]}}
+        path.write_text(json.dumps({**topology, "objects": {"land": land}}))
+    assert read_geojson(path).area == pytest.approx(10.0)
+    assert main([str(path), "--levels", "6", "--borders", "-o", str(out), "--quiet"]) == 0
+    read = features_from_geojson(out.read_bytes())
+    assert [(each.properties["name"], each.properties["people"]) for each in read] == [("west", 3), ("east", 4)]
+    assert main([str(path), "--levels", "6", "--layers", "sea", "-o", str(out), "--quiet"]) == 1
+    assert f"land{suffix} has no layer 'sea'; its layers: land" in capsys.readouterr().err
+
+
+def test_without_pyogrio_one_sentence_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "land.gpkg").write_bytes(b"")
+    monkeypatch.setitem(sys.modules, "pyogrio", None)
+    with pytest.raises(NestedCagesError, match=r"Reading land\.gpkg needs pyogrio; install it with"):
+        read_geojson(tmp_path / "land.gpkg")
+    monkeypatch.undo()
+    pytest.importorskip("pyogrio")
+    with pytest.raises(NestedCagesError, match=r"land\.gpkg cannot be read by GDAL"):
+        read_geojson(tmp_path / "land.gpkg")

@@ -1,0 +1,115 @@
+"""Regions that share borders: borders simplified once, nothing cut off the coast, no gaps, no overlaps."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from nestedcages_core import Mesh, NestedCagesError, NestingError, Within, verify
+from nestedcages_core.command import main
+from nestedcages_core.exchange import Feature, coverage, coverage_cages, features_from_geojson, to_geojson
+from nestedcages_core.exchange.fill import united
+from shapes import polygon
+
+
+def crooked(count: int, seed: int = 4, turn: float = 0.0) -> list[Mesh]:
+    """Regions around an inland sea of nobody's, and an island, with crooked borders in common."""
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-1.0, 1.0, (count, 2))
+    cells = shapely.voronoi_polygons(shapely.MultiPoint(points), extend_to=shapely.box(-3, -3, 3, 3))
+    land = shapely.difference(shapely.Point(0, 0).buffer(1.5, 24), shapely.Point(0.1, 0.2).buffer(0.3))
+    land = shapely.union(land, shapely.Point(2.2, 0.3).buffer(0.4))
+    rough = shapely.segmentize(shapely.GeometryCollection([land, *cells.geoms]), 0.04)
+    moved = shapely.transform(rough, lambda xy: xy + 0.02 * np.sin(23.0 * xy[:, ::-1]) + 0.015 * np.cos(41.0 * xy))
+    whole, *parts = shapely.affinity.rotate(moved, turn, origin=(0, 0)).geoms
+    pieces = shapely.get_parts(shapely.coverage_simplify([shapely.intersection(part, whole) for part in parts], 0.0))
+    return [united(shapely, [piece]) for piece in pieces]
+
+
+def area(regions: list[shapely.Geometry]) -> float:
+    return sum(region.area for region in regions)
+
+
+@pytest.mark.parametrize(("seed", "turn"), [(4, 0.0), (5, 33.0)])
+def test_regions_fill_the_cage_of_their_land(seed: int, turn: float) -> None:
+    regions = crooked(9, seed, turn)
+    land = shapely.union_all([polygon(region) for region in regions])
+    inner = [polygon(region) for region in regions]
+    points = len(np.unique(np.concatenate([region.vertices for region in regions]), axis=0))
+    for share, found in zip((0.12, 0.04), coverage_cages(regions, ["12%", "4%"]), strict=True):
+        made = [polygon(region) for region in found.regions]
+        cage = polygon(found.coast.cage)
+        assert verify(found.coast.cage, found.coast.fine)
+        assert area(made) == pytest.approx(cage.area, rel=1e-9)  # no overlap, and with the next line no gap
+        assert shapely.union_all(made).symmetric_difference(cage).area < 1e-9 * cage.area
+        assert found.points < 1.8 * share * points
+        for region, simple in zip(inner, made, strict=True):
+            assert region.difference(simple.buffer(1.001 * found.width, 32)).area < 1e-9
+        kept = sum(region.intersection(simple).area for region, simple in zip(inner, made, strict=True))
+        assert kept > 0.93 * area(inner)
+        inner = made
+        assert cage.covers(land)
+
+
+def test_borders_stay_within_the_width() -> None:
+    regions = crooked(7)
+    counts = []
+    for width in (0.01, 0.05):
+        (found,) = coverage_cages(regions, Within(distance=0.05), width=width)
+        lines = shapely.union_all([polygon(region).boundary for region in found.regions])
+        before = np.concatenate([region.vertices for region in regions])
+        shared, count = np.unique(before, axis=0, return_counts=True)
+        away = shapely.distance(shapely.points(shared[count > 1]), lines).max()
+        assert away <= found.width <= width
+        counts.append(found.points)
+    assert counts[1] < 0.7 * counts[0]
+
+
+def test_regions_with_slightly_different_borders_have_no_gap() -> None:
+    west = [(0, 0), (5, 0), (5.00003, 2), (5, 4), (0, 4)]
+    east = [(5, 0), (9, 0), (9, 4), (5, 4), (4.99998, 1)]
+    (found,) = coverage_cages([Mesh.from_loops([west]), Mesh.from_loops([east])], 4)
+    made = [polygon(region) for region in found.regions]
+    assert shapely.union_all(made).area == pytest.approx(found.coast.cage.area, rel=1e-9)
+    assert area(made) == pytest.approx(found.coast.cage.area, rel=1e-9)
+
+
+def test_what_does_not_hold_the_land_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    regions = crooked(4)
+    true = coverage._simplified
+
+    def smaller(shapely_: object, given: list[shapely.Geometry], *options: object) -> tuple[list, float]:
+        made, strayed = true(shapely_, given, *options)
+        return [made[0].buffer(-0.05), *made[1:]], strayed
+
+    monkeypatch.setattr(coverage, "_simplified", smaller)
+    with pytest.raises(NestingError, match="together do not hold the land"):
+        coverage_cages(regions, "20%")
+    with pytest.raises(NestedCagesError, match="positive length, not 0"):
+        coverage_cages(regions, 12, width=0.0)
+
+
+@pytest.mark.parametrize("option", [["--borders"], ["--borders", "0.02"]])
+def test_the_command_writes_regions_with_their_properties(
+    option: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    regions = crooked(6)
+    source, out, report = (tmp_path / name for name in ("map.geojson", "out.geojson", "report.json"))
+    source.write_text(to_geojson([Feature(region, {"n": k}, k) for k, region in enumerate(regions)]))
+    command = [str(source), "--levels", "24", "-o", str(out), "--report", str(report), "--quiet"]
+    assert main([*command, *option]) == 0
+    assert "with all borders, which moved by" in capsys.readouterr().out
+    features = features_from_geojson(out.read_bytes())
+    assert [(each.id, each.properties["n"]) for each in features] == [(k, k) for k in range(len(regions))]
+    land = shapely.union_all([polygon(region) for region in regions])
+    made = shapely.union_all([polygon(each.mesh) for each in features])
+    assert made.covers(land)
+    (said,) = json.loads(report.read_text())["inputs"][0]["borders"]
+    assert said["points"] < 0.4 * said["points_read"]
+    assert out.stat().st_size < 0.6 * source.stat().st_size
+    assert main([str(source), "--levels", "24", *option, "-o", str(tmp_path / "out.svg"), "--quiet"]) == 0
+    assert (tmp_path / "out.svg").read_text().count("<path") == 2 * len(regions)
