@@ -202,7 +202,7 @@ APART = (
     *(("padding", "clearance"), ("grid", "decimals"), ("inside", "jobs"), ("inside", "borders"), ("jobs", "borders")),
     *(("borders", "grid"), ("borders", "decimals"), ("borders", "symmetry"), ("convex", "inside")),
     *(("convex", other) for other in ("borders", "min_edge", "min_angle")),
-    *(("merge", other) for other in ("inside", "convex", "borders", "symmetry", "min_edge", "min_angle")),
+    *(("merge", other) for other in ("inside", "convex", "symmetry", "min_edge", "min_angle")),
 )
 """Options that exclude each other."""
 
