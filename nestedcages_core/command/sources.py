@@ -86,6 +86,7 @@ def kind_of(path: str) -> str | None:
 def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
     """The shapes of a file; options: those of drawings. Raises NestedCagesError or OSError."""
     data: Any
+    kind: str | None
     if path == STREAM:
         data, kind = _streamed(limits)
     else:

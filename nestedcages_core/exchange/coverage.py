@@ -72,11 +72,11 @@ def coverage_cages(
     if width is not None and not 0.0 < width < np.inf:
         raise invalid_file(f"The width of borders must be a positive length, not {width!r}.")
     shapely = load_shapely(NEEDED_FOR)
-    inner = _matched(shapely, [shapely.geometry.shape(region) for region in regions])
+    inner = _on_common_points(shapely, [shapely.geometry.shape(region) for region in regions])
     land = united(shapely, inner)
     found = []
     for level in nested_cages(land, levels, settings, progress=progress):
-        divided = _divided(shapely, inner, shapely.geometry.shape(level.cage))
+        divided = _cells(shapely, inner, shapely.geometry.shape(level.cage))
         gap = (level.cage.area - land.area) / level.cage.edge_lengths.sum()
         simple, strayed = _simplified(shapely, divided, GAPS * gap if width is None else width)
         whole = united(shapely, simple)
@@ -90,7 +90,7 @@ def coverage_cages(
     return found
 
 
-def _matched(shapely: Any, regions: Sequence[Any]) -> list[Any]:
+def _on_common_points(shapely: Any, regions: Sequence[Any]) -> list[Any]:
     """Regions whose borders are the same points on both sides; rounded, far below any clearance, where they are not."""
     if shapely.coverage_is_valid(regions):
         return list(regions)
@@ -99,7 +99,7 @@ def _matched(shapely: Any, regions: Sequence[Any]) -> list[Any]:
     return [before if after.is_empty else after for before, after in zip(regions, rounded, strict=True)]
 
 
-def _divided(shapely: Any, regions: Sequence[Any], cage: Any) -> list[Any]:
+def _cells(shapely: Any, regions: Sequence[Any], cage: Any) -> list[Any]:
     """The cage divided among regions: each has its land, and the sea in front of its coast."""
     land = shapely.union_all(regions)
     ways = _ways_to_sea(shapely, regions, land, cage)
@@ -174,7 +174,7 @@ def _simplified(shapely: Any, coverage: Sequence[Any], width: float) -> tuple[li
     for _ in range(SEARCH_STEPS):
         tolerance = np.sqrt(low * high)
         trial = list(shapely.coverage_simplify(coverage, tolerance, simplify_boundary=False))
-        away = _farthest(shapely, coverage, trial)
+        away = _moved_by(shapely, coverage, trial)
         if away <= width:
             best, strayed, low = trial, away, tolerance
         else:
@@ -182,7 +182,7 @@ def _simplified(shapely: Any, coverage: Sequence[Any], width: float) -> tuple[li
     return best, strayed
 
 
-def _farthest(shapely: Any, before: Sequence[Any], after: Sequence[Any]) -> float:
+def _moved_by(shapely: Any, before: Sequence[Any], after: Sequence[Any]) -> float:
     """The largest distance of a point of a region from the outline of the same region afterwards."""
     largest = 0.0
     for region, simple in zip(before, after, strict=True):

@@ -55,7 +55,7 @@ def _collection(path: Path, limits: Limits, layers: Sequence[str] | None) -> dic
             shapes = shapely.from_wkb(geometries)
             for row, shape in enumerate(shapes):
                 named = zip(about["fields"], columns, strict=True)
-                properties = {str(name): _plain(values[row]) for name, values in named}
+                properties = {str(name): _json_value(values[row]) for name, values in named}
                 geometry = None if shape is None else shapely.geometry.mapping(shape)
                 features.append({"type": "Feature", "properties": properties, "geometry": geometry})
     except (pyogrio.errors.DataSourceError, pyogrio.errors.DataLayerError) as error:
@@ -65,7 +65,7 @@ def _collection(path: Path, limits: Limits, layers: Sequence[str] | None) -> dic
     return {"type": "FeatureCollection", "features": features, **named_crs}
 
 
-def _plain(value: Any) -> Any:
+def _json_value(value: Any) -> Any:
     """A value of a table as JSON has it; dates as texts."""
     plain = value.item() if hasattr(value, "item") else value
     return plain if isinstance(plain, str | int | float | bool | None) else str(plain)
