@@ -28,7 +28,7 @@ SEARCH_STEPS = 8
 FINER, COARSER = 1 / 8, 4.0
 """The range of tolerances, in widths: how far a line strays at a tolerance depends on its bends."""
 
-ROUNDING = 1e-9
+COMMON_GRID = 1e-9
 """Spacing, in diagonals of the land, of the numbers that regions are rounded to if their borders do not match."""
 
 TOUCH = 1e-9
@@ -95,7 +95,7 @@ def _on_common_points(shapely: Any, regions: Sequence[Any]) -> list[Any]:
     if shapely.coverage_is_valid(regions):
         return list(regions)
     low_x, low_y, high_x, high_y = shapely.total_bounds(regions)
-    rounded = shapely.set_precision(regions, ROUNDING * np.hypot(high_x - low_x, high_y - low_y))
+    rounded = shapely.set_precision(regions, COMMON_GRID * np.hypot(high_x - low_x, high_y - low_y))
     return [before if after.is_empty else after for before, after in zip(regions, rounded, strict=True)]
 
 
