@@ -18,7 +18,7 @@ from mathutils import Matrix, Vector
 from . import record
 from .animation.timeline import Timing
 from .binding import binding, field
-from .core import blamed, core, gate, steps, triangulation
+from .core import blamed, core, gate, triangulation
 from .errors import UserError
 from .generation import output
 from .generation.generate import STORED, Generation, Options, Request, Result
@@ -158,7 +158,7 @@ def _jointed(result: Result, bones: Sequence[core.Bone]) -> Result:
     (level,) = result.levels
     with blamed(f"'{result.drawing.name}'"):
         cage = core.with_joints(level.cage, bones)
-        cage = cage.moved(steps.as_stored(cage.vertices, STORED))
+        cage = cage.moved(cage.vertices.astype(STORED).astype(np.float64))
         # vertices on edges are rounded, and so is what they keep of the clearance
         wanted = min(level.report.wanted_clearance, core.verify(cage, level.fine).clearance)
         return replace(result, levels=(gate.standing(level.fine, cage, level.report, wanted),))

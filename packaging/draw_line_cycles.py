@@ -44,7 +44,7 @@ def points(ring: np.ndarray) -> str:
 def picture() -> str:
     """Three panels: candidates, one turn and its area, the best cycle."""
     request = Request.of(bean(), VERTICES)
-    around = Around(request, request.outline, HULL_OFFSET, None, None)
+    around = Around(request, request.outline, HULL_OFFSET)
     list(around._search())
     ((loop, search),) = around.searches.items()
     choice = Choice.of({loop: search}, {loop: VERTICES}, None)

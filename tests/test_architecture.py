@@ -21,7 +21,7 @@ CORE = "nestedcages_core"
 # The rooms of the core, files or packages, in the order of the data flow: each imports only from those before it.
 ROOMS = """
 checker_distance checker errors libraries tasks cache parameters lapack geometry decimation flow energies solver
-constraints contact tightening verification level needs tolerance hierarchy motion published coordinates character
+constraints contact tightening verification level tolerance hierarchy motion published coordinates character
 puppet exchange batch command __main__ __init__
 """
 
@@ -230,11 +230,11 @@ def test_rooms_import_only_from_rooms_before_them() -> None:
     assert room_violations(below(CORE)) == []
 
 
-def test_kernel_and_needs_ask_for_no_class_of_a_method() -> None:
+def test_kernel_and_constraints_ask_for_no_class_of_a_method() -> None:
     methods = {"Area", "ArcLength", "IPC", "LineCycles", "OuterHull", "SequentialQP", "Tightening", "TwoSidedFlow"}
     asked = [
         (path, node.lineno)
-        for path, source in sources(*(f"{CORE}/{room}" for room in ("level", "needs", "tolerance"))).items()
+        for path, source in sources(*(f"{CORE}/{room}" for room in ("constraints", "level", "tolerance"))).items()
         for node in nodes(source)
         if isinstance(node, ast.Call) and ast.unparse(node.func) == "isinstance"
         if methods & {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}

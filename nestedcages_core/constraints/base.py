@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
 from ..errors import Fault
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from ..solver.banded import Rows
 
 if TYPE_CHECKING:
+    from ..decimation.base import Outline
     from ..decimation.line_cycles.chain import Chain, Lines
     from ..decimation.line_cycles.places import NormalFrame
+    from ..energies import CageEnergy
     from ..solver.elimination import Elimination
 
 CORRECTION = 1.02
@@ -42,6 +45,16 @@ class Units(Protocol):
 
     def clearance(self, length: float) -> float:
         """A distance of the input in these units, with a margin for rounding."""
+
+
+class Rounding(Protocol):
+    """The numbers that coordinates of cages may be; see `Numbers`."""
+
+    def nearest(self, points: FloatArray) -> FloatArray:
+        """These numbers next to points (..., 2)."""
+
+    def exact(self, points: FloatArray) -> FloatArray:
+        """The doubles that stored points (..., 2) stand for."""
 
 
 class Bound:
@@ -79,8 +92,29 @@ class Constraint:
     must: bool = True
     """Whether a cage that misses it is an error, a promise; or has a note, a wish."""
 
+    on: ClassVar[str] = "constraint"
+    """What `note.count` says replaced a number of vertices."""
+    is_rule: ClassVar[bool] = True
+    """Whether lines of the start show it; others are judged on finished cages alone."""
+    group: Symmetry | None = None
+    """Symmetry that cages have exactly."""
+    settles: ClassVar[bool] = False
+    """Whether finished cages are moved onto certain numbers; see `Numbers`."""
+
     def of(self, about: Mesh, side: int) -> Constraint:
         """The constraint about a drawing, for cages around it (side 1) or inside it (-1). Raises NestingError."""
+        return self
+
+    def outline(self, outline: Outline, side: int) -> Outline:
+        """What cages of a level are made around, such as the union of images. Raises NestingError."""
+        return outline
+
+    def around(self, outline: Mesh) -> Constraint:
+        """The constraint of a level around, or inside, an outline."""
+        return self
+
+    def rounded(self, numbers: Rounding) -> Constraint:
+        """The constraint where cages are put on certain numbers."""
         return self
 
     def count(self, outline: Mesh, count: int) -> int:
@@ -120,8 +154,22 @@ class Constraint:
         """The constraint on cages with the edges of a coarse mesh; both meshes are in the units of the solvers."""
         return Bound()
 
+    def term(self, coarse: Mesh, units: Units) -> CageEnergy | None:
+        """A term of the energy of cages with the edges of a coarse mesh, which is in the units of the solvers."""
+        return None
+
     def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
         """Why a cage does not keep it, judged on its final numbers: a sentence with the place and what helps."""
+        return None
+
+    def faults(self, cage: Mesh, fine: Mesh) -> Iterator[Fault]:
+        """All that a cage misses."""
+        fault = self.fault(cage, fine)
+        if fault is not None:
+            yield fault
+
+    def mended(self, cage: Mesh) -> tuple[Mesh, Fault] | None:
+        """A cage of fewer vertices that keeps it, made from one that does not, and a note."""
         return None
 
 

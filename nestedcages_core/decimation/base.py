@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol, TypeAlias, runtime_checkable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias, runtime_checkable
 
+from ..errors import Fault
+from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
+
+if TYPE_CHECKING:
+    from .importance import Importance
+    from .line_cycles.rules import LineRule
 
 Count: TypeAlias = int | Sequence[int]
 """Vertices of a level: a total, or one number per loop in the order of `fine.loops`."""
@@ -39,6 +46,44 @@ class Start(NamedTuple):
     """The mesh with its vertices on the fine mesh, where that is preferred; the flow leads from it to a cage."""
 
 
+class Outline(NamedTuple):
+    """What cages are made around, or inside."""
+
+    mesh: Mesh
+    """What is decimated: the fine mesh, or it and its images."""
+    fine: Mesh
+    """What cages are solved around: the fine mesh, or hulls that stand for it."""
+    inner: Mesh | None = None
+    """The mesh that levels are about where hulls stand for it, resting in them; None: the fine one."""
+    per_loop: bool = False
+    """Whether a number of vertices is that of each loop, not of all together."""
+    notes: tuple[Fault, ...] = ()
+    """What differs from the fine mesh."""
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What coarse meshes keep, as far as lines along a shape show it."""
+
+    symmetry: Symmetry | None = None
+    """Symmetry of the fine mesh that they have too; None: they need not be symmetric."""
+    preferred: Symmetry | None = None
+    """Symmetry of the fine mesh that they have where that costs little area."""
+    importance: Importance | None = None
+    """Where vertices matter; None: everywhere alike."""
+    rules: tuple[LineRule, ...] = ()
+    """Constraints."""
+
+    @property
+    def is_free(self) -> bool:
+        """Whether nothing is kept."""
+        return self.symmetry is None and self.importance is None and not self.rules
+
+
+NOTHING_KEPT = Kept()
+"""Nothing is kept."""
+
+
 @runtime_checkable
 class SeveralStarts(Protocol):
     """A decimation that offers several coarse meshes to start from, and whose search can be cancelled."""
@@ -48,3 +93,11 @@ class SeveralStarts(Protocol):
 
         A generator: yields the fraction done and returns the list.
         """
+
+
+@runtime_checkable
+class KeepingStarts(Protocol):
+    """A decimation whose coarse meshes can keep something."""
+
+    def starts_keeping(self, fine: Mesh, count: Count, kept: Kept, *, clearance: float) -> Stage[float, list[Start]]:
+        """As `SeveralStarts.starts`."""

@@ -14,7 +14,7 @@ from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh, Nesting
 from ..geometry.precision import ROUND_OFF
 from ..geometry.vectors import cross, norm
-from .base import Count
+from .base import NOTHING_KEPT, Count, Kept
 from .budget import LEAST_PER_LOOP, checked_budget
 
 MAX_TIED = 64
@@ -39,16 +39,18 @@ class Request:
     side: int = 1
     """1 for meshes around the fine one; -1 for meshes inside it, which are around what surrounds it: the loops of the
     outline then have that on their left."""
+    kept: Kept = NOTHING_KEPT
+    """What the coarse mesh keeps."""
 
     @classmethod
-    def of(cls, fine: Mesh, count: Count, side: int = 1) -> Request:
+    def of(cls, fine: Mesh, count: Count, side: int = 1, kept: Kept = NOTHING_KEPT) -> Request:
         """The request for a count as in `Decimation.decimate`. Raises NestingError."""
         budget = checked_budget(fine, count)
         outline, loop_order = canonical_order(fine)
         if side < 0:
             outline = Loops.of(outline.turned(np.ones(len(outline.sizes), bool)).vertices, outline.sizes)
         per_loop = None if budget.per_loop is None else np.array(budget.per_loop)[loop_order]
-        return cls(fine, outline, loop_order, budget.total, per_loop, side)
+        return cls(fine, outline, loop_order, budget.total, per_loop, side, kept)
 
     @property
     def minimum(self) -> list[int]:

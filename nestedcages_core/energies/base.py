@@ -22,13 +22,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
-from typing import Any, ClassVar, NamedTuple, Protocol
+from collections.abc import Callable, Iterable
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
+
+EdgeCost: TypeAlias = Callable[[int, FloatArray, FloatArray], FloatArray]
+"""(K,) what an edge adds to an energy, in squared input units: its first vertex, and places (K, 2) of both ends."""
 
 
 class Energy(Protocol):

@@ -87,6 +87,21 @@ class WeightedArea(CageEnergy):
         return Blocks(np.arange(len(successor)), successor, blocks)
 
 
+def weighted(
+    coarse: Mesh, outline: Mesh, weight_at: Callable[[FloatArray], FloatArray], side: int, *, hulls: bool
+) -> CageEnergy:
+    """The weighted area of cages with the edges of a coarse mesh; hulls: of convex cages, as line cycles weigh it.
+
+    For these one weight per edge leads away: edges from where weights are high to where they are low cost too much.
+    """
+    energy = WeightedArea.of(coarse.vertices, coarse.successor, outline, weight_at, side=side)
+    if not hulls:
+        return energy
+    from .corner_area import CornerArea
+
+    return CornerArea.of(coarse, outline, weight_at, energy.after(coarse.vertices))
+
+
 class FineOutline:
     """The fine mesh, for closest points and for the areas that stretches between them sweep around the origin."""
 

@@ -54,6 +54,8 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "obstacle.met": ("clearance", "wanted", "place"),
     "edge.short": ("wanted", "given", "place"),
     "angle.sharp": ("wanted", "given", "place"),
+    "constraint.missed": (),
+    "constraint.failed": ("name", "method"),
     "numbers.unresolved": ("spacing", "vertex", "place"),
     "tolerance.unreachable": ("limit", "taken"),
     "solver.not_finite": (),

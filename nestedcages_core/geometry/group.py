@@ -116,6 +116,11 @@ class Orbits(NamedTuple):
         return lowest
 
 
+def orbits_of(mesh: Mesh, symmetry: Symmetry) -> Orbits | None:
+    """The orbits of a mesh; None if it is not symmetric, vertex by vertex."""
+    return Orbits.of(mesh.vertices, mesh.successor, symmetry, NEGLIGIBLE * mesh.diagonal)
+
+
 def mirror_axis(mesh: Mesh) -> tuple[FloatArray, FloatArray] | None:
     """A point (2,) and a direction (2,) of an axis; None where there is none.
 

@@ -59,3 +59,8 @@ class Grid:
     def holds(self, points: FloatArray) -> bool:
         """Whether all coordinates are grid points."""
         return self.resolves(points) and bool((self.points(self.places(points)) == points).all())
+
+
+def as_stored(points: FloatArray, stored: str | None) -> FloatArray:
+    """Points (..., 2) as a type of numpy holds them; None: as they are."""
+    return points if stored is None else points.astype(stored).astype(np.float64)

@@ -9,6 +9,10 @@ ROUND_OFF = 1e-9
 NEGLIGIBLE = 1e-6
 """Relative difference that is real but that no drawing shows; a tenth of the default clearance."""
 
+ROUNDING_ULPS = 8.0
+"""What a conversion between units and back may take, in roundings of the largest coordinate: it counts far from the
+origin."""
+
 MOST_ROUNDS = 12
 """Cap of loops that refine, widen or repair: nearly all end after a few rounds, and others gain little in hundreds."""
 

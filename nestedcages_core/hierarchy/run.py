@@ -26,8 +26,8 @@ from ..tightening import Tightening
 from ..tolerance.within import Within
 from ..verification import verify
 from .asked import Wanted, in_order, listed_levels
+from .constraints import constraints_of
 from .levels import Rising, Share, wanted_levels
-from .needs import constraints_of, needs_of
 from .settings import Settings
 
 logger = logging.getLogger(__name__)
@@ -106,8 +106,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
     deadline = perf_counter() + seconds
     fine, wanted = _checked(fine, levels, convex=settings.convex, merges=settings.merge is not None)
     about = _about(settings, fine, side)
-    constraints = constraints_of(settings, about, side)
-    settings, needs, remarks = needs_of(settings, about, constraints)
+    constraints, importance, remarks = constraints_of(settings, about, side)
     if settings.merge is not None:
         if side < 0:
             raise NestingError("Inner cages keep all loops; leave out merge.", code="setting.conflict")
@@ -119,7 +118,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
     def made(index: int, level: int | Mesh | Within, inner: Mesh, chosen: Settings) -> Stage[Progress, Level]:
         clearances, late = clearances_for(chosen, fine), tuple[Fault, ...]()
         while True:
-            plan, progress = Plan.of(inner, needs, constraints, side=side), LevelProgress(index, len(wanted))
+            plan, progress = Plan.of(inner, constraints, importance, side=side), LevelProgress(index, len(wanted))
             builder = LevelBuilder(plan, clearances, chosen, progress)
             if isinstance(level, Within):
                 from ..tolerance.fewest import fewest
@@ -147,7 +146,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
                     raise
                 level = level.after(error)  # more vertices each time, and at most those of the mesh
         advised = level.notes() if isinstance(level, Rising) else ()
-        if done.report.excess > LOOSE and not (needs or constraints or isinstance(level, Mesh)):
+        if done.report.excess > LOOSE and plan.is_free and not isinstance(level, Mesh):
             from ..decimation.merging import advice
 
             advised += advice(inner, done.cage)

@@ -111,9 +111,15 @@ class Settings(LevelSettings):
         if not isinstance(self.about, Mesh | None):
             raise invalid_setting(f"about must be a Mesh, not {type(self.about).__name__}.")
         constraints = tuple(_listed(self.constraints, "constraints"))
-        for constraint in constraints:
-            if not all(has_method(constraint, name) for name in ("of", "free", "bound", "fault")):
-                raise invalid_setting(f"A constraint must be an object such as Box(low, high), not {constraint!r}.")
+        if constraints:
+            from ..constraints.base import Constraint
+
+            for constraint in constraints:
+                if not isinstance(constraint, Constraint):
+                    raise invalid_setting(
+                        "A constraint must be an object such as Box(low, high), of a class derived from Constraint, "
+                        f"not {constraint!r}."
+                    )
         object.__setattr__(self, "constraints", constraints)
         _check_priorities(self)
         symmetry: object = self.symmetry

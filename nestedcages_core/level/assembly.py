@@ -57,8 +57,8 @@ class Assembly:
 
     def __init__(self, plan: Plan, progress: LevelProgress, units: SolverUnits) -> None:
         self.plan, self.progress, self.units, self.fine = plan, progress, units, plan.fine
-        self.is_final = plan.numbers is None and plan.inner is None
-        """Whether its levels are handed out as they are, so that they keep all needs."""
+        self.is_final = plan.numbers is None and plan.outline.inner is None
+        """Whether its levels are handed out as they are, so that they keep all constraints."""
 
     def around(self, inner: Mesh, level: Level) -> Stage[Progress, Level]:
         """The level of a mesh that rests in the one that was solved for. Raises NestingError."""
@@ -121,7 +121,7 @@ class Assembly:
 
 def deviations(plan: Plan, cage: Mesh, clearance: float, wanted: float) -> tuple[Fault, ...]:
     """What differs from the request in a certified cage."""
-    notes = plan.notes(cage, clearance)
+    notes = plan.notes(cage)
     if not cage.has_loops_like(plan.fine):
         notes = (note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(plan.fine)), *notes)
     if clearance < wanted:

@@ -12,12 +12,15 @@ from math import isfinite
 import numpy as np
 
 from ..contact import Contact, SequentialQP
-from ..decimation import Count, Decimation, OuterHull, Start
+from ..decimation import Count, Decimation, LineCycles, OuterHull, Start
+from ..decimation.base import KeepingStarts
+from ..energies import Area
 from ..errors import FlowError, NestingError
 from ..flow import FlowMethod
 from ..flow.loop_matching import match_loops
 from ..geometry.mesh import Mesh
 from ..geometry.precision import INPUT_ROUND_OFF
+from .plan import Plan
 from .settings import DEFAULT_CLEARANCE, LevelSettings
 
 CLEARANCE_REDUCTION = 0.1
@@ -67,6 +70,31 @@ class Attempt:
     def prefers_curve(self) -> bool:
         """Whether it starts on the curve where it can."""
         return _prefers_curve(self.source)
+
+
+def methods_for(settings: LevelSettings, plan: Plan) -> LevelSettings:
+    """The settings with methods that can keep the constraints of a plan. Raises NestingError where none is allowed.
+
+    Convex cages are made around hulls: from lines outside, and of least area.
+    """
+    decimation = settings.decimation
+    if plan.outline.per_loop:
+        decimation = getattr(decimation, "outside", LineCycles(on_curve=False))
+        settings = replace(settings, decimation=decimation, fallback=OuterHull(), energy=Area())
+    if plan.group is None:
+        return settings
+    contacts = contacts_for(settings)
+    if not all(getattr(each, "keeps_ties", False) for each in contacts):
+        raise NestingError(
+            f"Symmetric cages need contact=SequentialQP(), not {settings.contact!r}; leave it out.",
+            code="setting.conflict",
+        )
+    if not isinstance(decimation, KeepingStarts):
+        raise NestingError(
+            f"Symmetric cages need decimation=LineCycles(), not {decimation!r}.", code="setting.conflict"
+        )
+    outside = getattr(decimation, "outside", decimation)
+    return replace(settings, contact=contacts, fallback=None if settings.fallback is None else outside)
 
 
 def attempts(

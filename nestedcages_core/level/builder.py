@@ -11,6 +11,7 @@ import numpy as np
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Count, SeveralStarts, Start
+from ..decimation.base import NOTHING_KEPT, KeepingStarts
 from ..decimation.budget import shared_anew
 from ..decimation.hull.outer_hull import SOURCE as HULL
 from ..energies import signed_area
@@ -20,7 +21,7 @@ from ..geometry.arrays import TINY, FloatArray
 from ..geometry.mesh import Mesh, Nesting
 from ..tasks import Stage
 from .assembly import Assembly, CageInProgress, deviations, in_words
-from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn
+from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn, methods_for
 from .gate import judged
 from .level_cache import coarse_meshes, flow_inside
 from .plan import Plan
@@ -51,8 +52,9 @@ class LevelBuilder:
     def __init__(
         self, plan: Plan, clearances: tuple[float, ...], settings: LevelSettings, progress: LevelProgress
     ) -> None:
-        self.plan, self.clearances, self.settings, self.progress = plan, clearances, settings, progress
-        self.fine, self.outline = plan.fine, plan.outline
+        self.plan, self.clearances, self.progress = plan, clearances, progress
+        self.settings = settings = methods_for(settings, plan)
+        self.fine, self.outline = plan.fine, plan.outline.mesh
         self.symmetry = plan.group
         self.units = SolverUnits.of(self.fine, 0.0 if plan.numbers is None else plan.numbers.room)
         self.unit_fine = self.units.from_input(self.fine)
@@ -74,7 +76,7 @@ class LevelBuilder:
     def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
         """The level for a vertex count or the user's own coarse mesh. Raises NestedCagesError."""
         level = yield from self._on_numbers(wanted)
-        inner = self.plan.inner
+        inner = self.plan.outline.inner
         return level if inner is None else (yield from self.assembly.around(inner, level))
 
     def _on_numbers(self, wanted: int | Mesh) -> Stage[Progress, Level]:
@@ -103,7 +105,7 @@ class LevelBuilder:
         nowhere, since others need as many vertices, or of the last attempt."""
         started: list[NestedCagesError] = []
         failures: list[NestedCagesError] = []
-        clamping = self.plan.remarks
+        clamping = self.plan.outline.notes
         source: Count | Mesh = wanted
         if not isinstance(wanted, Mesh):
             source, replaced = self.plan.possible(wanted)
@@ -135,7 +137,7 @@ class LevelBuilder:
             standing = yield from self.assembly.untightened(self.starts, clearances, notes)
             if standing is not None:
                 return standing
-        if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.constraints or self.plan.side < 0:
+        if started or isinstance(wanted, Mesh) or not self.plan.is_free or self.plan.side < 0:
             raise (started or failures)[-1]
         from .counts import with_least  # for the message
 
@@ -204,7 +206,8 @@ class LevelBuilder:
         yield from self.progress.begin("decimation")
         clearance = attempt.clearances[0]
         if isinstance(source, SeveralStarts):
-            search = coarse_meshes(source, self.outline, attempt.count, clearance=clearance)
+            kept = self.plan.kept() if isinstance(source, KeepingStarts) else NOTHING_KEPT
+            search = coarse_meshes(source, self.outline, attempt.count, kept, clearance=clearance)
             return (yield from self.progress.follow(search, lambda done: (done, "decimation")))
         return [Start(source.decimate(self.outline, attempt.count, clearance=clearance), in_words(source))]
 
@@ -217,10 +220,10 @@ class LevelBuilder:
             alike = made_alike(start, self.symmetry, self.plan.side)
             start = alike.start
         unit_coarse = self.units.from_input(start.coarse)
-        if self.plan.side < 0 or self.plan.inner is not None:  # both rest: nothing flows
+        if self.plan.side < 0 or self.plan.outline.inner is not None:  # both rest: nothing flows
             flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
             resting = Reinflation(self.unit_fine.vertices[None], unit_coarse.vertices[None], 0)
-            return self._bound(attempt, CageInProgress(start, unit_coarse, flow, resting, alike))
+            return self._bound(CageInProgress(start, unit_coarse, flow, resting, alike))
         yield from self.progress.begin("flow")
         try:
             if self.outline is not self.fine and Nesting(start.coarse, self.fine).encloses():
@@ -248,12 +251,12 @@ class LevelBuilder:
             bounds=self.plan.bounds(unit_coarse, self.units),
         )
         reinflation = yield from self.progress.follow(expansion, lambda done: (done, "reinflation"))
-        return self._bound(attempt, CageInProgress(start, unit_coarse, flow, reinflation, alike))
+        return self._bound(CageInProgress(start, unit_coarse, flow, reinflation, alike))
 
-    def _bound(self, attempt: Attempt, cage: CageInProgress) -> CageInProgress:
+    def _bound(self, cage: CageInProgress) -> CageInProgress:
         """The cage with its energy."""
-        energy, clearance = self.settings.energy.at(cage.unit_coarse), self.units.clearance(attempt.clearances[0])
-        energy, is_measure = self.plan.energy(energy, cage.unit_coarse, self.units, clearance)
+        energy = self.settings.energy.at(cage.unit_coarse)
+        energy, is_measure = self.plan.energy(energy, cage.unit_coarse, self.units)
         return replace(cage, energy=energy, is_measure=is_measure)
 
     def _tightened(self, cage: CageInProgress, clearance: float) -> Stage[Progress, CageInProgress]:
@@ -289,7 +292,7 @@ class LevelBuilder:
         )
 
     def _rank(self, cage: CageInProgress, vertices: FloatArray) -> float:
-        """The excess of a cage, lost area if inside, or the energy with the terms of needs: smaller is better."""
+        """The excess of a cage, lost area if inside, or the energy with further terms: smaller is better."""
         successor, area = cage.unit_coarse.successor, max(self.unit_fine.area, TINY)  # of slivers it may round to 0
         if cage.is_measure and cage.energy is not None:
             return cage.energy.after(vertices).value(vertices, successor) / area

@@ -1,7 +1,7 @@
 """The gate: the only place where a level is made.
 
 Whatever made or changed a cage, its final numbers are judged here: that it is nested, simple and as far away as wanted,
-that it keeps what the needs promise, that its steps form a chain and move without collisions. The report tells what was
+that it keeps its constraints, that its steps form a chain and move without collisions. The report tells what was
 measured here. A level carries the seal of what was judged, so that nothing is judged twice: if it is changed, only what
 is new is judged; :func:`passed` finds what was changed elsewhere.
 """
@@ -74,7 +74,7 @@ def judged(
 ) -> JudgedCage:
     """The verdict on a cage of a plan at a clearance.
 
-    promised: whether it must keep the needs, as every level that is handed out; constraints are kept in any case.
+    promised: whether it must keep what only finished cages do, too, as every level that is handed out.
     same_loops: whether the loops must match; None: where it has as many as the fine mesh. A user's own coarse mesh may
     wrap several parts in one loop or cover holes.
     """
@@ -82,7 +82,7 @@ def judged(
     certificate = plan.verify(cage, wanted, same_loops=alike)
     fault = next(iter(certificate.problems), None)
     if fault is None:
-        fault = plan.fault(cage) if promised else next(plan.missed(cage), None)
+        fault = next(plan.missed(cage, whole=promised), None)
     numbers = (None, None) if plan.numbers is None else (plan.numbers.grid, plan.numbers.stored)
     return JudgedCage(cage, plan.fine, plan.side, wanted, certificate, numbers if promised else None, fault)
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from ..cache import Memory, key_of
 from ..decimation import Count, SeveralStarts, Start
+from ..decimation.base import KeepingStarts, Kept
 from ..flow import FlowMethod, FlowResult
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
@@ -42,11 +43,16 @@ def _level_size(level: Level) -> int:
     return sum(each.nbytes for each in steps) + BYTES_PER_VERTEX * vertices
 
 
-def coarse_meshes(source: SeveralStarts, fine: Mesh, count: Count, *, clearance: float) -> Stage[float, list[Start]]:
+def coarse_meshes(
+    source: SeveralStarts, fine: Mesh, count: Count, kept: Kept, *, clearance: float
+) -> Stage[float, list[Start]]:
     """The starts of a decimation, which depend neither on the energy nor on the flow."""
     numbers = count if isinstance(count, int) else tuple(count)
-    key = key_of(source, fine, numbers, clearance)
-    search = source.starts(fine, count, clearance=clearance)
+    key = key_of(source, fine, numbers, kept, clearance)
+    if isinstance(source, KeepingStarts):
+        search = source.starts_keeping(fine, count, kept, clearance=clearance)
+    else:
+        search = source.starts(fine, count, clearance=clearance)
     return list((yield from _starts.stage(key, search, _bytes)))
 
 

@@ -1,105 +1,28 @@
-"""The plan of a level: one slot per mathematical object. Needs fill the slots; the builder alone couples them."""
+"""The plan of a level: a mesh, what cages keep, and what is decimated. The builder alone couples them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from ..decimation import Count, Start
+from ..decimation.base import NOTHING_KEPT, Kept, Outline
 from ..decimation.budget import clamped
 from ..energies import CageEnergy
 from ..errors import Fault, NestingError, note
 from ..geometry.arrays import FloatArray
-from ..geometry.group import Symmetry
+from ..geometry.group import Symmetry, mirror_axis
 from ..geometry.mesh import Mesh, by_side
-from ..tasks import Stage
 from ..verification import Certificate, verify
 from .units import SolverUnits
 
 if TYPE_CHECKING:
     from ..constraints.base import Bound, Constraint
-
-EdgeCost: TypeAlias = Callable[[int, FloatArray, FloatArray], FloatArray]
-"""(K,) what an edge adds to the energy, in squared input units: its first vertex, and places (K, 2) of both ends."""
-
-
-class Numbers(Protocol):
-    """The numbers that coordinates of cages may be, if not all."""
-
-    @property
-    def spacing(self) -> float:
-        """Distance between neighbours."""
-
-    @property
-    def grid(self) -> float | None:
-        """The length that coordinates are multiples of, for the report."""
-
-    @property
-    def room(self) -> float:
-        """Clearance that all cages have in reserve for these numbers; 0 where few need it."""
-
-    @property
-    def stored(self) -> str | None:
-        """The name of the type that holds the coordinates, for the report; None for doubles."""
-
-    def nearest(self, points: FloatArray) -> FloatArray:
-        """These numbers next to points (..., 2)."""
-
-    def exact(self, points: FloatArray) -> FloatArray:
-        """The doubles that stored points (..., 2) stand for."""
-
-    def settled(
-        self, cage: Mesh, fine: Mesh, clearance: float, side: int, cost: EdgeCost | None
-    ) -> Stage[float, FloatArray | None]:
-        """(m, 2) places for the vertices of a cage, of least cost, or of least excess without one; None if none."""
-
-    def finer(self) -> Iterator[Numbers]:
-        """Finer numbers, tried for the message where these have no cage."""
-
-    def hasty(self) -> Numbers:
-        """The same numbers, on which places are not improved once there are some."""
-
-
-class Need:
-    """A promise in addition to the number of vertices. It sees the plan, never another need."""
-
-    @property
-    def places(self) -> FloatArray:
-        """(P, 2) places on the outline that this need is about."""
-        return np.empty((0, 2))
-
-    def fill(self, plan: Plan) -> Plan:
-        """The plan with the slots of this need filled. Raises NestingError where it has no cage."""
-        return plan
-
-    def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
-        """The closest possible number of vertices, and a note if it is another one."""
-        return count, ()
-
-    def energy(
-        self, plan: Plan, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float
-    ) -> CageEnergy | None:
-        """The energy of a cage with the terms of this need; None if it has none.
-
-        coarse and clearance are in the units of the solvers.
-        """
-        return None
-
-    def fault(self, plan: Plan, cage: Mesh) -> Fault | None:
-        """Why a cage does not keep the promise, judged on its final numbers."""
-        return None
-
-    def mended(self, plan: Plan, cage: Mesh) -> tuple[Mesh, Fault] | None:
-        """A cage of fewer vertices that keeps the promise, made from one that does not, and a note."""
-        return None
-
-    def notes(self, plan: Plan, cage: Mesh, clearance: float) -> tuple[Fault, ...]:
-        """A sentence for each wish that a cage misses."""
-        return ()
+    from ..constraints.numbers import Numbers
+    from ..decimation.importance import Importance
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,62 +30,92 @@ class Plan:
     """What the builder works from."""
 
     fine: Mesh
+    """What cages are solved around."""
     side: int
     """1 for cages around the fine mesh, -1 for cages inside it."""
-    needs: tuple[Need, ...]
-    outline: Mesh
-    """What is decimated: the fine mesh, or it and its images."""
-    numbers: Numbers | None = None
-    """What coordinates may be; None: all doubles."""
-    group: Symmetry | None = None
-    """Symmetries that cages have exactly."""
-    inner: Mesh | None = None
-    """The mesh that levels are about, where the fine one stands for it, resting and around it; None: the fine one."""
-    per_loop: bool = False
-    """Whether a number of vertices is that of each loop of the outline, not of all together."""
-    remarks: tuple[Fault, ...] = ()
-    """Notes of the report."""
+    outline: Outline
     constraints: tuple[Constraint, ...] = ()
-    """What cages keep in addition."""
+    """What cages keep."""
+    importance: Importance | None = None
+    """Where vertices matter."""
 
     @classmethod
     def of(
-        cls, fine: Mesh, needs: Sequence[Need] = (), constraints: tuple[Constraint, ...] = (), *, side: int = 1
+        cls,
+        fine: Mesh,
+        constraints: tuple[Constraint, ...] = (),
+        importance: Importance | None = None,
+        *,
+        side: int = 1,
     ) -> Plan:
         """The plan of one level. Raises NestingError."""
-        plan = cls(fine, side, tuple(needs), fine, constraints=constraints)
-        for need in needs:
-            plan = need.fill(plan)
-        return plan
+        outline = Outline(fine, fine)
+        for constraint in constraints:
+            outline = constraint.outline(outline, side)
+        kept = tuple(constraint.around(outline.mesh) for constraint in constraints)
+        return cls(outline.fine, side, outline, kept, importance)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether cages keep nothing but their clearance."""
+        return not self.constraints and self.importance is None
+
+    @property
+    def group(self) -> Symmetry | None:
+        """The symmetry that cages have exactly."""
+        return next((each.group for each in self.constraints if each.group is not None), None)
+
+    @property
+    def numbers(self) -> Numbers | None:
+        """What coordinates may be; None: all doubles."""
+        return cast("Numbers | None", next((each for each in self.constraints if each.settles), None))
+
+    def on(self, numbers: Numbers) -> Plan:
+        """The plan with other numbers."""
+        kept = (numbers if each.settles else each.rounded(numbers) for each in self.constraints)
+        return replace(self, constraints=tuple(kept))
+
+    def kept(self) -> Kept:
+        """What is kept as far as lines show it; a symmetry of the outline is preferred where nothing is."""
+        if not self.is_free:
+            rules = tuple(each for each in self.constraints if each.is_rule)
+            return Kept(self.group, None, self.importance, rules)
+        axis = mirror_axis(self.outline.mesh) if self.side > 0 else None
+        if axis is None:
+            return NOTHING_KEPT
+        from ..geometry.symmetry import Mirror
+
+        point, direction = (tuple(each.tolist()) for each in axis)
+        return Kept(preferred=Mirror(point, direction))
 
     def verify(self, cage: Mesh, clearance: float, *, same_loops: bool = True) -> Certificate:
         """The certificate of a cage of this plan; its excess is that of the outer mesh."""
         return verify(*by_side(cage, self.fine, self.side), clearance, same_loops=same_loops)
 
     def possible(self, wanted: int) -> tuple[Count, tuple[Fault, ...]]:
-        """A number of vertices that the outline and all needs allow, or one per loop; and notes, of the least one."""
-        if not self.per_loop:
-            return self._agreed(*clamped(wanted, self.outline))
-        loops = [Mesh.from_loops([self.outline.vertices[loop]]) for loop in self.outline.loops]
-        agreed = [replace(self, outline=loop)._agreed(wanted, ()) for loop in loops]
+        """A number of vertices that the outline and all constraints allow, or one per loop; and notes, of the least
+        one."""
+        outline = self.outline.mesh
+        if not self.outline.per_loop:
+            return self._agreed(outline, *clamped(wanted, outline))
+        loops = [Mesh.from_loops([outline.vertices[loop]]) for loop in outline.loops]
+        agreed = [self._agreed(loop, wanted, ()) for loop in loops]
         return [count for count, _ in agreed], min(agreed, key=lambda each: each[0])[1]
 
     def number(self, mesh: Mesh) -> int:
         """The number of vertices that a mesh around the outline counts as."""
-        return max(len(loop) for loop in mesh.loops) if self.per_loop else len(mesh.vertices)
+        return max(len(loop) for loop in mesh.loops) if self.outline.per_loop else len(mesh.vertices)
 
-    def _agreed(self, count: int, notes: tuple[Fault, ...]) -> tuple[int, tuple[Fault, ...]]:
-        """A number of vertices that all needs allow."""
+    def _agreed(self, outline: Mesh, count: int, notes: tuple[Fault, ...]) -> tuple[int, tuple[Fault, ...]]:
+        """A number of vertices around an outline that all constraints allow."""
         tried: set[int] = set()
         while count not in tried:
             tried.add(count)
-            for need in self.needs:
-                count, replaced = need.count(self, count)
-                notes += replaced
             for constraint in self.constraints:
-                possible = constraint.count(self.outline, count)
+                possible = constraint.count(outline, count)
                 if possible != count:
-                    notes += (note("note.count", on="constraint", asked=count, given=possible),)
+                    said = {} if constraint.group is None else {"symmetry": str(constraint.group)}
+                    notes += (note("note.count", on=constraint.on, asked=count, given=possible, **said),)
                     count = possible
         return count, notes
 
@@ -185,8 +138,13 @@ class Plan:
 
     def bounds(self, coarse: Mesh, units: SolverUnits) -> tuple[Bound, ...]:
         """The constraints on cages with the edges of a coarse mesh, in the units of the solvers."""
+        if not self.constraints:
+            return ()
+        from ..constraints.base import Bound  # which bounds nothing
+
         unit_fine = units.from_input(self.fine)
-        return tuple(constraint.bound(coarse, unit_fine, units) for constraint in self.constraints)
+        every = [constraint.bound(coarse, unit_fine, units) for constraint in self.constraints]
+        return tuple(bound for bound in every if type(bound) is not Bound)
 
     def clearances(self, units: SolverUnits) -> FloatArray | None:
         """(n,) the distance that constraints ask for from each fine vertex, in the units of the solvers."""
@@ -196,39 +154,43 @@ class Plan:
         of_loops = np.array([units.clearance(length) for length in np.max(every, axis=0).tolist()])
         return np.asarray(of_loops[self.fine.loop_of_vertex])
 
-    def missed(self, cage: Mesh, *, must: bool = True) -> Iterator[Fault]:
-        """The constraints that a cage does not keep: promises, or wishes."""
-        for constraint in self.constraints:
-            if constraint.must is must and (fault := constraint.fault(cage, self.fine)) is not None:
-                yield fault
+    def energy(self, energy: CageEnergy, coarse: Mesh, units: SolverUnits) -> tuple[CageEnergy, bool]:
+        """The energy with what matters and the terms of constraints, and whether there are any.
 
-    def energy(self, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float) -> tuple[CageEnergy, bool]:
-        """The energy with the terms of all needs, and whether there are any; see `Need.energy`."""
-        changed = False
+        coarse: in the units of the solvers.
+        """
         if self.side < 0:
             from ..energies.area import LostArea
 
             energy = energy.with_area(LostArea(units.from_input(self.fine).area))
-        for need in self.needs:
-            other = need.energy(self, energy, coarse, units, clearance)
-            if other is not None:
-                energy, changed = other, True
-        return energy, changed
+        if self.is_free:
+            return energy, False
+        importance, outline = self.importance, units.from_input(self.outline.mesh)
+        if importance is not None and importance.weights is not None:
+            from ..energies.weighted_area import weighted
 
-    def fault(self, cage: Mesh) -> Fault | None:
-        """The first promise that a cage does not keep."""
-        of_needs = (found for need in self.needs if (found := need.fault(self, cage)) is not None)
-        return next(chain(of_needs, self.missed(cage)), None)
+            at = importance.at
+            measure = weighted(
+                coarse, outline, lambda points: at(units.to_input(points)), self.side, hulls=self.outline.per_loop
+            )
+            energy = energy.with_area(measure)
+        terms = [term for each in self.constraints if (term := each.term(coarse, units)) is not None]
+        if terms:
+            from ..energies.weighted_sum import BoundSum
+
+            energy = BoundSum(tuple((1.0, term) for term in (energy, *terms)))
+        return energy, importance is not None
+
+    def missed(self, cage: Mesh, *, must: bool = True, whole: bool = True) -> Iterator[Fault]:
+        """What a cage does not keep: promises, or wishes. whole: also of what only finished cages have."""
+        for constraint in self.constraints:
+            if bool(constraint.must) is must and (whole or constraint.is_rule):
+                yield from constraint.faults(cage, self.fine)
 
     def mended(self, cage: Mesh) -> tuple[Mesh, Fault] | None:
-        """See `Need.mended`."""
-        return next((found for need in self.needs if (found := need.mended(self, cage)) is not None), None)
+        """See `Constraint.mended`."""
+        return next((found for each in self.constraints if (found := each.mended(cage)) is not None), None)
 
-    def notes(self, cage: Mesh, clearance: float) -> tuple[Fault, ...]:
+    def notes(self, cage: Mesh) -> tuple[Fault, ...]:
         """A sentence for each wish that a cage misses."""
-        of_needs = (found for need in self.needs for found in need.notes(self, cage, clearance))
-        return (*of_needs, *self.missed(cage, must=False))
-
-    def with_remarks(self, *remarks: Fault) -> Plan:
-        """The plan with further notes."""
-        return replace(self, remarks=(*self.remarks, *remarks))
+        return tuple(self.missed(cage, must=False))

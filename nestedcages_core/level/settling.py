@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,18 +13,21 @@ from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
 from ..energies import Area, Energy
 from ..energies.area import LostArea
+from ..energies.base import EdgeCost
 from ..errors import Fault, NestingError
 from ..geometry.arrays import FloatArray
-from ..geometry.group import Orbits
+from ..geometry.group import Orbits, orbits_of
 from ..geometry.mesh import Mesh
 from ..tasks import Stage, drain
 from ..tightening.reach_clearance import shift_edges
 from .gate import Way, admitted, judged
-from .plan import EdgeCost, Numbers, Plan
+from .plan import Plan
 from .report import Level, LevelProgress, NestingReport, Progress
 from .settings import LevelSettings
-from .symmetrised_start import orbits_of
 from .units import SolverUnits
+
+if TYPE_CHECKING:
+    from ..constraints.numbers import Numbers
 
 logger = logging.getLogger(__name__)
 
@@ -52,7 +56,7 @@ class Settling:
 
     def hasty(self) -> Settling:
         """The same, content with the first places."""
-        return Settling(replace(self.plan, numbers=self.numbers.hasty()), self.choices, self.progress)
+        return Settling(self.plan.on(self.numbers.hasty()), self.choices, self.progress)
 
     def settled(self, level: Level) -> Stage[Progress, Level | None]:
         """The level with its cage on the numbers, certified; None if there is none."""
@@ -91,13 +95,12 @@ class Settling:
 
     def _noted(self, level: Level, found: Level) -> tuple[Fault, ...]:
         """The notes of the settled level, with what its cage misses instead of what the one before missed."""
-        clearance = level.report.wanted_clearance
-        before, after = (self.plan.notes(each.cage, clearance) for each in (level, found))
+        before, after = (self.plan.notes(each.cage) for each in (level, found))
         return (*(note for note in found.report.notes if note not in before), *after)
 
     def _moved(self, level: Level, way: Way, report: NestingReport, numbers: Numbers) -> Stage[Progress, Level | None]:
         """The level with a cage near that of a way on some numbers, certified; None if there is none."""
-        plan, wanted = replace(self.plan, numbers=numbers), report.wanted_clearance
+        plan, wanted = self.plan.on(numbers), report.wanted_clearance
         search = placements(plan, self.choices.energy, way.cage, wanted)
         found = yield from self.progress.follow(search, lambda done: (done, "grid"))
         for points in found:
@@ -140,7 +143,7 @@ def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float) -> Stage[f
     units = SolverUnits.of(plan.fine)
     clearance = units.clearance(wanted) * units.scale
     vertices = yield from numbers.settled(
-        cage, plan.outline, clearance, plan.side, _edge_cost(plan, energy, cage, units, wanted)
+        cage, plan.outline.mesh, clearance, plan.side, _edge_cost(plan, energy, cage, units)
     )
     if vertices is None or group is None:
         return [] if vertices is None else [vertices]
@@ -150,10 +153,10 @@ def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float) -> Stage[f
     return [numbers.nearest(_from_sector(numbers.exact(vertices), orbits, k)) for k in range(group.order)]
 
 
-def _edge_cost(plan: Plan, energy: Energy, cage: Mesh, units: SolverUnits, wanted: float) -> EdgeCost | None:
+def _edge_cost(plan: Plan, energy: Energy, cage: Mesh, units: SolverUnits) -> EdgeCost | None:
     """What edges add to the energy of a plan; None if that is the area."""
     unit_cage = units.from_input(cage)
-    bound, is_measure = plan.energy(energy.at(unit_cage), unit_cage, units, units.clearance(wanted))
+    bound, is_measure = plan.energy(energy.at(unit_cage), unit_cage, units)
     if not is_measure:
         return None
     at_cage, area = bound.after(unit_cage.vertices), units.scale * units.scale

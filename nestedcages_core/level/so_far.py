@@ -31,17 +31,17 @@ def best_so_far(builder: LevelBuilder) -> Stage[Progress, Level | None]:
     at_once = replace(attempt, clearances=attempt.clearances[:1])
     for cage in sorted(cages, key=size):
         try:
-            level = yield from builder.certified(at_once, cage, plan.remarks)
+            level = yield from builder.certified(at_once, cage, plan.outline.notes)
             break
         except FAILURES:
             continue
     try:
         if level is None:
-            level = yield from builder.assembly.untightened(builder.starts, attempt.clearances, plan.remarks)
+            level = yield from builder.assembly.untightened(builder.starts, attempt.clearances, plan.outline.notes)
         if level is not None and builder.settling is not None:
             level = yield from builder.settling.hasty().settled(level)
-        if level is not None and plan.inner is not None:
-            level = yield from builder.assembly.around(plan.inner, level)
+        if level is not None and plan.outline.inner is not None:
+            level = yield from builder.assembly.around(plan.outline.inner, level)
     except NestedCagesError:
         return None
     return level

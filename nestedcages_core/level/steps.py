@@ -9,14 +9,9 @@ import numpy as np
 from ..contact.reinflation import Reinflation
 from ..errors import NestingError
 from ..flow.shrinking import shrink
-from ..geometry.arrays import FloatArray
+from ..geometry.lattice import as_stored
 from .gate import Way, rerouted
 from .report import Level
-
-
-def as_stored(points: FloatArray, stored: str | None) -> FloatArray:
-    """Points (..., 2) as a type of numpy holds them; None: as they are."""
-    return points if stored is None else points.astype(stored).astype(np.float64)
 
 
 def with_stored_steps(level: Level, stored: str) -> Level:

@@ -9,9 +9,7 @@ import numpy as np
 from ..decimation import Start
 from ..errors import NestingError
 from ..geometry.arrays import FloatArray
-from ..geometry.group import Orbits, Symmetry
-from ..geometry.mesh import Mesh
-from ..geometry.precision import NEGLIGIBLE
+from ..geometry.group import Orbits, Symmetry, orbits_of
 from ..solver.elimination import Elimination
 
 
@@ -26,11 +24,6 @@ class Alike:
     def symmetrised(self, steps: FloatArray) -> FloatArray:
         """Steps (K, m, 2) of the cage in the input's units with exact symmetry."""
         return np.stack([self.orbits.symmetrised(step) for step in steps])
-
-
-def orbits_of(mesh: Mesh, symmetry: Symmetry) -> Orbits | None:
-    """The orbits of a mesh; None if it is not symmetric, vertex by vertex."""
-    return Orbits.of(mesh.vertices, mesh.successor, symmetry, NEGLIGIBLE * mesh.diagonal)
 
 
 def made_alike(start: Start, symmetry: Symmetry, side: int) -> Alike:

@@ -9,13 +9,9 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..geometry.precision import ROUNDING_ULPS
 from ..geometry.vectors import bounds
 from ..tightening.tightening import CLEARANCE_MARGIN
-
-ROUNDING_ULPS = 8.0
-"""Margin added to a clearance for the conversion back, in roundings of the largest coordinate, next to the relative
-`CLEARANCE_MARGIN`: it counts far from the origin."""
-
 
 Method = TypeVar("Method")
 

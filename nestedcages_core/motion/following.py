@@ -17,12 +17,11 @@ from ..contact.linearisation import measure
 from ..contact.pairs import Bodies, Pairs, find_pairs
 from ..energies import CageEnergy, signed_area
 from ..geometry.arrays import FloatArray
-from ..geometry.group import Orbits
+from ..geometry.group import Orbits, orbits_of
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings
 from ..level.gate import judged
 from ..level.settling import placements
-from ..level.symmetrised_start import orbits_of
 from ..level.units import SolverUnits
 from ..solver.elimination import Elimination
 from ..tasks import drain
@@ -88,7 +87,7 @@ class Follower:
         return points if numbers is None else numbers.nearest(points)
 
     def cost(self, cage: FloatArray, fine: FloatArray) -> float:
-        """What cages (m, 2) of a pose (n, 2) are compared by: their area, or the energy with the terms of needs."""
+        """What cages (m, 2) of a pose (n, 2) are compared by: their area, or the energy with further terms."""
         successor = self.bodies.cage.successor
         if not self.promises.settings.has_priorities:
             return signed_area(cage, successor)
@@ -145,14 +144,14 @@ class Follower:
         if not self.promises.settings.has_priorities:
             return self.energy
         plan = self.promises.plan_at(self._pose(fine))
-        return plan.energy(self.energy, self.topology.moved(cage), self.units, self.clearance)[0]
+        return plan.energy(self.energy, self.topology.moved(cage), self.units)[0]
 
     def _on_grid(self, cage: FloatArray, fine: FloatArray) -> list[FloatArray]:
         """The first cage (m, 2) searched on the grid that keeps the clearance; where there is none, rounding does."""
         plan, mesh = self.promises.plan_at(self._pose(fine)), self.topology.moved(self.units.to_input(cage))
         wanted = self.clearance * self.units.scale - self.promises.room
         for points in drain(placements(plan, self.promises.settings.energy, mesh, wanted)):
-            if plan.verify(mesh.moved(points), wanted) and plan.fault(mesh.moved(points)) is None:
+            if judged(plan, mesh.moved(points), wanted):
                 return [self.units.points(points)]
         return []
 

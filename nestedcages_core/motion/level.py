@@ -85,10 +85,10 @@ class LevelMotion:
         """What rounding to the numbers of the type that stores the cages may take from the clearance."""
         if self.stored is None:
             return 0.0
-        from ..needs.grid.need import Lattice
+        from ..constraints.numbers import Numbers
 
         largest = max(float(np.abs(pose.vertices).max()) for pose in poses)
-        return self.allowance.rooms * Lattice(None, self.stored, largest).room
+        return self.allowance.rooms * Numbers(None, self.stored, largest).room
 
     def _stream(self, poses: Iterable[Pose]) -> Iterator[Instant]:
         """Process one pose after the other, with no more than a window of them in memory."""

@@ -1,4 +1,4 @@
-"""What a moving cage keeps at every pose: the needs of the settings, about the drawing as it is there."""
+"""What a moving cage keeps at every pose: the constraints of the settings, about the drawing as it is there."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import Fault
-from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.signed_distance import ClosestEdge, EdgeSearch
 from ..hierarchy import Settings
-from ..hierarchy.needs import constraints_of, needs_of
+from ..hierarchy.constraints import constraints_of
 from ..level.plan import Plan
 from ..level.settling import ROOMS
 
@@ -30,10 +29,9 @@ class Promises:
     @classmethod
     def of(cls, settings: Settings, first: Mesh) -> Promises:
         """The promises about a drawing, from its first pose. Raises NestingError."""
-        _, needs, notes = needs_of(settings, first)
-        plan = Plan.of(first, needs, constraints_of(settings, first, 1))
-        pins: FloatArray = np.concatenate([np.empty((0, 2)), *(need.places for need in needs)])
-        close = EdgeSearch.of(first).closest(pins)
+        constraints, importance, notes = constraints_of(settings, first, 1)
+        plan = Plan.of(first, constraints, importance)
+        close = EdgeSearch.of(first).closest(np.empty((0, 2)) if importance is None else importance.pins)
         return cls(replace(settings, symmetry=plan.group), plan, close, notes)
 
     @property
@@ -51,7 +49,8 @@ class Promises:
 
     def plan_at(self, pose: Mesh) -> Plan:
         """The plan of a pose. Raises NestingError."""
-        return Plan.of(pose, needs_of(self.settings_at(pose), pose)[1], self.plan.constraints)
+        constraints, importance, _ = constraints_of(self.settings_at(pose), pose, 1)
+        return Plan.of(pose, constraints, importance)
 
     def of_next_level(self, cage: Mesh) -> Settings:
         """The settings of the level around a cage of the first pose: weights and pins go to its closest vertices."""

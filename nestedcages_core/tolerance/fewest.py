@@ -60,7 +60,7 @@ def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) 
     level = search.best
     if level is None:
         raise search.failure()
-    bounded = need.distance is not None and builder.plan.side > 0 and not builder.plan.per_loop
+    bounded = need.distance is not None and builder.plan.side > 0 and not builder.plan.outline.per_loop
     bound = search.bound if bounded else None
     told = need.note(len(level.cage.vertices), search.taken_by(level.cage), bound)
     return replace(level, report=replace(level.report, fewest=bound, notes=(*level.report.notes, told)))
@@ -104,7 +104,7 @@ class _CountSearch:
     def __init__(self, need: Within, fine: Mesh, builder: LevelBuilder) -> None:
         self.need, self.fine, self.builder = need, fine, builder
         self.inner, self.side, self.number = builder.fine, builder.plan.side, builder.plan.number
-        self.bound = LEAST_PER_LOOP * (1 if builder.plan.per_loop else len(fine.loops))
+        self.bound = LEAST_PER_LOOP * (1 if builder.plan.outline.per_loop else len(fine.loops))
         self.best: Level | None = None
         self.taken = np.inf
         self.error: NestedCagesError | None = None
@@ -119,7 +119,7 @@ class _CountSearch:
     def try_walks(self, strictly: float) -> Stage[Progress, None]:
         """Compute the bound, and try polygons of longest edges as starts."""
         distance = self.need.distance
-        if distance is None or self.side < 0 or self.builder.plan.per_loop:
+        if distance is None or self.side < 0 or self.builder.plan.outline.per_loop:
             return
         yield from self.builder.progress.begin("decimation")
         bands = [Band(self.fine, k, distance) for k in range(len(self.fine.loops))]
@@ -185,8 +185,7 @@ class _CountSearch:
     def _guess(self) -> Stage[Progress, int | None]:
         """About how many vertices an excess takes, by searches that know all numbers of them."""
         plan, knowing = self.builder.plan, getattr(self.builder.settings.decimation, "fewest", None)
-        needed = plan.side < 0 or plan.needs or plan.group is not None
-        if self.need.excess is None or needed or knowing is None:
+        if self.need.excess is None or plan.side < 0 or not plan.is_free or knowing is None:
             return None
         area, most = (1.0 + self.need.limit) * self.fine.area, LARGEST_GUESS * len(self.inner.loops)
         search = knowing(self.inner, min(most, len(self.inner.vertices)), area)
@@ -214,7 +213,7 @@ class _CountSearch:
         if self.error is not None and not np.isfinite(self.taken):
             return self.error
         taken = f"{self.taken:.6g}" if self.need.distance is not None else f"{100.0 * self.taken:.6g} %"
-        if self.builder.plan.per_loop:
+        if self.builder.plan.outline.per_loop:
             kind, remedy = "convex cage", "leave out convex"
         else:
             kind, remedy = "cage", "for less clearance"

@@ -26,10 +26,10 @@ from nestedcages_core import (
     nested_cages,
     verify,
 )
+from nestedcages_core.constraints.convex import is_convex
 from nestedcages_core.geometry.convex_hull import convex_hull
+from nestedcages_core.geometry.group import orbits_of
 from nestedcages_core.level import settling
-from nestedcages_core.level.symmetrised_start import orbits_of
-from nestedcages_core.needs.convex.need import is_convex
 from shapes import annulus, disc, islands, letter_a, polygon, ring, star
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"

@@ -29,6 +29,9 @@ from nestedcages_core import (
 )
 from nestedcages_core.checker import faults_of_motion
 from nestedcages_core.command import main, making
+from nestedcages_core.constraints import convex
+from nestedcages_core.constraints.numbers import Numbers
+from nestedcages_core.constraints.symmetric import Symmetric
 from nestedcages_core.contact.pairs import Bodies
 from nestedcages_core.decimation import Start
 from nestedcages_core.geometry.lattice import Grid
@@ -38,9 +41,6 @@ from nestedcages_core.level.builder import LevelBuilder
 from nestedcages_core.level.settling import Settling
 from nestedcages_core.motion import following
 from nestedcages_core.motion.animated import certified_still
-from nestedcages_core.needs.convex import need as convex
-from nestedcages_core.needs.grid.need import Lattice, OnNumbers
-from nestedcages_core.needs.symmetry.need import Symmetric
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QPSolution
 from nestedcages_core.tasks import Stage, drain
 from nestedcages_core.tightening.trust_region import Trial, TrustRegion
@@ -308,14 +308,13 @@ def test_the_least_number_of_vertices_is_a_lower_bound() -> None:
     assert len(level.cage.vertices) == level.report.fewest == 4
 
 
-def test_needs_find_cages_that_miss_them() -> None:
+def test_constraints_find_cages_that_miss_them() -> None:
     """By less than a certificate of nesting would see: one corner of a square is off by a rounding or a little more."""
     square = Mesh.from_loops([[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]])
-    plan: Any = SimpleNamespace(numbers=None)
-    for need, off in ((Symmetric(Rotation((0.0, 0.0), 4)), 1e-12), (OnNumbers(Lattice(Grid(0.5), None, 1.0)), 1e-15),
-                      (OnNumbers(Lattice(None, "float32", 1.0)), 1e-15)):  # fmt: skip
-        assert need.fault(plan, square) is None
-        assert need.fault(plan, square.moved(square.vertices + off * np.eye(4, 2))) is not None
+    for constraint, off in ((Symmetric(Rotation((0.0, 0.0), 4)), 1e-12), (Numbers(Grid(0.5), None, 1.0), 1e-15),
+                            (Numbers(None, "float32", 1.0), 1e-15)):  # fmt: skip
+        assert constraint.fault(square, square) is None
+        assert constraint.fault(square.moved(square.vertices + off * np.eye(4, 2)), square) is not None
 
 
 @dataclass(frozen=True)

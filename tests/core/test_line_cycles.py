@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import combinations, pairwise, product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from nestedcages_core import (
     verify,
 )
 from nestedcages_core.constraints import LeastEdge
+from nestedcages_core.decimation.base import Kept
 from nestedcages_core.decimation.hull.narrow_gaps import HULL_OFFSET
 from nestedcages_core.decimation.hull.outer_hull import SOURCE as HULL
 from nestedcages_core.decimation.importance import Importance
@@ -138,7 +140,7 @@ def test_areas_of_cycles_are_those_between_cage_and_outline(monkeypatch: pytest.
     monkeypatch.setattr(around.Choice, "of", classmethod(watched))
     for fine, count in ((letter_a(), 16), (star(), 20), (annulus(60), 12)):
         request = Request.of(fine, count)
-        mesh, _ = drain(cycles_around(LineCycles(), request, 0.0))
+        mesh, _ = drain(cycles_around(request, 0.0))
         added = (mesh.area - fine.area) / request.outline.diameter**2
         assert seen[-1] == pytest.approx(added, rel=1e-3, abs=1e-6)
 
@@ -305,27 +307,32 @@ def test_a_clearance_without_room_is_told_instead_of_a_count() -> None:
     assert caught.value.code == "clearance.no_room" and caught.value.data["largest"] < 0.06
 
 
-def test_needs_are_kept_by_the_start_itself() -> None:
+def keeping(fine: Mesh, count: int, **kept: Any) -> Mesh:
+    """A mesh of line cycles that keeps something."""
+    return drain(LineCycles().starts_keeping(fine, count, Kept(**kept)))[0].coarse
+
+
+def test_constraints_are_kept_by_the_start_itself() -> None:
     fine = letter_a()
     place = fine.vertices[[3, 11]]
     nothing = np.zeros((0, 2))
-    at_pins = LineCycles(importance=Importance(fine, None, place)).decimate(fine, 20)
+    at_pins = keeping(fine, 20, importance=Importance(fine, None, place))
     for pin in place:
         assert np.hypot(*(at_pins.vertices - pin).T).min() < 2e-3 * fine.diagonal
     right = 1.0 + 20.0 * (fine.vertices[:, 0] > fine.vertices[:, 0].mean())
-    weighted = LineCycles(importance=Importance(fine, right, nothing)).decimate(fine, 20)
+    weighted = keeping(fine, 20, importance=Importance(fine, right, nothing))
     beyond = [
         polygon(mesh).difference(polygon(fine)).intersection(box(fine.vertices[:, 0].mean(), -9e3, 9e3, 9e3)).area
         for mesh in (weighted, LineCycles().decimate(fine, 20))
     ]
     assert beyond[0] < beyond[1]
     fine = Mesh.from_loops([ring(60) * (1.0, 0.3)])
-    shortest = [LineCycles(rules=rules).decimate(fine, 10).edge_lengths.min() for rules in ((), (LeastEdge(0.4),))]
+    shortest = [keeping(fine, 10, rules=rules).edge_lengths.min() for rules in ((), (LeastEdge(0.4),))]
     assert shortest[1] > 1.2 * shortest[0]
     for symmetry in (Mirror((0.0, 0.0)), Rotation((0.0, 0.0), 5)):
         angle = np.arange(100) / 50.0 * np.pi + 0.5 * np.pi
         flower = Mesh.from_loops([(1.0 + 0.3 * np.cos(5 * (angle - 0.5 * np.pi)))[:, None] * ring_at(angle)])
-        mesh = LineCycles(symmetry=symmetry).decimate(flower, 15)
+        mesh = keeping(flower, 15, symmetry=symmetry)
         off = np.abs(symmetry.image(mesh.vertices)[:, None] - mesh.vertices).sum(axis=2).min(axis=1).max()
         assert off < 1e-9 and len(mesh.vertices) == 15 and verify(mesh, flower)
 
@@ -338,6 +345,6 @@ def test_a_small_hole_in_a_large_solid_has_no_lines_in_the_solid() -> None:
     hole = 0.004 * np.array([[0.0, 0.0], [0.3, 1.0], [0.55, 0.2], [0.5, -0.1]])
     fine = Mesh.from_loops([ring(40), hole])
     request = Request.of(fine, 16)
-    area, mesh = drain(Around(request, request.outline, HULL_OFFSET, None, None).run(1.0))
+    area, mesh = drain(Around(request, request.outline, HULL_OFFSET).run(1.0))
     assert_nested(mesh, fine)
     assert area < 1.1 * fine.area

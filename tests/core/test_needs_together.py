@@ -39,10 +39,10 @@ from nestedcages_core import (
     verify,
     verify_motion,
 )
+from nestedcages_core.constraints.convex import is_convex
 from nestedcages_core.errors import CODES
+from nestedcages_core.geometry.group import orbits_of
 from nestedcages_core.level.steps import with_stored_steps
-from nestedcages_core.level.symmetrised_start import orbits_of
-from nestedcages_core.needs.convex.need import is_convex
 from nestedcages_core.tolerance.reach import reach
 from shapes import annulus, islands, letter_a, ring, star
 

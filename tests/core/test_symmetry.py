@@ -14,7 +14,6 @@ from nestedcages_core import (
     Found,
     InvalidMeshError,
     Level,
-    LineCycles,
     Mesh,
     Mirror,
     NestedCagesError,
@@ -24,6 +23,7 @@ from nestedcages_core import (
     nested_cages,
     verify,
 )
+from nestedcages_core.constraints import Constraint
 from nestedcages_core.geometry.group import Orbits, Symmetry, mirror_axis
 from nestedcages_core.geometry.solids import overlay
 from shapes import letter_a, star
@@ -311,10 +311,7 @@ def test_cages_of_mirrored_drawings_are_mirrored_where_that_costs_little() -> No
         fine = Mesh.from_loops([radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1) + 3.0])
         axis = mirror_axis(fine)
         assert axis is not None and abs(axis[0][0] - 3.0) < 1e-9 and abs(axis[1][0]) < 1e-9
-        cage, plain = (
-            nested_cages(fine, [count], **options).levels[0]
-            for options in ({}, {"decimation": LineCycles(preferred=Mirror((9.0, 9.0)))})
-        )
+        cage, plain = (nested_cages(fine, count, constraints=nothing)[0] for nothing in ((), [Constraint()]))
         mirrored = cage.cage.vertices * (-1.0, 1.0) + (6.0, 0.0)
         off = np.abs(mirrored[:, None] - cage.cage.vertices).sum(axis=2).min(axis=1).max()
         assert (off < 1e-3) == alike

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...errors import InvalidMeshError
 from ...geometry.arrays import FloatArray, IntArray
-from ...geometry.group import Symmetry
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
 from ...geometry.precision import MOST_ROUNDS, NEGLIGIBLE
-from ...geometry.vectors import norm
 from ...tasks import Stage
-from ..alike import AsymmetricError, padded_alike, symmetrised
+from ..alike import AsymmetricError, padded_alike
 from ..base import REACH
 from ..budget import LEAST_PER_LOOP
 from ..hull.narrow_gaps import HULL_OFFSET
@@ -30,9 +27,7 @@ from .shortest_cycles import Paths
 from .turns import SLACK
 
 if TYPE_CHECKING:
-    from ..importance import Importance
     from .images import Images
-    from .rules import LineRule
 
 PLACES_PER_VERTEX, LEAST_PLACES, LEAST_PLACES_OF_A_LOOP = 3.0, 96, 12
 """Places: per vertex of the cage; at least, in all; at least, for each loop (docs/ablation.md: line cycles: places)."""
@@ -56,9 +51,6 @@ MOST_OF_ALL = 0.5
 FEW_LINES = 12
 """Number of lines of each of several loops that is sought in any case, to know the least."""
 
-MAX_EXCESS_OF_SYMMETRY = 0.008
-"""Fraction of the area beyond the fine mesh that a preferred symmetry may cost."""
-
 
 def together(searches: Sequence[Iterator[list[Paths]]]) -> Iterator[None]:
     """Run what searches around several loops ask for, all at once. Yields in between."""
@@ -72,39 +64,21 @@ def together(searches: Sequence[Iterator[list[Paths]]]) -> Iterator[None]:
 class Around:
     """A search for cycles around all loops of an outline."""
 
-    def __init__(
-        self,
-        request: Request,
-        outline: Loops,
-        shift: FloatArray | float,
-        symmetry: Symmetry | None = None,
-        importance: Importance | None = None,
-        *,
-        must: bool = True,
-        rules: Sequence[LineRule] = (),
-    ) -> None:
-        """shift: of lines from their loops, one for all or each (L,), in diameters; a clearance is kept from all loops.
-        must: whether the cycles have the symmetry in any case, or only where that costs little."""
-        self.importance, self.request, self.must, self.rules = importance, request, must, rules
+    def __init__(self, request: Request, outline: Loops, shift: FloatArray | float) -> None:
+        """outline: as symmetric as what is kept; shift: of lines from their loops, one for all or each (L,), in
+        diameters; a clearance is kept from all loops."""
+        self.request, self.kept = request, request.kept
         self.shift = np.broadcast_to(shift, len(outline.sizes))
         self.frame = NormalFrame.of(outline)
         self.images: Images | None = None
-        if symmetry is not None:
+        if self.kept.symmetry is not None:
             from .images import Images
 
-            try:
-                alike = symmetrised(outline, symmetry)
-                if must or norm(alike.vertices - outline.vertices).max() <= NEGLIGIBLE * outline.diameter:
-                    outline, self.images = alike, Images.of(alike, symmetry, self.frame)
-            except AsymmetricError:
-                if must:
-                    raise
+            self.images = Images.of(outline, self.kept.symmetry, self.frame)
         self.chains = self._chains(outline)
         self.outline = outline.moved(self.frame.into(outline.vertices))
         self.searches: dict[int, Search] = {}
-        """Of each loop, or where the symmetry must be kept, of each that stands for its images."""
-        self.alike: dict[int, Search] = {}
-        """Of each loop that stands for its images, among the same turns."""
+        """Of each loop that stands for its images."""
         self.rounds = 0
         self.few_turns = False
 
@@ -114,18 +88,14 @@ class Around:
         if not self.searches:
             for _ in self._search():
                 yield len(self.searches) / loops
-        images = self.images if self.must else None
         searches = {loop: again(search) for loop, search in self.searches.items()}
         self.rounds = 0
-        numbers = self._shares(searches, images)
+        numbers = self._shares(searches)
         for _ in range(MOST_ROUNDS):
             for _ in together([searches[loop].refine(number) for loop, number in numbers.items()]):
                 yield len(searches) / loops
-            numbers = self._shares(searches, images)
-            if self.alike and self.rounds == 0:
-                with suppress(NoCyclesError):
-                    return self._mesh(self._alike(sum(float(searches[k].totals[n]) for k, n in numbers.items())))
-            choice = Choice.of(searches, numbers, images)
+            numbers = self._shares(searches)
+            choice = Choice.of(searches, numbers, self.images)
             i, j = choice.crossings()
             if len(i) == 0:
                 break
@@ -135,18 +105,8 @@ class Around:
             changed = give_way(searches, choice, i, j, bias)
             for _ in together([searches[k].solve(int(searches[k].cycle(numbers[k])[0])) for k in changed]):
                 yield len(searches) / loops
-            numbers = self._shares(searches, images)
+            numbers = self._shares(searches)
         return self._mesh(choice)
-
-    def _alike(self, area: float) -> Choice:
-        """The best symmetric cycles. Raises NoCyclesError where they cross, or cost more than others of an area."""
-        numbers = self._shares(self.alike, self.images)
-        most = (1.0 + MAX_EXCESS_OF_SYMMETRY) * area
-        if sum(self._copies(k, self.images) * float(self.alike[k].totals[n]) for k, n in numbers.items()) <= most:
-            choice = Choice.of(self.alike, numbers, self.images)
-            if len(choice.crossings()[0]) == 0:
-                return choice
-        raise NoCyclesError("A symmetry costs too much.", code="symmetry.not_found")
 
     def fewest(self, area: float) -> Stage[float, int | None]:
         """The fewest lines that enclose at most an area, in the input's units, crossings aside; None if not enough.
@@ -169,29 +129,29 @@ class Around:
 
     def _chains(self, outline: Loops) -> list[Chain]:
         """The loops in the frame of the search, with what matters there."""
-        vertices, importance = self.frame.into(outline.vertices), self.importance
+        vertices, importance = self.frame.into(outline.vertices), self.kept.importance
         weights, pinned = np.ones(len(vertices)), np.zeros(len(vertices), bool)
         if importance is not None:
             weights, pinned = importance.at(outline.vertices), importance.pinned(outline)
         parts = [np.split(each, outline.begins[1:]) for each in (vertices, weights, pinned)]
         weighted = importance is not None and importance.weights is not None
-        wanted = [rule.turn_limits for rule in self.rules]
+        wanted = [rule.turn_limits for rule in self.kept.rules]
         limits = (
             max((short for short, _ in wanted), default=0.0) / self.frame.scale,
             max((s for _, s in wanted), default=0.0),
         )
         return [Chain(loop, some if weighted else None, pins, limits) for loop, some, pins in zip(*parts, strict=True)]
 
-    def _copies(self, loop: int, images: Images | None) -> int:
+    def _copies(self, loop: int) -> int:
         """Lines of the cage for each one that is counted around a loop."""
-        return 1 if images is None or self._is_halved(loop) else images.symmetry.order
+        return 1 if self.images is None or self._is_halved(loop) else self.images.symmetry.order
 
     def _is_halved(self, loop: int) -> bool:
         """Whether a loop lies across the axis of a mirror."""
         return self.images is not None and self.images.symmetry.reverses and len(self.images.own[loop]) > 1
 
-    def _shares(self, searches: dict[int, Search], images: Images | None) -> dict[int, int]:
-        copies = [self._copies(loop, images) for loop in searches]
+    def _shares(self, searches: dict[int, Search]) -> dict[int, int]:
+        copies = [self._copies(loop) for loop in searches]
         totals = [number * search.totals for number, search in zip(copies, searches.values(), strict=True)]
         numbers = allocation(totals, self.request.target, copies)
         if numbers is None:
@@ -204,7 +164,7 @@ class Around:
 
     def _search(self) -> Iterator[None]:
         """Search around each loop that stands for its images. Yields in between. Raises NoCyclesError."""
-        target, chains, images = self.request.target, self.chains, self.images
+        target, chains = self.request.target, self.chains
         if any(chain.length == 0.0 for chain in chains):
             raise NoCyclesError("A loop is as small as round-off.", code="count.too_small")
         deserved = weights(chains, target)
@@ -221,45 +181,27 @@ class Around:
             expected = max(float(LEAST_PER_LOOP), min(len(at) / PLACES_PER_VERTEX, deserved_lines))
             usual = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, shift, corners=self._is_thorough(chain))
             lines = usual
-            for rule in self.rules:
+            for rule in self.kept.rules:
                 lines = rule.candidates(chain, at, lines, self.frame, shift)
             self.few_turns = lines is not usual  # those of a few directions
             yield
             found.append((lines.shifted(shift), at, expected, deserved_lines))
         obstacles = Obstacles(self.outline.split(), self.request.regions)
         for k in range(len(chains)):
-            if images is None or not self.must:
-                self.searches[k] = self._around(k, *found[k], obstacles, None)
+            if self.images is None or self.images.loops[k][0] == k:
+                self.searches[k] = self._around(k, *found[k], obstacles)
                 yield
-            if images is not None and images.loops[k][0] == k:
-                unlike = self.must or len(images.own[k]) > 1
-                try:
-                    self.alike[k] = self._around(k, *found[k], obstacles, images) if unlike else self.searches[k]
-                except NoCyclesError:
-                    if self.must:
-                        raise
-                    images, self.alike = None, {}
-                yield
-        if self.must and images is not None:
-            self.searches, self.alike = self.alike, {}
-        several = {id(search): search for search in (*self.searches.values(), *self.alike.values())}
-        yield from together([search.solve() for search in several.values()])
+        yield from together([search.solve() for search in self.searches.values()])
         blocked = [k for k, search in self.searches.items() if not search.found]
         if blocked:
             raise NoCyclesError.around(blocked)
 
     def _around(
-        self,
-        k: int,
-        lines: Lines,
-        at: IntArray,
-        expected: float,
-        deserved: float,
-        obstacles: Obstacles,
-        images: Images | None,
+        self, k: int, lines: Lines, at: IntArray, expected: float, deserved: float, obstacles: Obstacles
     ) -> Search:
         """A search around a loop, for symmetric cycles if there are images. Raises NoCyclesError."""
         chain, halves, parts, shift = self.chains[k], None, 1, float(self.shift[k])
+        images = self.images
         if images is not None and self._is_halved(k):
             lines, halves = images.mirrored(k, chain, lines, at, shift)
         elif images is not None and len(images.own[k]) > 1:
@@ -270,7 +212,7 @@ class Around:
         usable = np.asarray((free > 0.0).all(axis=0))
         if chain.swept[-1] < 0.0:  # every ray in a hole ends at it; in the solid around it some end nowhere
             usable &= (free < REACH).all(axis=0)
-        for rule in self.rules:
+        for rule in self.kept.rules:
             free = np.minimum(free, np.minimum(rule.free(lines, self.frame), rule.reach(chain, lines, shift)))
             usable &= (free > 0.0).all(axis=0)
         free += SLACK
@@ -287,7 +229,7 @@ class Around:
         width = count - 1
         if count * expected**2 > FULL_SEARCH and not self.few_turns:
             width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
-        sizes = self._sizes(k, deserved, count, self._copies(k, images), parts)
+        sizes = self._sizes(k, deserved, count, self._copies(k), parts)
         if halves is not None:
             from .images import MirrorSearch
 
@@ -318,8 +260,9 @@ class Around:
         outline = Loops.of(np.concatenate(rings), [len(ring) for ring in rings])
         try:
             if choice.images is None:
-                if self.importance is not None and self.request.per_loop is None:  # straight sides have pins too
-                    outline = self.importance.with_vertices(outline, self.request.total)
+                importance = self.kept.importance
+                if importance is not None and self.request.per_loop is None:  # straight sides have pins too
+                    outline = importance.with_vertices(outline, self.request.total)
                 mesh = self.request.coarse(outline)
             else:
                 mesh = self.request.mesh(padded_alike(outline, self.request.total, choice.images.symmetry))

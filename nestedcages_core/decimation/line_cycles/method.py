@@ -13,30 +13,24 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...errors import NestingError
 from ...geometry.arrays import FloatArray
-from ...geometry.group import Symmetry
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
 from ...geometry.precision import ROUND_OFF
 from ...parameters import check_flag, check_side
 from ...tasks import Stage, drain, mapped
 from ..alike import AsymmetricError, symmetrised
-from ..base import Count, Start
+from ..base import NOTHING_KEPT, Count, Kept, Start
 from ..hull.narrow_gaps import HULL_OFFSET, is_narrow, without_gaps
 from ..hull.outer_hull import OuterHull, source_of
 from ..on_curve import closest_on_curve
 from ..request import Request
 from .around import Around
 from .loop_search import NoCyclesError
-
-if TYPE_CHECKING:
-    from ..importance import Importance
-    from .rules import LineRule
 
 SOURCE = "line cycles"
 """Name of its meshes in reports."""
@@ -56,6 +50,9 @@ BIASES = (1.0, 1e9, 0.3)
 """Rules for which of two crossing edges is shortened; the best result is kept (docs/ablation.md: line cycles: ways to
 clear crossings)."""
 
+MAX_EXCESS_OF_SYMMETRY = 0.008
+"""Fraction of the area beyond the outline that a preferred symmetry may cost."""
+
 MAX_EXCESS_ON_CURVE = 1.0
 """Excess above which a mesh on the curve would cut most of the shape off, so that no flow gets it inside."""
 
@@ -66,16 +63,8 @@ class LineCycles:
 
     on_curve: bool = True
     """Whether the start comes with a mesh on the fine one, from which the flow leads to a cage."""
-    symmetry: Symmetry | None = None
-    """Symmetry of the fine mesh that the cycles have too; None: they need not be symmetric."""
-    importance: Importance | None = None
-    """Where vertices matter; None: everywhere alike."""
-    rules: tuple[LineRule, ...] = ()
-    """What cages keep, as far as lines show it."""
     side: int = 1
     """1 for meshes around the fine one, -1 for meshes inside it."""
-    preferred: Symmetry | None = None
-    """A symmetry that meshes around the fine one have where it costs little area."""
 
     def __post_init__(self) -> None:
         check_flag(self, "on_curve")
@@ -89,30 +78,19 @@ class LineCycles:
     @property
     def inside(self) -> LineCycles:
         """The same for meshes inside the fine one."""
-        return replace(self, on_curve=False, side=-1, preferred=None)
-
-    def keeping(self, symmetry: Symmetry) -> LineCycles:
-        """The same with a symmetry."""
-        return replace(self, symmetry=symmetry)
-
-    def preferring(self, symmetry: Symmetry) -> LineCycles:
-        """The same with a symmetry where that costs little, unless one is chosen."""
-        chosen = self.symmetry is not None or self.preferred is not None
-        return self if chosen else replace(self, preferred=symmetry)
-
-    def respecting(self, importance: Importance) -> LineCycles:
-        """The same with more lines where vertices matter."""
-        return replace(self, importance=importance, preferred=None)
-
-    def obeying(self, rules: tuple[LineRule, ...]) -> LineCycles:
-        """The same with lines that keep rules."""
-        return replace(self, rules=rules, preferred=None)
+        return replace(self, on_curve=False, side=-1)
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A mesh that strictly encloses the fine one, by exact predicates; see `starts`."""
         return drain(self.starts(fine, count, clearance=clearance))[0].coarse
 
     def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Stage[float, list[Start]]:
+        """See `starts_keeping`."""
+        return (yield from self.starts_keeping(fine, count, NOTHING_KEPT, clearance=clearance))
+
+    def starts_keeping(
+        self, fine: Mesh, count: Count, kept: Kept, *, clearance: float = 0.0
+    ) -> Stage[float, list[Start]]:
         """One mesh that strictly encloses the fine one, by exact predicates; or some inside it, the last one a hull.
 
         count: total number of vertices, or one per loop of the fine mesh. clearance: distance to keep from the fine
@@ -121,23 +99,12 @@ class LineCycles:
         A generator: yields the fraction done and returns the list. Raises NestingError where no cycles are found;
         then there may be an outer hull.
         """
+        request = Request.of(fine, count, self.side, kept)
         if self.side < 0:
-            return (yield from self._inside(fine, count, clearance))
-        mesh, source = yield from self.found(Request.of(fine, count), clearance)
+            return (yield from _inside(request, count, clearance))
+        mesh, source = yield from _found(request, clearance)
         near = self.on_curve and mesh.area <= (1.0 + MAX_EXCESS_ON_CURVE) * fine.area
-        return [Start(mesh, source, closest_on_curve(mesh, fine, self.symmetry or self.preferred) if near else None)]
-
-    def _inside(self, fine: Mesh, count: Count, clearance: float) -> Stage[float, list[Start]]:
-        """Meshes strictly inside the fine one: of cycles in what surrounds them, and a hull."""
-        starts: list[Start] = []
-        with suppress(NoCyclesError):
-            starts = [Start(*(yield from self.found(Request.of(fine, count, -1), clearance)))]
-        try:
-            starts += yield from OuterHull(side=-1).starts(fine, count, clearance=clearance)
-        except NestingError:
-            if not starts:
-                raise
-        return starts
+        return [Start(mesh, source, closest_on_curve(mesh, fine, kept.symmetry or kept.preferred) if near else None)]
 
     def fewest(self, fine: Mesh, most: int, area: float) -> Stage[float, int | None]:
         """About how many vertices a mesh of at most an area around the fine one needs; None if more than so many."""
@@ -148,36 +115,52 @@ class LineCycles:
         except NoCyclesError:
             return None
 
-    def found(self, request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
-        """The mesh of the best cycles and its source; of the hull where it is smaller, or counts are large."""
-        plain = self.symmetry is None and self.importance is None and not self.rules
-        largest = request.target * max(request.outline.sizes) / sum(request.outline.sizes)
-        if plain and (largest > MOST_LINES or len(request.outline.sizes) > MOST_LOOPS):
-            return (yield from OuterHull().hull(request, clearance)), source_of(request.side)
-        try:
-            mesh, rounds = yield from cycles_around(self, request, clearance)
-        except NoCyclesError:
-            if not self.rules:
-                raise
-            mesh, rounds = yield from cycles_around(replace(self, rules=()), request, clearance)  # to be moved later
-        if rounds and plain:
-            with suppress(NestingError):
-                hull = yield from OuterHull().hull(request, clearance)
-                if request.side * hull.area < request.side * mesh.area:
-                    return hull, source_of(request.side)
-        return mesh, SOURCE
+
+def _inside(request: Request, count: Count, clearance: float) -> Stage[float, list[Start]]:
+    """Meshes strictly inside the fine one: of cycles in what surrounds them, and a hull."""
+    starts: list[Start] = []
+    with suppress(NoCyclesError):
+        starts = [Start(*(yield from _found(request, clearance)))]
+    try:
+        starts += yield from OuterHull(side=-1).starts(request.fine, count, clearance=clearance)
+    except NestingError:
+        if not starts:
+            raise
+    return starts
 
 
-def cycles_around(method: LineCycles, request: Request, clearance: float) -> Stage[float, tuple[Mesh, int]]:
+def _found(request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
+    """The mesh of the best cycles and its source; of the hull where it is smaller, or counts are large."""
+    kept = request.kept
+    largest = request.target * max(request.outline.sizes) / sum(request.outline.sizes)
+    if kept.is_free and (largest > MOST_LINES or len(request.outline.sizes) > MOST_LOOPS):
+        return (yield from OuterHull().hull(request, clearance)), source_of(request.side)
+    try:
+        mesh, rounds = yield from cycles_around(request, clearance)
+    except NoCyclesError:
+        if not kept.rules:
+            raise
+        loose = replace(request, kept=replace(kept, rules=()))  # to be moved later
+        mesh, rounds = yield from cycles_around(loose, clearance)
+    if rounds and kept.is_free:
+        with suppress(NestingError):
+            hull = yield from OuterHull().hull(request, clearance)
+            if request.side * hull.area < request.side * mesh.area:
+                return hull, source_of(request.side)
+    return mesh, SOURCE
+
+
+def cycles_around(request: Request, clearance: float) -> Stage[float, tuple[Mesh, int]]:
     """The mesh of the best cycles, and how often crossings were cleared. Raises NestingError."""
-    outline = symmetrised(without_gaps(request.outline, ROUND_OFF * request.outline.diameter), method.symmetry)
-    if method.importance is not None:
+    kept = request.kept
+    outline = symmetrised(without_gaps(request.outline, ROUND_OFF * request.outline.diameter), kept.symmetry)
+    if kept.importance is not None:
         with suppress(AsymmetricError):  # pins next to an axis hold the closest vertices that are there
-            outline = symmetrised(method.importance.with_vertices(outline), method.symmetry)
+            outline = symmetrised(kept.importance.with_vertices(outline), kept.symmetry)
     # lines next to the outline itself, all of a loop moved away by the same distance
     wanted = clearance / outline.diameter
     shift = np.full(len(outline.sizes), max(HULL_OFFSET, wanted))
-    for rule in method.rules:
+    for rule in kept.rules:
         of_loops = rule.distances(request.fine)
         if of_loops is not None:
             shift = np.maximum(shift, of_loops[request.loop_order] / outline.diameter)
@@ -186,7 +169,7 @@ def cycles_around(method: LineCycles, request: Request, clearance: float) -> Sta
         try:
             if len(far) == 0 and is_narrow(outline, request.regions, 2.0 * HULL_OFFSET * outline.diameter):
                 raise NoCyclesError("Gaps are too narrow for such lines.", code="count.too_small")
-            mesh, rounds = yield from _best(method, request, outline, shift)
+            mesh, rounds = yield from _best(request, outline, shift)
             break
         except NoCyclesError as error:
             if len(far):  # the tightening may find the room
@@ -195,41 +178,34 @@ def cycles_around(method: LineCycles, request: Request, clearance: float) -> Sta
                 continue
             if "total" in error.data:  # more lines are needed, whatever they are next to
                 raise
-            mesh, rounds = yield from _next_to_offset(method, request, outline, clearance)
+            mesh, rounds = yield from _next_to_offset(request, outline, clearance)
             break
-    if wanted > HULL_OFFSET and not method.symmetry:
+    if wanted > HULL_OFFSET and not kept.symmetry:
         mesh = request.with_room(mesh, clearance)
     return mesh, rounds
 
 
-def _next_to_offset(
-    method: LineCycles, request: Request, outline: Loops, clearance: float
-) -> Stage[float, tuple[Mesh, int]]:
+def _next_to_offset(request: Request, outline: Loops, clearance: float) -> Stage[float, tuple[Mesh, int]]:
     """`cycles_around` with lines next to the strict offset, in which gaps are narrow or filled."""
     from ..hull.offset import (
         cleared,  # few outlines need an offset
         offsetting,
     )
 
+    symmetry = request.kept.symmetry
     distance, tree = HULL_OFFSET * outline.diameter, request.fine.edge_tree
     offset, stuck = yield from mapped(offsetting(outline, distance, tree), lambda _: 0.0)
     if len(stuck):
         raise NoCyclesError("Gaps are too narrow for an offset.", code="count.too_small")
-    outline = symmetrised(cleared(symmetrised(offset, method.symmetry), request.fine, clearance), method.symmetry)
-    return (yield from _best(method, request, outline, EXACT_SHIFT))
+    outline = symmetrised(cleared(symmetrised(offset, symmetry), request.fine, clearance), symmetry)
+    return (yield from _best(request, outline, EXACT_SHIFT))
 
 
-def _best(
-    method: LineCycles, request: Request, outline: Loops, shift: FloatArray | float
-) -> Stage[float, tuple[Mesh, int]]:
+def _best(request: Request, outline: Loops, shift: FloatArray | float) -> Stage[float, tuple[Mesh, int]]:
     """The mesh of least area of several ways to clear crossings, and how often. Raises NoCyclesError."""
     best: tuple[float, Mesh] | None = None
     error: NoCyclesError | None = None
-    preferred = method.preferred if request.per_loop is None else None
-    kept = method.symmetry
-    around = Around(
-        request, outline, shift, kept or preferred, method.importance, must=kept is not None, rules=method.rules
-    )
+    around = Around(request, outline, shift)
     for bias in BIASES:
         try:
             area, mesh = yield from around.run(bias)
@@ -243,4 +219,11 @@ def _best(
     if best is None:
         assert error is not None
         raise error
+    if request.kept.preferred is not None and request.per_loop is None:
+        from .preferred import symmetric_mesh
+
+        most = outline.area + (1.0 + MAX_EXCESS_OF_SYMMETRY) * (best[0] - outline.area)
+        alike = yield from symmetric_mesh(request, outline, shift, most)
+        if alike is not None:
+            return alike, 0
     return best[1], around.rounds

@@ -1,34 +1,28 @@
-"""Priorities: weights and pins of the settings, as costs of decimation and energies of a cage."""
+"""Pins: corners of a drawing that keep a vertex of the cage."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias, TypeVar
+from typing import TypeAlias
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike
 
-from ...decimation.importance import Importance
-from ...decimation.line_cycles.turns import PIN_REACH
-from ...energies import CageEnergy
-from ...energies.weighted_area import Springs, WeightedArea
-from ...energies.weighted_sum import BoundSum
-from ...errors import Fault, NestingError, note
-from ...geometry.arrays import TINY, FloatArray, IntArray
-from ...geometry.group import HAND_DRAWN, Symmetry
-from ...geometry.mesh import Mesh
-from ...geometry.predicates import winding_number
-from ...geometry.signed_distance import EdgeSearch
-from ...geometry.vectors import cross, norm, rotated_right
-from ...level.plan import Need, Plan
-from ...level.settings import LevelSettings
-from ...level.units import SolverUnits
+from ..decimation.line_cycles.turns import PIN_REACH
+from ..energies import CageEnergy
+from ..energies.weighted_area import Springs
+from ..errors import Fault, NestingError, note
+from ..geometry.arrays import TINY, FloatArray, IntArray
+from ..geometry.group import HAND_DRAWN, Symmetry
+from ..geometry.mesh import Mesh
+from ..geometry.predicates import winding_number
+from ..geometry.signed_distance import EdgeSearch
+from ..geometry.vectors import cross, norm, rotated_right
+from .base import Constraint, Units
 
-Chosen = TypeVar("Chosen", bound=LevelSettings)
 Places: TypeAlias = Sequence[Sequence[float]]
-Pins: TypeAlias = Sequence[int | Sequence[float]]
+PinList: TypeAlias = Sequence[int | Sequence[float]]
 
 PIN_STIFFNESS = 1e4
 """Stiffness of a pin's spring, without unit: the pull of the area, half an edge, moves a vertex by 1e-5 of that."""
@@ -42,57 +36,43 @@ as kept."""
 
 
 @dataclass(frozen=True, eq=False)
-class Priorities(Importance, Need):
-    """The priorities of the settings for one drawing; lengths in input units."""
+class Pins(Constraint):
+    """Places on the outline each keep a vertex of the cage next to them, where there is room."""
 
-    @classmethod
-    def of(
-        cls,
-        fine: Mesh,
-        symmetry: Symmetry | None,
-        weights: ArrayLike | None,
-        places: tuple[Pins, Places],
-    ) -> Priorities:
-        """The priorities around a drawing. Raises NestingError if they do not fit it.
+    must = False
+    is_rule = False
+    places: FloatArray
+    """(P, 2) in the input's units."""
+    clearance: float
+    """That of the cages."""
+    side: int = 1
+    level: Mesh | None = None
+    """The outline of a level."""
 
-        weights: (n,); places: pins and joints.
-        """
-        weights = None if weights is None else np.asarray(weights, np.float64)
-        if weights is not None and len(weights) != len(fine.vertices):
-            raise NestingError(
-                f"There are {len(weights)} weights, but the mesh has {len(fine.vertices)} vertices.",
-                code="priorities.mismatch",
-                given=len(weights),
-                available=len(fine.vertices),
-            )
-        return cls(fine, weights, _places(*places, fine, symmetry), symmetry)
+    def around(self, outline: Mesh) -> Pins:
+        """The pins of a level."""
+        return replace(self, level=outline)
 
-    @property
-    def places(self) -> FloatArray:
-        """(P, 2) pins."""
-        return self.pins
+    def term(self, coarse: Mesh, units: Units) -> CageEnergy | None:
+        """Springs between pins and vertices."""
+        assert self.level is not None
+        inner, clearance = self.level.moved(units.points(self.level.vertices)), units.clearance(self.clearance)
+        target, _ = self._targets(inner, units.points(self.places), clearance)
+        pin, vertex = _assigned(target, coarse.vertices)
+        return Springs(vertex, target[pin], PIN_STIFFNESS)
 
-    def applied(self, settings: Chosen) -> Chosen:
-        """The settings with line cycles that respect the priorities."""
-        respecting = getattr(settings.decimation, "respecting", None)
-        return settings if respecting is None else replace(settings, decimation=respecting(self))
-
-    def energy(self, plan: Plan, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float) -> CageEnergy:
-        """An energy of a cage with the priorities; see `Need.energy`."""
-        inner = units.from_input(plan.outline)
-        if self.weights is not None:
-            at, outline = self.at, (coarse.vertices, coarse.successor, inner)
-            weighted = WeightedArea.of(*outline, lambda points: at(units.to_input(points)), side=plan.side)
-            energy = energy.with_area(weighted)
-        terms: list[tuple[float, CageEnergy]] = [(1.0, energy)]
-        if len(self.pins):
-            target, _ = self._targets(inner, units.points(self.pins), plan.side * clearance)
-            pin, vertex = _assigned(target, coarse.vertices)
-            terms.append((1.0, Springs(vertex, target[pin], PIN_STIFFNESS)))
-        return BoundSum(tuple(terms)) if len(terms) > 1 else energy
+    def faults(self, cage: Mesh, fine: Mesh) -> Iterator[Fault]:
+        """A sentence for each pin that the cage misses."""
+        inner = fine if self.level is None else self.level
+        target, away = self._targets(inner, self.places, self.clearance)
+        for pin, aim, far in zip(self.places, target, away, strict=True):
+            missed = float(norm(cage.vertices - aim).min())
+            if missed > KEPT * far + PIN_REACH * inner.diagonal:
+                yield note("note.pin", place=pin, distance=missed)
 
     def _targets(self, inner: Mesh, pins: FloatArray, clearance: float) -> tuple[FloatArray, FloatArray]:
-        """(P, 2) targets of pins, and (P,) their distances from the mesh; inside it for clearances below 0."""
+        """(P, 2) targets of pins at a clearance from a mesh, and (P,) their distances from it."""
+        clearance *= self.side
         reach = PIN_REACH * inner.diagonal + MAX_MITRE * abs(clearance)
         ahead = inner.edge_ends - inner.vertices
         normal = rotated_right(ahead) / np.maximum(np.hypot(*ahead.T), TINY)[:, None]
@@ -115,17 +95,6 @@ class Priorities(Importance, Need):
             away[k] = abs(clearance) * float(norm(step[None])[0])
         return target, away
 
-    def notes(self, plan: Plan, cage: Mesh, clearance: float) -> tuple[Fault, ...]:
-        """A sentence for each pin that the cage misses."""
-        inner, notes = plan.outline, []
-        if len(self.pins):
-            target, away = self._targets(inner, self.pins, plan.side * clearance)
-            for pin, aim, far in zip(self.pins, target, away, strict=True):
-                missed = float(norm(cage.vertices - aim).min())
-                if missed > KEPT * far + PIN_REACH * inner.diagonal:
-                    notes.append(note("note.pin", place=pin, distance=missed))
-        return tuple(notes)
-
 
 def _assigned(places: FloatArray, vertices: FloatArray) -> tuple[IntArray, IntArray]:
     """Pairs of a place and a vertex, each used once, with the least total distance."""
@@ -134,7 +103,7 @@ def _assigned(places: FloatArray, vertices: FloatArray) -> tuple[IntArray, IntAr
     return chosen.astype(np.int64), vertex.astype(np.int64)
 
 
-def _places(pins: Pins, joints: Places, fine: Mesh, symmetry: Symmetry | None) -> FloatArray:
+def pinned_places(pins: PinList, joints: Places, fine: Mesh, symmetry: Symmetry | None) -> FloatArray:
     """(P, 2) places of all pins and joints on the outline, with their images. Raises NestingError."""
     edges = EdgeSearch.of(fine)
     places: list[FloatArray] = []

@@ -13,18 +13,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...geometry.arrays import BoolArray, FloatArray, IntArray
-from ...geometry.broad_phase import CHUNK_PAIRS, near_pairs, split_by
-from ...geometry.distance import point_edge
-from ...geometry.lattice import Grid
-from ...geometry.mesh import Mesh
-from ...geometry.precision import MOST_ROUNDS, NEGLIGIBLE, ROUND_OFF
-from ...geometry.predicates import winding_number
-from ...geometry.shortest_cycle import shortest_cycle
-from ...geometry.signed_distance import SignedDistance
-from ...geometry.vectors import cross, norm, rotated_right
-from ...level.plan import EdgeCost
-from ...tasks import Stage
+from ..energies.base import EdgeCost
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.broad_phase import CHUNK_PAIRS, near_pairs, split_by
+from ..geometry.distance import point_edge
+from ..geometry.lattice import Grid
+from ..geometry.mesh import Mesh
+from ..geometry.precision import MOST_ROUNDS, NEGLIGIBLE, ROUND_OFF
+from ..geometry.predicates import winding_number
+from ..geometry.shortest_cycle import shortest_cycle
+from ..geometry.signed_distance import SignedDistance
+from ..geometry.vectors import cross, norm, rotated_right
+from ..tasks import Stage
 
 FIRST_REACHES = (1, 2, 4)
 """Reach of first layers around a vertex and its path outwards, in grid steps; larger ones where no cage is found."""

@@ -5,46 +5,46 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import TypeVar
 
 import numpy as np
 
-from ...decimation import LineCycles, OuterHull
-from ...decimation.budget import LEAST_PER_LOOP
-from ...energies import Area, CageEnergy
-from ...errors import Fault, NestingError, note
-from ...geometry.arrays import FloatArray
-from ...geometry.convex_hull import convex_hull
-from ...geometry.group import Symmetry
-from ...geometry.mesh import Mesh
-from ...geometry.precision import NEGLIGIBLE
-from ...geometry.predicates import BoxTree, crossing_pairs, orientation, winding_number
-from ...geometry.vectors import cross, norm
-from ...level.plan import Need, Plan
-from ...level.settings import LevelSettings
-from ...level.symmetrised_start import orbits_of
-from ...level.units import SolverUnits
-
-Chosen = TypeVar("Chosen", bound=LevelSettings)
+from ..decimation.base import Outline
+from ..decimation.budget import LEAST_PER_LOOP
+from ..errors import Fault, NestingError, note
+from ..geometry.arrays import FloatArray
+from ..geometry.convex_hull import convex_hull
+from ..geometry.group import Symmetry, orbits_of
+from ..geometry.mesh import Mesh
+from ..geometry.precision import NEGLIGIBLE
+from ..geometry.predicates import BoxTree, crossing_pairs, orientation, winding_number
+from ..geometry.vectors import cross, norm
+from .base import Constraint, Rounding
 
 
 @dataclass(frozen=True)
-class Convex(Need):
+class Convex(Constraint):
     """Convex cages, one around each part; holes are filled."""
 
-    def fill(self, plan: Plan) -> Plan:
+    on = "hull"
+    is_rule = False
+    kept: Symmetry | None = None
+    """Symmetry that hulls have, too."""
+    on_grid: bool = False
+    """Whether vertices are on certain numbers."""
+
+    def outline(self, outline: Outline, side: int) -> Outline:
         """The hulls of the parts, each with the number of vertices asked for, to be enclosed instead of the fine mesh.
 
         Raises NestingError for cages inside, whose complement is not convex, and where hulls overlap.
         """
-        if plan.side < 0:
+        if side < 0:
             raise NestingError(
                 "Convex cages lie around a shape, not inside of it; leave out convex, or use nested_cages.",
                 code="convex.impossible",
             )
-        outline = plan.outline
-        parts = [k for k in range(len(outline.loops)) if outline.parent_of_loop[k] < 0]
-        hulls = _hulls(outline, parts)
+        mesh, fine = outline.mesh, outline.fine
+        parts = [k for k in range(len(mesh.loops)) if mesh.parent_of_loop[k] < 0]
+        hulls = _hulls(mesh, parts)
         for one, other in combinations(range(len(parts)), 2):
             if _overlap(hulls[one], hulls[other]):
                 names = parts[one], parts[other]
@@ -54,58 +54,42 @@ class Convex(Need):
                     code="convex.overlapping",
                     loops=names,
                 )
-        alike = Mesh.from_loops(_hulls(outline, parts, plan.group))
-        if outline is not plan.fine:  # accurate to round-off
-            loops = [plan.fine.vertices[loop] for loop in plan.fine.loops]
+        alike = Mesh.from_loops(_hulls(mesh, parts, self.kept))
+        if mesh is not fine:  # accurate to round-off
+            loops = [fine.vertices[loop] for loop in fine.loops]
             part = [int(np.argmin([_outside(hull, loop[0]) for hull in hulls])) for loop in loops]
             for k in set(part):  # others are images alone
                 points = np.concatenate([loop for loop, of in zip(loops, part, strict=True) if of == k])
                 hulls[k] = points[convex_hull(points)]
-        return replace(plan, fine=Mesh.from_loops(hulls), outline=alike, inner=plan.fine, per_loop=True)
+        return Outline(alike, Mesh.from_loops(hulls), fine, True, outline.notes)
 
-    def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
-        """The number of vertices, reduced to that of the outline, a hull; and a note if so."""
-        hull = plan.outline
+    def rounded(self, numbers: Rounding) -> Convex:
+        """The same, for other notes."""
+        return replace(self, on_grid=True)
+
+    def count(self, outline: Mesh, count: int) -> int:
+        """The number of vertices, reduced to that of the outline, a hull."""
+        hull = outline
         along = hull.edge_ends - hull.vertices
         before = along[hull.predecessor]
         turn = np.arctan2(cross(before, along), (before * along).sum(axis=1))
         most = max(LEAST_PER_LOOP, int((turn > NEGLIGIBLE).sum()))
-        return (count, ()) if count <= most else (most, (note("note.count", on="hull", asked=count, given=most),))
+        return min(count, most)
 
-    def energy(
-        self, plan: Plan, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float
-    ) -> CageEnergy | None:
-        """The weighted area as line cycles weigh it, if there are weights.
-
-        One weight per edge leads away from it: edges from where weights are high to where they are low cost too much.
-        """
-        weight_at = getattr(energy, "weight_at", None)
-        if weight_at is None:
-            return None
-        from ...energies.corner_area import CornerArea
-
-        return CornerArea.of(coarse, units.from_input(plan.outline), weight_at, energy.after(coarse.vertices))
-
-    def fault(self, plan: Plan, cage: Mesh) -> Fault | None:
+    def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
         """Whether all loops are convex."""
         return None if is_convex(cage) else Fault("The cage is not convex.", "convex.missed")
 
-    def mended(self, plan: Plan, cage: Mesh) -> tuple[Mesh, Fault] | None:
+    def mended(self, cage: Mesh) -> tuple[Mesh, Fault] | None:
         """The convex hull of a cage with dents or straight angles; None for one that is inside out or flat."""
-        hulls = [] if is_convex(cage) else _hulls(cage, range(len(cage.loops)), plan.group)
+        hulls = [] if is_convex(cage) else _hulls(cage, range(len(cage.loops)), self.kept)
         if not hulls or min(map(len, hulls)) < LEAST_PER_LOOP or sum(map(len, hulls)) == len(cage.vertices):
             return None
         hull = Mesh.from_loops(hulls)
-        orbits = None if plan.group is None else orbits_of(hull, plan.group)
+        orbits = None if self.kept is None else orbits_of(hull, self.kept)
         hull = hull if orbits is None else hull.moved(orbits.symmetrised(hull.vertices))
-        on = "hull" if plan.numbers is None else "grid"
+        on = "grid" if self.on_grid else "hull"
         return hull, note("note.count", asked=len(cage.vertices), given=len(hull.vertices), on=on)
-
-
-def around_hulls(settings: Chosen) -> Chosen:
-    """The settings with methods that make convex cages around hulls: from lines outside, and of least area."""
-    decimation = getattr(settings.decimation, "outside", LineCycles(on_curve=False))
-    return replace(settings, decimation=decimation, fallback=OuterHull(), energy=Area())
 
 
 def is_convex(mesh: Mesh) -> bool:

@@ -1,31 +1,25 @@
-"""Symmetric cages: choice of the symmetry, possible vertex counts, and symmetric coarse meshes."""
+"""Symmetric cages: choice of the symmetry, symmetric outlines, possible vertex counts."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...decimation.budget import LEAST_PER_LOOP
-from ...errors import Fault, InvalidMeshError, NestingError, note
-from ...geometry.group import Symmetry
-from ...geometry.mesh import Mesh
-from ...geometry.precision import NEGLIGIBLE
-from ...geometry.predicates import winding_number
-from ...geometry.solids import overlay
-from ...geometry.symmetry.detection import Found
-from ...geometry.symmetry.maps import Mirror
-from ...geometry.vectors import rotated_right
-from ...level.attempts import contacts_for
-from ...level.plan import Need, Numbers, Plan
-from ...level.settings import LevelSettings
-from ...level.symmetrised_start import orbits_of
-from ...level.units import ROUNDING_ULPS
-from ...verification.certificate import loops_in_words
-
-Chosen = TypeVar("Chosen", bound=LevelSettings)
+from ..decimation.base import Outline
+from ..decimation.budget import LEAST_PER_LOOP
+from ..errors import Fault, InvalidMeshError, NestingError, note
+from ..geometry.group import Symmetry, orbits_of
+from ..geometry.mesh import Mesh
+from ..geometry.precision import NEGLIGIBLE, ROUNDING_ULPS
+from ..geometry.predicates import winding_number
+from ..geometry.solids import overlay
+from ..geometry.symmetry import Mirror
+from ..geometry.symmetry.detection import Found
+from ..geometry.vectors import rotated_right
+from .base import Constraint, Rounding
+from .numbers import Numbers
 
 SPECK = 1e-3
 """Area, as a fraction of the whole, below which holes between a drawing and its images are filled."""
@@ -36,28 +30,41 @@ MOST_OF_ALL_IMAGES = 100_000
 
 
 @dataclass(frozen=True)
-class Symmetric(Need):
-    """Cages with a symmetry."""
+class Symmetric(Constraint):
+    """Cages with a symmetry: their vertices are images of each other, bit by bit."""
 
-    group: Symmetry
+    on = "symmetry"
+    is_rule = False
+    group: Symmetry = field()
+    numbers: Rounding | None = None
+    """The numbers that images are rounded to."""
 
-    def fill(self, plan: Plan) -> Plan:
-        """The symmetry, and a symmetric outline."""
-        outline, notes = with_images(plan.outline, self.group, plan.side)
-        return replace(plan, group=self.group, outline=outline).with_remarks(*notes)
+    def of(self, about: Mesh, side: int) -> Symmetric:
+        """The symmetry with its place."""
+        return replace(self, group=self.group.placed(about))
 
-    def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
+    def rounded(self, numbers: Rounding) -> Symmetric:
+        """The symmetry on them."""
+        return replace(self, numbers=numbers)
+
+    def outline(self, outline: Outline, side: int) -> Outline:
+        """The drawing and its images."""
+        mesh, notes = with_images(outline.mesh, self.group, side)
+        return outline._replace(mesh=mesh, notes=(*outline.notes, *notes))
+
+    def count(self, outline: Mesh, count: int) -> int:
         """See `possible_count`."""
-        return possible_count(count, plan.outline, self.group)
+        return possible_count(count, outline, self.group)
 
-    def fault(self, plan: Plan, cage: Mesh) -> Fault | None:
-        """Whether all vertices are images of each other: on the numbers of the plan."""
-        exact = cage if plan.numbers is None else cage.moved(plan.numbers.exact(cage.vertices))
+    def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
+        """Whether all vertices are images of each other, on the numbers."""
+        numbers = self.numbers
+        exact = cage if numbers is None else cage.moved(numbers.exact(cage.vertices))
         orbits = orbits_of(exact, self.group)
         if orbits is not None:
             images, on_axis = orbits.symmetrised(exact.vertices), orbits.on_axis[orbits.orbit]
-            away = np.abs((images if plan.numbers is None else plan.numbers.nearest(images)) - cage.vertices)
-            if plan.numbers is None and on_axis.any():  # a point on a slanted axis is rounded again
+            away = np.abs((images if numbers is None else numbers.nearest(images)) - cage.vertices)
+            if numbers is None and on_axis.any():  # a point on a slanted axis is rounded again
                 away[on_axis] -= (
                     ROUNDING_ULPS
                     * np.finfo(float).eps
@@ -68,7 +75,28 @@ class Symmetric(Need):
         return Fault(f"The cage does not have {self.group}.", "symmetry.missed")
 
 
-def on_lattice(symmetry: Symmetry, numbers: Numbers, fine: Mesh) -> tuple[Symmetry, tuple[Fault, ...]]:
+def symmetric(
+    asked: Symmetry | Found, fine: Mesh, numbers: Numbers | None
+) -> tuple[Symmetric | None, tuple[Fault, ...]]:
+    """The symmetry with its place, that of a drawing if it is to be found, and notes about that; None if it has none.
+
+    On a grid the place is moved to it. Raises NestingError if no grid has such a symmetry.
+    """
+    notes: tuple[Fault, ...] = ()
+    if isinstance(asked, Found):
+        found, difference = asked.of(fine)
+        if found is None:
+            return None, (note("note.symmetry", on="none", tolerance=float(asked.tolerance)),)
+        asked = found
+        notes = (note("note.symmetry", on="found", symmetry=str(found), difference=float(difference)),)
+    group = asked.placed(fine)
+    if numbers is not None and numbers.grid is not None:
+        group, moved = _on_grid(group, numbers, fine)
+        notes += moved
+    return Symmetric(group), notes
+
+
+def _on_grid(symmetry: Symmetry, numbers: Numbers, fine: Mesh) -> tuple[Symmetry, tuple[Fault, ...]]:
     """The symmetry moved to the nearest lines of a grid, and a note. Raises NestingError if no such grid has it."""
     possible = 0.0 in symmetry.direction if isinstance(symmetry, Mirror) else symmetry.order in (2, 4)
     if not possible:
@@ -85,39 +113,6 @@ def on_lattice(symmetry: Symmetry, numbers: Numbers, fine: Mesh) -> tuple[Symmet
     if shift <= NEGLIGIBLE * fine.diagonal:
         return moved, ()
     return moved, (note("note.symmetry", on="grid", symmetry=str(moved), difference=shift),)
-
-
-def found_for(symmetry: Symmetry | Found, fine: Mesh) -> tuple[Symmetry | None, tuple[Fault, ...]]:
-    """The symmetry with its place, that of a drawing if it is to be found, and a note about that."""
-    notes: tuple[Fault, ...] = ()
-    if isinstance(symmetry, Found):
-        found, difference = symmetry.of(fine)
-        if found is None:
-            return None, (note("note.symmetry", on="none", tolerance=float(symmetry.tolerance)),)
-        symmetry = found
-        notes = (note("note.symmetry", on="found", symmetry=str(found), difference=float(difference)),)
-    return symmetry.placed(fine), notes
-
-
-def keeping(choices: Chosen, symmetry: Symmetry) -> Chosen:
-    """The methods, told to keep a symmetry. Raises NestingError for methods that cannot."""
-    contacts, decimation = contacts_for(choices), choices.decimation
-    if not all(getattr(each, "keeps_ties", False) for each in contacts):
-        raise NestingError(
-            f"Symmetric cages need contact=SequentialQP(), not {choices.contact!r}; leave it out.",
-            code="setting.conflict",
-        )
-    if not hasattr(decimation, "keeping"):
-        raise NestingError(
-            f"Symmetric cages need decimation=LineCycles(), not {decimation!r}.", code="setting.conflict"
-        )
-    kept = decimation.keeping(symmetry)
-    return replace(
-        choices,
-        contact=contacts,
-        decimation=kept,
-        fallback=None if choices.fallback is None else kept.outside,
-    )
 
 
 def with_images(fine: Mesh, symmetry: Symmetry, side: int = 1) -> tuple[Mesh, tuple[Fault, ...]]:
@@ -143,7 +138,7 @@ def with_images(fine: Mesh, symmetry: Symmetry, side: int = 1) -> tuple[Mesh, tu
         if side > 0:
             together = _without_pockets(together, images)
         elif not together.has_loops_like(fine):
-            raise InvalidMeshError(f"Together they leave {loops_in_words(together)}.", code="symmetry.not_found")
+            raise InvalidMeshError(f"Together they leave {len(together.loops)} loops.", code="symmetry.not_found")
         orbits = orbits_of(together, symmetry)
         if orbits is None:
             raise InvalidMeshError("The images of its vertices are not vertices of it.", code="symmetry.not_found")
@@ -180,21 +175,18 @@ def _without_pockets(union: Mesh, images: Sequence[Mesh]) -> Mesh:
     return union if len(left) == len(union.loops) else Mesh.from_loops([union.vertices[loop] for loop in left])
 
 
-def possible_count(count: int, fine: Mesh, symmetry: Symmetry) -> tuple[int, tuple[Fault, ...]]:
+def possible_count(count: int, fine: Mesh, symmetry: Symmetry) -> int:
     """The number of vertices closest to `count`, less if possible, that a cage around a symmetric mesh can have.
 
-    And a note if it differs. With a mirror, loops across it can have any number, and pairs of loops even ones; with
+    With a mirror, loops across it can have any number, and pairs of loops even ones; with
     rotations every number is a multiple of their order.
     """
     orbits = orbits_of(fine, symmetry)
     if orbits is None:
-        return count, ()
+        return count
     image = fine.loop_of_vertex[orbits.partner[[loop[0] for loop in fine.loops]]]
     own = image == np.arange(len(image))
     step = 1 if symmetry.reverses and own.any() else symmetry.order
     own_least = LEAST_PER_LOOP if symmetry.reverses else -(-LEAST_PER_LOOP // symmetry.order) * symmetry.order
     least = int(own.sum()) * own_least + int((~own).sum()) * LEAST_PER_LOOP
-    possible = max(count // step * step, least)
-    if possible == count:
-        return count, ()
-    return possible, (note("note.count", on="symmetry", asked=count, given=possible, symmetry=str(symmetry)),)
+    return max(count // step * step, least)

@@ -1,1 +1,0 @@
-"""Convex cages."""

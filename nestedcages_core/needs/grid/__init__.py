@@ -1,1 +1,0 @@
-"""Cages on a grid."""

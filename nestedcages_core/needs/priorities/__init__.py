@@ -1,1 +1,0 @@
-"""Where vertices matter: weights, pins, joints and limits."""

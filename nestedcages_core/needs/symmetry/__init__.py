@@ -1,1 +1,0 @@
-"""Cages with an exact symmetry."""
