@@ -5,6 +5,7 @@ The caller iterates over a stage to show its progress, and closes or drops it to
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Generator, Iterable, Iterator
 from time import perf_counter
 from typing import Any, Generic, TypeAlias, TypeVar
@@ -60,7 +61,9 @@ def limited(
 
 
 def listened(run: Run[Shown, Result], listener: Callable[[Shown], None] | bool | None) -> Result:
-    """The result of a run; a listener is called with its progress. True: a bar of tqdm, if that is installed."""
+    """The result of a run; a listener is called with its progress. True: a bar of tqdm, or
+    lines where that is not installed.
+    """
     if listener is True:
         return _with_bar(run)
     if listener not in (None, False) and not callable(listener):
@@ -77,12 +80,23 @@ def _with_bar(run: Run[Any, Result]) -> Result:
     try:
         from tqdm.auto import tqdm
     except ImportError:
-        return listened(run, None)
+        return _with_lines(run)
     with tqdm(total=100, bar_format="{l_bar}{bar}| {elapsed}") as bar:
         for step in run:
             bar.set_description_str(step.message, refresh=False)
             bar.update(round(100.0 * step.fraction) - bar.n)
         bar.update(100 - bar.n)
+    return run.result
+
+
+def _with_lines(run: Run[Any, Result]) -> Result:
+    """The result of a run whose progress is printed to the standard error, a line for each tenth and each stage."""
+    said = None
+    for step in run:
+        line = int(10.0 * step.fraction), step.message
+        if line != said:
+            print(f"{10 * line[0]:3} %  {step.message}", file=sys.stderr)
+            said = line
     return run.result
 
 

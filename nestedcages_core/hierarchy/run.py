@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from math import inf
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 
@@ -30,6 +30,9 @@ from .constraints import constraints_of
 from .levels import Rising, Share, wanted_levels
 from .settings import Settings
 
+if TYPE_CHECKING:
+    from .keywords import SettingsKeywords
+
 logger = logging.getLogger(__name__)
 
 ROOM_OF_A_LEVEL = 2.5
@@ -42,7 +45,7 @@ def nested_cages(
     settings: Settings | None = None,
     *,
     progress: Callable[[Progress], None] | bool | None = None,
-    **options: Any,
+    **options: Unpack[SettingsKeywords],
 ) -> Hierarchy:
     """Cages around ``fine``, each enclosing the one before, from the finest to the coarsest.
 
@@ -50,7 +53,7 @@ def nested_cages(
     levels: for each cage its number of vertices, ``"8%"`` or a `Share` of those of ``fine``, the user's own coarse
     mesh, or the fewest vertices within a distance, ``"2px"`` or ``"2u"`` in the input's units, or an excess of area,
     ``"+25%"``, which are `Within`. A single level needs no list; counts and the like may come in any order.
-    progress: called between iterations; may raise to cancel. True: a progress bar, if tqdm is installed.
+    progress: called between iterations; may raise to cancel. True: a bar of tqdm, or lines without it.
     options: fields of `Settings`, such as ``clearance=0.01``, that replace those of ``settings``.
 
     Exact predicates certify every returned cage. Raises a NestedCagesError when a level cannot be made; its ``partial``
@@ -65,7 +68,7 @@ def inner_cages(
     settings: Settings | None = None,
     *,
     progress: Callable[[Progress], None] | bool | None = None,
-    **options: Any,
+    **options: Unpack[SettingsKeywords],
 ) -> Hierarchy:
     """Cages inside ``fine``, of locally largest area, each inside the one before; see `nested_cages`.
 
@@ -83,7 +86,11 @@ class NestedCagesRun(Run[Progress, Hierarchy]):
     """1 for cages around the mesh, -1 for cages inside it."""
 
     def __init__(
-        self, fine: MeshLike, levels: Wanted | Sequence[Wanted], settings: Settings | None = None, **options: Any
+        self,
+        fine: MeshLike,
+        levels: Wanted | Sequence[Wanted],
+        settings: Settings | None = None,
+        **options: Unpack[SettingsKeywords],
     ) -> None:
         chosen = Settings.of(settings, **options)
         super().__init__(_hierarchy(fine, listed_levels(levels), chosen, self.side))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -20,6 +20,7 @@ from ..parameters import check_flag, has_method
 if TYPE_CHECKING:
     from ..constraints.base import Constraint
     from ..geometry.symmetry import Found
+    from .keywords import SettingsKeywords
 
 STORED_TYPES = ("float32", "float16")
 """Types that can hold coordinates, other than doubles."""
@@ -73,7 +74,7 @@ class Settings(LevelSettings):
     drawing inside of it, or around it for inner cages, when levels are made one by one."""
 
     @classmethod
-    def of(cls, settings: Settings | None, **options: Any) -> Settings:
+    def of(cls, settings: Settings | None, **options: Unpack[SettingsKeywords]) -> Settings:
         """Settings with fields replaced; the default ones for None. Raises NestedCagesError."""
         if not isinstance(settings, Settings | None):
             raise NestingError(
@@ -81,7 +82,11 @@ class Settings(LevelSettings):
             )
         unknown = [name for name in options if name not in cls.__dataclass_fields__]
         if unknown:
-            raise TypeError(f"There is no setting {unknown[0]!r}; see Settings for those there are.")
+            from difflib import get_close_matches
+
+            meant = get_close_matches(unknown[0], cls.__dataclass_fields__, 1)
+            hint = f"did you mean {meant[0]!r}?" if meant else "see help(Settings) for those there are."
+            raise TypeError(f"There is no setting {unknown[0]!r}; {hint}")
         return replace(settings, **options) if settings is not None else cls(**options)
 
     def __post_init__(self) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
-from typing import overload
+from typing import Any, overload
 
 from ..contact.reinflation import Reinflation
 from ..errors import Fault
@@ -161,6 +161,11 @@ class Level(Drawable):
     def excess(self) -> float:
         """area(cage) / area(fine) - 1; negative for inner cages."""
         return self.report.excess
+
+    @property
+    def __geo_interface__(self) -> dict[str, Any]:
+        """The cage as a Polygon or MultiPolygon: ``shapely.geometry.shape(level)``."""
+        return self.cage.__geo_interface__
 
     @property
     def meshes(self) -> tuple[Mesh, ...]:

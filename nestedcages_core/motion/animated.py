@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +21,9 @@ from ..verification import verify, verify_motion
 from .level import Allowance, LevelMotion
 from .poses import Pose, read_poses
 from .results import MotionReport, MovingCages, MovingLevel
+
+if TYPE_CHECKING:
+    from ..hierarchy.keywords import SettingsKeywords
 
 MANY_ROOMS = 64.0
 """Multiples of what rounding takes, kept where less was not enough: rounding can close gaps between parts of a cage."""
@@ -38,7 +41,7 @@ def animated_cages(
     times: ArrayLike | None = None,
     cyclic: bool = False,
     progress: Callable[[Progress], None] | bool | None = None,
-    **options: Any,
+    **options: Unpack[SettingsKeywords],
 ) -> MovingCages:
     """Cages that follow a moving drawing, each enclosing the one before at every instant.
 
@@ -48,7 +51,7 @@ def animated_cages(
     times: (T,) increasing; default: 0, 1, ...
     cyclic: the last cage equals the first. If the last pose differs from the first, the motion back to it is added,
     over the mean interval.
-    progress: may raise to cancel. True: a progress bar, if tqdm is installed.
+    progress: may raise to cancel. True: a bar of tqdm, or lines without it.
     options: fields of `Settings` that replace those of ``settings``.
 
     Every key is certified by `verify`, and the straight motion between keys by `verify_motion`. Raises a
@@ -69,7 +72,7 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
         *,
         times: ArrayLike | None = None,
         cyclic: bool = False,
-        **options: Any,
+        **options: Unpack[SettingsKeywords],
     ) -> None:
         self._fine, self._cyclic = Mesh.of(fine, strict=True), cyclic
         self._levels: list[Any] = in_order(wanted_levels(listed_levels(levels), self._fine))

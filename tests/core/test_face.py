@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 import json
 import xml.etree.ElementTree as ET
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ from nestedcages_core import (
 )
 from nestedcages_core.geometry.drawable import Drawable
 from nestedcages_core.hierarchy import in_order
+from nestedcages_core.hierarchy.keywords import SettingsKeywords
 from shapes import ring
 
 OUTER, HOLE = ring(60, 1.0), ring(20, 0.4)
@@ -103,9 +105,20 @@ def test_settings_can_be_keywords() -> None:
     both = nested_cages(OUTER, 12, Settings(clearance=0.02, grid=0.001), clearance=0.03)
     assert (both[0].report.wanted_clearance, both[0].report.grid) == (0.03, 0.001)
     assert inner_cages(OUTER, 12, clearance=0.02)[0].excess < 0.0
-    for name in ("clearence", "starts"):  # misspelt, and gone
-        with pytest.raises(TypeError, match=f"There is no setting '{name}'"):
-            nested_cages(OUTER, 12, **{name: 0.02})
+    gone, misspelt = {"starts": 3}, {"clearence": 0.02}
+    with pytest.raises(TypeError, match=r"There is no setting 'starts'; see help\(Settings\)"):
+        nested_cages(OUTER, 12, **gone)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="There is no setting 'clearence'; did you mean 'clearance'"):
+        nested_cages(OUTER, 12, **misspelt)  # type: ignore[arg-type]
+    told = {name: hint.__forward_arg__ for name, hint in SettingsKeywords.__annotations__.items()}
+    assert told == {each.name: each.type for each in fields(Settings)}
+
+
+def test_a_level_is_a_geometry() -> None:
+    shapely = pytest.importorskip("shapely")
+    level = nested_cages(OUTER, 12)[0]
+    assert shapely.geometry.shape(level).equals(shapely.geometry.shape(level.cage))
+    assert Mesh.of(level) == level.cage
     with pytest.raises(NestedCagesError, match="settings must be Settings"):
         nested_cages(OUTER, 12, 0.02)  # type: ignore[arg-type]
 
@@ -196,7 +209,8 @@ def test_progress_may_be_a_bar_or_a_function(
     nested_cages_many([OUTER], [12], progress=True)
     assert "1 of 1 shapes: 100%" in capsys.readouterr().err
     monkeypatch.setattr(builtins, "__import__", _without("tqdm"))
-    assert nested_cages(OUTER, 12, progress=True)[0].cage == with_bar[0].cage
+    assert nested_cages(OUTER, 13, progress=True)[0].cage == nested_cages(OUTER, 13)[0].cage != with_bar[0].cage
+    assert "  0 %  Level 1" in capsys.readouterr().err
 
 
 def _without(library: str) -> Any:
