@@ -22,7 +22,7 @@ CORE = "nestedcages_core"
 ROOMS = """
 checker_distance checker errors libraries tasks cache parameters lapack geometry decimation flow energies solver
 constraints contact tightening verification level tolerance hierarchy motion published coordinates character
-puppet exchange batch command __main__ __init__
+puppet exchange game batch command __main__ __init__
 """
 
 # The rooms of the add-on, in the same sense. `core` is its door to the core.
@@ -35,7 +35,7 @@ DOOR = "core.py"
 THIRD_PARTY = {"numpy", "scipy"}
 # Optional libraries, each in its room alone, imported when needed: formats, plots, progress bars.
 OPTIONAL = {
-    "libraries": {"shapely", "tinycss2", "cssselect2", "PIL", "pyogrio"},
+    "libraries": {"shapely", "tinycss2", "cssselect2", "PIL", "pyogrio", "rectpack"},
     "geometry": {"matplotlib"},
     "tasks": {"tqdm"},
 }

@@ -32,6 +32,7 @@ MORE = """\
 more: --help shape, drawings, maps, pictures, outlines, files (formats, limits,
 exit status, examples) or all
 nested-cages check DRAWING RESULT judges what was written
+nested-cages puppet PAINTING -o SCENE makes a game puppet of a layered painting
 """
 
 FILES = """\
@@ -85,7 +86,7 @@ def _number(what: str, holds: Callable[[float], bool], kind: type = float) -> Ca
     return read
 
 
-def _whole(least: int) -> Callable[[str], Any]:
+def at_least(least: int) -> Callable[[str], Any]:
     return _number(f"a whole number of at least {least}", lambda value: value >= least and value % 1 == 0, int)
 
 
@@ -106,7 +107,7 @@ def _limit(text: str) -> tuple[str, int]:
     if name not in vars(Limits()):
         known = ", ".join(vars(Limits()))
         raise argparse.ArgumentTypeError(f"{known} can be limited, as in pixels=1000000, not {text!r}")
-    return name, int(_whole(1)(number))
+    return name, int(at_least(1)(number))
 
 
 def _limit_list(limits: Limits) -> str:
@@ -166,7 +167,7 @@ OPTIONS = {
                 "(default: 0)"),
     ),
     "maps": (
-        _option("--jobs", type=_whole(1), metavar="N", help="processes for the features (default: 1)"),
+        _option("--jobs", type=at_least(1), metavar="N", help="processes for the features (default: 1)"),
         _option("--borders", type=lambda text: length(text.removesuffix("px")), nargs="?", const=0.0, metavar="WIDTH",
                 help="for features that share borders: one cage around their land, divided along borders that are "
                 "simplified once for both sides, within a width such as 0.5 (default: about as coarsely as the coast)"),
@@ -180,8 +181,8 @@ OPTIONS = {
     "outlines": (
         _option("--flip-y", help="turn y over; that of a picture then counts upwards from its lower edge"),
         _option("--triangles", help="add the triangles of the outline"),
-        _option("--pieces", type=_whole(3), metavar="N", help="add convex pieces of at most N vertices, which tile the "
-                "outline; Box2D takes 8"),
+        _option("--pieces", type=at_least(3), metavar="N", help="add convex pieces of at most N vertices, which tile "
+                "the outline; Box2D takes 8"),
     ),
     "files": (
         _option("--format", action="store", choices=sorted(WRITTEN.values()), help="what to write to the standard "

@@ -28,6 +28,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else list(arguments)
     if words[:1] == ["check"]:
         return check_files(words[1:])
+    if words[:1] == ["puppet"]:
+        from .puppet import make_puppet  # imports what makes puppets, which others don't need
+
+        return FAILED if make_puppet(words[1:]) else DONE
     for stream in (sys.stdout, sys.stderr):
         with suppress(AttributeError, ValueError, OSError):  # a replaced stream, without an encoding
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]

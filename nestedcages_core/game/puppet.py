@@ -1,0 +1,125 @@
+"""A puppet for game engines: bones, textured meshes in drawing order, proved ranges, and animations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..character import Bone, skinned
+from ..errors import invalid_setting
+from ..exchange.layers import PicturePart
+from ..exchange.pictures import boundary_of_pixels
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..libraries import load_shapely
+from ..puppet import BendField, JointRange, PartChoice, Puppet, PuppetPart, draft_puppet, puppet_of
+from ..puppet.ranges import FREE, ranges_of
+from .animation import Animation
+from .mesh import SKIN, Bending, PartMesh, Placement, part_meshes
+
+HULL_VERTICES = 16
+"""Of the largest hull of a part, by default."""
+
+SOLID = 128
+"""Alpha from which pixels make up the outline that tells how parts hang together."""
+
+SIMPLIFIED = 0.7
+"""Tolerance of that outline in pixels: what corners of pixels stand out from a slanted edge."""
+
+
+@dataclass(frozen=True, eq=False)
+class GamePuppet:
+    """What an engine needs to pose a painting. Places are pixels, y pointing up, 0 below the middle of the canvas."""
+
+    name: str
+    place: Placement
+    bones: tuple[Bone, ...]
+    """Parents first."""
+    meshes: tuple[PartMesh, ...]
+    """In drawing order, the lowest first."""
+    ranges: tuple[JointRange, ...]
+    """Of each bone: the angles at which no triangle of any mesh flips, blended as engines do."""
+    animations: tuple[Animation, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def posed(self, turned: Mapping[str, float]) -> list[FloatArray]:
+        """(n, 2) points of each mesh with bones turned by degrees, counter-clockwise, relative to their parents.
+
+        Raises NestedCagesError for the name of no bone.
+        """
+        number = {bone.name: k for k, bone in enumerate(self.bones)}
+        unknown = [name for name in turned if name not in number]
+        if unknown:
+            raise invalid_setting(f"There is no bone {unknown[0]!r}; there are {', '.join(number)}.")
+        degrees = {number[name]: angle for name, angle in turned.items()}
+        return [skinned(mesh.points, mesh.weights, self.bones, degrees, SKIN) for mesh in self.meshes]
+
+
+def game_puppet(
+    parts: Sequence[PicturePart],
+    size: tuple[int, int],
+    *,
+    name: str = "puppet",
+    vertices: int = HULL_VERTICES,
+    choices: Mapping[str, PartChoice] | None = None,
+) -> GamePuppet:
+    """A puppet from the parts of a picture, the lowest first.
+
+    size: width and height of the canvas; vertices: of the largest hull of each part; choices: of `draft_puppet`. Raises
+    NestedCagesError.
+    """
+    if not parts:
+        raise invalid_setting("The picture has no visible layer with pixels; show one, or include hidden layers.")
+    place = Placement(*size)
+    drafted = draft_puppet([puppet_part(part, place) for part in parts], choices)
+    return meshed(puppet_of(drafted, SKIN), parts, place, name=name, vertices=vertices)
+
+
+def puppet_part(part: PicturePart, place: Placement) -> PuppetPart:
+    """The outline of a painted part, by which parts find how they hang together."""
+    shapely = load_shapely("A puppet of parts that overlap")
+    opaque = part.pixels[..., 3] >= SOLID
+    pixels = boundary_of_pixels(opaque if opaque.any() else part.pixels[..., 3] > 0)
+    outline = shapely.simplify(shapely.geometry.shape(pixels.__geo_interface__), SIMPLIFIED)
+    solid = Mesh.of(outline)
+    up = [place.up(ring + np.array([part.left, part.top])) for ring in solid.rings]
+    return PuppetPart(part.name, Mesh.from_loops(up), part.groups, part.identity)
+
+
+def meshed(
+    puppet: Puppet, parts: Sequence[PicturePart], place: Placement, *, name: str, vertices: int = HULL_VERTICES
+) -> GamePuppet:
+    """The meshes of a puppet whose parts have these pictures, in the same order. Raises NestedCagesError."""
+    draft = puppet.draft
+    meshes: list[PartMesh] = []
+    ranges = [FREE] * len(draft.bones)
+    for k, part in enumerate(parts):
+        carrier = puppet.fields[k]
+        bending = None if carrier is None else Bending(carrier, _chain(puppet, carrier))
+        found, fields = part_meshes(
+            part, draft.parts[k].name, place, vertices, len(draft.bones), draft.bone_of[k], bending
+        )
+        meshes += found
+        for own in fields:
+            for bone, proved in enumerate(ranges_of(own, SKIN), own.first_bone + 1):
+                ranges[bone] = _both(ranges[bone], proved)
+    return GamePuppet(name, place, draft.bones, tuple(meshes), tuple(ranges), (), draft.notes)
+
+
+def _chain(puppet: Puppet, carrier: BendField) -> FloatArray:
+    """(K + 2, 2) heads of the bones of a field, and the tip of the last."""
+    bones = puppet.bones[carrier.first_bone : carrier.first_bone + len(carrier.bends) + 1]
+    return np.array([bones[0].head, *(bone.tail for bone in bones)])
+
+
+def _both(one: JointRange, other: JointRange) -> JointRange:
+    """The angles in two ranges."""
+    return replace(
+        one,
+        low=max(one.low, other.low),
+        high=min(one.high, other.high),
+        simple_low=max(one.simple_low, other.simple_low),
+        simple_high=min(one.simple_high, other.simple_high),
+    )
