@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+from math import isqrt, ldexp
 from typing import NamedTuple
 
 import numpy as np
 
 from .arrays import FloatArray, IntArray
 from .distance import point_edge
-from .predicates import BoxTree
+from .predicates import BoxTree, as_integers
 from .predicates.box_tree import CROWDED, FANOUT, children
 
 FIRST_BALLS = 32
 """Maximum number of balls of the top level: pairs of that many take less time than further levels (measured)."""
+
+ROUNDING = 16.0 * float(np.finfo(float).eps)
+"""Bound on the error of a distance between a point and a segment, over the vectors between their ends."""
+
+ACCURATE = 1e-12
+"""Relative error of a distance that is left to rounding; where it may be larger, the distance is exact."""
+
+ROOT_BITS = 64
+"""Binary digits of a root, more than a double has."""
 
 
 class Balls(NamedTuple):
@@ -44,21 +55,26 @@ def smallest_gap(here: BoxTree, there: BoxTree) -> float:
 
     Centres are vertices, so every measured distance is an upper bound of the result; pairs of balls that are farther
     apart than the best bound are dropped, and so are crowded pairs that oriented boxes separate. The cost grows with
-    the length in close contact.
+    the length in close contact. What rounding may decide is measured again in whole numbers.
     """
     ours, theirs = Stretches(here), Stretches(there)
     a, b = len(ours.levels) - 1, len(theirs.levels) - 1
     i, j = np.indices((ours.counts[a], theirs.counts[b])).reshape(2, -1)
     best = np.inf
+    longest = float(max(ours.levels[0].radii.max(), theirs.levels[0].radii.max()))
     while True:
         distance, reach = _distance_between(ours, a, i, theirs, b, j)
         best = min(best, float(distance.min()))
+        slack = ROUNDING * (longest + best)
         if a == 0 and b == 0:
-            return best
-        near = distance - reach <= best
+            if slack <= ACCURATE * best:
+                return best
+            near = distance <= best + 2.0 * slack
+            return _exact_gap(*ours.segments(i[near]), *theirs.segments(j[near]))
+        near = distance - reach <= best + 2.0 * slack
         i, j = i[near], j[near]
         if len(i) > CROWDED * (ours.counts[a] + theirs.counts[b]):
-            near = here.oriented(a).gap(i, there.oriented(b), j) <= best
+            near = here.oriented(a).gap(i, there.oriented(b), j) <= best + 2.0 * slack
             i, j = i[near], j[near]
         if b == 0 or (a > 0 and ours.levels[a].radii[i].mean() > theirs.levels[b].radii[j].mean()):
             a, i, j = a - 1, children(i), np.repeat(j, FANOUT)
@@ -66,6 +82,22 @@ def smallest_gap(here: BoxTree, there: BoxTree) -> float:
             b, i, j = b - 1, np.repeat(i, FANOUT), children(j)
         exist = (i < ours.counts[a]) & (j < theirs.counts[b])
         i, j = i[exist], j[exist]
+
+
+def _exact_gap(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> float:
+    """Smallest distance of a start from the other segment, of pairs a-b and c-d (K, 2), rounded once."""
+    p, a, b = (np.concatenate(each) for each in ((a, c), (c, a), (d, b)))
+    whole, exponent = as_integers(np.concatenate([p, a, b], axis=1).reshape(1, -1))
+    p, a, b = whole.reshape(-1, 3, 2).transpose(1, 2, 0)
+    along, to_a, to_b = b - a, p - a, p - b
+    place, length = (along * to_a).sum(axis=0), (along**2).sum(axis=0)
+    off = (along[0] * to_a[1] - along[1] * to_a[0]) ** 2
+    ends = np.where(place <= 0, (to_a**2).sum(axis=0), (to_b**2).sum(axis=0)) * length
+    squared = np.where((place <= 0) | (place >= length), ends, off)
+    over, under = min(zip(squared, length, strict=True), key=lambda ratio: Fraction(*ratio))
+    shift = 2 * (ROOT_BITS - (over.bit_length() - under.bit_length()) // 2)
+    root = isqrt((over << shift if shift >= 0 else over >> -shift) // under)
+    return ldexp(root, int(exponent[0]) - shift // 2)
 
 
 def _parents(centres: FloatArray, radii: FloatArray) -> Balls:
