@@ -41,7 +41,8 @@ def check_files(arguments: Sequence[str]) -> int:
         options.error(f"argument --levels: {error}")
     kind, judged = "error", ""
     try:
-        drawings, results = read_drawings(given.drawing, given.tolerance), read_cages(given.result)
+        drawings = read_drawings(given.drawing, given.tolerance, together=given.borders)
+        results = read_cages(given.result, together=given.borders)
         kind, judged = "wrong", _judged(results)
         problems = list(_problems(given, drawings, results))
     except OSError as error:
@@ -70,7 +71,7 @@ def _problems(given: argparse.Namespace, drawings: Shapes, results: Shapes) -> I
     yield from _faults_of_page(given, drawings, results)
     is_picture = Path(given.drawing).suffix.lower() == ".png"  # whose holes are closed and whose parts may be joined
     options = {
-        "same_loops": False if given.any_loops or is_picture else None,
+        "same_loops": False if given.any_loops or given.borders or is_picture else None,
         "grid": given.grid if given.decimals is None else float(f"1e-{given.decimals}"),
         "symmetry": given.symmetry,
         "distance": given.distance,
@@ -164,6 +165,7 @@ def _parser() -> argparse.ArgumentParser:
     options.add_argument("--clearance", type=length, metavar="LENGTH", help="smallest distance (default: above 0)")
     options.add_argument("--inside", action="store_true", help="the cages lie inside the drawing")
     options.add_argument("--any-loops", action="store_true", help="cages may close holes and wrap several parts")
+    options.add_argument("--borders", action="store_true", help="all regions together, as --borders makes them")
     grids = options.add_mutually_exclusive_group()
     grids.add_argument("--grid", type=length, metavar="LENGTH", help="coordinates are multiples of this length")
     grids.add_argument("--decimals", type=decimals, metavar="N", help="the same by decimals")

@@ -91,7 +91,7 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
         data, kind = _streamed(limits)
     else:
         kind = kind_of(path)
-        data = map_document(path, limits, options["layers"]) if kind == "map" else read_whole(path, limits)
+        data = map_document(path, limits, options.get("layers")) if kind == "map" else read_whole(path, limits)
     if kind == "picture":
         picture = decode_png(data, limits=limits)
         opaque = ("No pixel is fully transparent, so the whole picture may count as opaque.",)

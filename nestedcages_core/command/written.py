@@ -12,9 +12,11 @@ import numpy as np
 from ..checker import rings_of
 from ..errors import invalid_file
 from ..exchange import DRAWING_LIMITS, Frame, Limits, levels_in_svg, outlines_from_engine_json, read_map, read_whole
+from ..exchange.fill import united
 from ..exchange.pictures import alpha_channel, boundary_of_pixels
 from ..geometry.arrays import IntArray
 from ..geometry.mesh import Mesh
+from ..libraries import load_shapely
 from .sources import read
 
 LAST_WORDS = re.compile(r"-?(drawing|shape|cage-\d+)$| (Inner )?(Fine|Cage \d+)(\.\d+)?$")
@@ -67,8 +69,11 @@ class Shapes(NamedTuple):
     """Whether y points up, as in maps; in pictures it points down."""
 
 
-def read_drawings(path: str, tolerance: float | None) -> Shapes:
-    """The drawings of a file, as cages are made from them; of a picture of this program those that it shows."""
+def read_drawings(path: str, tolerance: float | None, *, together: bool = False) -> Shapes:
+    """The drawings of a file, as cages are made from them; of a picture of this program those that it shows.
+
+    together: whether the features of a map are one drawing.
+    """
     suffix = Path(path).suffix.lower()
     if suffix == ".svg":
         content = read_whole(path, DRAWING_LIMITS)
@@ -85,17 +90,22 @@ def read_drawings(path: str, tolerance: float | None) -> Shapes:
         shape.content if isinstance(shape.content, Mesh) else boundary_of_pixels(alpha_channel(shape.content) > 0)
         for shape in source.shapes
     ]
+    if together:
+        meshes = [_together(meshes)]
     return Shapes([{0: _loops(mesh)} for mesh in meshes], source.frame, y_up=source.kind == "map")
 
 
-def read_cages(path: str) -> Shapes:
-    """The cages of a file, and the drawings that it shows. Raises NestedCagesError for a file that lacks levels."""
+def read_cages(path: str, *, together: bool = False) -> Shapes:
+    """The cages of a file, and the drawings that it shows. Raises NestedCagesError for a file that lacks levels.
+
+    together: whether all features of a level of a map are one cage.
+    """
     suffix = Path(path).suffix.lower()
     if suffix == ".svg":
         found = _of_picture(read_whole(path, DRAWING_LIMITS))
     else:
         content = read_whole(path, Limits())
-        found = _of_outlines(content, 1) if OUTLINE.search(content) else _of_map(content)
+        found = _of_outlines(content, 1) if OUTLINE.search(content) else _of_map(content, together)
     for levels in found.shapes:
         for side in (1, -1):
             numbers = sorted(side * level for level in levels if side * level > 0)
@@ -124,20 +134,30 @@ def _of_outlines(content: bytes, level: int) -> Shapes:
     return Shapes([{level: _loops(outline)} for outline in outlines], moves=moves)
 
 
-def _of_map(content: bytes) -> Shapes:
+def _of_map(content: bytes, together: bool) -> Shapes:
     found = read_map(content)
     faults = [*found.refused, *found.notes]
     if faults or found.without_polygons:
         raise invalid_file(" ".join(faults) or "The map has features without polygons.")
     shapes: list[Levels] = []
+    of_level: dict[int, list[Mesh]] = {}
     for feature in found.features:
         level = feature.properties.get("level", 1)
         if type(level) is not int or level < 1:
             raise invalid_file(f"The level of {feature.name} is {level!r:.40}, not a whole number from 1 on.")
+        of_level.setdefault(level, []).append(feature.mesh)
+        if together:
+            continue
         if level == 1 or not shapes:
             shapes.append({})
         _put(shapes[-1], level, _loops(feature.mesh), feature.name)
-    return Shapes(shapes)
+    return Shapes([{level: _loops(_together(meshes)) for level, meshes in of_level.items()}] if together else shapes)
+
+
+def _together(meshes: list[Mesh]) -> Mesh:
+    """The land of regions that may share borders."""
+    shapely = load_shapely("Reading regions together")
+    return united(shapely, [shapely.geometry.shape(mesh) for mesh in meshes])
 
 
 def _loops(mesh: Mesh) -> Loops:

@@ -111,5 +111,9 @@ def test_the_command_writes_regions_with_their_properties(
     (said,) = json.loads(report.read_text())["inputs"][0]["borders"]
     assert said["points"] < 0.4 * said["points_read"]
     assert out.stat().st_size < 0.6 * source.stat().st_size
+    assert main(["check", str(source), str(out), "--borders", "--levels", "40"]) == 0
+    far = [each.mesh.moved(each.mesh.vertices + np.array([0.02, 0.0])) for each in features]
+    (tmp_path / "far.geojson").write_text(to_geojson(far))
+    assert main(["check", str(source), str(tmp_path / "far.geojson"), "--borders"]) == 1
     assert main([str(source), "--levels", "24", *option, "-o", str(tmp_path / "out.svg"), "--quiet"]) == 0
     assert (tmp_path / "out.svg").read_text().count("<path") == 2 * len(regions)
