@@ -9,9 +9,21 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..errors import NestedCagesError
-from ..exchange import Limits, read_whole
+from ..exchange import Limits, read_whole, write_whole
 from ..exchange.layers import LAYERED_LIMITS, PicturePart, parts_of, read_layers
-from ..game import ENGINES, HULL_VERTICES, GamePuppet, engine_for, game_puppet, undrawn, write_puppet
+from ..game import (
+    ENGINES,
+    HULL_VERTICES,
+    GamePuppet,
+    engine_for,
+    from_puppet_json,
+    game_puppet,
+    repainted,
+    to_puppet_json,
+    undrawn,
+    write_puppet,
+)
+from ..game.kept import KEPT_LIMITS
 from ..game.vector import LONGER_SIDE, parts_of_svg
 from ..puppet import PartChoice
 from .options import at_least
@@ -30,6 +42,7 @@ output files, by their names, several at once:
 
 examples:
   nested-cages puppet cat.psd -o cat.tscn
+  nested-cages puppet cat.psd -o cat.tscn --keep cat.puppet.json
   nested-cages puppet cat.kra -o cat.tscn --vertices 24 --parent hat=head --bones tail=4
 """
 
@@ -43,6 +56,8 @@ def make_puppet(arguments: Sequence[str]) -> bool:
         for note in (*notes, *puppet.notes):
             tell(f"note: {note}", sys.stderr)
         _tell_bones(puppet)
+        if given.keep is not None:
+            write_whole(given.keep, to_puppet_json(puppet))
         for path, engine in zip(given.output, engines, strict=True):
             for note in undrawn(puppet, engine):
                 tell(f"note: {note}", sys.stderr)
@@ -61,7 +76,11 @@ def _puppet(given: argparse.Namespace) -> tuple[GamePuppet, tuple[str, ...]]:
     """The puppet of a painting, and what its reader says."""
     parts, size, notes = _painted_parts(given)
     stem = Path(given.painting).resolve().stem
-    return game_puppet(parts, size, name=stem, vertices=given.vertices, choices=_choices(given)), notes
+    if given.keep is None or not Path(given.keep).exists():
+        return game_puppet(parts, size, name=stem, vertices=given.vertices, choices=_choices(given)), notes
+    before = from_puppet_json(read_whole(given.keep, KEPT_LIMITS))
+    puppet, changes = repainted(before, parts, size, vertices=given.vertices)
+    return puppet, (*notes, *changes.sentences)
 
 
 def _painted_parts(given: argparse.Namespace) -> tuple[tuple[PicturePart, ...], tuple[int, int], tuple[str, ...]]:
@@ -92,6 +111,7 @@ def _tell_bones(puppet: GamePuppet) -> None:
         above = f" on {puppet.bones[bone.parent].name}" if bone.parent is not None else ""
         free = proved.low <= -180.0 and proved.high >= 180.0
         turns = "turns freely" if free else f"nothing folds from {proved.low:.1f}° to {proved.high:.1f}° (proved)"
+        turns = turns if proved.low < proved.high else "not proved, since its weights were painted by hand"
         tell(f"  {bone.name}{above}: {turns}", sys.stdout)
 
 
@@ -118,6 +138,11 @@ def _puppet_options() -> argparse.ArgumentParser:
         default=HULL_VERTICES,
         metavar="N",
         help=f"of the hull of a part; joints and small islands aside (default: {HULL_VERTICES})",
+    )
+    options.add_argument(
+        "--keep",
+        metavar="FILE.json",
+        help="keep the bones, names, order and keys of this puppet when its painting changed; written each time",
     )
     options.add_argument("--hidden", action="store_true", help="include hidden layers, as hidden parts")
     options.add_argument(

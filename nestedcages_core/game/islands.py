@@ -74,7 +74,7 @@ def islands_of(pixels: Pixels, left: int, top: int, vertices: int) -> list[Islan
         share = (_extent(boxes[k]) / _extent(boxes[order[0]])) ** PER_SHARE
         cut = np.where(own[rows, columns, None], pixels[rows, columns], 0)
         wanted = max(LEAST_VERTICES, round(share * vertices))
-        x, y = left + columns.start, top + rows.start
+        x, y = left + int(columns.start), top + int(rows.start)
         found.append(Island(x, y, cut, stored(_hull_of(own[rows, columns], wanted)) + np.array([x, y])))
     return found
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..character import Bone
 from ..character.bones import ends_of
@@ -84,7 +85,7 @@ def unique_names(names: Iterable[str], forbidden: str, taken: Iterable[str] = ()
     return found
 
 
-def few_decimals(values: FloatArray | float) -> list[float]:
+def few_decimals(values: ArrayLike) -> list[float]:
     """Numbers in a row with few decimals, without negative zeros."""
     flat = np.round(np.ravel(values), DECIMALS) + 0.0
     return [int(value) if value == int(value) else value for value in flat.tolist()]

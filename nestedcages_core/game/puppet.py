@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from ..exchange.pictures import boundary_of_pixels
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..libraries import load_shapely
-from ..puppet import BendField, JointRange, PartChoice, Puppet, PuppetPart, draft_puppet, puppet_of
+from ..puppet import BendField, Hold, JointRange, PartChoice, Puppet, PuppetDraft, PuppetPart, draft_puppet, puppet_of
 from ..puppet.ranges import FREE, ranges_of
 from .animation import Animation
 from .mesh import SKIN, Bending, PartMesh, Placement, part_meshes
@@ -27,6 +28,26 @@ SOLID = 128
 
 SIMPLIFIED = 0.7
 """Tolerance of that outline in pixels: what corners of pixels stand out from a slanted edge."""
+
+
+@dataclass(frozen=True)
+class PartRecord:
+    """A part of a painting as it was when its puppet was made, to know it again."""
+
+    name: str
+    """In the puppet."""
+    path: str
+    """Groups and name of the layer."""
+    identity: str
+    """Id of the layer, empty if it has none."""
+    parent: str
+    """Name of the part that it hangs on; empty for the root."""
+    hold: Hold
+    joint: tuple[float, float]
+    bones: list[str]
+    """Names of its own bones, from the joint to the tip."""
+    checksum: int
+    """Of its pixels and their place."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +64,10 @@ class GamePuppet:
     """Of each bone: the angles at which no triangle of any mesh flips, blended as engines do."""
     animations: tuple[Animation, ...] = ()
     notes: tuple[str, ...] = ()
+    parts: tuple[PartRecord, ...] = ()
+    """Of the painting, the lowest first."""
+    hand: Mapping[str, FloatArray] = field(default_factory=dict, repr=False)
+    """(n, B) by name of the mesh, how its weights differ from those that were solved: what was painted by hand."""
 
     def posed(self, turned: Mapping[str, float]) -> list[FloatArray]:
         """(n, 2) points of each mesh with bones turned by degrees, counter-clockwise, relative to their parents.
@@ -105,7 +130,24 @@ def meshed(
         for own in fields:
             for bone, proved in enumerate(ranges_of(own, SKIN), own.first_bone + 1):
                 ranges[bone] = _both(ranges[bone], proved)
-    return GamePuppet(name, place, draft.bones, tuple(meshes), tuple(ranges), (), draft.notes)
+    records = tuple(_record_of(draft, k, part) for k, part in enumerate(parts))
+    return GamePuppet(name, place, draft.bones, tuple(meshes), tuple(ranges), (), draft.notes, records)
+
+
+def _record_of(draft: PuppetDraft, number: int, part: PicturePart) -> PartRecord:
+    link = draft.links[number]
+    parent = "" if link.parent is None else draft.parts[link.parent].name
+    bones = [draft.bones[bone].name for bone in draft.chain(number)]
+    x, y = link.joint
+    joint = (float(x), float(y))
+    name = draft.parts[number].name
+    return PartRecord(name, part.path, part.identity, parent, link.hold, joint, bones, checksum_of(part))
+
+
+def checksum_of(part: PicturePart) -> int:
+    """A number that differs where pixels or their place do."""
+    seen = np.where(part.pixels[..., 3:] > 0, part.pixels, 0)
+    return zlib.crc32(seen.tobytes(), zlib.crc32(f"{part.left} {part.top} {seen.shape}".encode()))
 
 
 def _chain(puppet: Puppet, carrier: BendField) -> FloatArray:

@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,16 @@ from nestedcages_core.checker import check
 from nestedcages_core.command import main
 from nestedcages_core.exchange.layers import PicturePart
 from nestedcages_core.exchange.pictures import boundary_of_pixels, encode_png, read_png
-from nestedcages_core.game import Animation, GamePuppet, game_puppet, write_puppet
+from nestedcages_core.game import (
+    Animation,
+    GamePuppet,
+    from_puppet_json,
+    game_puppet,
+    repainted,
+    to_puppet_json,
+    with_hand_weights,
+    write_puppet,
+)
 from nestedcages_core.game.atlas import atlas_of, region_points
 from nestedcages_core.game.vector import coverage, parts_of_svg
 from nestedcages_core.puppet import PartChoice
@@ -46,7 +56,8 @@ def part(name: str, pixels: np.ndarray, **more: object) -> PicturePart:
     rows, columns = np.nonzero(pixels[..., 3])
     top, left = rows.min(), columns.min()
     cut = pixels[top : rows.max() + 1, left : columns.max() + 1]
-    return PicturePart(name, (), "", int(left), int(top), np.ascontiguousarray(cut), **more)  # type: ignore[arg-type]
+    identity = str(more.pop("identity", ""))
+    return PicturePart(name, (), identity, int(left), int(top), np.ascontiguousarray(cut), **more)  # type: ignore
 
 
 @pytest.fixture(scope="module")
@@ -262,6 +273,11 @@ def test_the_command(tmp_path: Path, parts: list[PicturePart], capsys: pytest.Ca
     assert "Nothing folds between" in scene
     skeleton = json.loads((tmp_path / "cat.json").read_text(encoding="utf-8"))
     assert [slot["name"] for slot in skeleton["slots"]][:2] == ["tail", "body"]
+    kept = ["--keep", str(tmp_path / "kept.json")]
+    assert main(["puppet", str(painting), "-o", outputs[0], *kept]) == 0
+    (painting / "4 spots.png").unlink()
+    assert main(["puppet", str(painting), "-o", outputs[0], *kept]) == 0
+    assert "note: Gone: spots." in capsys.readouterr().err
     assert main(["puppet", str(painting), "-o", str(tmp_path / "cat.fbx")]) == 1
     assert "no file of an engine" in capsys.readouterr().err
     assert main(["puppet", str(tmp_path / "none.psd"), "-o", outputs[0]]) == 1
@@ -269,11 +285,91 @@ def test_the_command(tmp_path: Path, parts: list[PicturePart], capsys: pytest.Ca
 
 
 def test_animations_of_nothing_are_told(puppet: GamePuppet, tmp_path: Path) -> None:
-    from dataclasses import replace
-
     wrong = {"arm": np.zeros(2)}, {"body": np.zeros(3)}
     for turned in wrong:
         animated = replace(puppet, animations=(Animation("wave", np.array([0.0, 1.0]), turned),))
         with pytest.raises(NestedCagesError, match="wave"):
             write_puppet(tmp_path / "a.tscn", animated)
     assert not list(tmp_path.iterdir())
+
+
+# Repainted
+
+
+def painted_again(parts: list[PicturePart]) -> list[PicturePart]:
+    """The tail thicker, the arm renamed and in front, the spots gone, a hat new."""
+    _, body, arm, ring, _, shine = [replace(each, identity=str(k)) for k, each in enumerate(parts)]
+    thick = part("tail", limb((270, 170), (310, 160), (350, 110), (360, 40), width=34), identity="0")
+    return [thick, body, ring, shine, replace(arm, name="left arm"), part("hat", limb((120, 90), (160, 140), width=40))]
+
+
+def test_a_repainted_puppet_keeps_its_bones(parts: list[PicturePart], puppet: GamePuppet) -> None:
+    times = np.array([0.0, 1.0])
+    first = [replace(each, identity=str(k)) for k, each in enumerate(parts)]
+    old = game_puppet(first, SIZE, vertices=12)
+    swing = Animation("swing", times, {bone.name: np.array([0.0, 20.0]) for bone in old.bones})
+    old = from_puppet_json(to_puppet_json(replace(old, animations=(swing,))))
+    new, changes = repainted(old, painted_again(parts), SIZE, vertices=12)
+    before, after = ({bone.name: bone for bone in each.bones} for each in (old, new))
+    assert changes.added == ("hat",)
+    assert changes.removed == ("spots",)
+    assert set(changes.repainted) == {"tail"}
+    assert changes.renamed == ('arm "R".001',)
+    assert changes.is_reordered
+    assert len(changes.sentences) == 5
+    kept = [name for record in old.parts if record.name != "spots" for name in record.bones]
+    assert len(kept) >= 4
+    for name in kept:
+        assert (before[name].head, before[name].tail) == (after[name].head, after[name].tail)
+        one, other = ((e.bones[k].name if k is not None else None) for e, k in (
+            (old, before[name].parent), (new, after[name].parent)))  # fmt: skip
+        assert one == other
+    assert set(new.animations[0].turned) == set(kept)
+    assert [mesh.name for mesh in new.meshes] == ["tail", "body", "ring", "shine", 'arm "R".001', "hat"]
+    assert not np.array_equal(new.meshes[0].points, old.meshes[0].points)
+    again, none = repainted(old, first, SIZE, vertices=12)
+    assert none.sentences == ()
+    for one, other in zip(old.meshes, again.meshes, strict=True):
+        np.testing.assert_array_equal(one.points, other.points)
+        np.testing.assert_array_equal(one.weights, other.weights)
+    assert again.ranges == old.ranges
+
+
+def test_weights_painted_by_hand_are_carried_by_place(parts: list[PicturePart]) -> None:
+    first = [replace(each, identity=str(k)) for k, each in enumerate(parts)]
+    old = game_puppet(first, SIZE, vertices=12)
+    tail = old.meshes[0]
+    body = next(k for k, bone in enumerate(old.bones) if bone.name == "body")
+    share = 0.4 * np.clip((tail.points[:, :1].max() - tail.points[:, :1]) / np.ptp(tail.points[:, 0]), 0, 1)
+    painted = (1 - share) * tail.weights
+    painted[:, [body]] += share
+    kept = from_puppet_json(to_puppet_json(with_hand_weights(old, {"tail": painted})))
+    np.testing.assert_array_equal(kept.meshes[0].weights, painted)
+    new, _ = repainted(kept, painted_again(parts), SIZE, vertices=12)
+    plain, _ = repainted(old, painted_again(parts), SIZE, vertices=12)
+    column = next(k for k, bone in enumerate(new.bones) if bone.name == "body")
+    mesh = new.meshes[0]
+    inside = shapely.contains_xy(shapely.Polygon(tail.points[: tail.hull]), mesh.points)
+    wanted = 0.4 * (tail.points[:, 0].max() - mesh.points[:, 0]) / np.ptp(tail.points[:, 0])
+    np.testing.assert_allclose(mesh.weights[inside, column], wanted[inside], atol=0.05)
+    assert (mesh.weights.sum(axis=1) == pytest.approx(1.0)) and (mesh.weights >= 0).all()
+    assert ((mesh.weights > 0).sum(axis=1) <= 4).all()
+    for one, other in zip(new.meshes[1:], plain.meshes[1:], strict=True):
+        np.testing.assert_array_equal(one.weights, other.weights)
+    touched = {new.bones[k].name for k in range(len(new.bones)) if new.ranges[k].low == new.ranges[k].high}
+    assert touched >= {"body"}
+
+
+def test_damaged_puppet_files_end_in_a_sentence(puppet: GamePuppet) -> None:
+    text, rng = to_puppet_json(puppet), np.random.default_rng(8)
+    for _ in range(150):
+        start = rng.integers(0, len(text))
+        cut = text[:start] + text[start + rng.integers(1, 9) :]
+        try:
+            from_puppet_json(cut)
+        except NestedCagesError as error:
+            assert str(error).endswith(".")
+    with pytest.raises(NestedCagesError, match="no puppet"):
+        from_puppet_json("{}")
+    with pytest.raises(NestedCagesError, match="damaged"):
+        from_puppet_json(text.replace('"parent": 0', '"parent": 77'))
