@@ -215,10 +215,14 @@ def test_every_picture_of_the_gallery_is_made_again_by_one_command(build_extensi
     assert all((ROOT / "docs" / name).is_file() for _, name in pictures.CLIPS.values())
 
 
-def test_the_workflows_name_files_and_commands_that_are_there() -> None:
-    targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE))
+def test_the_workflows_name_what_is_there_run_the_least_blender_and_build_the_docs() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    least = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))["blender_version_min"]
+    assert re.search(rf"^BLENDERS_3\.11 .*\b{re.escape(least)}\b", makefile, re.MULTILINE)
+    oldest, made = f"test-blender-3.11-{least}", set()
     for path in (ROOT / ".github" / "workflows").glob("*.yml"):
         text = path.read_text(encoding="utf-8")
-        assert set(re.findall(r"run: make ([a-z-]+)", text)) <= targets
+        made |= set(re.findall(r"run: make (\S+)", text))
         for name in re.findall(r"(?:packaging|examples|tests)/[\w/.]+", text):
             assert (ROOT / name).exists(), name
+    assert {oldest, "docs"} <= made <= {oldest, *re.findall(r"^([a-z-]+):", makefile, re.MULTILINE)}

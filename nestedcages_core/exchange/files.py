@@ -11,8 +11,19 @@ from pathlib import Path
 from ..errors import invalid_file
 from .limits import Limits
 
+try:
+    import fcntl
+except ImportError:  # on Windows, where files that are open cannot be removed
+    fcntl = None  # type: ignore[assignment]
+
 DEFAULT_MODE = 0o666
 """Permissions of a new file before the user's umask."""
+
+UNFINISHED = ".nested-cages.part"
+"""Ending of what is not yet whole; its writer holds a lock on it."""
+
+_cleaned: set[Path] = set()
+"""Folders without what killed writers have left."""
 
 
 def read_whole(path: str | os.PathLike[str], limits: Limits) -> bytes:
@@ -42,20 +53,51 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
         target.write_bytes(data)
         return
     try:
-        handle, beside = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=".part", dir=target.parent)
+        _clean(target.parent)
+        handle, beside = _locked(target)
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(data)
                 file.flush()
                 os.fsync(file.fileno())
-            os.chmod(beside, stat.S_IMODE(target.stat().st_mode) if target.exists() else DEFAULT_MODE & ~_umask())
-            os.replace(beside, target)
+                os.chmod(beside, stat.S_IMODE(target.stat().st_mode) if target.exists() else DEFAULT_MODE & ~_umask())
+                if fcntl is not None:
+                    os.replace(beside, target)
+            if fcntl is None:
+                os.replace(beside, target)
         except BaseException:
             with suppress(OSError):
                 os.unlink(beside)
             raise
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(given)) from error
+
+
+def _locked(target: Path) -> tuple[int, str]:
+    """A new file beside a target, open and locked, and its path."""
+    while True:
+        handle, beside = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=UNFINISHED, dir=target.parent)
+        if fcntl is not None:
+            with suppress(OSError):  # some network folders have no locks
+                fcntl.flock(handle, fcntl.LOCK_EX)
+        if fcntl is None or os.fstat(handle).st_nlink:
+            return handle, beside
+        os.close(handle)  # somebody cleaned it away before it was locked
+
+
+def _clean(folder: Path) -> None:
+    """Remove what killed writers have left in a folder, once in a process."""
+    if folder in _cleaned:
+        return
+    _cleaned.add(folder)
+    for left in folder.glob(f".*{UNFINISHED}"):
+        with suppress(OSError), left.open("rb") as file:
+            if fcntl is not None:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                left.unlink()
+        if fcntl is None:
+            with suppress(OSError):
+                left.unlink()
 
 
 def _umask() -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
+import subprocess
 import sys
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 
 from nestedcages_core import NestedCagesError
 from nestedcages_core.exchange import (
+    files,
     write_engine_json,
     write_geojson,
     write_svg,
@@ -76,3 +78,41 @@ def test_what_cannot_be_written_is_said(tmp_path: Path) -> None:
         write_whole(tmp_path / "no" / "a.svg", "text")
     assert raised.value.filename == str(tmp_path / "no" / "a.svg")
     assert list(tmp_path.iterdir()) == []
+
+
+KILLED = """
+import os, signal, sys
+from nestedcages_core.exchange import files
+sync = files.os.fsync
+files.os.fsync = lambda handle: (sync(handle), print("written", flush=True), sys.stdin.readline())
+files.write_whole(sys.argv[1], "x" * 100_000)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="locks and kills of POSIX")
+def test_what_a_killed_writer_leaves_is_cleaned_and_what_is_being_written_is_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other, mine = tmp_path / ".mine.part", tmp_path / "b.svg"
+    other.write_text("of another program")
+    writers = [
+        subprocess.Popen(
+            [sys.executable, "-c", KILLED, str(tmp_path / name)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for name in ("killed.svg", "alive.svg")
+    ]
+    for writer in writers:
+        assert writer.stdout.readline() == "written\n"
+    writers[0].kill()
+    writers[0].communicate()
+    assert len(list(tmp_path.glob(f".*{files.UNFINISHED}"))) == 2
+    monkeypatch.setattr(files, "_cleaned", set())
+    write_whole(mine, "text")
+    (left,) = tmp_path.glob(f".*{files.UNFINISHED}")
+    assert left.name.startswith(".alive.svg.")
+    writers[1].communicate("\n")
+    assert {each.name for each in tmp_path.iterdir()} == {".mine.part", "b.svg", "alive.svg"}
+    assert (tmp_path / "alive.svg").stat().st_size == 100_000

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import fields, replace
 from itertools import pairwise
@@ -165,6 +166,18 @@ def test_limits_are_whole_numbers_that_fit(value: Any) -> None:
 
 def test_every_limit_is_tried() -> None:
     assert {name for _, _, used in CASES for name in used} == {field.name for field in fields(Limits)}
+
+
+def test_the_page_on_security_has_the_limits_that_there_are() -> None:
+    page = (Path(__file__).resolve().parents[2] / "SECURITY.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| `(\w+)`(.*)$", page, re.MULTILINE))
+    assert rows.keys() == {field.name for field in fields(Limits)}
+    for name, row in rows.items():
+        for column, given in enumerate((Limits(), DRAWING_LIMITS)[: 1 if name == "pixels" else 2], 1):
+            known = {"bytes": "128 MB", "pixels": "2²⁶"}.get(name, f"{getattr(given, name):,}")
+            assert row.split("|")[column].strip() == known
+    assert (Limits().bytes, Limits().pixels) == (128 * 2**20, 2**26)
+    assert f"{selectors.MOST_WORK:,} visits" in page
 
 
 @pytest.mark.parametrize(
