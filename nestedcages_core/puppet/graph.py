@@ -1,4 +1,4 @@
-"""The tree of the parts: which part hangs on which, from overlaps, stacking order, round pins and groups."""
+"""The tree of the parts: which part hangs on which, from overlaps, stacking order and round pins."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ import numpy as np
 from ..errors import NestedCagesError, invalid_setting
 from ..geometry.arrays import FloatArray
 from ..libraries import load_shapely
-from .links import Hold, Link, PartChoice
+from .arborescence import best_parents
+from .links import Hold, Link, PartChoice, depth_of, hangs_on
 from .parts import NEEDED_FOR, PuppetPart
 from .scores import CONTAINED, Scores
-from .twins import hangs_on, with_twins
 
-DETAIL = 0.35
-"""A part that lies in another one is a detail of it up to this part of its area."""
+DETAIL, MOSTLY = 0.6, 0.7
+"""A part that lies in another one is a detail of it up to this part of its area; it rides on the topmost part below
+with this part of its own area."""
 
 CARRIED, SPECK = 0.25, 0.03
 """A part that carries another one of at least this part of its own area is no detail, unless it is as small as a speck,
@@ -26,12 +27,12 @@ LIMB, SLENDER, TIP = 0.25, 1.6, 0.35
 """A part that lies in another one hangs on a limb next to it instead, such as a hand on a sleeve over the body: for at
 least this score, on a part this slender, and this near its end, in lengths of that part."""
 
-PER_LEVEL = 0.9
-"""Factor for each level down from the root: of two parents, the one nearer the root."""
+UNCONNECTED = -20.0
+"""Logarithm of the score of parts that do not meet, less their distance in diagonals of the drawing."""
 
-SMALL, THIN, CLINGS = 0.12, 0.12, 0.5
+SMALL, THIN, CLINGS = 0.05, 0.12, 0.65
 """What rides rather than turns: leaves of less than this part of their parent's area; lines thinner than this, in radii
-of the parent; leaves with more than this part of their area on the parent."""
+of the parent, that carry nothing; leaves with more than this part of their area on the parent."""
 
 
 def links_of(parts: Sequence[PuppetPart], choices: Mapping[str, PartChoice] | None = None) -> tuple[Link, ...]:
@@ -46,6 +47,8 @@ class _Tree:
     def __init__(self, parts: Sequence[PuppetPart], choices: dict[str, PartChoice]) -> None:
         self.parts = parts
         self.scores = Scores(parts)
+        bounds = np.array([part.outline.bounds for part in parts])
+        self._size = float(np.hypot(*(bounds[:, 2:].max(axis=0) - bounds[:, :2].min(axis=0))))
         number = {part.name: k for k, part in enumerate(parts)}
         wrong = [name for name in choices if name not in number]
         wrong += [choice.parent for choice in choices.values() if choice.parent and choice.parent not in number]
@@ -68,9 +71,8 @@ class _Tree:
         """Details first, then limbs from the root outwards, then who rides."""
         found = self._details()
         limbs = [part for part in range(len(self.parts)) if part not in found]
-        depth = self._limbs(limbs, found)
-        with_twins(self.scores, found, set(self.choices))
-        for part in sorted(limbs, key=lambda part: depth[part]):
+        self._limbs(limbs, found)
+        for part in sorted(limbs, key=lambda part: depth_of(found, part)):
             found[part] = self._held(part, found)
         for (part, other), pin in self.scores.pins.items():
             if found[part].parent == other and found[part].hold is Hold.JOINT:
@@ -86,28 +88,56 @@ class _Tree:
 
     def _details(self) -> dict[int, Link]:
         """Parts within others, which ride on what is painted just below them."""
-        scores, areas = self.scores, self.scores.areas
         best = [self._likely(part) for part in range(len(self.parts))]
         found: dict[int, Link] = {}
         for part in range(len(self.parts)):
             choice = self.choices.get(part, PartChoice())
             if choice.parent == "" or choice.hold is Hold.JOINT:
                 continue
-            inside = [
-                p for p in scores.near(part) if areas[part] < DETAIL * areas[p] and scores.share(part, p) >= CONTAINED
-            ]
-            carries = any(
-                best[other] == part and areas[other] > CARRIED * areas[part] and scores.share(other, part) < CONTAINED
-                for other in scores.near(part)
-            )
-            is_detail = inside and not self._hangs_beside(part, best[part])
-            is_detail = is_detail and (not carries or min(areas[part] / areas[p] for p in inside) < SPECK)
-            if choice.hold is Hold.RIDES or is_detail:
-                below = [p for p in inside if p < part]
-                host = self.chosen.get(part, max(below) if below else min(inside, default=best[part]))
+            if choice.hold is Hold.RIDES or self._is_detail(part, best):
+                host = self.chosen.get(part, self._lies_on(part, best[part]))
                 if host is not None:
                     found[part] = self._link(part, host, Hold.RIDES, 1.0)
         return found
+
+    def _is_detail(self, part: int, best: Sequence[int | None]) -> bool:
+        """Whether a part lies in another one, and neither carries a limb nor joins two parts nor hangs on a limb."""
+        scores, areas = self.scores, self.scores.areas
+        inside = [
+            p
+            for p in scores.near(part)
+            if areas[part] < min(DETAIL * areas[p], scores.visible[p]) and scores.share(part, p) >= CONTAINED
+        ]
+        if not inside:
+            return False
+        if all(scores.radii[part] < THIN * scores.radii[p] for p in inside):
+            return True
+        if any(self._hangs_beside(part, p) for p in scores.near(part)) or self._is_bridge(part):
+            return False
+        carries = any(
+            best[other] == part and areas[other] > CARRIED * areas[part] and scores.share(other, part) < CONTAINED
+            for other in scores.near(part)
+        )
+        return not carries or min(areas[part] / areas[p] for p in inside) < SPECK
+
+    def _is_bridge(self, part: int) -> bool:
+        """Whether larger parts that do not hold it meet a slender part at both of its ends, such as a neck."""
+        scores, limb = self.scores, self.parts[part]
+        if limb.slenderness < SLENDER:
+            return False
+        ends = set()
+        for p in scores.near(part):
+            share = scores.share(part, p)
+            if 0.0 < share < CONTAINED and scores.areas[p] > scores.areas[part] and scores.at_end_of(part, p):
+                low, high = scores.meetings[part, p].span(limb)
+                ends.add(low + high > 1.0)
+        return len(ends) == 2
+
+    def _lies_on(self, part: int, otherwise: int | None) -> int | None:
+        """The topmost part under a detail that holds most of it; without one, the lowest of those that lie over it."""
+        holding = [p for p in self.scores.near(part) if self.scores.share(part, p) >= MOSTLY]
+        below = [p for p in holding if p < part]
+        return max(below) if below else min(holding, default=otherwise)
 
     def _likely(self, part: int) -> int | None:
         """The parent that scores best, among those that are not much smaller."""
@@ -117,9 +147,9 @@ class _Tree:
         able = [p for p in self.scores.near(part) if areas[p] > 0.2 * areas[part]]
         return max(able, key=lambda p: self.scores.of(part, p), default=None)
 
-    def _hangs_beside(self, part: int, parent: int | None) -> bool:
-        """Whether a part over or under others hangs at the end of a slender part that lies over or under them too."""
-        if parent is None or self.scores.share(part, parent) >= CONTAINED:
+    def _hangs_beside(self, part: int, parent: int) -> bool:
+        """Whether a part over or under others hangs at the end of a slender part on the same side of them."""
+        if self.scores.share(part, parent) >= CONTAINED:
             return False
         holding = [p for p in self.scores.near(part) if self.scores.share(part, p) >= CONTAINED and p != parent]
         if any((p < part) != (p < parent) for p in holding):
@@ -132,38 +162,37 @@ class _Tree:
 
     # ---- limbs
 
-    def _limbs(self, limbs: list[int], found: dict[int, Link]) -> dict[int, int]:
-        """Links of the limbs by Prim's method, the best joint first; the depth of each."""
-        scores = self.scores
+    def _limbs(self, limbs: list[int], found: dict[int, Link]) -> None:
+        """Links of the limbs: the tree of the best product of scores."""
         root = self._root(limbs)
-        found[root] = Link(Hold.ROOT, None, _as_place(self.parts[root].disc[0]), float(self.scores.radii[root]))
-        depth = {root: 0}
         host = {part: self._host(part, found) for part in range(len(self.parts)) if part not in limbs}
-        while len(depth) < len(limbs):
-            waiting = [part for part in limbs if part not in depth]
-            candidates = [
-                (scores.of(part, p) * PER_LEVEL ** depth[p], -part, -p)
-                for part in waiting
-                if part not in self.chosen
-                for p in scores.near(part)
-                if p in depth
-            ]
-            ready = [part for part in waiting if host.get(self.chosen.get(part, -1), self.chosen.get(part)) in depth]
-            best, part, parent = max(candidates, default=(0.0, 0, 0))
-            if ready:
-                part, parent = ready[0], self.chosen[ready[0]]
-            elif best > 0.0:
-                part, parent = -part, -parent
+        gain = np.array([[self._gain(part, p) for p in limbs] for part in limbs])
+        for row, part in enumerate(limbs):
+            if part in self.chosen:
+                chosen = self.chosen[part]
+                gain[row] = np.where(np.array(limbs) == host.get(chosen, chosen), 0.0, -np.inf)
+        above = best_parents(gain, limbs.index(root))
+        for part, number in zip(limbs, above.tolist(), strict=True):
+            if part == root:
+                disc = self.parts[root].disc
+                found[root] = Link(Hold.ROOT, None, _as_place(disc[0]), disc[1])
             else:
-                part, parent = self._nearest([part for part in waiting if part not in self.chosen], list(depth))
-            found[part] = self._link(part, parent, Hold.JOINT, scores.of(part, parent))
-            depth[part] = depth[host.get(parent, parent)] + 1
+                parent = self.chosen.get(part, limbs[number])
+                found[part] = self._link(part, parent, Hold.JOINT, self.scores.of(part, parent))
         for part in limbs:
             found[part] = replace(found[part], margin=self._margin(part, found))
-        return depth
+
+    def _gain(self, part: int, parent: int) -> float:
+        """Logarithm of the score; of parts that do not meet, far less, and the less the farther they are apart."""
+        score = self.scores.of(part, parent)
+        if score > 0.0:
+            return float(np.log(score))
+        shapely = load_shapely(NEEDED_FOR)
+        away = float(shapely.distance(self.parts[part].solid, self.parts[parent].solid))
+        return UNCONNECTED - away / self._size
 
     def _root(self, limbs: list[int]) -> int:
-        """The chosen root, else the largest part, by its area times the limbs that it meets."""
+        """The chosen root, else the largest part by its area and the limbs that meet it and fit it best."""
         roots = [part for part, choice in self.choices.items() if choice.parent == ""]
         if len(roots) > 1:
             names = " and ".join(repr(self.parts[part].name) for part in roots)
@@ -171,14 +200,13 @@ class _Tree:
         free = [part for part in limbs if part not in self.chosen]
         if not roots and not free:
             raise invalid_setting("Every part has a chosen parent; leave one of them without, as the root.")
-        among = set(limbs)
-        return (
-            roots[0]
-            if roots
-            else max(
-                free, key=lambda part: self.scores.areas[part] * (1 + sum(p in among for p in self.scores.near(part)))
-            )
-        )
+        best = [self._likely(part) for part in limbs]
+
+        def size(part: int) -> float:
+            met = sum(p in limbs for p in self.scores.near(part))
+            return float(self.scores.areas[part]) * (1 + met + best.count(part))
+
+        return roots[0] if roots else max(free, key=size)
 
     def _host(self, part: int, found: dict[int, Link]) -> int:
         """The limb that a detail lies on, through other details."""
@@ -189,14 +217,6 @@ class _Tree:
                 raise NestedCagesError("Details lie on each other in a circle; choose the parent of one of them.")
             seen.add(part)
         return part
-
-    def _nearest(self, waiting: list[int], placed: list[int]) -> tuple[int, int]:
-        """The part nearest to those that are placed, and to which."""
-        shapely = load_shapely(NEEDED_FOR)
-        return min(
-            ((part, p) for part in waiting for p in placed),
-            key=lambda pair: float(shapely.distance(self.parts[pair[0]].solid, self.parts[pair[1]].solid)),
-        )
 
     def _margin(self, part: int, found: Mapping[int, Link]) -> float:
         """How much lower the next limb scores that does not hang on this one itself."""
@@ -234,7 +254,7 @@ class _Tree:
         while found[base].hold is Hold.RIDES:
             base = found[base].parent  # type: ignore[assignment]
         is_leaf = not any(other.parent == part and other.hold is not Hold.RIDES for other in found.values())
-        is_line = scores.radii[part] < THIN * scores.radii[base]
+        is_line = is_leaf and scores.radii[part] < THIN * scores.radii[base]
         is_small = scores.areas[part] < SMALL * scores.areas[base]
         if is_line or (is_leaf and (is_small or scores.share(part, link.parent) > CLINGS)):
             return replace(link, hold=Hold.RIDES)

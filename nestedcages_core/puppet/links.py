@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
 from ..errors import invalid_setting
 
-DOUBTFUL_MARGIN = 0.15
+DOUBTFUL_MARGIN = 0.2
 """A link is marked as doubtful if another parent scores nearly as well: less than this part below the best."""
 
 DOUBTFUL_SCORE = 0.15
@@ -72,3 +73,18 @@ class PartChoice:
             raise invalid_setting(f"A part has at least one bone, not {self.bones}.")
         if self.parent == "" and self.hold not in (None, Hold.ROOT):
             raise invalid_setting("A root hangs on nothing; leave its hold to the draft.")
+
+
+def hangs_on(found: Mapping[int, Link], part: int | None, other: int) -> bool:
+    """Whether a part hangs on another one, however indirectly."""
+    while part is not None:
+        if part == other:
+            return True
+        part = found[part].parent
+    return False
+
+
+def depth_of(found: Mapping[int, Link], part: int) -> int:
+    """How many parts a part hangs on, one on the other."""
+    parent = found[part].parent
+    return 0 if parent is None else 1 + depth_of(found, parent)

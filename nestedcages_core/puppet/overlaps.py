@@ -43,9 +43,9 @@ class Meeting:
         corners = shapely.get_coordinates(shapely.oriented_envelope(self.shared))
         return float(np.hypot(*np.diff(corners, axis=0).T).max(initial=0.0))
 
-    def span(self, part: PuppetPart) -> tuple[float, float]:
-        """From where to where it lies along a part, 0 and 1 at the part's ends."""
-        places = part.along(load_shapely(NEEDED_FOR).get_coordinates(self.shared))
+    def span(self, part: PuppetPart, *, across: bool = False) -> tuple[float, float]:
+        """From where to where it lies along a part, 0 and 1 at the part's ends, or across it."""
+        places = part.along(load_shapely(NEEDED_FOR).get_coordinates(self.shared), across=across)
         return float(places.min()), float(places.max())
 
 

@@ -56,9 +56,9 @@ class PuppetPart:
         """Length over width of that rectangle."""
         return float(np.hypot(*(self.box[1] - self.box[0])) / np.hypot(*(self.box[2] - self.box[1])))
 
-    def along(self, points: FloatArray) -> FloatArray:
-        """(P,) places of points (P, 2) along the part's longer direction, 0 and 1 at its ends."""
-        axis = self.box[1] - self.box[0]
+    def along(self, points: FloatArray, *, across: bool = False) -> FloatArray:
+        """(P,) places of points (P, 2) along the part's longer direction or across it, 0 and 1 at its ends."""
+        axis = self.box[3 if across else 1] - self.box[0]
         return np.asarray((points - self.box[0]) @ axis / (axis @ axis))
 
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 
 import numpy as np
 
 from ..geometry.vectors import norm
-from .links import Hold, Link
+from .links import Hold, Link, hangs_on
 from .parts import PuppetPart
-from .twins import alike, hangs_on
 
 WORDS = {"l": "L", "left": "L", "r": "R", "right": "R"}
 """Words in names that say left or right."""
@@ -22,6 +21,9 @@ DEPTHS = {"near": "near", "front": "", "far": "far", "back": "", "behind": "far"
 
 MIRRORED = 0.12
 """Two parts are left and right if their mirrored middles are this near, in their length plus their distance."""
+
+ALIKE = 0.06
+"""Parts have the same shape if area, radius and both sides of their boxes differ by less than this part."""
 
 LEAST_STEM = 3
 """Letters that two names must begin with to share a name."""
@@ -48,7 +50,7 @@ def sides_of(parts: Sequence[PuppetPart], links: Sequence[Link]) -> tuple[Side, 
     taken = {root} | {k for k, side in enumerate(found) if side.side}
     near_side = _near_side(parts, links, root)
     linked = dict(enumerate(links))
-    for far, near in alike(parts):
+    for far, near in _alike(parts):
         if far in taken or near in taken or hangs_on(linked, far, near) or hangs_on(linked, near, far):
             continue
         stems = _stems(parts[far].name, parts[near].name)
@@ -115,3 +117,22 @@ def _near_side(parts: Sequence[PuppetPart], links: Sequence[Link], root: int) ->
     details = [k for k, link in enumerate(links) if link.hold is Hold.RIDES and link.parent != root]
     places = np.array([parts[k].disc[0][0] for k in details])
     return "R" if np.sign(places - parts[root].disc[0][0]).sum() > 0.0 else "L"
+
+
+def _alike(parts: Sequence[PuppetPart]) -> Iterator[tuple[int, int]]:
+    """Pairs of parts of the same shape, whatever their direction."""
+    figures = np.array(
+        [
+            (
+                np.sqrt(part.outline.area),
+                part.disc[1],
+                np.hypot(*(part.box[1] - part.box[0])),
+                np.hypot(*(part.box[2] - part.box[1])),
+            )
+            for part in parts
+        ]
+    )
+    for i in range(len(parts)):
+        for j in range(i):
+            if (np.abs(np.log(figures[i] / figures[j])) < ALIKE).all():
+                yield j, i
