@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from . import crawlers, people, walkers
+from . import crawlers, people, second, walkers
 from .sheet import Sheet
 
 FIRST: dict[str, Callable[[], Sheet]] = {
@@ -24,4 +24,20 @@ FIRST: dict[str, Callable[[], Sheet]] = {
     "beetle": crawlers.beetle,
     "snake": crawlers.snake,
     "dragon": walkers.dragon,
+}
+
+SECOND: dict[str, Callable[[], Sheet]] = {
+    draw.__name__: draw
+    for draw in (
+        second.dog,
+        second.elephant,
+        second.penguin,
+        second.frog,
+        second.knight,
+        second.witch,
+        second.crab,
+        second.turtle,
+        second.stork,
+        second.caterpillar,
+    )
 }

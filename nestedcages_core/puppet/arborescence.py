@@ -15,7 +15,7 @@ def best_parents(gain: FloatArray, root: int) -> IntArray:
     count = len(gain)
     gain = gain.copy()
     np.fill_diagonal(gain, -np.inf)
-    parent = gain.argmax(axis=1)
+    parent = np.asarray(gain.argmax(axis=1))
     parent[root] = -1
     circle = _circle(parent)
     if circle is None:
