@@ -1,4 +1,4 @@
-"""The tree of the parts: which part hangs on which, from overlaps, stacking order and round pins."""
+"""The tree of the parts: which part hangs on which, from overlaps, stacking order, round pins and names."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from .arborescence import best_parents
 from .links import Hold, Link, PartChoice, depth_of, hangs_on
 from .parts import NEEDED_FOR, PuppetPart
 from .scores import CONTAINED, Scores
+from .words import MISNAMED, NAMED, PARENTS, TRUNKS, TURNING, agreement
 
 DETAIL, MOSTLY = 0.6, 0.7
 """A part that lies in another one is a detail of it up to this part of its area; it rides on the topmost part below
@@ -108,7 +109,7 @@ class _Tree:
             for p in scores.near(part)
             if areas[part] < min(DETAIL * areas[p], scores.visible[p]) and scores.share(part, p) >= CONTAINED
         ]
-        if not inside:
+        if not inside or scores.words[part].noun in TURNING:
             return False
         if all(scores.radii[part] < THIN * scores.radii[p] for p in inside):
             return True
@@ -134,8 +135,15 @@ class _Tree:
         return len(ends) == 2
 
     def _lies_on(self, part: int, otherwise: int | None) -> int | None:
-        """The topmost part under a detail that holds most of it; without one, the lowest of those that lie over it."""
+        """The topmost part under a detail that holds most of it; without one, the lowest of those that lie over it.
+
+        Where names say what it lies on, and nothing unnamed lies between, that one.
+        """
+        own = self.scores.words[part]
         holding = [p for p in self.scores.near(part) if self.scores.share(part, p) >= MOSTLY]
+        named = [p for p in holding if agreement(own, self.scores.words[p]) > 1.0]
+        if named and not any(p > max(named) and not self.scores.words[p].noun for p in holding if p < part):
+            return min(named, key=lambda p: (PARENTS[own.noun].index(self.scores.words[p].noun), -p))
         below = [p for p in holding if p < part]
         return max(below) if below else min(holding, default=otherwise)
 
@@ -204,7 +212,9 @@ class _Tree:
 
         def size(part: int) -> float:
             met = sum(p in limbs for p in self.scores.near(part))
-            return float(self.scores.areas[part]) * (1 + met + best.count(part))
+            noun = self.scores.words[part].noun
+            named = NAMED if noun in TRUNKS else MISNAMED if noun else 1.0
+            return float(self.scores.areas[part]) * (1 + met + best.count(part)) * named
 
         return roots[0] if roots else max(free, key=size)
 

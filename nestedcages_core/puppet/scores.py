@@ -1,4 +1,4 @@
-"""How well one part hangs on another: a score from their overlap, the stacking order and pins over both."""
+"""How well one part hangs on another: a score from overlap, stacking order, pins and names."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from ..geometry.arrays import FloatArray
 from ..libraries import load_shapely
 from .overlaps import Meetings
 from .parts import NEEDED_FOR, PuppetPart
+from .words import agreement, words_of
 
 CONTAINED = 0.8
 """A part lies in another one with at least this part of its area."""
@@ -68,13 +69,14 @@ CARRYING_RADIUS = 0.25
 
 
 class Scores:
-    """Scores of all pairs of parts. Neither names nor groups count, since groups helped nothing."""
+    """Scores of all pairs of parts. Groups do not count: they were tried, and helped nothing."""
 
     def __init__(self, parts: Sequence[PuppetPart]) -> None:
         self.parts = parts
         self.meetings = Meetings(parts)
         self.areas = np.array([part.outline.area for part in parts])
         self.radii = np.array([part.disc[1] for part in parts])
+        self.words = [words_of(part.name) for part in parts]
         self._known: dict[tuple[int, int], float] = {}
 
     def near(self, part: int) -> list[int]:
@@ -105,6 +107,7 @@ class Scores:
         score *= (1.0 + abs(child - parent)) ** -STACK_POWER
         score *= PINNED if (child, parent) in self.pins else 1.0
         score *= END_OF_PARENT if self.at_end_of(parent, child) else 1.0
+        score *= agreement(self.words[child], self.words[parent])
         score *= PARTED if self._are_parted(child, parent) else 1.0
         within = (self.share(parent, child) - HALF_WITHIN) / (CONTAINED - HALF_WITHIN) if parent > child else 0.0
         return float(score * (1.0 - (1.0 - WITHIN_CHILD) * np.clip(within, 0.0, 1.0)))

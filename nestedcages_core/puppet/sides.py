@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 
@@ -12,12 +11,7 @@ import numpy as np
 from ..geometry.vectors import norm
 from .links import Hold, Link, hangs_on
 from .parts import PuppetPart
-
-WORDS = {"l": "L", "left": "L", "r": "R", "right": "R"}
-"""Words in names that say left or right."""
-
-DEPTHS = {"near": "near", "front": "", "far": "far", "back": "", "behind": "far"}
-"""Words in names that are dropped where two parts are near and far; the first and the last of them say so."""
+from .words import DEPTHS, SIDES, name_words, side_of, without
 
 MIRRORED = 0.12
 """Two parts are left and right if their mirrored middles are this near, in their length plus their distance."""
@@ -68,34 +62,17 @@ def sides_of(parts: Sequence[PuppetPart], links: Sequence[Link]) -> tuple[Side, 
     return tuple(found)
 
 
-def _name_words(name: str) -> list[str]:
-    """The words of a name, split at signs, at capitals and around numbers."""
-    return re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+", name)
-
-
-def _without(name: str, dropped: Iterable[str]) -> str:
-    """A name without some of its words; the name itself if it has none of them, or no others."""
-    words = _name_words(name)
-    kept = [word for word in words if word.lower() not in dropped]
-    return "_".join(kept) if kept and len(kept) < len(words) else name
-
-
 def _by_name(name: str) -> Side:
-    """The side that a name says. A single letter counts at the start and at the end."""
-    words = [word.lower() for word in _name_words(name)]
-    sides = [
-        WORDS[word]
-        for k, word in enumerate(words)
-        if word in WORDS and len(words) > 1 and (len(word) > 1 or k in (0, len(words) - 1))
-    ]
-    depth = next((DEPTHS[word] for word in words if word in DEPTHS), "")
-    return Side(sides[-1], depth, _without(name, WORDS)) if sides else Side("", depth, name)
+    """The side that a name says."""
+    side = side_of(name)
+    depth = next((word.lower() for word in name_words(name) if word.lower() in ("near", "far")), "")
+    return Side(side, depth, without(name, SIDES) if side else name)
 
 
 def _stems(one: str, other: str) -> tuple[str, str]:
     """The name that both are given, if theirs differ by a word for the depth or at the end; else their own ones."""
-    stem = _without(one, DEPTHS)
-    if stem != _without(other, DEPTHS):
+    stem = without(one, DEPTHS)
+    if stem != without(other, DEPTHS):
         same = takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False))
         stem = "".join(letter for letter, _ in same).rstrip("._- ")
     return (stem, stem) if len(stem) >= LEAST_STEM else (one, other)

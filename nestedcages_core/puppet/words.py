@@ -1,0 +1,118 @@
+"""What names say: which part of a body hangs on which, and that left does not hang on right. English words only."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+SIDES = {"l": "L", "left": "L", "r": "R", "right": "R"}
+"""Words for sides."""
+
+DEPTHS = {"near": "near", "far": "far", "behind": "far"}
+"""Words for what lies nearer to who looks at it."""
+
+ENDS = {"front": "fore", "fore": "fore", "back": "hind", "rear": "hind", "hind": "hind"}
+"""Words for the ends of an animal."""
+
+_TORSO = "torso body chest thorax coat dress robe shirt jacket spine"
+_HIPS = "hips pelvis waist abdomen skirt trousers"
+_ARM, _FOREARM = "upper_arm arm sleeve", "forearm lower_arm"
+_THIGH, _SHIN = "thigh upper_leg leg", "shin calf lower_leg"
+_FACE = "eye brow eyebrow cheek ear hair fringe beard moustache hat helmet horn antler antenna feeler jaw snout muzzle "
+_FACE += "beak trunk tusk visor face mask glasses plume crest"
+
+_HANGS_ON = (
+    ("pupil iris glint lash", "eye"),
+    ("nostril", "nose snout muzzle beak head skull face"),
+    ("nose mouth whisker", "snout muzzle head skull face"),
+    ("tooth tongue", "mouth head skull jaw"),
+    (_FACE, "head skull helmet"),
+    ("head skull", f"neck {_TORSO}"),
+    ("neck", f"{_TORSO}"),
+    (_HIPS, _TORSO),
+    ("tail", f"{_HIPS} {_TORSO}"),
+    ("scarf collar", f"neck {_TORSO}"),
+    ("wing fin cape belly breast belt saddle shell", f"{_TORSO} {_HIPS}"),
+    (_ARM, _TORSO),
+    (_FOREARM, _ARM),
+    ("hand claw glove fist", f"{_FOREARM} {_ARM}"),
+    ("paw", f"{_FOREARM} {_ARM} {_SHIN} {_THIGH}"),
+    ("finger thumb sword shield staff", "hand paw claw glove fist"),
+    (_THIGH, f"{_HIPS} {_TORSO}"),
+    (_SHIN, _THIGH),
+    ("foot hoof shoe boot ankle", f"{_SHIN} {_THIGH}"),
+    ("toe", "foot paw hoof shoe boot"),
+)
+PARENTS = {word: tuple(parents.split()) for words, parents in _HANGS_ON for word in words.split()}
+"""What each part of a body hangs on."""
+
+TRUNKS = frozenset(f"{_TORSO} {_HIPS}".split())
+"""Parts of a body that are its root."""
+
+TURNING = frozenset(f"{_ARM} {_FOREARM} {_THIGH} {_SHIN} hand paw claw foot hoof wing fin tail jaw head neck".split())
+"""Parts of a body that turn, wherever they lie."""
+
+NAMED, MISNAMED, OTHER_SIDE = 3.0, 0.3, 0.2
+"""Factors of the score of a pair: whose names say that they hang together; whose names are of a body, but of parts that
+do not; of which one is left and one right, one near and one far, or that have different numbers."""
+
+
+@dataclass(frozen=True)
+class Words:
+    """What a name says."""
+
+    noun: str
+    """The part of a body; empty if the name says none that is known."""
+    labels: tuple[frozenset[str], ...]
+    """Words for its side, its depth and its end of the body, and its numbers."""
+
+
+def name_words(name: str) -> list[str]:
+    """The words of a name, split at signs, at capitals and around numbers."""
+    return re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+", name)
+
+
+def without(name: str, dropped: Iterable[str]) -> str:
+    """A name without some of its words; the name itself if it has none of them, or no others."""
+    words = name_words(name)
+    kept = [word for word in words if word.lower() not in dropped]
+    return "_".join(kept) if kept and len(kept) < len(words) else name
+
+
+def side_of(name: str) -> str:
+    """L or R if a name says so; a single letter counts at the start and at the end."""
+    words = [word.lower() for word in name_words(name)]
+    sides = [
+        SIDES[word]
+        for k, word in enumerate(words)
+        if word in SIDES and len(words) > 1 and (len(word) > 1 or k in (0, len(words) - 1))
+    ]
+    return sides[-1] if sides else ""
+
+
+def words_of(name: str) -> Words:
+    """What a name says about its part."""
+    words = [word.lower() for word in name_words(name)]
+    side = side_of(name)
+    depths, ends = (frozenset(table[word] for word in words if word in table) for table in (DEPTHS, ENDS))
+    numbers = frozenset(word for word in words if word.isdigit())
+    nouns = [word for word in words if word not in {**DEPTHS, **ENDS, **SIDES} and not word.isdigit()]
+    noun = nouns[-1] if nouns else ""
+    for half in {"upper", "lower"} & set(nouns):
+        other = next((word for word in nouns if word in PARENTS), "leg")
+        noun = f"{half}_{other}" if other in ("arm", "leg") else other
+    singular = noun[:-1] if noun not in PARENTS and noun not in TRUNKS and noun.endswith("s") else noun
+    known = singular if singular in PARENTS or singular in TRUNKS else ""
+    return Words(known, (frozenset(side), depths, ends, numbers))
+
+
+def agreement(child: Words, parent: Words) -> float:
+    """Factor of the score of two parts by their names."""
+    factor = 1.0
+    for own, other in zip(child.labels, parent.labels, strict=True):
+        if own and other and not own & other:
+            factor *= OTHER_SIDE
+    if child.noun in PARENTS and parent.noun:
+        factor *= NAMED if parent.noun in PARENTS[child.noun] else MISNAMED
+    return factor
