@@ -11,7 +11,7 @@ import numpy as np
 from ..geometry.vectors import norm
 from .links import Hold, Link, hangs_on
 from .parts import PuppetPart
-from .words import DEPTHS, SIDES, name_words, side_of, without
+from .words import DEPTHS, SIDES, name_without, name_words, side_of
 
 MIRRORED = 0.12
 """Two parts are left and right if their mirrored middles are this near, in their length plus their distance."""
@@ -66,13 +66,13 @@ def _by_name(name: str) -> Side:
     """The side that a name says."""
     side = side_of(name)
     depth = next((word.lower() for word in name_words(name) if word.lower() in ("near", "far")), "")
-    return Side(side, depth, without(name, SIDES) if side else name)
+    return Side(side, depth, name_without(name, SIDES) if side else name)
 
 
 def _stems(one: str, other: str) -> tuple[str, str]:
     """The name that both are given, if theirs differ by a word for the depth or at the end; else their own ones."""
-    stem = without(one, DEPTHS)
-    if stem != without(other, DEPTHS):
+    stem = name_without(one, DEPTHS)
+    if stem != name_without(other, DEPTHS):
         same = takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False))
         stem = "".join(letter for letter, _ in same).rstrip("._- ")
     return (stem, stem) if len(stem) >= LEAST_STEM else (one, other)

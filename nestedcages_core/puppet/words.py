@@ -73,7 +73,7 @@ def name_words(name: str) -> list[str]:
     return re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+", name)
 
 
-def without(name: str, dropped: Iterable[str]) -> str:
+def name_without(name: str, dropped: Iterable[str]) -> str:
     """A name without some of its words; the name itself if it has none of them, or no others."""
     words = name_words(name)
     kept = [word for word in words if word.lower() not in dropped]
