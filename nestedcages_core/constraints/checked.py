@@ -24,8 +24,12 @@ from ..geometry.mesh import Mesh
 from ..solver.banded import Rows
 from ..solver.elimination import Elimination
 from .base import Bound, Constraint, Rounding, Terms, Units
+from .loop_clearance import LoopClearance
 
 Answer = TypeVar("Answer")
+
+LARGEST = 1e100
+"""Upper bound of numbers in rows: their squares are numbers, too."""
 
 MISSED = "constraint.missed"
 """Code of what is missed, if a constraint gives a plain sentence."""
@@ -105,6 +109,8 @@ class Checked(Constraint):
         if found is lines:
             return lines
         count = len(np.atleast_1d(found.place))
+        if count == 0:
+            raise _wrong(self.given, "candidates", "must return some lines")
         shapes = {"point": (count, 2), "place": (count,), "direction": (count, 2), "passed": (count,)}
         parts = [_numbers(self.given, "candidates", lambda n=n: getattr(found, n), shapes[n]) for n in shapes]
         if not all(np.isfinite(part).all() for part in parts) or not ((parts[1] >= 0) & (parts[1] < chain.size)).all():
@@ -139,7 +145,10 @@ class Checked(Constraint):
         raise _wrong(self.given, "term", f"must return an energy or None, not {found!r}")
 
     def faults(self, cage: Mesh, fine: Mesh) -> Iterator[Fault]:
-        """Sentences, which have a code then."""
+        """Sentences, which have a code then; distances of loops are judged, too."""
+        distances = self.distances(fine)
+        if distances is not None and (close := LoopClearance(loops=tuple(distances.tolist())).fault(cage, fine)):
+            yield close
         found = _asked(self.given, "fault", lambda: list(self.given.faults(cage, fine)))
         for fault in found:
             if not isinstance(fault, str) or not fault:
@@ -182,7 +191,7 @@ class CheckedBound(Bound):
             try:
                 rows, rooms = Terms(*found)
                 vertex, weight, direction, room = map(np.asarray, (rows.vertex, rows.weight, rows.direction, rooms))
-                finite = all(np.isfinite(each.astype(np.float64)).all() for each in (weight, direction, room))
+                sound = all((np.abs(each.astype(np.float64)) < LARGEST).all() for each in (weight, direction, room))
             except (TypeError, ValueError, AttributeError):
                 raise _wrong(self.of, "rows", "must yield Terms(Rows(vertex, weight, direction), room)") from None
             shapes = vertex.ndim == 2 and weight.shape == vertex.shape and room.shape == vertex.shape[1:]
@@ -198,8 +207,8 @@ class CheckedBound(Bound):
             ordered = np.sort(vertex, axis=0)
             if (ordered[1:] == ordered[:-1]).any():
                 raise _wrong(self.of, "rows", "must be about different vertices in each row")
-            if not finite:
-                raise _wrong(self.of, "rows", "must yield finite numbers")
+            if not sound:
+                raise _wrong(self.of, "rows", f"must yield finite numbers, below {LARGEST:g}")
             yield Terms(
                 Rows(vertex.astype(np.int64), weight.astype(np.float64), direction.astype(np.float64)),
                 room.astype(np.float64),

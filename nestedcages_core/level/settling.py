@@ -47,6 +47,8 @@ class Settling:
     def __init__(self, plan: Plan, choices: LevelSettings, progress: LevelProgress) -> None:
         assert plan.numbers is not None
         self.plan, self.numbers, self.choices, self.progress = plan, plan.numbers, choices, progress
+        self.missed: Fault | None = None
+        """What the last cage on the numbers misses but its nesting."""
 
     @property
     def rooms(self) -> list[float]:
@@ -76,7 +78,7 @@ class Settling:
 
     def failure(self, level: Level) -> Stage[Progress, NestingError]:
         """The error for a level that has no cage on the numbers."""
-        remedy, works = "ask for a finer one", None
+        remedy, works, missed = "ask for a finer one", None, self.missed
         for finer in self.numbers.finer():
             if (yield from self._moved(level, Way.of(level), level.report, finer)) is not None:
                 remedy, works = f"a grid of {finer.spacing:.6g} works", finer.spacing
@@ -84,6 +86,8 @@ class Settling:
         count, clearance = len(level.cage.vertices), level.report.wanted_clearance
         grid = self.numbers.grid
         what = f"the grid of {grid:.6g}" if grid is not None else f"{self.numbers.stored} numbers"
+        if missed is not None:
+            return NestingError(missed.said(f"On {what}: {missed} {remedy[0].upper()}{remedy[1:]}."))
         return NestingError(
             f"No cage with {count} vertices on {what} was found that keeps the clearance of {clearance:.6g}; {remedy}.",
             code="numbers.no_room",
@@ -111,6 +115,7 @@ class Settling:
                 return (yield from self._moved(level, hull, report.with_count(note), numbers))
             cage = judged(plan, moved, wanted)
             if not cage:
+                self.missed = cage.fault if cage.certificate else None
                 logger.debug("numbers %g apart: %s", numbers.spacing, cage.fault)
                 continue
             for path in _paths(way, points, Bodies.of(way.cage, plan.fine, side=plan.side), numbers.spacing):
