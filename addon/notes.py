@@ -8,7 +8,7 @@ from typing import Any
 from .core import core, errors
 
 SENTENCES: Mapping[str, str] = {
-    "level.small": "A level of {asked} is too small: {given} vertices are used, 3 for each of its loops.",
+    "level.small": "A level of {asked} is too small: {given} vertices are used, 3 for each loop of the cage.",
     "level.share": "{share:g} % of {total} vertices is too few for a close fit of each loop: {given} are used.",
     "level.order": (
         "Levels go from fine to coarse: level {level} asks for {asked} vertices, more than the {given} of the cage in "

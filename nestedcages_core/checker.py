@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
@@ -26,9 +27,11 @@ BLOCK = 2_000_000
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is wrong, a sentence each; true if nothing is."""
+    """What is wrong, a sentence each; true if nothing is. And which loops have none of their own in a cage."""
 
     problems: tuple[str, ...]
+    lost: tuple[str, ...] = ()
+    """Holes that are filled, and loops that share one, a sentence each."""
 
     def __bool__(self) -> bool:
         return not self.problems
@@ -51,13 +54,14 @@ def check(
     fine, cages: objects with vertices (n, 2) and directed edges (n, 2), rings of points (k, 2), or GeoJSON geometries.
     clearance: smallest distance, in input units; default: what a level was asked for, else anything above 0.
     same_loops: whether cages keep the loops of what they enclose; default: yes, unless a level's coarse mesh did not.
+    Where they need not, it must lie in them all the same, and `Verdict.lost` names filled holes and joined loops.
     inside: whether these are inner cages. grid: coordinates are multiples of this length; default: the level's.
     symmetry: a `Mirror` or `Rotation`; without a place, about the mean of the cage's vertices.
     distance: no point of a cage's solid is farther from the solid of ``fine``.
     motions: number of motions between steps to check per level, spread evenly; default: all.
     """
     given = getattr(cage_or_levels, "levels", cage_or_levels)
-    problems, within, levels = [], fine, list(given) if _depth(given) > 3 else [given]
+    problems, lost, within, levels = [], list[str](), fine, list(given) if _depth(given) > 3 else [given]
     for k, level in enumerate(levels):
         cage, report, inner, alike = getattr(level, "cage", level), getattr(level, "report", None), inside, same_loops
         wanted = getattr(report, "wanted_clearance", 0.0) if clearance is None else clearance
@@ -66,13 +70,14 @@ def check(
             alike = loops[0] == loops[1] if same_loops is None else same_loops
         found = faults_of_cage(*((within, cage) if inner else (cage, within)), wanted, alike is not False)
         if not found:
+            lost += Loops(cage, within).lost() if alike is False and not inner else []
             found += faults_of_needs(cage, grid, symmetry, report)
             both = Loops(*((fine, cage) if inner else (cage, fine)))
             found += farther_than(distance, both.x, both.after, both.is_fine, TOLERANCE) if distance else []
             found += faults_of_steps(within, level, wanted, alike, motions) if hasattr(level, "cage") else []
         problems += [f"level {k + 1}: {fault}" if len(levels) > 1 else fault for fault in found]
         within = cage
-    return Verdict(tuple(problems) if levels else ("there is no cage",))
+    return Verdict(tuple(problems) if levels else ("there is no cage",), tuple(lost))
 
 
 def faults_of_steps(fine: Any, level: Any, clearance: float, alike: bool | None, motions: int | None) -> list[str]:
@@ -176,11 +181,34 @@ class Loops:
         folded = self.after[(turn == 0) & (onwards <= 0)]
         return found + [f"{self.near(k)} folds back or stands still" for k in folded]
 
+    @cached_property
+    def turns(self) -> Any:
+        """(L, L) how often each loop is inside of each other one, by its first vertex."""
+        ends = [(self.whole[loop], self.whole[self.after[loop]]) for loop in self.loops]
+        return np.array([[0 if other is own else winding(own[0][0], *other) for other in ends] for own in ends])
+
+    @property
+    def parents(self) -> list[int]:
+        """The smallest loop around each one, -1 for none."""
+        depth = (self.turns != 0).sum(axis=1)
+        return [max(np.flatnonzero(row).tolist(), key=depth.__getitem__, default=-1) for row in self.turns]
+
+    def lost(self) -> list[str]:
+        """Holes of the fine mesh that a cage around it fills, and loops that share one of the cage."""
+        parent, names = self.parents, [self.near(loop[0]) for loop in self.loops]
+        fine, hole = np.flatnonzero(self.loop_is_fine).tolist(), self.is_hole
+        kept = {p for k, p in enumerate(parent) if not self.loop_is_fine[k] and hole[k]}
+        filled, groups = [k for k in fine if hole[k] and k not in kept], dict[int, list[int]]()
+        filled = [k for k in filled if not self.turns[k, filled].any()]  # what lies in a filled hole is not named
+        for k in (k for k in fine if not hole[k] and not self.turns[k, filled].any()):
+            groups.setdefault(parent[k], [parent[k]] if self.loop_is_fine[parent[k]] else []).append(k)
+        found = [f"the hole of {names[k]} is filled" for k in filled]
+        shared = [", ".join(names[k] for k in loops) for loops in groups.values() if len(loops) > 1]
+        return found + [f"the loops of {loops} share one" for loops in shared]
+
     def misplaced(self, alike: bool) -> list[str]:
         """Loops of a cage and a fine mesh, which do not meet, that turn or lie wrongly or have no partner."""
-        ends = [(self.whole[loop], self.whole[self.after[loop]]) for loop in self.loops]
-        turns = np.array([[0 if other is own else winding(own[0][0], *other) for other in ends] for own in ends])
-        found, fine, hole = [], self.loop_is_fine, self.is_hole
+        found, fine, hole, turns = [], self.loop_is_fine, self.is_hole, self.turns
         names = [f"the loop of {self.near(loop[0])}" for loop in self.loops]
         for k, row in enumerate(turns):
             if row[fine == fine[k]].sum() != hole[k]:
@@ -189,7 +217,7 @@ class Loops:
                 found.append(f"{names[k]} lies {'outside of the cage' if fine[k] else 'inside of the fine mesh'}")
         if found or not alike:
             return found
-        parent = [max(np.flatnonzero(row).tolist(), key=lambda k: (turns[k] != 0).sum(), default=-1) for row in turns]
+        parent = self.parents
         for k in np.flatnonzero(fine != hole).tolist():  # the inner one of two is the only child of its partner
             p = parent[k]
             if p < 0 or parent.count(p) > 1 or fine[p] == fine[k] or hole[p] != hole[k]:

@@ -17,7 +17,7 @@ from ..scene.convert import Drawing
 from .job import Progress, Work
 from .levels import Level, Wanted, are_counts, wanted_levels
 from .methods import Methods
-from .rules import Places, Rules
+from .rules import KEEP, Places, Rules
 
 # Excess over the drawing above which a cage is called loose, and the excess that the advice aims at.
 LOOSE, GOOD = 0.5, 0.25
@@ -177,12 +177,12 @@ class Generation:
         if not own and not options.levels:
             raise UserError("Give a vertex count for at least one level, such as 64")
         scale, convex = request.fine.frame.scale, options.rules.convex
-        merges = options.rules.merge > 0.0
-        wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex, merges=merges)
+        keeps = options.inside or (options.rules.loops == KEEP and not options.rules.merge)
+        wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex, keeps=keeps)
         settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
         clearance = options.clearance / scale or options.clearance_share * fine.diagonal or None
         plan = Plan(request, fine, wanted, replace(settings, clearance=clearance, stored=STORED))
-        if clearance is not None and not (convex or merges or own or options.inside):
+        if clearance is not None and keeps and not (convex or own or options.inside):
             check_room(fine, clearance, len(wanted), request.fine)
         return plan
 
@@ -213,8 +213,7 @@ class Generation:
         key = memory.key_of("levels", plan.fine, *wanted, plan.settings, options.inside, options.shrink)
         levels = known().get(key)
         if levels is None:
-            asked = [core.hierarchy.Rising(level) if isinstance(level, int) else level for level in wanted]
-            run = (core.InnerCagesRun if options.inside else core.NestedCagesRun)(plan.fine, asked, plan.settings)
+            run = (core.InnerCagesRun if options.inside else core.NestedCagesRun)(plan.fine, wanted, plan.settings)
             try:
                 for step in run:
                     yield Progress(step.fraction, f"{name}, level {step.level + 1}: {STAGES[step.stage]}")

@@ -104,12 +104,12 @@ def parse_levels(text: str, units: Mapping[str, float]) -> tuple[Level, ...]:
         raise UserError(str(error)) from error
 
 
-def wanted_count(level: int | core.hierarchy.Share, sizes: Sequence[int]) -> Wanted:
-    """The vertex count that a level comes to for loops of these sizes: enough for each."""
+def wanted_count(level: int | core.hierarchy.Share, sizes: Sequence[int], *, keeps: bool = True) -> Wanted:
+    """The vertex count that a level comes to for loops of these sizes: enough for each where all are kept."""
     if isinstance(level, int):
-        least = 3 * len(sizes)
+        least = 3 * len(sizes) if keeps else 3
         return Wanted(level) if level >= least else Wanted(least, (note("level.small", asked=level, given=least),))
-    count, total = level.of(sizes), sum(sizes)
+    count, total = level.of(sizes, keeps=keeps), sum(sizes)
     raised = note("level.share", share=100.0 * level.fraction, total=total, given=count)
     return Wanted(count, () if count == round(total * level.fraction) else (raised,))
 
@@ -122,9 +122,12 @@ def wanted_levels(
     scale: float = 1.0,
     *,
     convex: bool = False,
-    merges: bool = False,
+    keeps: bool = True,
 ) -> tuple[Wanted, ...]:
-    """What is to be made for each level of a drawing; scale: the scene's length of its unit. Raises: UserError."""
+    """What is to be made for each level of a drawing. Raises: UserError.
+
+    scale: the scene's length of its unit. keeps: whether each loop needs vertices of its own.
+    """
     if not levels:
         return tuple(Wanted(mesh) for mesh in own)
     if levels.count(OWN) != len(own):
@@ -136,8 +139,6 @@ def wanted_levels(
     sizes = [len(loop) for loop in fine.loops]
     if convex:  # this many vertices around each part
         sizes = [sum(sizes) // int((fine.parent_of_loop < 0).sum())]
-    elif merges:  # loops may share one
-        sizes = [sum(sizes)]
     meshes, wanted = iter(own), []
     for level in levels:
         if isinstance(level, str):
@@ -146,7 +147,7 @@ def wanted_levels(
             distance = None if level.distance is None else level.distance / scale
             wanted.append(Wanted(replace(level, distance=distance)))
         else:
-            wanted.append(_in_order(wanted_count(level, sizes), wanted))
+            wanted.append(_in_order(wanted_count(level, sizes, keeps=keeps), wanted))
     return tuple(wanted)
 
 

@@ -10,6 +10,12 @@ import numpy as np
 from ..core import core
 from ..errors import FloatArray, UserError
 
+AUTO, KEEP, ONE = "auto", "keep", "one"
+LOOPS = (
+    (AUTO, "As Needed", "Holes are filled and parts share a loop where that is tighter with few vertices"),
+    (KEEP, "All", "Every part and hole has a loop of its own, with at least three vertices"),
+    (ONE, "One", "A silhouette: one loop around everything"),
+)
 NONE, FOUND, MIRROR_X, MIRROR_Y, ROTATION = "NONE", "FOUND", "MIRROR_X", "MIRROR_Y", "ROTATION"
 SYMMETRIES = (
     (NONE, "None", "Both sides may differ"),
@@ -46,6 +52,7 @@ class Rules:
 
     convex: bool = False
     grid: float = 0.0
+    loops: str = AUTO
     merge: float = 0.0
     symmetry: str = NONE
     symmetry_order: int = 2
@@ -62,6 +69,7 @@ class Rules:
                 settings,
                 convex=self.convex,
                 grid=self.grid / scale or None,
+                loops=self.loops,
                 merge=self.merge / scale or None,
                 symmetry=self._symmetry(fine),
                 weights=places.weights or None,
@@ -76,7 +84,7 @@ class Rules:
     def kinds(self, places: Places | None = None) -> list[str]:
         """What cages are by these rules, in words."""
         names = {"convex": self.convex, "on a grid": self.grid > 0.0, "symmetric": self.symmetry != NONE}
-        names |= {"merged": self.merge > 0.0}
+        names |= {"merged": self.merge > 0.0 or self.loops == ONE}
         if places is not None:
             names |= {"weighted": bool(places.weights), "pinned": bool(places.pins or places.joints)}
         names |= {"limited in edges or angles": self.min_edge > 0.0 or self.min_angle > 0.0}

@@ -15,8 +15,8 @@ from ..animation.timeline import Timing
 from ..generation.generate import Options
 from ..generation.levels import lengths, parse_levels
 from ..generation.methods import DECIMATIONS, ENERGIES, Methods, items
+from ..generation.rules import AUTO, LOOPS, SYMMETRIES, Rules
 from ..generation.rules import NONE as NO_SYMMETRY
-from ..generation.rules import SYMMETRIES, Rules
 from ..scene.convert import ReadingOptions
 from .kinds import choice, flag, length, number, text, whole
 
@@ -43,6 +43,7 @@ class GenerationProperties:
     inside: flag("Cage Inside", "Make cages inside the drawing, of locally largest area, each inside the one before")
     convex: flag("Convex", "Make the smallest convex polygon around each part, with as many vertices as the level says")
     grid: length("Grid", "Put all vertices of cages at multiples of this length from the object's origin; 0 for none")
+    loops: choice("Loops", "Which loops of the drawing have one of their own in a cage", LOOPS, default=AUTO)
     merge: length(
         "Merge", "Parts closer than this share a loop of the cage, and smaller holes are filled; 0 keeps all loops"
     )

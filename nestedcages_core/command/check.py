@@ -39,12 +39,12 @@ def check_files(arguments: Sequence[str]) -> int:
         given.levels = [parse_level(word) for word in level_words(" ".join(given.levels or ()))]
     except NestedCagesError as error:
         options.error(f"argument --levels: {error}")
-    kind, judged = "error", ""
+    kind, judged, lost = "error", "", list[str]()
     try:
         drawings = read_drawings(given.drawing, given.tolerance, together=given.borders)
         results = read_cages(given.result, together=given.borders)
         kind, judged = "wrong", _judged(results)
-        problems = list(_problems(given, drawings, results))
+        problems = list(_problems(given, drawings, results, lost))
     except OSError as error:
         problems = [f"{error.filename}: {error.strerror}"]
     except (NestedCagesError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
@@ -53,12 +53,13 @@ def check_files(arguments: Sequence[str]) -> int:
     for problem in [*problems[:MOST_SAID], *([f"and {more} more"] if more > 0 else [])]:
         tell(f"{kind}: {problem}", sys.stderr)
     if not problems:
-        tell(judged, sys.stdout)
+        more = len(lost) - MOST_SAID
+        tell("\n".join([judged, *lost[:MOST_SAID], *([f"and {more} more"] if more > 0 else [])]), sys.stdout)
     return WRONG if problems else HOLDS
 
 
-def _problems(given: argparse.Namespace, drawings: Shapes, results: Shapes) -> Iterator[str]:
-    """What is wrong."""
+def _problems(given: argparse.Namespace, drawings: Shapes, results: Shapes, lost: list[str]) -> Iterator[str]:
+    """What is wrong; lost: gets what is said of loops that have none of their own."""
     if len(drawings.shapes) != len(results.shapes):
         yield f"{given.drawing} has {len(drawings.shapes)} shapes, {given.result} cages of {len(results.shapes)}"
         return
@@ -71,7 +72,6 @@ def _problems(given: argparse.Namespace, drawings: Shapes, results: Shapes) -> I
     yield from _faults_of_page(given, drawings, results)
     is_picture = Path(given.drawing).suffix.lower() == ".png"  # whose holes are closed and whose parts may be joined
     options = {
-        "same_loops": False if given.any_loops or given.borders or is_picture else None,
         "grid": given.grid if given.decimals is None else float(f"1e-{given.decimals}"),
         "symmetry": given.symmetry,
         "distance": given.distance,
@@ -80,10 +80,14 @@ def _problems(given: argparse.Namespace, drawings: Shapes, results: Shapes) -> I
         of_shape = f"shape {number}: " if len(results.shapes) > 1 else ""
         for inside, cages in _sides(levels):
             options["inside"] = given.inside or inside
+            may_differ = given.any_loops or given.borders or is_picture
+            as_many = any(map(_has_more, (drawing[0], *cages), cages))
+            options["same_loops"] = given.same_loops or (as_many and not may_differ)
             shown = levels.get(0, drawing[0])
             for around in (drawing[0], *([] if _equal(shown, drawing[0]) else [shown])):
-                found = check(around.rings, [cage.rings for cage in cages], given.clearance, **options).problems
-                yield from (f"{of_shape}{problem}" for problem in found)
+                verdict = check(around.rings, [cage.rings for cage in cages], given.clearance, **options)
+                yield from (f"{of_shape}{problem}" for problem in verdict.problems)
+            lost += [f"{of_shape}{sentence}" for sentence in verdict.lost]
             yield from (f"{of_shape}{problem}" for problem in _faults_of_levels(given, drawing[0], cages, inside))
     if results.moves:
         yield from _faults_between([levels[1] for levels in results.shapes], [each[0] for each in drawings.shapes])
@@ -95,6 +99,12 @@ def _sides(levels: Levels) -> Iterator[tuple[bool, list[Loops]]]:
         cages = [levels[level] for level in sorted(levels, key=abs) if side * level > 0]
         if cages or (side > 0 and not any(levels)):
             yield side < 0, cages
+
+
+def _has_more(inner: Loops, outer: Loops) -> bool:
+    """Whether the outer one of two cages, or of a drawing and a cage, has as many loops or more of one kind."""
+    counts = [np.bincount(np.less(loops.areas, 0.0), minlength=2) for loops in (inner, outer)]
+    return bool((counts[1] > counts[0]).any() or (counts[1] == counts[0]).all())
 
 
 def _equal(one: Loops, other: Loops) -> bool:
@@ -129,7 +139,8 @@ def _faults_of_levels(given: argparse.Namespace, drawing: Loops, cages: Sequence
             if excess > level.limit * (1.0 + float(TOLERANCE)):
                 yield f"level {number} has an excess of {100.0 * excess:.6g} %, not {100.0 * level.limit:.6g} %"
         else:
-            most = level.of([len(ring) for ring in drawing.rings]) if isinstance(level, Share) else level
+            sizes = [len(ring) for ring in drawing.rings]
+            most = level.of(sizes, keeps=given.same_loops) if isinstance(level, Share) else level
             if cage.count > most:
                 yield f"level {number} has {cage.count} vertices, not {most}"
 
@@ -164,7 +175,13 @@ def _parser() -> argparse.ArgumentParser:
     options.add_argument("--levels", nargs="+", metavar="N", help="what each cage must have at most, none left out")
     options.add_argument("--clearance", type=length, metavar="LENGTH", help="smallest distance (default: above 0)")
     options.add_argument("--inside", action="store_true", help="the cages lie inside the drawing")
-    options.add_argument("--any-loops", action="store_true", help="cages may close holes and wrap several parts")
+    loops = options.add_mutually_exclusive_group()
+    loops.add_argument(
+        "--same-loops",
+        action="store_true",
+        help="each loop has one of its own: no hole is filled, no parts share one (default: they are named)",
+    )
+    loops.add_argument("--any-loops", action="store_true", help="cages may have other loops, and more")
     options.add_argument("--borders", action="store_true", help="all regions together, as --borders makes them")
     grids = options.add_mutually_exclusive_group()
     grids.add_argument("--grid", type=length, metavar="LENGTH", help="coordinates are multiples of this length")

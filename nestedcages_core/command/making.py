@@ -15,14 +15,17 @@ from ..errors import NestedCagesError
 from ..exchange import Coverage, Limits, coverage_cages
 from ..exchange.pictures import picture_cages
 from ..geometry.mesh import Mesh
-from ..hierarchy import LEAST, Hierarchy, Level, Rising, Settings, Within, inner_cages, nested_cages, wanted_levels
+from ..hierarchy import Hierarchy, Level, Settings, inner_cages, nested_cages
 from .progress import ProgressLine
 from .sources import NamedShape, Source
 
 MAX_PROCESSES_ON_WINDOWS = 61
 """Worker processes that Python can wait for there."""
 
-SETTINGS = ("clearance", "grid", "merge", "convex", "symmetry", "min_edge", "min_angle", "seconds")
+TOLD = ("note.count", "note.loops")
+"""Codes of notes that are told of several files too."""
+
+SETTINGS = ("clearance", "grid", "loops", "merge", "convex", "symmetry", "min_edge", "min_angle", "seconds")
 """Options that are settings of the same name."""
 
 
@@ -35,9 +38,9 @@ class Made(NamedTuple):
 
     @property
     def notes(self) -> list[str]:
-        """What became of counts that are too small."""
+        """What became of counts that are too small, and of loops."""
         said = [(number, note) for number, level in enumerate(self.levels, 1) for note in level.report.notes]
-        return [f"Level {number}: {note}" for number, note in said if note.data.get("on") == LEAST]
+        return [f"Level {number}: {note}" for number, note in said if note.code in TOLD]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,10 +56,7 @@ class Result:
 
 
 def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
-    """The cages of a file. If a shape fails, its finished levels and all other shapes are kept.
-
-    Counts that are too small for a shape are raised to the least that does, and a note says so, unless `strict`.
-    """
+    """The cages of a file. If a shape fails, its finished levels and all other shapes are kept."""
     if given.borders is not None:
         return _coverage(source, given, line)
     failures = list(source.failures)
@@ -73,23 +73,13 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
     return Result(source, made, failures)
 
 
-def _wanted(mesh: Mesh, given: argparse.Namespace) -> list[int | Mesh | Within]:
-    """The levels of a shape; counts rise to the least that the shape can have, unless `strict`."""
-    if given.strict:
-        levels = wanted_levels(given.levels, mesh, merges=True)  # without a least number for each loop
-        return [int(level) if isinstance(level, int) else level for level in levels]
-    levels = wanted_levels(given.levels, mesh, merges=given.merge is not None)
-    return [Rising(level) if type(level) is int else level for level in levels]
-
-
 def _made_outcomes(source: Source, given: argparse.Namespace, line: ProgressLine) -> list[Outcome]:
     """The cages of the shapes of a file, or the error of each."""
     settings = Settings(**{name: getattr(given, name) for name in SETTINGS})
     shapes = [shape.content for shape in source.shapes]
     if all(isinstance(shape, Mesh) for shape in shapes) and not given.inside and len(shapes) > 1:
-        levels = {k: _wanted(shape, given) for k, shape in enumerate(shapes) if isinstance(shape, Mesh)}
         executor = partial(_processes, given.jobs) if given.jobs > 1 else None
-        return nested_cages_many(shapes, levels, settings, executor=executor, progress=line.of_batch)
+        return nested_cages_many(shapes, given.levels, settings, executor=executor, progress=line.of_batch)
     of_picture = {
         "padding": given.padding or given.clearance or 0.0,
         "threshold": given.threshold or 0.0,
@@ -100,9 +90,9 @@ def _made_outcomes(source: Source, given: argparse.Namespace, line: ProgressLine
     for k, shape in enumerate(shapes):
         work: Callable[..., Hierarchy]
         if isinstance(shape, Mesh):
-            work = partial(inner_cages if given.inside else nested_cages, shape, _wanted(shape, given), settings)
+            work = partial(inner_cages if given.inside else nested_cages, shape, given.levels, settings)
         else:
-            work = partial(picture_cages, shape, partial(_wanted, given=given), settings=settings, **of_picture)
+            work = partial(picture_cages, shape, given.levels, settings=settings, **of_picture)
         try:
             outcomes.append(Outcome(k, work(progress=line.of_run)))
         except NestedCagesError as error:

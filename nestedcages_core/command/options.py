@@ -18,6 +18,7 @@ from ..exchange.decimals import MAX_DECIMALS
 from ..geometry.lattice import Grid
 from ..geometry.symmetry import Found, Mirror, Rotation
 from ..hierarchy import level_words, parse_level
+from ..hierarchy.settings import LOOPS
 from .outputs import STEM, WRITTEN
 from .sources import KINDS, STREAM, kind_of
 
@@ -131,7 +132,8 @@ OPTIONS = {
                 "or - for the standard output; may be repeated"),
         _option("--clearance", type=length, metavar="LENGTH", help="smallest distance of a cage from what it encloses"),
         _option("--inside", help="make cages inside the shapes instead"),
-        _option("--strict", help="fail if a count is too small for a shape, instead of raising it"),
+        _option("--loops", action="store", choices=LOOPS, default="auto", help="auto: holes are filled and parts share "
+                "a loop where that is tighter; keep: every loop has its own; one: a silhouette"),
         _option("--seconds", type=_number("a time above 0", lambda value: 0.0 < value < inf), metavar="S",
                 help="time for each shape; the levels made by then are kept"),
         _option("--report", metavar="FILE", help="write all measures and messages as JSON"),

@@ -157,6 +157,8 @@ def _measures(level: Level) -> dict[str, Any]:
         "start": said.start,
         "iterations": dict(said.iterations),
         "seconds": sum(said.seconds.values()),
+        "filled": list(said.lost.filled),
+        "joined": [list(loops) for loops in said.lost.joined],
         "notes": list(said.notes),
     }
 

@@ -49,8 +49,13 @@ class Loops:
     @property
     def area(self) -> float:
         """That of the solid between the loops."""
+        return sum(self.areas)
+
+    @property
+    def areas(self) -> list[float]:
+        """Those inside the loops, of holes negative."""
         ends = [(ring - ring[0], np.roll(ring - ring[0], -1, axis=0)) for ring in rings_of(self.rings)]
-        return 0.5 * sum(float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()) for a, b in ends)
+        return [0.5 * float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()) for a, b in ends]
 
 
 Levels = dict[int, Loops]

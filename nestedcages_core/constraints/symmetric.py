@@ -38,6 +38,8 @@ class Symmetric(Constraint):
     group: Symmetry = field()
     numbers: Rounding | None = None
     """The numbers that images are rounded to."""
+    keeps: bool = True
+    """Whether cages keep all loops."""
 
     def of(self, about: Mesh, side: int) -> Symmetric:
         """The symmetry with its place."""
@@ -54,7 +56,7 @@ class Symmetric(Constraint):
 
     def count(self, outline: Mesh, count: int) -> int:
         """See `possible_count`."""
-        return possible_count(count, outline, self.group)
+        return possible_count(count, outline, self.group, keeps=self.keeps)
 
     def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
         """Whether all vertices are images of each other, on the numbers."""
@@ -175,11 +177,12 @@ def _without_pockets(union: Mesh, images: Sequence[Mesh]) -> Mesh:
     return union if len(left) == len(union.loops) else Mesh.from_loops([union.vertices[loop] for loop in left])
 
 
-def possible_count(count: int, fine: Mesh, symmetry: Symmetry) -> int:
+def possible_count(count: int, fine: Mesh, symmetry: Symmetry, *, keeps: bool = True) -> int:
     """The number of vertices closest to `count`, less if possible, that a cage around a symmetric mesh can have.
 
     With a mirror, loops across it can have any number, and pairs of loops even ones; with
-    rotations every number is a multiple of their order.
+    rotations every number is a multiple of their order. keeps: whether each loop has one of its own; if not, too few
+    for all may be enough for one.
     """
     orbits = orbits_of(fine, symmetry)
     if orbits is None:
@@ -189,4 +192,6 @@ def possible_count(count: int, fine: Mesh, symmetry: Symmetry) -> int:
     step = 1 if symmetry.reverses and own.any() else symmetry.order
     own_least = LEAST_PER_LOOP if symmetry.reverses else -(-LEAST_PER_LOOP // symmetry.order) * symmetry.order
     least = int(own.sum()) * own_least + int((~own).sum()) * LEAST_PER_LOOP
+    if count < least and not keeps:
+        step, least = 1 if symmetry.reverses else symmetry.order, own_least
     return max(count // step * step, least)

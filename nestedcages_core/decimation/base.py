@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias, runtime_checkable
@@ -101,3 +102,8 @@ class KeepingStarts(Protocol):
 
     def starts_keeping(self, fine: Mesh, count: Count, kept: Kept, *, clearance: float) -> Stage[float, list[Start]]:
         """As `SeveralStarts.starts`."""
+
+
+def in_words(decimation: Decimation) -> str:
+    """The name of a decimation in words: "outer hull" for ``OuterHull()``."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(decimation).__name__).lower()

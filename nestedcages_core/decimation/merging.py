@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import Fault, InvalidMeshError, NestedCagesError, NestingError, note
+from ..errors import InvalidMeshError, NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE
 from ..geometry.solids import mesh_of
@@ -21,12 +21,6 @@ from .line_cycles import LineCycles
 
 PARTS = (0.0, 0.5, 1.0)
 """Parts of the distance that gaps are closed over, where bridges alone do not suffice: none is best for all shapes."""
-
-WORTHWHILE = 0.5
-"""Part of the excess below which merging is named in a note."""
-
-NOTED_DISTANCE = 0.06
-"""Distance that a note names, in diagonals: of the tried 0.01 to 0.06 the one that merges most."""
 
 BRIDGE = 0.01
 """Half the width of a bridge between two parts, in its lengths."""
@@ -83,23 +77,6 @@ class Merging:
                 **({"least": min(enough)} if enough else {}),
             ) from failure
         return [Start(best, "merged parts")]
-
-
-def advice(fine: Mesh, cage: Mesh) -> tuple[Fault, ...]:
-    """A note where keeping all loops costs a lot of area, and merging them much less."""
-    excess, distance = cage.area / fine.area - 1.0, NOTED_DISTANCE * fine.diagonal
-    if len(fine.loops) == 1 or len(cage.loops) < len(fine.loops):
-        return ()
-    try:
-        with np.errstate(all="ignore"):  # of GEOS, at coordinates near the limits
-            mesh = Merging(distance).decimate(fine, len(cage.vertices))
-    except NestedCagesError:  # also without shapely
-        return ()
-    fewer = mesh.area / fine.area - 1.0
-    if fewer > WORTHWHILE * excess:
-        return ()
-    loops = {"wanted": len(fine.loops), "given": len(mesh.loops)}
-    return (note("note.loops", on="merge", excess=excess, better=fewer, distance=distance, **loops),)
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,7 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "note.count": ("asked", "given", "on", "symmetry"),
     "note.start": ("source", "on", "first", "text"),
     "note.clearance": ("wanted", "given", "on"),
-    "note.loops": ("wanted", "given", "on", "excess", "better", "distance"),
+    "note.loops": ("wanted", "given", "filled", "joined", "lost", "on", "excess", "better"),
     "note.energy": ("energy",),
     "note.untightened": (),
     "note.symmetry": ("symmetry", "difference", "on", "tolerance"),

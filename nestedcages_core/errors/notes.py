@@ -19,9 +19,9 @@ NOTES: Mapping[str, str] = {
     "start curve": "Started from the {source}: with its vertices on the curve it would cross itself.",
     "clearance gaps": "The gaps of the fine mesh leave room for a clearance of {given:.3g}, not {wanted:.3g}.",
     "clearance inside": "The fine mesh is narrow: there is room for a clearance of {given:.3g}, not {wanted:.3g}.",
-    "loops": "The cage has {given}, but the mesh in it has {wanted}.",
-    "loops merge": "Keeping all {wanted} loops makes the cage {excess_percent:.0f} % larger than the shape; "
-    "merge={distance:.3g} would make it about {better_percent:.0f} % larger, with {given}.",
+    "loops": "The cage has {given}, but the mesh in it has {wanted}{lost}.",
+    "loops keep": "Keeping all {wanted} loops makes the cage {excess_percent:.0f} % larger than the shape; {given} "
+    'would make it about {better_percent:.0f} % larger: leave out loops="keep".',
     "energy": "The cage is the coarse mesh, where {energy} is smallest; Area() makes it tighter.",
     "untightened": "The coarse mesh is not tightened: details of the fine mesh are too small for that.",
     "symmetry grid": "The symmetry is moved by {difference:.3g} to the grid: {symmetry}.",
@@ -46,7 +46,6 @@ NOTES: Mapping[str, str] = {
 
 LENGTHS: Mapping[str, tuple[str, ...]] = {
     "note.clearance": ("wanted", "given"),
-    "note.loops": ("distance",),
     "note.symmetry": ("difference",),
     "note.pin": ("distance",),
     "note.edge": ("wanted", "given"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from ..level.settings import DEFAULT_CLEARANCE
+from .loops import keeps_loops
 from .settings import Settings, type_name
 
 if TYPE_CHECKING:
@@ -49,7 +51,7 @@ def constraints_of(settings: Settings, about: Mesh, side: int) -> Asked:
         from ..constraints.symmetric import symmetric
 
         alike, notes = symmetric(settings.symmetry, about, numbers)
-        kept += [] if alike is None else [alike]
+        kept += [] if alike is None else [replace(alike, keeps=keeps_loops(settings, side))]
     group = kept[0].group if kept else None
     if settings.convex:
         from ..constraints.convex import Convex

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ..decimation.budget import LEAST_PER_LOOP
 from ..errors import Fault, NestedCagesError, note
 from ..geometry.mesh import Mesh
 from ..tolerance.within import Within
 
 LEAST_OF_A_SHARE = 4
-"""Minimum number of vertices per loop for a percentage, if the loop has them: a triangle around a rectangle is twice as
-large. For triangles, ask for 3 vertices."""
+"""Minimum number of vertices per loop for a percentage where all loops are kept, if the loop has them: a triangle
+around a rectangle is twice as large."""
 
 LEAST = "least"
 """What a note on a number of vertices that rose is on."""
@@ -52,17 +53,20 @@ class Share:
     fraction: float
     """Above 0, and at most 1."""
 
-    def of(self, sizes: Sequence[int]) -> int:
-        """The number of vertices for loops of these sizes, enough for each."""
-        least = sum(min(size, LEAST_OF_A_SHARE) for size in sizes)
+    def of(self, sizes: Sequence[int], *, keeps: bool = True) -> int:
+        """The number of vertices for loops of these sizes: enough for each, or for one where not all are kept."""
+        least = sum(min(size, LEAST_OF_A_SHARE) for size in sizes) if keeps else LEAST_PER_LOOP
         return max(round(sum(sizes) * self.fraction), least)
 
 
 def wanted_levels(
-    levels: Sequence[int | Share | Within], mesh: Mesh, *, merges: bool = False
+    levels: Sequence[int | Share | Within], mesh: Mesh, *, keeps: bool = True
 ) -> list[int | Mesh | Within]:
     """The levels around a mesh as arguments of `nested_cages`, which clamps counts that are too high and raises
-    percentages that are too low, with a note. merges: whether loops may share one."""
+    percentages that are too low, with a note. keeps: whether all loops are kept."""
     whole = [len(mesh.vertices)]
-    sizes = whole if merges else [len(loop) for loop in mesh.loops]
-    return [Rising(level.of(sizes), level.of(whole)) if isinstance(level, Share) else level for level in levels]
+    sizes = [len(loop) for loop in mesh.loops] if keeps else whole
+    return [
+        Rising(level.of(sizes, keeps=keeps), level.of(whole, keeps=keeps)) if isinstance(level, Share) else level
+        for level in levels
+    ]

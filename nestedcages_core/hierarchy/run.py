@@ -28,6 +28,7 @@ from ..verification import verify
 from .asked import Wanted, in_order, listed_levels
 from .constraints import constraints_of
 from .levels import Rising, Share, wanted_levels
+from .loops import keeps_loops, with_loops
 from .settings import Settings
 
 if TYPE_CHECKING:
@@ -111,19 +112,15 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
     """All levels."""
     seconds = inf if settings.seconds is None else settings.seconds
     deadline = perf_counter() + seconds
-    fine, wanted = _checked(fine, levels, convex=settings.convex, merges=settings.merge is not None)
+    keeps = keeps_loops(settings, side)
+    fine, wanted = _checked(fine, levels, convex=settings.convex, keeps=keeps)
     about = _about(settings, fine, side)
     constraints, importance, remarks = constraints_of(settings, about, side)
-    if settings.merge is not None:
-        if side < 0:
-            raise NestingError("Inner cages keep all loops; leave out merge.", code="setting.conflict")
-        from ..decimation.merging import Merging
-
-        fallback = settings.fallback and Merging(settings.merge, settings.fallback)
-        settings = replace(settings, decimation=Merging(settings.merge), fallback=fallback)
 
     def made(index: int, level: int | Mesh | Within, inner: Mesh, chosen: Settings) -> Stage[Progress, Level]:
         clearances, late = clearances_for(chosen, fine), tuple[Fault, ...]()
+        if isinstance(level, int) and not keeps:
+            chosen = with_loops(chosen, inner)
         while True:
             plan, progress = Plan.of(inner, constraints, importance, side=side), LevelProgress(index, len(wanted))
             builder = LevelBuilder(plan, clearances, chosen, progress)
@@ -153,8 +150,8 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
                     raise
                 level = level.after(error)  # more vertices each time, and at most those of the mesh
         advised = level.notes() if isinstance(level, Rising) else ()
-        if done.report.excess > LOOSE and plan.is_free and not isinstance(level, Mesh):
-            from ..decimation.merging import advice
+        if keeps and side > 0 and done.report.excess > LOOSE and plan.is_free and not isinstance(level, Mesh):
+            from ..decimation.loops import advice
 
             advised += advice(inner, done.cage)
         return replace(done, report=replace(done.report, notes=(*remarks, *done.report.notes, *advised, *late)))
@@ -209,7 +206,7 @@ def _about(settings: Settings, fine: Mesh, side: int) -> Mesh:
 
 
 def _checked(
-    fine: MeshLike, levels: Sequence[Wanted], *, convex: bool, merges: bool
+    fine: MeshLike, levels: Sequence[Wanted], *, convex: bool, keeps: bool
 ) -> tuple[Mesh, list[int | Mesh | Within]]:
     """The fine mesh and the levels, all meshes validated.
 
@@ -219,9 +216,9 @@ def _checked(
         raise NestingError(f"The fine mesh must be {MESH_LIKE}, not {type(fine).__name__}.", code="mesh.unreadable")
     fine = Mesh.of(fine).validated()
     checked: list[int | Mesh | Within] = []
-    loops = 1 if convex or merges else len(fine.loops)  # convex cages have this many vertices around each part
+    loops = len(fine.loops) if keeps and not convex else 1  # convex cages have this many vertices around each part
     for number, asked in enumerate(in_order(levels, len(fine.vertices)), start=1):
-        (level,) = wanted_levels([asked], fine, merges=merges) if isinstance(asked, Share) else [asked]
+        (level,) = wanted_levels([asked], fine, keeps=keeps) if isinstance(asked, Share) else [asked]
         if isinstance(level, Within):
             checked.append(level)
         elif is_mesh_like(level):
@@ -230,7 +227,7 @@ def _checked(
                     "A convex cage needs a number of vertices, not a coarse mesh.", code="setting.conflict"
                 )
             mesh = Mesh.of(level).validated()
-            loops = len(mesh.loops)
+            loops = len(mesh.loops) if keeps else 1
             checked.append(mesh)
         elif isinstance(level, (int, np.integer)) and not isinstance(level, bool):
             count = level.raised(LEAST_PER_LOOP * loops) if isinstance(level, Rising) else int(level)

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from ..geometry.symmetry import Found
     from .keywords import SettingsKeywords
 
+LOOPS = ("auto", "keep", "one")
+"""What may be said of loops."""
+
 STORED_TYPES = ("float32", "float16")
 """Types that can hold coordinates, other than doubles."""
 
@@ -43,6 +46,11 @@ class Settings(LevelSettings):
     stored: DTypeLike | None = None
     """The type that will hold the coordinates, such as np.float32: cage and motion are certified on its numbers,
     which all steps have, but for the fine mesh as it is given. None: doubles."""
+    loops: str = "auto"
+    """Which loops cages keep. "auto": those worth their vertices: holes are filled and parts share a loop where that
+    is tighter, so that no cage has more vertices than asked for; joining needs shapely. "keep": all; counts below three
+    for each are an error. "one": one loop around all. Cages inside, moving ones, those from meshes of one's own and
+    those by a tolerance keep all loops."""
     merge: float | None = None
     """Parts closer than this length share a loop of the cage, and holes of less than its square are filled, as far as
     that makes the cage tighter; infinite: one loop around all. Needs shapely. None: a loop for each
@@ -91,6 +99,8 @@ class Settings(LevelSettings):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.loops not in LOOPS:
+            raise invalid_setting(f"loops must be one of {', '.join(map(repr, LOOPS))}, not {self.loops!r}.")
         if self.merge is not None and self.merge != inf and not (is_length(self.merge) and self.merge > 0.0):
             raise NestedCagesError(
                 f"merge must be a length above 0, or infinite for one loop, not {self.merge!r}; leave it out for none.",
@@ -99,11 +109,12 @@ class Settings(LevelSettings):
                 value=self.merge,
             )
         of_loops = self.has_priorities or self.has_limits or self.symmetry is not None or self.convex
-        if self.merge is not None and of_loops:
+        if self.merged_within is not None and of_loops:
+            name = "merge" if self.merge is not None else 'loops="one"'
             raise NestedCagesError(
-                "merge does not go with convex, symmetry, weights, pins, joints or limits; leave out one of them.",
+                f"{name} does not go with convex, symmetry, weights, pins, joints or limits; leave out one of them.",
                 code="setting.conflict",
-                names=("merge",),
+                names=(name.partition("=")[0],),
             )
         for name, (wanted, otherwise) in POSITIVE.items():
             value = getattr(self, name)
@@ -137,6 +148,11 @@ class Settings(LevelSettings):
             raise NestedCagesError(
                 "Convex cages have no pins, joints or limits; leave these out or convex.", code="setting.conflict"
             )
+
+    @property
+    def merged_within(self) -> float | None:
+        """The distance over which parts are merged in any case; infinite for one loop, None for none."""
+        return inf if self.loops == "one" else self.merge
 
     @property
     def has_priorities(self) -> bool:

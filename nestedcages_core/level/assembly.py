@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..contact.reinflation import Reinflation
-from ..decimation import Decimation, Start
+from ..decimation import Start
 from ..energies import CageEnergy
 from ..errors import Fault, note
 from ..flow import FlowResult
@@ -67,12 +66,10 @@ class Assembly:
         if mended is not None:
             cage, said = mended
             way, report = Way.at_rest(inner, cage), report.with_count(said)
-        if not cage.has_loops_like(inner):
-            loops = note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(inner))
-            report = replace(report, notes=(loops, *report.notes))
         rest = inner.vertices[None]
         way = Way(way.coarse, FlowResult(rest, 0, "inside"), replace(way.reinflation, moving_steps=rest))
         certified = judged(replace(self.plan, fine=inner), cage, report.wanted_clearance)
+        report = replace(report, notes=(*loops_note(certified), *report.notes))
         work = admitted(certified, way, report, stored=report.stored)
         return (yield from self.progress.follow(work, lambda done: (done, "verification")))
 
@@ -119,17 +116,19 @@ class Assembly:
         return Way(cage.start.coarse, flow, Reinflation(moving_steps, cage_steps, reinflation.iterations))
 
 
-def deviations(plan: Plan, cage: Mesh, clearance: float, wanted: float) -> tuple[Fault, ...]:
+def loops_note(judged_cage: JudgedCage) -> tuple[Fault, ...]:
+    """What became of loops, where a cage has others than the mesh in it."""
+    cage, fine = judged_cage.cage, judged_cage.fine
+    if cage.has_loops_like(fine):
+        return ()
+    lost = judged_cage.certificate.lost.note
+    return (note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(fine), **lost),)
+
+
+def deviations(plan: Plan, judged_cage: JudgedCage, clearance: float, wanted: float) -> tuple[Fault, ...]:
     """What differs from the request in a certified cage."""
-    notes = plan.notes(cage)
-    if not cage.has_loops_like(plan.fine):
-        notes = (note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(plan.fine)), *notes)
+    notes = (*loops_note(judged_cage), *plan.notes(judged_cage.cage))
     if clearance < wanted:
         on = "inside" if plan.side < 0 else "gaps"
         notes = (note("note.clearance", on=on, wanted=wanted, given=clearance), *notes)
     return notes
-
-
-def in_words(decimation: Decimation) -> str:
-    """The name of a decimation in words: "outer hull" for ``OuterHull()``."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(decimation).__name__).lower()

@@ -11,7 +11,7 @@ import numpy as np
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Count, SeveralStarts, Start
-from ..decimation.base import NOTHING_KEPT, KeepingStarts
+from ..decimation.base import NOTHING_KEPT, KeepingStarts, in_words
 from ..decimation.budget import shared_anew
 from ..decimation.hull.outer_hull import SOURCE as HULL
 from ..energies import signed_area
@@ -20,7 +20,7 @@ from ..flow import FlowResult
 from ..geometry.arrays import TINY, FloatArray
 from ..geometry.mesh import Mesh, Nesting
 from ..tasks import Stage
-from .assembly import Assembly, CageInProgress, deviations, in_words
+from .assembly import Assembly, CageInProgress, deviations
 from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn, methods_for
 from .gate import judged
 from .level_cache import coarse_meshes, flow_inside
@@ -314,7 +314,7 @@ class LevelBuilder:
             from .failures import failed
 
             raise NestingError(failed(result, self.plan, wanted))
-        notes = (*notes, *deviations(self.plan, result.cage, clearance, wanted))
+        notes = (*notes, *deviations(self.plan, result, clearance, wanted))
         if len(way.reinflation.cage_steps) == 1 and not getattr(self.settings.energy, "is_area", False):
             notes = (*notes, note("note.energy", energy=type(self.settings.energy).__name__))
         start = "flow" if len(way.flow.steps) > 1 else cage.start.source

@@ -14,7 +14,8 @@ from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh
 from ..tasks import Result, Stage, Yielded, flat_mapped
-from ..verification import Certificate
+from ..verification import Certificate, LostLoops
+from ..verification.lost_loops import NONE_LOST
 
 STAGES = {"decimation": 0.0, "flow": 0.2, "reinflation": 0.32, "tightening": 0.52, "verification": 0.96}
 """Approximate fraction of a level with one start at which each stage begins."""
@@ -62,6 +63,8 @@ class NestingReport:
     """Certified: all coordinates of the cage are multiples of this length; None where none was asked for."""
     stored: str | None = None
     """Certified: the coordinates of the cage are numbers of this type, such as "float32"; None for doubles."""
+    lost: LostLoops = NONE_LOST
+    """Holes of the fine mesh that the cage fills, and loops that share one of the cage, by their numbers."""
 
     def with_count(self, note: Fault) -> NestingReport:
         """The report with a note on the number of vertices instead of that on the grid."""
@@ -115,6 +118,7 @@ class JudgedCage:
             wanted_clearance=self.wanted,
             excess=self.cage.area / self.fine.area - 1.0,
             grid=self.numbers and self.numbers[0],
+            lost=self.certificate.lost,
         )
 
 

@@ -29,6 +29,7 @@ class Promises:
     @classmethod
     def of(cls, settings: Settings, first: Mesh) -> Promises:
         """The promises about a drawing, from its first pose. Raises NestingError."""
+        settings = replace(settings, loops="keep")  # which they do at every pose
         constraints, importance, notes = constraints_of(settings, first, 1)
         plan = Plan.of(first, constraints, importance)
         close = EdgeSearch.of(first).closest(np.empty((0, 2)) if importance is None else importance.pins)

@@ -12,6 +12,7 @@ from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, Nesting, is_mesh_like
 from ..geometry.precision import ROUND_OFF
 from ..geometry.smallest_gap import smallest_gap
 from ..geometry.vectors import crossing_point, place
+from .lost_loops import NONE_LOST, LostLoops
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,8 @@ class Certificate:
     """area(cage) / area(fine) - 1; nan if one of them is not valid."""
     problems: tuple[Fault, ...]
     """A sentence, with a code and data, for each requirement that is not met."""
+    lost: LostLoops = NONE_LOST
+    """Holes of the fine mesh that the cage fills, and loops that share one of the cage."""
 
     @property
     def holds(self) -> bool:
@@ -62,7 +65,7 @@ def verify(cage: MeshLike, fine: MeshLike, clearance: float = 0.0, *, same_loops
     ]
     contact = pair.contact()
     problems += contact
-    strict = loops_kept = False
+    strict, loops_kept, lost = False, False, NONE_LOST
     if not contact:
         outside = pair.outside()
         problems += outside
@@ -71,12 +74,14 @@ def verify(cage: MeshLike, fine: MeshLike, clearance: float = 0.0, *, same_loops
         loops_kept = not misplaced and len(turned) == 0
         if same_loops and strict:
             problems += misplaced
+        elif strict and misplaced:
+            lost = LostLoops.of(judged, judged_fine, pair.nesting)
     measured = 0.0 if contact else pair.gap()
     if not contact and not measured >= clearance * (1.0 - ROUND_OFF):  # nor is a clearance of nan kept
         said = f"The cage comes as near as {measured:.6g} to the fine mesh; {clearance:.6g} is asked for."
         problems.append(Fault(said, "cage.too_close", clearance=measured, wanted=clearance))
     excess = judged.area / judged_fine.area - 1.0
-    return Certificate(True, loops_kept, strict, measured, excess, tuple(problems))
+    return Certificate(True, loops_kept, strict, measured, excess, tuple(problems), lost)
 
 
 def _at_the_door(shape: MeshLike, name: str, problems: list[Fault]) -> Mesh | None:

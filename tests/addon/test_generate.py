@@ -65,8 +65,8 @@ def test_percentages_are_of_the_drawing_and_leave_enough_vertices_per_loop(addon
     [
         ("61", [60], ("note.count", {"asked": 61, "given": 60, "on": "mesh"})),
         ("20%, 21", [12, 12], ("level.order", {"level": 2, "asked": 21, "given": 12})),
-        ("5", [6], ("level.small", {"asked": 5, "given": 6})),
-        ("1%", [8], ("level.share", {"share": 1.0, "total": 60, "given": 8})),
+        ("2", [3], ("level.small", {"asked": 2, "given": 3})),
+        ("1%", [3], ("level.share", {"share": 1.0, "total": 60, "given": 3})),
     ],
 )
 def test_levels_are_clamped_to_what_is_possible_with_a_note(addon, levels, counts, note) -> None:
@@ -79,16 +79,17 @@ def test_levels_are_clamped_to_what_is_possible_with_a_note(addon, levels, count
     assert note in [(each.code, each.data) for each in result.levels[-1].report.notes]
 
 
-@pytest.mark.parametrize("levels", ["2%", "12"])
-def test_levels_rise_where_loops_are_in_each_others_way(addon, levels) -> None:
-    generation = addon.generation.generate.Generation(
-        [request(addon, [circle(40, size) for size in (4.0, 3.9, 3.8)])],
-        addon.generation.generate.Options(levels=addon.generation.levels.parse_levels(levels, UNITS)),
-    )
+def test_a_count_holds_where_loops_are_in_each_others_way_unless_all_are_kept(addon) -> None:
+    generate, levels = addon.generation.generate, addon.generation.levels.parse_levels("12", UNITS)
+    fine = [request(addon, [circle(40, size) for size in (4.0, 3.9, 3.8)])]
+    generation = generate.Generation(fine, generate.Options(levels=levels))
     assert list(generation)
     (level,) = generation.results[0].levels
-    given = {"asked": 12, "given": len(level.vertices), "on": "least"}
-    assert ("note.count", given) in [(note.code, note.data) for note in level.report.notes]
+    (note,) = (note for note in level.report.notes if note.code == "note.loops")
+    assert len(level.vertices) <= 12 and "hole is filled" in note
+    keeping = generate.Options(levels=levels, rules=addon.generation.rules.Rules(loops="keep"))
+    with pytest.raises(addon.errors.UserError, match="ask for at least"):
+        list(generate.Generation(fine, keeping))
 
 
 def test_without_levels_there_is_nothing_to_do(addon) -> None:

@@ -119,10 +119,10 @@ def test_the_distance_is_exact() -> None:
 @pytest.mark.parametrize("shape", [letter_a, star, lambda: comb(5, 0.05, per_unit=20), islands])
 def test_the_largest_distance_agrees_with_its_certificate(shape: Any) -> None:
     fine = shape()
-    cage = nested_cages(fine, [20], FAST).cages[0]
-    bound = reach(cage, fine)  # at most 0.01 % too large
-    assert check(fine, cage, distance=bound)
-    assert "farther than" in check(fine, cage, distance=bound / 1.0002).problems[0]
+    level = nested_cages(fine, [20], FAST)[0]
+    bound = reach(level.cage, fine)  # at most 0.01 % too large
+    assert check(fine, level, distance=bound)
+    assert "farther than" in check(fine, level, distance=bound / 1.0002).problems[0]
 
 
 @pytest.mark.parametrize("place", [0.0, 2.0**30])

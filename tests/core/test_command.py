@@ -152,7 +152,7 @@ def test_features_that_fail_do_not_lose_the_others(tmp_path: Path, capsys: pytes
     members = [region(0.0, "West"), {**lost, "geometry": rings}]
     (tmp_path / "map.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": members}))
     out = tmp_path / "out.geojson"
-    assert main([str(tmp_path / "map.geojson"), "--levels", "5", "-o", str(out), "--quiet", "--strict"]) == 1
+    assert main([str(tmp_path / "map.geojson"), "--levels", "5", "-o", str(out), "--quiet", "--loops", "keep"]) == 1
     assert "error: feature 1 (Lost): Level 1 asks for 5 vertices" in capsys.readouterr().err
     assert len(read_geojson(out).vertices) == 5
     assert main([str(tmp_path / "map.geojson"), "--levels", "6", "-o", str(tmp_path / "out.json"), "--quiet"]) == 1
@@ -208,8 +208,7 @@ def test_several_files_patterns_and_percentages(drawing: Path, tmp_path: Path, c
     assert verify(read, star(5, 60))
 
 
-@pytest.mark.slow
-def test_counts_give_way_to_the_least_that_a_shape_allows(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+def test_a_count_is_a_promise(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     rings = [ring(20) + np.array([3.0 * k, 0.0]) for k in range(8)]
     (tmp_path / "a.svg").write_text(to_svg(Mesh.from_loops(rings)))
     combs = [4.0 * ring(40), 3.9 * ring(40), 3.8 * ring(40)]  # triangles would cross each other
@@ -220,19 +219,16 @@ def test_counts_give_way_to_the_least_that_a_shape_allows(tmp_path: Path, capsys
     opaque = np.zeros((9, 40), bool)
     opaque[3:6, ::5] = True
     (tmp_path / "d.png").write_bytes(png(opaque))
-    for name, least in (("a.svg", 24), ("b.svg", None), ("c.geojson", 24), ("d.png", 24)):
+    for name in ("a.svg", "b.svg", "c.geojson", "d.png"):
         report = tmp_path / "report.json"
-        command = [str(tmp_path / name), "--levels", "16" if least else "10", "5", "--quiet"]
+        command = [str(tmp_path / name), "--levels", "10", "5", "--quiet"]
         assert main([*command, "--report", str(report)]) == 0
-        said = r"Level (\d): \d+ vertices are too few for this shape; the cage has (\d+)"
-        found = {int(level): int(count) for level, count in re.findall(said, capsys.readouterr().err)}
-        first, second = found[1], found[2]
-        assert (first, second) == (least or first, least or second)
-        assert first >= second > 9
+        assert re.search(r"hole is filled|loops share", capsys.readouterr().err)
         shape = json.loads(report.read_text())["inputs"][0]["shapes"][0]
-        assert [level["vertices"] for level in shape["levels"]] == [first, second]
-        assert any("too few for this shape" in note for note in shape["levels"][0]["notes"])
-        assert main([*command, "--strict"]) == 1
+        first, second = shape["levels"]
+        assert first["vertices"] <= 10 and second["vertices"] <= 5
+        assert first["filled"] or first["joined"]
+        assert main([*command, "--loops", "keep"]) == 1
         assert re.search(r"at least \d+", capsys.readouterr().err)
 
 
@@ -411,7 +407,7 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
 
     short = said("--help")
     assert "%%" not in said("--help", "all")
-    assert len(short.splitlines()) <= 27
+    assert len(short.splitlines()) <= 29
     assert max(map(len, short.splitlines())) < 80
     assert "--borders" in said("--help", "maps")
     assert re.fullmatch(r"nested-cages \d+\.\d+.*\n", said("--version"))
@@ -451,7 +447,7 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
         (["letter.svg", "--levels", "24", "-o", "out.pdf"], 2, "a file is written if it ends in"),
         (["letter.svg", "--levels", "24", "-o", "no/out.svg"], 2, "there is no folder"),
         (["none.svg", "--levels", "24"], 1, "none.svg: No such file"),
-        (["letter.svg", "--levels", "5", "--strict"], 1, "need at least 6"),
+        (["letter.svg", "--levels", "5", "--loops", "keep"], 1, "need at least 6"),
         (
             ["letter.svg", "--levels", "24", "-o", "o.svg", "--report", "./o.svg"],
             2,
@@ -525,7 +521,10 @@ def test_symmetric_cages_and_limits(drawing: Path, tmp_path: Path) -> None:
             assert np.array_equal(x, -x[::-1])
 
 
-@pytest.mark.parametrize(("merge", "loops"), slow_after(1, [([], 3), (["--merge", "all"], 1), (["--merge", "0.2"], 2)]))
+@pytest.mark.parametrize(
+    ("merge", "loops"),
+    slow_after(2, [([], 2), (["--loops", "one"], 1), (["--merge", "all"], 1), (["--merge", "0.2"], 2)]),
+)
 def test_parts_that_share_a_loop(merge: list[str], loops: int, tmp_path: Path) -> None:
     parts = [ring(24), *(ring(24) + np.array([x, 0.0]) for x in (2.1, 6.0))]
     (tmp_path / "parts.svg").write_text(to_svg(Mesh.from_loops(parts)))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,10 +65,12 @@ def together(searches: Sequence[Iterator[list[Paths]]]) -> Iterator[None]:
 class Around:
     """A search for cycles around all loops of an outline."""
 
-    def __init__(self, request: Request, outline: Loops, shift: FloatArray | float) -> None:
+    def __init__(
+        self, request: Request, outline: Loops, shift: FloatArray | float, only: Collection[int] | None = None
+    ) -> None:
         """outline: as symmetric as what is kept; shift: of lines from their loops, one for all or each (L,), in
-        diameters; a clearance is kept from all loops."""
-        self.request, self.kept = request, request.kept
+        diameters; a clearance is kept from all loops. only: loops to search around, for `least_areas` alone."""
+        self.request, self.kept, self.only = request, request.kept, only
         self.shift = np.broadcast_to(shift, len(outline.sizes))
         self.frame = NormalFrame.of(outline)
         self.images: Images | None = None
@@ -127,6 +130,13 @@ class Around:
                 low = middle
         return high if high <= self.request.target else None
 
+    def least_areas(self) -> Stage[float, dict[int, FloatArray]]:
+        """For each loop with cycles, the least area beyond it for each number of lines, in the input's units."""
+        with suppress(NoCyclesError):
+            for _ in self._search():
+                yield len(self.searches) / (len(self.outline.sizes) + 1)
+        return {k: search.totals * self.frame.scale**2 for k, search in self.searches.items() if search.found}
+
     def _chains(self, outline: Loops) -> list[Chain]:
         """The loops in the frame of the search, with what matters there."""
         vertices, importance = self.frame.into(outline.vertices), self.kept.importance
@@ -169,8 +179,9 @@ class Around:
             raise NoCyclesError("A loop is as small as round-off.", code="count.too_small")
         deserved = weights(chains, target)
         whole, length = sum(float(weight.sum()) for weight in deserved), sum(chain.length for chain in chains)
-        found: list[tuple[Lines, IntArray, float, float]] = []
-        for chain, weight, shift in zip(chains, deserved, self.shift.tolist(), strict=True):
+        found: dict[int, tuple[Lines, IntArray, float, float]] = {}
+        for k in range(len(chains)) if self.only is None else self.only:
+            chain, weight, shift = chains[k], deserved[k], float(self.shift[k])
             share = float(weight.sum()) / whole
             count = max(LEAST_PLACES_OF_A_LOOP, round(max(LEAST_PLACES, PLACES_PER_VERTEX * target) * share))
             at = places(chain, weight, min(count, max(chain.size, 6)))
@@ -185,11 +196,15 @@ class Around:
                 lines = rule.candidates(chain, at, lines, self.frame, shift)
             self.few_turns = lines is not usual  # those of a few directions
             yield
-            found.append((lines.shifted(shift), at, expected, deserved_lines))
+            found[k] = lines.shifted(shift), at, expected, deserved_lines
         obstacles = Obstacles(self.outline.split(), self.request.regions)
-        for k in range(len(chains)):
+        for k in found:
             if self.images is None or self.images.loops[k][0] == k:
-                self.searches[k] = self._around(k, *found[k], obstacles)
+                try:
+                    self.searches[k] = self._around(k, *found[k], obstacles)
+                except NoCyclesError:
+                    if self.only is None:
+                        raise
                 yield
         yield from together([search.solve() for search in self.searches.values()])
         blocked = [k for k, search in self.searches.items() if not search.found]

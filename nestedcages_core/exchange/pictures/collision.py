@@ -62,8 +62,8 @@ def picture_cages(
     picture: as `alpha_channel` reads it; levels: vertex counts, or a function of the boundary of the pixels that gives
     them; unit: pixels, x to the right and y downwards, pixel (row, column) the square from (column, row) on; padding:
     distance in pixels that the cages keep from them and from each other; threshold: opacity above which a pixel counts
-    as opaque; holes: whether holes are kept open; settings; limits: on pixels, and on their edges as points. Parts and
-    holes with no room for the padding are joined and closed.
+    as opaque; holes: whether holes are kept open, in cages too; settings; limits: on pixels, and on their edges as
+    points. Parts and holes with no room for the padding are joined and closed.
 
     Raises NestedCagesError if nothing is opaque or the vertices are too few.
     """
@@ -85,6 +85,8 @@ def picture_cages_run(
         raise invalid_file(f"The padding must be a length of at least 0 pixels, not {padding!r}.")
     opaque = alpha_channel(picture) > threshold
     chosen = settings if settings is not None else Settings()
+    if holes and chosen.loops == "auto":
+        chosen = replace(chosen, loops="keep")
 
     def around(fine: Mesh, with_settings: Settings) -> Generator[Progress, None, Hierarchy]:
         wanted = levels(fine) if callable(levels) else levels

@@ -1,0 +1,141 @@
+"""Joining: outlines around two parts and the gap between them, and holes around what is joined to them.
+
+Needs shapely.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...geometry.arrays import FloatArray
+from ...geometry.precision import INPUT_ROUND_OFF, NEGLIGIBLE
+from ...libraries import load_shapely
+from ..merging import ARC
+from .parts import Hole, Kind, OpenRegion, Part
+
+NECK = 0.05
+"""Half the width of the bridge between two parts, in its lengths."""
+
+CLOSING = 0.75
+"""Half the width of the gap that is closed next to the bridge, in its lengths."""
+
+BESIDE = 6.0
+"""Distance from the bridge within which the gap is closed, in its lengths."""
+
+
+class Joins:
+    """The joins in a region of each part with the nearest one, or with the outline of the hole."""
+
+    def __init__(self, region: OpenRegion) -> None:
+        """Raises NestedCagesError without shapely."""
+        self.shapely = load_shapely("Joining parts")
+        self.parts, self.hole, self.siblings = region
+        self.solids = {id(part): self.shapely.Polygon(part.ring) for part in self.parts}
+        self.open: Any = None if self.hole is None else self.shapely.Polygon(self.hole.ring)
+        self.known: dict[tuple[int, int], Kind | None] = {}
+        """What is made of two, by their identities; None if nothing is."""
+
+    def candidates(self) -> list[Kind]:
+        """What a join would make."""
+        solids = np.array([self.solids[id(part)] for part in self.parts])
+        pairs: set[tuple[int, int]] = set()
+        if len(solids) > 1:
+            own, other = self.shapely.STRtree(solids).query_nearest(solids, exclusive=True, all_matches=False)
+            pairs = {(min(pair), max(pair)) for pair in zip(own.tolist(), other.tolist(), strict=True)}
+        made = [self._known(self.parts[i], self.parts[j]) for i, j in sorted(pairs)]
+        if self.hole is not None and len(solids):
+            nearest = int(self.shapely.distance(solids, self.open.exterior).argmin())
+            made.append(self._known(self.parts[nearest], self.hole))
+        return [each for each in made if each is not None]
+
+    def apply(self, made: Kind) -> None:
+        """Put what a join makes in the place of what it joins."""
+        holes = [hole for part in made.joined for hole in part.holes]  # some may be filled since
+        if isinstance(made, Hole):
+            assert self.hole is not None
+            made.inner[:] = [*self.hole.inner, *holes]
+            self.siblings[next(k for k, hole in enumerate(self.siblings) if hole is self.hole)] = made
+            return
+        made.holes[:] = holes
+        self.parts[:] = [*(part for part in self.parts if part not in made.joined), made]
+        solid = self.solids[id(made)]
+        self.known = {
+            key: part
+            for key, part in self.known.items()
+            if isinstance(part, Part) and not self.shapely.intersects(self.solids[id(part)], solid)
+        }
+
+    def _known(self, part: Part, other: Kind) -> Kind | None:
+        key = id(part), id(other)
+        if key not in self.known:
+            try:
+                made = self._joined(part, other) if isinstance(other, Part) else self._opened(part, other)
+            except self.shapely.errors.GEOSException:  # coordinates next to the limits
+                made = None
+            self.known[key] = made
+        return self.known[key]
+
+    def _met(self, solid: Any) -> list[Part]:
+        """The parts that a polygon meets."""
+        met = self.shapely.intersects(solid, np.array([self.solids[id(part)] for part in self.parts]))
+        return [self.parts[k] for k in np.flatnonzero(met)]
+
+    def _joined(self, one: Part, other: Part) -> Part | None:
+        """Two parts and all that the outline around them meets, as one; None where there is no such outline."""
+        shapely, joined = self.shapely, [one, other]
+        solid = _with_bridge(shapely, *(self.solids[id(part)] for part in joined))
+        while solid.geom_type == "Polygon":
+            solid = shapely.Polygon(solid.exterior)
+            met = self._met(solid)
+            if len(met) == len(joined):
+                break
+            joined = met
+            solid = shapely.union_all([solid, *(self.solids[id(part)] for part in met)])
+        if solid.geom_type != "Polygon" or (self.open is not None and not self.open.contains_properly(solid)):
+            return None
+        part = Part(_outline_of(shapely, solid, 1), [hole for each in joined for hole in each.holes], tuple(joined))
+        self.solids[id(part)] = solid
+        return part
+
+    def _opened(self, part: Part, hole: Hole) -> Hole | None:
+        """A hole with a part joined to its outline, and all that no longer lies in it; None where nothing is left."""
+        shapely = self.shapely
+        wall = self.open.buffer(self.open.length).difference(self.open)
+        left, joined = self.open.difference(_with_bridge(shapely, self.solids[id(part)], wall)), list[Part]()
+        while not left.is_empty:
+            left = max(getattr(left, "geoms", [left]), key=lambda each: each.area)
+            gone = [each for each in self.parts if not left.contains_properly(self.solids[id(each)])]
+            if len(gone) == len(joined) or left.geom_type != "Polygon":
+                break
+            joined = gone
+            left = left.difference(shapely.union_all([self.solids[id(each)] for each in gone]))
+        if left.geom_type != "Polygon" or left.is_empty or len(left.interiors):
+            return None
+        kept = [each for each in self.parts if each not in joined]
+        inner = [*hole.inner, *(each for some in joined for each in some.holes)]
+        return Hole(_outline_of(shapely, left, -1), kept, hole, tuple(joined), inner)
+
+
+def _outline_of(shapely: Any, solid: Any, sense: int) -> FloatArray:
+    """The outline of a polygon (k, 2)."""
+    ring: FloatArray = np.array(shapely.geometry.polygon.orient(solid, sense).exterior.coords)[:-1]
+    return np.asarray(ring[(ring != np.roll(ring, 1, axis=0)).any(axis=1)])
+
+
+def _with_bridge(shapely: Any, one: Any, other: Any) -> Any:
+    """Two solids with a bridge between their nearest points, and the gap next to it closed."""
+    bridge = shapely.shortest_line(one, other)
+    low, high = np.array(one.union(other).bounds).reshape(2, 2)
+    diagonal = float(np.hypot(*(high - low)))
+    gap = max(bridge.length, INPUT_ROUND_OFF * diagonal)
+    reach = CLOSING * gap
+    window = bridge.buffer(BESIDE * gap + 2.0 * reach)
+    near = shapely.union_all([shapely.intersection(one, window), shapely.intersection(other, window)])
+    closed = near.buffer(reach, quad_segs=ARC).buffer(-reach, quad_segs=ARC)
+    filling = closed.difference(near).intersection(bridge.buffer(BESIDE * gap))
+    whole = shapely.union_all([one, other, bridge.buffer(NECK * gap), filling])
+    # grown, so that outlines that only touch overlap
+    grown: Any = whole.buffer(min(NEGLIGIBLE * diagonal, NECK * gap), join_style="mitre")
+    return grown.union(whole)
