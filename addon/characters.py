@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -115,6 +116,16 @@ def add_bones(context: Context, name: str, frame: Frame, bones: Sequence[core.Bo
         created.append(new)
     bpy.ops.object.mode_set(mode="OBJECT")
     return made
+
+
+@contextmanager
+def removed_on_failure(made: list[Object]) -> Iterator[None]:
+    """Removes new objects if what follows fails or is cancelled."""
+    try:
+        yield
+    except BaseException:
+        bpy.data.batch_remove([block for obj in made for block in (obj, obj.data)])
+        raise
 
 
 def add_skeleton(context: Context, drawing: Drawing, skeleton: core.character.Skeleton) -> tuple[Object, int]:

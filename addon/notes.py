@@ -17,25 +17,34 @@ SENTENCES: Mapping[str, str] = {
     "places.empty": "'{name}' has nothing in a vertex group '{group}', so that was left out.",
     "drawing.hidden": "Left out of '{name}', since not shown: {hidden}.",
     "loose.clearance": (
-        "{excess_percent:.0f} % larger than the drawing, since the clearance is {share_percent:.3g} % of its size: ask "
-        "for less."
+        "{excess_percent:.0f} % larger than the drawing, since the gap is {share_percent:.3g} % of its size: ask for "
+        "less."
     ),
-    "loose.count": (
-        "{excess_percent:.0f} % larger than the drawing: {count} vertices are few for its {loops}; ask for more."
-    ),
+    "loose.count": ("{excess_percent:.0f} % larger than the drawing: {count} vertices are few for it; ask for more."),
     "loose.enough": (
-        "{excess_percent:.0f} % larger than the drawing: {count} vertices are few for its {loops}; {better} would "
-        "make it less than {good_percent:.0f} % larger."
+        "{excess_percent:.0f} % larger than the drawing: {better} vertices would make it less than "
+        "{good_percent:.0f} % larger."
     ),
-    "check.holds": "{when}'{outer}' encloses '{inner}': clearance {clearance:.3g}, excess {excess_percent:.2f} %",
-    "check.frames": (
-        "'{outer}' encloses '{inner}' on all frames from {first} to {last}: clearance {clearance:.3g} at least"
-    ),
-    "check.broken": "{when}'{outer}' does not enclose '{inner}'. {text}",
+    "check.holds": "{when}'{outer}' encloses '{inner}': gap {clearance:.3g}, {excess_percent:.2f} % larger",
+    "check.passes": "{when}'{outer}' encloses '{inner}', which passes over itself",
+    "check.frames": ("'{outer}' encloses '{inner}' on all frames from {first} to {last}: gap {clearance:.3g} at least"),
+    "check.broken": "{when}'{outer}' does not enclose '{inner}': {text}",
     "check.invalid": "{when}{text}",
-    "check.folded": "{when}'{inner}' {how} at {where}: {share_percent:.2g} % of its area{more}",
+    "check.folded": "{when}'{inner}' {how}: {share_percent:.2g} % of its area{more}",
 }
 """Of the add-on's own codes: a format for their data; those of the core are in its `notes`."""
+
+
+# Problems of certificates as an artist says them.
+BROKEN: Mapping[str, str] = {
+    "cage.invalid": "the cage crosses or touches itself",
+    "fine.invalid": "what is in it crosses or touches itself",
+    "cage.turned": "the cage is turned inside out",
+    "cage.meets": "they cross",
+    "cage.leaves_out": "a part is outside",
+    "cage.loops_differ": "one has holes or parts that the other has not",
+    "cage.too_close": "they are too close",
+}
 
 
 def note(code: str, **data: Any) -> core.Fault:

@@ -5,6 +5,7 @@ What moves the cages too, as a pose does, is no change of the drawing, and is le
 
 from __future__ import annotations
 
+import hashlib
 import time
 from collections.abc import Sequence
 from itertools import pairwise
@@ -23,7 +24,7 @@ from ..generation.job import LOOK_INTERVAL, Job, Progress, Work, in_window
 from ..generation.verifying import Chain, Finding, Folding, check
 from ..io import silhouettes
 from ..notes import note
-from ..scene import convert, ownership, placement
+from ..scene import convert, filling, ownership, placement
 from ..scene.convert import Drawing, Outline
 from ..scene.ownership import scene_of
 from ..scene.plane import Frame, transform, world_matrix
@@ -89,18 +90,36 @@ def _displayed(context: Context, obj: Object, frame: Frame) -> tuple[Outline, Dr
     return outline, convert.drawing_in(frame, outline, layer=True)
 
 
-def remember(checked: Sequence[Object], findings: Sequence[Finding]) -> None:
+def pose_of(context: Context, cage: Object) -> str:
+    """A digest of a cage as it is displayed, in its parent's space."""
+    shape = cage.evaluated_get(context.evaluated_depsgraph_get()).data
+    points = filling.stored(shape.vertices, "co", 3) if isinstance(shape, bpy.types.Mesh) else np.empty(0)
+    return hashlib.blake2b(points.tobytes() + np.array(cage.matrix_basis).tobytes(), digest_size=8).hexdigest()
+
+
+def stands(context: Context, cage: Object) -> bool:
+    """Whether what Verify Cages found of a cage is still so: not in another pose, as far as this frame can tell."""
+    node, frame = record.node_of(cage), context.scene.frame_current
+    first, last = node.checked
+    elsewhere = first != last and (node.check == record.HOLDS or frame != last)
+    return node.check != "NONE" and (elsewhere or node.posed == pose_of(context, cage))
+
+
+def remember(context: Context, checked: Sequence[Object], findings: Sequence[Finding]) -> None:
     """Stores findings on the cages that they are about, for the panel; the last one of each stays."""
     by_name = {obj.name: obj for obj in checked}
     for finding in findings:
         outer, inner = by_name[finding.cage], by_name[finding.fine]
         cage = outer if ownership.depth_of(outer) > 0 else inner
         if ownership.home_of_member(cage) is not None:
-            _remember(cage, finding.holds, finding.note, finding.frames)
+            if not finding.holds and context.scene.frame_current != finding.frames[1]:
+                context.scene.frame_set(finding.frames[1])  # the whole animation was checked
+            _remember(context, cage, finding.holds, finding.note, finding.frames)
 
 
-def _remember(cage: Object, holds: bool, finding: core.Fault, frames: tuple[int, int]) -> None:
+def _remember(context: Context, cage: Object, holds: bool, finding: core.Fault, frames: tuple[int, int]) -> None:
     node = record.node_of(cage)
+    node.posed = pose_of(context, cage)
     node.check, node.checked = record.HOLDS if holds else record.FAULT, frames
     node.judged = record.stamp(cage)
     record.set_check(node, finding)
@@ -234,11 +253,11 @@ def _check(context: Context, collection: Collection) -> None:
         findings = [each for each in check(context, [chain]) if named & {each.fine, each.cage}]
     except UserError as error:
         frame = context.scene.frame_current
-        _remember(cage, False, note("check.invalid", text=str(error), when=""), (frame, frame))
+        _remember(context, cage, False, note("check.invalid", text=str(error), when=""), (frame, frame))
     else:
         findings.sort(key=lambda finding: not finding.holds)
         if findings and (known or not findings[-1].holds):
-            remember([*chain.objects, *chain.originals], findings)
+            remember(context, [*chain.objects, *chain.originals], findings)
 
 
 def register() -> None:

@@ -38,12 +38,13 @@ def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing)
     (bound,) = remembered(lambda: (core.hierarchy.tightest_place(fine),), BOUND_BYTES, "tightest place", fine)
     if bound is None or bound.clearance > levels * clearance:
         return
-    scale, most = drawing.frame.scale, bound.clearance / levels
+    scale, most, where = drawing.frame.scale, bound.clearance / levels, bound.message(clearance)
+    place = "in a hole" if len(set(where.data.get("loops", ()))) < 2 else "between two outlines"
     several = f" on {levels} levels" if levels > 1 else ""
     raise UserError(
-        f"'{drawing.name}': No cage keeps the clearance of {clearance * scale:.6g}{several} {bound.where}: "
-        f"{bound.why}; ask for less than {most * scale:.6g}, or {bound.remedy}.",
-        drawing.fault(bound.message(clearance)),
+        f"'{drawing.name}': No cage keeps a gap of {clearance * scale:.6g}{several} {place}: ask for less than "
+        f"{most * scale:.6g}, or {bound.remedy}.",
+        drawing.fault(where),
     )
 
 

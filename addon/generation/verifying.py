@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
+from math import inf
 from operator import attrgetter
 from typing import Any
 
@@ -17,12 +19,13 @@ from numpy.typing import NDArray
 from .. import keys
 from ..core import core, loops, predicates
 from ..errors import FloatArray, UserError
-from ..notes import note
+from ..notes import BROKEN, note
 from ..scene import filling
 from ..scene.convert import Drawing, Outline, drawing_in, fine_drawing, read
 from ..scene.filling import evaluated_mesh, stored
 from ..scene.plane import Frame, space_to_space, transform, world_matrix
 from .job import Progress, Work
+from .passing import Sheet
 
 # Smallest part of the drawing's area that is called a fold.
 SMALLEST = 1e-4
@@ -68,10 +71,15 @@ class Folding:
         worst = self.triangles[folded][self.areas[folded].argmax()]
         place, bone = transform(world_matrix(self.shows), posed[worst].mean(axis=0)[None])[0], self._bone(worst)
         how = f"bends '{bone}' over itself" if bone else "lies over itself"
-        where = f"({', '.join(f'{number:.3g}' for number in place)})"
-        said = note("check.folded", inner=self.inner.name, how=how, where=where, share=share, when="", more="")
+        facts = {"inner": self.inner.name, "how": how, "share": share, "place": place.tolist()}
+        said = note("check.folded", **facts, when="", more="")
         frame, nothing = context.scene.frame_current, np.empty((0, 3), np.float32)
         return Finding(self.cage.name, self.inner.name, False, said, 0.0, (frame, frame), nothing, nothing)
+
+    @cached_property
+    def sheet(self) -> Sheet:
+        """What tells whether the inner object stays in its own place of a cage that passes over itself."""
+        return Sheet.of(self.cage, self.inner, self.shows)
 
     def _bone(self, triangle: NDArray[np.int64]) -> str:
         """Of the bones that move a triangle through the cage's corners, the one that bends it most; maybe none."""
@@ -145,7 +153,23 @@ def check(context: Context, chains: Sequence[Chain]) -> list[Finding]:
 
 
 def _enclosures(context: Context, chains: Sequence[Chain]) -> list[Finding]:
-    return [_finding(*pair, context.scene.frame_current) for chain in chains for pair in _pairs(context, chain)]
+    findings = []
+    for chain in chains:
+        for pair in _pairs(context, chain):
+            finding = _finding(*pair, context.scene.frame_current)
+            folding = next((each for each in chain.folding if each.cage.name == finding.cage), None)
+            if not finding.holds and folding is not None and _crosses_itself(pair[3]) and folding.sheet.holds(context):
+                said = note("check.passes", outer=finding.cage, inner=finding.fine, when="")
+                finding = replace(finding, holds=True, note=said, clearance=inf)
+            findings.append(finding)
+    return findings
+
+
+def _crosses_itself(cage: Drawing) -> bool:
+    """Whether the outline of a cage crosses itself, as where a limb passes over the body."""
+    outline = loops.Loops.of(np.concatenate(cage.loops), list(map(len, cage.loops)))
+    i, j = predicates.crossing_pairs(outline.tree)
+    return bool(((outline.ahead[i] != j) & (outline.ahead[j] != i)).any())
 
 
 def _folds(context: Context, chains: Sequence[Chain]) -> list[Finding]:
@@ -188,7 +212,10 @@ def check_animation(context: Context, chains: Sequence[Chain]) -> Work[list[Find
         findings = [
             min(pair, key=attrgetter("clearance")) for pair in zip(findings or enclosures, enclosures, strict=True)
         ]
-    said = [note("check.frames", **finding.note.data, first=first, last=last) for finding in findings]
+    said = [
+        note("check.frames", **finding.note.data, first=first, last=last) if finding.clearance < inf else finding.note
+        for finding in findings
+    ]
     whole = [replace(each, frames=(first, last), note=text) for each, text in zip(findings, said, strict=True)]
     return _largest(folds, first) + whole
 
@@ -234,7 +261,8 @@ def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, frame
             said = note("check.holds", **names, clearance=clearance, excess=float(certificate.excess))
         else:
             codes = [problem.code for problem in certificate.problems]
-            said = note("check.broken", **names, text=" ".join(certificate.problems), codes=codes)
+            words = ", ".join(dict.fromkeys(BROKEN[code] for code in codes))
+            said = note("check.broken", **names, text=words, codes=codes)
     cage_faults, fine_faults = _faults(cage, fine)
     return Finding(
         outer.name,

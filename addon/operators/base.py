@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import bpy
@@ -55,6 +54,8 @@ class Operator(Named):
     modes: tuple[str, ...] = ("OBJECT",)
     wrong_mode = "Switch to Object Mode"
     during_jobs = False
+    # Whether the place of the last message stays that of Show.
+    keeps_fault = False
     # What must be there, given the context, and what is said if it is not.
     needs: Any = None
     missing = ""
@@ -81,11 +82,17 @@ class Operator(Named):
         raise NotImplementedError
 
     def execute(self, context: Context) -> Outcome:
+        self._forget()
         try:
             self.run(context)
         except UserError as error:
             return self.fail(error)
         return {"FINISHED"}
+
+    def _forget(self) -> None:
+        """What the last message was about."""
+        if not self.keeps_fault:
+            last_fault.clear()
 
     def fail(self, error: UserError) -> Outcome:
         """Reports the error and stores its place; the operator has changed nothing."""
@@ -136,6 +143,7 @@ class JobOperator(Operator):
 
     def start(self, context: Context) -> Outcome:
         """Reads the scene, and leaves the rest to the driver; `modal` shows what it does."""
+        self._forget()
         self._job = job = Job(self.work(context), scene_of(context).name)
         if job.advance(0.0):
             return self._ended(context, job)
@@ -296,16 +304,6 @@ def _asks_to_cancel(context: Context, event: bpy.types.Event) -> bool:
     areas = [area for area in context.window.screen.areas if area.type == "VIEW_3D"]
     x, y = event.mouse_x, event.mouse_y
     return any(0 <= x - area.x < area.width and 0 <= y - area.y < area.height for area in areas)
-
-
-@contextmanager
-def removed_on_failure(made: list[Object]) -> Iterator[None]:
-    """Removes new objects if what follows fails or is cancelled."""
-    try:
-        yield
-    except BaseException:
-        bpy.data.batch_remove([block for obj in made for block in (obj, obj.data)])
-        raise
 
 
 def pose(context: Context, rig: Object) -> None:

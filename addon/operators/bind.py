@@ -20,7 +20,7 @@ from ..scene import filling, ownership
 from ..scene.areas import paints
 from ..scene.convert import Drawing
 from ..scene.ownership import check_free, chosen, outputs_of_chosen, scene_of, select
-from .base import JobOperator, Operator, OutputOperator, pose, removed_on_failure
+from .base import JobOperator, Operator, OutputOperator, pose
 from .views import OUTLINES
 
 METHOD_ITEMS = (
@@ -171,7 +171,7 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
         armature = found_object(identity) if identity else new[0]
         if armature is None or whole.source is None:
             raise UserError("The armature or a drawing was deleted meanwhile, so the cage was discarded")
-        with removed_on_failure(new):
+        with characters.removed_on_failure(new):
             collection = yield from characters.make(context, whole, armature, self.vertices)
         cage = ownership.members(collection)[-1]
         pose(context, armature)

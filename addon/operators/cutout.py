@@ -30,7 +30,7 @@ from ..properties.settings import filled, settings_of
 from ..scene import grease_pencil, ownership
 from ..scene.convert import Drawing, fine_drawing, read
 from ..scene.ownership import scene_of, select
-from .base import pose, removed_on_failure
+from .base import pose
 from .files import FilesOperator, paths_of
 from .pictures import NAMES, PictureProperties, trace_options
 from .views import FLAT_LIGHT, TEXTURES
@@ -115,7 +115,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
             caged = {id(result.drawing) for result in results}
             drawings = [(part, drawing) for part, drawing in drawings if id(drawing) in caged]
         made: list[Object] = []
-        with removed_on_failure(made):
+        with characters.removed_on_failure(made):
             for part, drawing in drawings:
                 data = pictures.textured_mesh(drawing.name, drawing.mesh(), part.canvas, part.image)
                 made.append(pictures.place(context, drawing.name, data, drawing.frame, found_object(part.shown_by)))
@@ -134,7 +134,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         """Makes each layer that shows something an object of its own, in cages. Raises: UserError."""
         levels, methods = parse_levels(self.levels, lengths(scene_of(context))), filled(Methods, settings_of(context))
         made = [part for obj in drawn for part in grease_pencil.separated(context, obj)]
-        with removed_on_failure(made):
+        with characters.removed_on_failure(made):
             context.view_layer.update()
             results: list[Result] = []
             if not self.skeleton:

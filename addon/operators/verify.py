@@ -17,9 +17,11 @@ from ..following import claims
 from ..generation.job import Work
 from ..generation.verifying import Finding, check, check_animation, same_frame, select_points
 from ..keys import found_object
-from ..properties.kinds import flag
+from ..properties.kinds import flag, text
 from ..scene import convert, ownership
 from ..scene.ownership import chosen, outputs_of_chosen, scene_of, select
+from ..scene.plane import transform, world_matrix
+from . import views
 from .base import JobOperator, Operator, OutputOperator, last_fault
 
 
@@ -51,18 +53,37 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
             with same_frame(scene):
                 findings = yield from check_animation(context, chains)
                 at_fault = _select_faults(context, checked, findings)
+                _store(context, checked, findings)
         else:
             findings = check(context, chains)
             at_fault = _select_faults(context, checked, findings)
-        # Failures last: the status bar shows, and the cage keeps, the last finding.
-        findings.sort(key=lambda finding: not finding.holds)
-        claims.remember(checked, findings)
+            _store(context, checked, findings)
         names = {original.name for original in originals}
         shown = [each for each in findings if not each.holds or names.isdisjoint((each.fine, each.cage))]
         for holds, sentence in dict.fromkeys((finding.holds, finding.note) for finding in shown):
             self.report({"INFO"} if holds else {"WARNING"}, sentence)
         if at_fault and context.mode == "OBJECT":
             select(context, *reversed(at_fault))
+
+
+def _store(context: Context, checked: Sequence[Object], findings: list[Finding]) -> None:
+    """Failures last: the status bar shows, and the cage keeps, the last finding. Show goes to the first failure."""
+    findings.sort(key=lambda finding: not finding.holds)
+    claims.remember(context, checked, findings)
+    last_fault[:] = filter(None, (place_of(checked, each) for each in findings if not each.holds))
+    del last_fault[1:]
+
+
+def place_of(checked: Sequence[Object], finding: Finding) -> Fault | None:
+    """The place in the world where a finding fails, if it has one."""
+    by_name = {obj.name: obj for obj in checked}
+    cage, fine = by_name[finding.cage], by_name[finding.fine]
+    points = [
+        transform(world_matrix(obj), faults.astype(np.float64))
+        for obj, faults in ((cage, finding.cage_faults), (fine, finding.fine_faults))
+    ]
+    places = np.concatenate([*points, np.reshape(finding.note.data.get("place", []), (-1, 3))])
+    return Fault.at(cage.session_uid, places) if len(places) else None
 
 
 def _check_not_stepping(scene: Scene, objects: Sequence[Object]) -> None:
@@ -110,44 +131,77 @@ def _nested(context: Context, hidden: bool = False) -> list[list[Object]]:
 
 
 class OBJECT_OT_nested_cages_select_fault(Operator, bpy.types.Operator):
-    """Enter Edit Mode with the points selected that the last message is about, and zoom to them"""
+    """Go to the place that the last message is about, or where a cage is at fault, and mark it in the view. Points of
+    a drawing there are selected in Edit Mode
+    """
 
     bl_label = "Show"
     modes = ()
+    keeps_fault = True
+
+    cage: text("Cage", "Name of the cage to show; empty for the last message", options={"SKIP_SAVE"})
 
     @classmethod
     def unavailable(cls, context: Context) -> str:
         if not last_fault:
-            return "No message has named a place yet"
+            return "" if _broken(context) else "No message has named a place yet"
         obj = found_object(last_fault[0].identity)
         if obj is None or obj.name not in context.view_layer.objects:
             return "The object of the last message is gone"
-        return "" if obj.is_editable else f"'{obj.name}' cannot be edited because it is linked from another file"
+        return ""
 
     def run(self, context: Context) -> None:
+        cage = next((obj for obj in _broken(context) if obj.name == self.cage or not last_fault), None)
+        if cage is not None:
+            self._look_again(context, cage)
+        if not last_fault:
+            return
         fault = last_fault[0]
         obj = found_object(fault.identity)
         assert obj is not None
-        if context.mode != "OBJECT":
-            bpy.ops.object.mode_set(mode="OBJECT")
         obj.hide_viewport = False
         obj.hide_set(False)
-        select(context, obj)
-        middle = sum((Vector(place) for place in fault.places), Vector()) / len(fault.places)
-        context.scene.cursor.location = middle
-        if obj.type in {"MESH", "CURVE"}:
-            bpy.ops.object.mode_set(mode="EDIT")
-            (bpy.ops.mesh if obj.type == "MESH" else bpy.ops.curve).select_all(action="DESELECT")
-            bpy.ops.object.mode_set(mode="OBJECT")
-            _select_points(obj, fault)
-            if obj.type == "MESH":
-                context.tool_settings.mesh_select_mode = (True, False, False)
-            bpy.ops.object.mode_set(mode="EDIT")
-        if context.area is not None and context.area.type == "VIEW_3D" and context.region is not None:
-            views = bpy.ops.view3d
-            (views.view_selected if obj.type in {"MESH", "CURVE"} else views.view_center_cursor)()
-        names = ", ".join(f"{x:.4g}" for x in (middle.x, middle.y, middle.z))
-        self.report({"INFO"}, f"'{obj.name}' at ({names}), where the 3D cursor is now")
+        if ownership.level_of(obj) is None and obj.is_editable:
+            _edit(context, obj, fault)
+        places = np.array(fault.places)
+        context.scene.cursor.location = places.mean(axis=0)
+        views.frame(context, places, obj.dimensions.length)
+        views.redraw(context)
+        self.report({"INFO"}, f"'{obj.name}': the place is marked in red")
+
+    def _look_again(self, context: Context, cage: Object) -> None:
+        """Checks a cage on the frame on which it was at fault, for the places there."""
+        frame = record.node_of(cage).checked[1]
+        if context.scene.frame_current != frame:
+            context.scene.frame_set(frame)
+        home = ownership.home_of_member(cage)
+        members = ownership.members(home) if home is not None else [cage]
+        chain = claims.chain_of(context, sorted(members, key=ownership.depth_of))
+        checked, findings = [*chain.objects, *chain.originals], check(context, [chain])
+        _store(context, checked, [each for each in findings if cage.name in (each.cage, each.fine)])
+        if not last_fault:
+            self.report({"INFO"}, f"'{cage.name}' holds now")
+
+
+def _broken(context: Context) -> list[Object]:
+    """The cages of the selection that are at fault."""
+    cages = [obj for each in outputs_of_chosen(context) for obj in ownership.members(each)[1:]]
+    return [obj for obj in cages if record.node_of(obj).check == record.FAULT]
+
+
+def _edit(context: Context, obj: Object, fault: Fault) -> None:
+    """Edit Mode of a drawing, with the points of a fault selected."""
+    if context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    select(context, obj)
+    if obj.type in {"MESH", "CURVE"}:
+        bpy.ops.object.mode_set(mode="EDIT")
+        (bpy.ops.mesh if obj.type == "MESH" else bpy.ops.curve).select_all(action="DESELECT")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        _select_points(obj, fault)
+        if obj.type == "MESH":
+            context.tool_settings.mesh_select_mode = (True, False, False)
+        bpy.ops.object.mode_set(mode="EDIT")
 
 
 def _select_points(obj: Object, fault: Fault) -> None:

@@ -6,7 +6,9 @@ from collections.abc import Iterable
 from typing import Any, TypeAlias
 
 import bpy
+import numpy as np
 from bpy.types import Context
+from numpy.typing import NDArray
 
 # A setting by its part of the view and its name, its default, and what is better.
 Setting: TypeAlias = "tuple[str, str, object, object]"
@@ -15,6 +17,8 @@ FLAT_LIGHT: Setting = ("shading", "light", "STUDIO", "FLAT")
 TEXTURES: Setting = ("shading", "color_type", "MATERIAL", "TEXTURE")
 # Borders and edges between faces at an angle instead of all edges.
 OUTLINES: Setting = ("overlay", "wireframe_threshold", 1.0, 0.5)
+# Distance of a view from places in it, as a multiple of how far they are apart, and at least of their object's size.
+NEAR, CLOSEST = 2.5, 0.25
 # Cages in their own colours.
 WIRES: Setting = ("shading", "wireframe_color_type", "THEME", "OBJECT")
 
@@ -30,6 +34,15 @@ def show(context: Context, settings: Iterable[Setting]) -> None:
         for part, name, default, better in settings:
             if getattr(getattr(space, part), name) == default:
                 setattr(getattr(space, part), name, better)
+
+
+def frame(context: Context, places: NDArray[np.float64], size: float) -> None:
+    """Moves the 3D view to places (k, 3) of the world on something of some size, as near as they are apart."""
+    region: Any = getattr(context, "region_data", None)
+    if region is not None:
+        apart = float(np.linalg.norm(np.ptp(places, axis=0)))
+        region.view_location = places.mean(axis=0)
+        region.view_distance = max(NEAR * apart, CLOSEST * size)
 
 
 def redraw(context: Context) -> None:

@@ -105,6 +105,7 @@ class NestedCagesMember(bpy.types.PropertyGroup):
     check: choice("Check", "What Verify Cages found", CHECKS)
     checked: row(IntVectorProperty, "Checked", "First and last frame of the check", size=2)
     judged: text("Judged", "Digest of the coordinates that Verify Cages judged")
+    posed: text("Posed", "Digest of the pose that it judged")
     notes: several("Notes", "Notes on the run", NestedCagesNote)
     parts: several("Parts", "What a silhouette shows", NestedCagesReference)
 

@@ -81,8 +81,7 @@ class Drawing:
         try:
             return core.Mesh.from_loops(self.loops)
         except core.NestedCagesError as error:
-            sentence = with_names(error.fault, self._parts)
-            raise UserError(f"'{self.name}': {sentence}", self.fault(error.fault)) from error
+            raise UserError(in_words(error.fault, self.name, self._parts), self.fault(error.fault)) from error
 
     def fault(self, problem: core.Fault) -> Fault | None:
         """The ends of the edges at the place that a message of the core names, of the closest object; None without a
@@ -110,18 +109,20 @@ class Drawing:
         return [replace(self, loops=self.loops[:own], others=()), *self.others]
 
 
-def with_names(problem: core.Fault, parts: Sequence[Drawing]) -> str:
-    """A message of the core, and which objects its loops belong to, for a drawing of several objects."""
-    owners = [(part, number) for part in parts for number in range(len(part.loops))]
-    loops = [loop for loop in problem.data.get("loops", ()) if loop < len(owners)]
-    if len(parts) < 2 or not loops:
-        return str(problem)
-    names = []
-    for loop in loops:
-        part, own = owners[loop]
-        of_it = f"loop {own} of " if len(part.loops) > 1 else ""
-        names.append(f"loop {loop} is {of_it}'{part.name}'")
-    return f"{problem} Here {' and '.join(names)}."
+def in_words(problem: core.Fault, name: str, parts: Sequence[Drawing]) -> str:
+    """A message of the core about a drawing of some objects: where these cross, without numbers of loops and edges."""
+    owners = [part.name for part in parts for _ in part.loops]
+    loops = list(dict.fromkeys(problem.data.get("loops", ())))
+    theirs = list(dict.fromkeys(owners[loop] for loop in loops if loop < len(owners))) or [name]
+    who = " and ".join(f"'{each}'" for each in theirs)
+    if problem.code == "mesh.spike":
+        return f"{who} has a line that goes back on itself: delete its tip"
+    if problem.code not in ("mesh.crossing", "mesh.repeated_vertex"):
+        return f"'{name}': {problem}"
+    if len(theirs) > 1:
+        return f"{who} cross or touch: move them apart"
+    what = f"Two outlines of {who} cross or touch" if len(loops) > 1 else f"{who} crosses or touches itself"
+    return f"{what}: move points apart"
 
 
 def _distances(loop: FloatArray, place: FloatArray) -> FloatArray:

@@ -117,7 +117,7 @@ def _first(layout: Any, name: str, **options: Any) -> Any:
     return None
 
 
-def _rig(layout: Any, context: Context) -> None:
+def _rig_door(layout: Any, context: Context) -> None:
     _first(layout, "rig", icon="ARMATURE_DATA")
     column = layout.column(align=True)
     column.operator("object.nested_cages_suggest_bones", icon="GROUP_BONE")
@@ -125,14 +125,14 @@ def _rig(layout: Any, context: Context) -> None:
     layout.operator("object.nested_cages_import", text="Import Parts", icon="IMPORT")
 
 
-def _picture(layout: Any, context: Context) -> None:
+def _picture_door(layout: Any, context: Context) -> None:
     _first(layout, "cutout", icon="IMAGE_PLANE")
     column = layout.column(align=True)
     column.operator("object.nested_cages_cutout", text="Cut Out with Skeleton", icon="ARMATURE_DATA").skeleton = True
     column.operator("object.nested_cages_from_image", icon="IMAGE_DATA")
 
 
-def _cages(layout: Any, context: Context) -> None:
+def _cages_door(layout: Any, context: Context) -> None:
     settings = settings_of(context)
     button = _first(layout, "generate", icon="MOD_MESHDEFORM")
     if button is not None:
@@ -154,7 +154,7 @@ def _cages(layout: Any, context: Context) -> None:
     grid.operator("object.nested_cages_follow", icon="CON_FOLLOWTRACK")
 
 
-BEHIND: dict[str, Callable[[Any, Context], None]] = {RIG: _rig, PICTURE: _picture, CAGES: _cages}
+BEHIND: dict[str, Callable[[Any, Context], None]] = {RIG: _rig_door, PICTURE: _picture_door, CAGES: _cages_door}
 
 
 def counts(context: Context) -> str:
@@ -177,6 +177,7 @@ class SCENE_OT_nested_cages_door(Operator, bpy.types.Operator):
     bl_options = {"INTERNAL"}
     modes = ()
     during_jobs = True
+    keeps_fault = True
 
     door: choice("Door", "What to do", [(name, title, "") for name, title in TITLES.items()])
 
@@ -189,7 +190,7 @@ class SCENE_OT_nested_cages_door(Operator, bpy.types.Operator):
 
 
 @bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
-def _forget(*_: object) -> None:
+def _on_load(*_: object) -> None:
     """Another file was opened."""
     _by_hand.clear()
 
@@ -199,9 +200,9 @@ _register, _unregister = registration((SCENE_OT_nested_cages_door,))
 
 def register() -> None:
     _register()
-    bpy.app.handlers.load_post.append(_forget)
+    bpy.app.handlers.load_post.append(_on_load)
 
 
 def unregister() -> None:
-    bpy.app.handlers.load_post.remove(_forget)
+    bpy.app.handlers.load_post.remove(_on_load)
     _unregister()

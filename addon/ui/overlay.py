@@ -16,12 +16,15 @@ from gpu_extras.batch import batch_for_shader
 from numpy.typing import NDArray
 
 from .. import record
+from ..operators.base import last_fault
 from ..properties import groups
 from ..scene import filling, ownership
 from ..scene.plane import transform
 
 # Pixels at interface scale 1: default width of lines, extra width of selected cages, and size of handles.
 WIDTH, MORE, HANDLE = 2.5, 1.5, 9.0
+# Size of marks of a fault in the same unit, and their colour.
+MARK, RED = 12.0, (1.0, 0.15, 0.1, 1.0)
 # Blend of the colour of a selected cage towards white.
 LIGHTER = 0.45
 
@@ -91,18 +94,26 @@ def _draw() -> None:
     space = context.space_data
     chosen = groups.preferences()
     shown = isinstance(space, bpy.types.SpaceView3D) and space.overlay.show_overlays
-    if not shown or (chosen is not None and not chosen.line_width):
+    if not shown:
         return
     scale = context.preferences.system.ui_scale
     viewport: Any = gpu.state.viewport_get()  # type: ignore[func-returns-value]
     gpu.state.blend_set("ALPHA")
     gpu.state.point_size_set(HANDLE * scale)
-    for kind, size, shader, batch in _batches(context):
+    hidden = chosen is not None and not chosen.line_width
+    for kind, size, shader, batch in () if hidden else _batches(context):
         shader.bind()
         if kind == "LINES":
             shader.uniform_float("viewportSize", viewport[2:])
             shader.uniform_float("lineWidth", size * scale)
         batch.draw(shader)
+    if last_fault:
+        places: Any = np.array(last_fault[0].places, np.float32)
+        gpu.state.point_size_set(MARK * scale)
+        shader = gpu.shader.from_builtin(SHADERS["POINTS"])
+        shader.bind()
+        colours: Any = np.tile(np.array(RED, np.float32), (len(places), 1))
+        batch_for_shader(shader, "POINTS", {"pos": places, "color": colours}).draw(shader)
     gpu.state.blend_set("NONE")
 
 

@@ -82,7 +82,7 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         layout: Any = self.layout
         outputs = outputs_of_active(context)
         for collection in outputs:
-            results.draw_output(layout, collection)
+            results.draw_output(layout, context, collection)
         column = layout.column(align=True)
         column.operator("object.nested_cages_verify", icon="CHECKMARK")
         if any(ownership.is_bound(each) or record.of(each).moving for each in outputs):

@@ -1,51 +1,67 @@
-"""What the sidebar says of results: a summary of each set of cages with notes, and Live."""
+"""What the sidebar says of results: a line for each cage, what is wrong in one sentence with Show, and Live."""
 
 from __future__ import annotations
 
 import textwrap
+from typing import Any
 
 import bpy
-from bpy.types import Collection, Object
+from bpy.types import Collection, Context, Object
 
-from .. import record
-from ..following import live
+from .. import notes, record
+from ..following import claims, live
 from ..scene import ownership
 
-# Letters per line of a note: fits into the sidebar at its default width.
+# Letters per line of a sentence: fits into the sidebar at its default width.
 NOTE_WIDTH = 36
+# Codes of notes on how a cage was made, which are in the report alone.
+ON_METHODS = ("note.start", "note.energy", "note.untightened", "note.outline", "note.pose", "note.text")
+# A size from which on it is told in times.
+MANY_TIMES = 10.0
+HOLDS, BROKEN, EDITED, ADVICE, MADE = "CHECKMARK", "ERROR", "QUESTION", "INFO", "MOD_MESHDEFORM"
 
 
-def draw_output(layout: bpy.types.UILayout, collection: Collection) -> None:
-    """The drawing and its cages, with their summaries."""
+def draw_output(layout: Any, context: Context, collection: Collection) -> None:
+    """A line for each cage of a set, with its size against the drawing's."""
     layout.label(text=collection.name, icon="OUTLINER_COLLECTION", translate=False)
-    for obj in ownership.members(collection):
-        box = layout.box().column(align=True)
-        box.label(text=obj.name, icon="MOD_MESHDEFORM" if ownership.level_of(obj) else "MESH_DATA", translate=False)
-        box.label(text=_in_short(obj), translate=False)
-        for line in _notes(obj):
-            box.label(text=line, translate=False)
+    column, size = layout.box().column(align=True), 1.0
+    for cage in ownership.members(collection)[1:]:
+        state, sentence = health(context, cage)
+        size *= 1.0 + record.node_of(cage).excess
+        name = cage.name.removeprefix(f"{record.of(collection).title} ")
+        column.label(text=f"{name}: {len(cage.data.vertices)} vertices, {larger(size)}", icon=state, translate=False)
+        for line in textwrap.wrap(sentence, NOTE_WIDTH):
+            column.label(text=line, translate=False)
+        if state == BROKEN:
+            column.operator("object.nested_cages_select_fault", icon="VIEWZOOM").cage = cage.name
 
 
-def _in_short(obj: Object) -> str:
-    """The most important facts about an output object; all numbers are in the report."""
-    node = record.node_of(obj)
-    parts = [f"{len(obj.data.vertices)} vertices"]
-    if node.role == record.CAGE:
-        parts.append(f"{100.0 * abs(node.excess):.3g} % {'smaller' if node.excess < 0.0 else 'larger'}")
-    return ", ".join(parts)
+def larger(size: float) -> str:
+    """How much larger than the drawing something is, given its area by that of the drawing."""
+    if size >= MANY_TIMES:
+        return f"{size:,.0f} times as large"
+    percent = 100.0 * abs(size - 1.0)
+    shown = f"{percent:.0f}" if percent >= MANY_TIMES else f"{percent:.2g}"
+    return f"{shown} % {'smaller' if size < 1.0 else 'larger'}"
 
 
-def _notes(obj: Object) -> list[str]:
-    """Lines of the notes about an output object."""
-    method, _ = record.link(obj)
-    follows = f"Follows by {method}" if method else ""
-    node = record.node_of(obj)
-    wrong = " ".join(record.sentences(node, checks=True, others=False)) if node.check == record.FAULT else ""
-    sentences = [follows, record.verdict(node), wrong, *record.sentences(node)]
-    home = ownership.home_of_member(obj)
-    if (home is None or not ownership.is_bound(home)) and record.is_edited(obj):
-        sentences = [record.verdict(node), wrong] if record.is_judged(obj) else [record.EDITED]
-    return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]
+def health(context: Context, cage: Object) -> tuple[str, str]:
+    """An icon for how a cage is, and one sentence on what is wrong with it, if anything is."""
+    node, home = record.node_of(cage), ownership.home_of_member(cage)
+    stands = claims.stands(context, cage)
+    if node.check == record.FAULT and stands:
+        return BROKEN, " ".join(record.sentences(node, checks=True, others=False))
+    bound = home is not None and ownership.is_bound(home)
+    if not bound and record.is_edited(cage):
+        return (HOLDS, "") if stands and record.is_judged(cage) else (EDITED, record.EDITED)
+    advice = [
+        notes.sentence(*each)
+        for each in record.notes(node)
+        if not each[0].startswith(record.CHECK) and each[0] not in ON_METHODS
+    ]
+    if advice:
+        return ADVICE, advice[0]
+    return (HOLDS if stands or not bound else MADE), ""
 
 
 def draw_live(layout: bpy.types.UILayout) -> None:

@@ -399,11 +399,11 @@ def not_a_number():
 
 
 REFUSALS = {
-    "duplicate loops": (lambda: poly_curve("Twice", [star(), star()]), {}, "'Twice': "),
+    "duplicate loops": (lambda: poly_curve("Twice", [star(), star()]), {}, "of 'Twice' cross"),
     "loops that touch": (
         lambda: poly_curve("Touch", [circle(4), np.array([(1.0, 0.0), (2.0, -1.0), (3.0, 0.0), (2.0, 1.0)])]),
         {},
-        "'Touch': Vertices 0 of loop 0 and 4 of loop 1 both lie at (1, 0)",
+        "Two outlines of 'Touch' cross or touch: move points apart",
     ),
     "loops a rounding apart": (
         lambda: poly_curve("Touch", [circle(4), circle(4, 1.0, (2.0, 0.0))]),
@@ -412,10 +412,10 @@ REFUSALS = {
     ),
     "no numbers": (not_a_number, {}, "'Broken'"),
     "no room": (
-        lambda: poly_curve("Drawing", [star(), circle(12, 0.1)]), {"clearance": 0.2}, "0.2 on 2 levels in loop 1"
+        lambda: poly_curve("Drawing", [star(), circle(12, 0.1)]), {"clearance": 0.2}, "0.2 on 2 levels in a hole"
     ),
     "closed surface": (lambda: bpy.ops.mesh.primitive_cube_add(), {}, "'Cube' is a solid"),
-    "crossing loops": (lambda: poly_curve("Two", [circle(20), circle(20, 1.0, (1.0, 0.0))]), {}, "'Two': "),
+    "crossing loops": (lambda: poly_curve("Two", [circle(20), circle(20, 1.0, (1.0, 0.0))]), {}, "of 'Two' cross"),
     "no levels selected": (
         lambda: poly_curve("Drawing", [star()]), {"use_selected_as_levels": True}, "'Selected as Cages' needs"
     ),

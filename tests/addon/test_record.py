@@ -297,21 +297,20 @@ def test_files_of_several_drawings_hold_their_cages(tmp_path) -> None:
 def test_what_an_edit_makes_untrue_is_not_said(addon) -> None:
     source = MAKE["curve"]()
     bpy.ops.object.nested_cages_generate(levels="0.05u")
-    collection, record = bpy.data.collections["Drawing Cages"], addon.record
+    collection, record, health = bpy.data.collections["Drawing Cages"], addon.record, addon.ui.results.health
     cage = addon.scene.ownership.members(collection)[1]
-    assert not record.is_edited(cage) and "0.05" in " ".join(addon.ui.results._notes(cage))
+    assert not record.is_edited(cage) and "0.05" in health(bpy.context, cage)[1]
     stretch(cage)
-    said = " ".join(addon.ui.results._notes(cage))
-    assert said == record.EDITED
+    assert health(bpy.context, cage) == (addon.ui.results.EDITED, record.EDITED)
     choose(source)
     bpy.ops.object.nested_cages_report()
     assert record.EDITED in bpy.data.texts["Nested Cages Report"].as_string()
     bpy.context.scene.frame_set(bpy.context.scene.frame_end)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    said = " ".join(addon.ui.results._notes(cage))
-    assert said.startswith(record.verdict(record.node_of(cage))) and record.EDITED not in said and "0.05" not in said
+    state, said = health(bpy.context, cage)
+    assert state in ("CHECKMARK", "ERROR") and record.EDITED not in said and "0.05" not in said
     stretch(cage)
-    assert " ".join(addon.ui.results._notes(cage)) == record.EDITED
+    assert health(bpy.context, cage)[1] == record.EDITED
     assert bpy.ops.object.nested_cages_bind(method="LINEAR") == {"FINISHED"}
     member = record.node_of(cage)
     assert not record.notes(member) and member.excess > 0.3 and not record.is_edited(cage)

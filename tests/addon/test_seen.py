@@ -183,7 +183,7 @@ def test_in_a_batch_what_cannot_be_done_is_skipped_and_listed(addon, capfd) -> N
     assert {c.name for c in bpy.data.collections if "nested_cages_source" in c} == {"Glyph 1 Cages", "Glyph 3 Cages"}
     told = "".join(capfd.readouterr())
     for words in (
-        "Skipped: 'Glyph 0': Loop 0 crosses itself",
+        "Skipped: 'Glyph 0' crosses or touches itself",
         "Skipped: 'Glyph 2'",
         "Skipped: 'Open' is open",
         "3 drawings",
@@ -194,7 +194,7 @@ def test_in_a_batch_what_cannot_be_done_is_skipped_and_listed(addon, capfd) -> N
 def test_the_largest_clearance_is_known_before_the_work_begins(addon, core, monkeypatch) -> None:
     monkeypatch.setattr(core, "NestedCagesRun", None)
     poly_curve("Drawing", [star(), circle(12, 0.1)])
-    with pytest.raises(RuntimeError, match=r"on 2 levels in loop 1.*ask for less than 0.0482963"):
+    with pytest.raises(RuntimeError, match=r"on 2 levels in a hole.*ask for less than 0.0482963"):
         generate(clearance=0.06)
     monkeypatch.undo()
     assert generate(clearance=0.02) == {"FINISHED"}
@@ -227,7 +227,7 @@ def test_select_fault_goes_to_the_spot(addon) -> None:
     crossing = wire("Eight", [eight()])
     crossing.location.x = 2.0
     bpy.context.view_layer.update()
-    with pytest.raises(RuntimeError, match="'Eight': Loop 0 crosses itself"):
+    with pytest.raises(RuntimeError, match="'Eight' crosses or touches itself"):
         generate(levels="3")
     assert bpy.ops.object.nested_cages_select_fault() == {"FINISHED"}
     assert bpy.context.mode == "EDIT_MESH"
@@ -254,9 +254,12 @@ def test_loops_are_told_by_the_names_of_their_objects(addon, core) -> None:
     one = convert.Drawing("One", frame, (star(), circle(12, 0.3)), 1)
     two = convert.Drawing("Two", frame, (circle(40, 1.0, (0.9, 0.0)),), 2)
     said = core.Fault("Loops 0 and 2 cross near (0.5, 0.8).", "mesh.crossing", loops=(0, 2), place=(0.5, 0.8))
-    assert convert.with_names(said, [one, two]) == f"{said} Here loop 0 is loop 0 of 'One' and loop 2 is 'Two'."
-    assert convert.with_names(said, [one]) == said
-    assert convert.with_names(core.Fault("Open.", "mesh.open", loops=(7,)), [one, two]) == "Open."
+    assert convert.in_words(said, "One", [one, two]) == "'One' and 'Two' cross or touch: move them apart"
+    assert convert.in_words(core.Fault("Open.", "mesh.open", loops=(7,)), "One", [one, two]) == "'One': Open."
+    same = core.Fault("Loops 0 and 1 cross.", "mesh.crossing", loops=(0, 1))
+    assert convert.in_words(same, "One", [one]) == "Two outlines of 'One' cross or touch: move points apart"
+    spike = core.Fault("A spike.", "mesh.spike", loops=(2,))
+    assert convert.in_words(spike, "One", [one, two]) == "'Two' has a line that goes back on itself: delete its tip"
 
 
 def test_drawings_of_one_run_share_a_collection_within_their_own(addon) -> None:

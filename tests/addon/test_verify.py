@@ -161,7 +161,7 @@ def test_the_first_frame_with_a_fault_is_found(keyed) -> None:
     scene.frame_end = first - 1
     bpy.ops.object.nested_cages_verify(whole=True)
     assert cage["nested_cages_check"] == f"Holds on 1 – {first - 1}"
-    assert f"on all frames from 1 to {first - 1}: clearance" in cage["nested_cages_finding"]
+    assert f"on all frames from 1 to {first - 1}: gap" in cage["nested_cages_finding"]
     assert not selected(fine) and not selected(cage)
 
 
