@@ -1,6 +1,6 @@
 """What engines make of puppets, next to what we say: vertices of poses and animations, and what Godot draws.
 
-    python benchmarks/engines/judge.py FILE ... [--modules FOLDER] [--godot PROGRAM] [--draw] [--poses N]
+    python -m benchmarks.engines.judge FILE ... [--modules FOLDER] [--godot PROGRAM] [--draw] [--poses N]
 
 FILE: layered pictures; random poses with each bone turned by up to ±110°, all in range of a float. Modules: a folder in
 which `npm install @esotericsoftware/spine-core@4.2.100 @cocos/dragonbones-js@1.0.2` was run. Godot: a Godot 4; drawing
@@ -111,17 +111,23 @@ def _said(command: list[str], folder: Path) -> dict[str, Any]:
     return result | {"said": done.stderr}
 
 
-def drawn_by_godot(folder: Path, godot: str, wanted: dict[str, Any], puppet: GamePuppet) -> list[float]:
-    """For each pose, the part of the drawn pixels that differ from triangles at our vertices."""
+def draw(folder: Path, godot: str, count: int, *words: str) -> list[Path]:
+    """Pictures by Godot of the poses in a folder."""
     (folder / "draw.gd").write_bytes((HERE / "draw.gd").read_bytes())
     command = [godot, "--display-driver", "x11", "--rendering-driver", "opengl3", "--audio-driver", "Dummy"]
-    command += ["--path", str(folder), "--script", "draw.gd", "--", "plain"]
+    command += ["--path", str(folder), "--script", "draw.gd", "--", *words]
     done = subprocess.run(command, timeout=SECONDS, capture_output=True, text=True, check=False)
+    pictures = [folder / f"pose_{number}.png" for number in range(count)]
+    if not all(picture.exists() for picture in pictures):
+        raise RuntimeError(f"Godot drew nothing: {done.stdout[-500:]} {done.stderr[-1000:]}")
+    return pictures
+
+
+def drawn_by_godot(folder: Path, godot: str, wanted: dict[str, Any], puppet: GamePuppet) -> list[float]:
+    """For each pose, the part of the drawn pixels that differ from triangles at our vertices."""
     found = []
-    for number, pose in enumerate(wanted["poses"]):
-        picture = folder / f"pose_{number}.png"
-        if not picture.exists():
-            raise RuntimeError(f"Godot drew nothing: {done.stdout[-500:]} {done.stderr[-1000:]}")
+    pictures = draw(folder, godot, len(wanted["poses"]), "plain")
+    for picture, pose in zip(pictures, wanted["poses"], strict=True):
         ours = _filled(pose["meshes"], puppet, wanted["window"], wanted["origin"])
         pixels = read_png(picture)
         theirs = np.where(pixels[..., 3] > 0, pixels[..., 0].astype(int), 0)

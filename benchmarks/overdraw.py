@@ -1,0 +1,113 @@
+"""Transparent pixels that sprites draw: rectangle, convex hull, and the certified hulls of game puppets.
+
+    python benchmarks/overdraw.py FOLDER ... [--sprites 40] [--seed 1] [--write]
+
+Takes sprites with an alpha channel and a longer side of 96 to 800 pixels at random from each folder, such as those of
+Debian's packages ardentryst, endless-sky-data and fillets-ng-data (`apt-get download`, `dpkg -x`). Overdraw: the area
+that is drawn beyond opaque pixels, in parts of these. All hulls keep a pixel of distance from opaque pixels, except the
+rectangle. --write puts the table into docs/guide/godot.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import time
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from clone import ROOT
+from nestedcages_core import NestedCagesError
+from nestedcages_core.exchange.pictures import read_png
+from nestedcages_core.game.islands import MARGIN, islands_of
+from page import measured
+
+PAGE = ROOT / "docs" / "guide" / "godot.md"
+COUNTS = (8, 12, 16, 24)
+LEAST_SIDE, MOST_SIDE = 96, 800
+
+
+def usable(path: Path) -> np.ndarray | None:
+    """The picture, if it is a sprite of the sizes that are measured."""
+    try:
+        pixels = read_png(path)
+    except (NestedCagesError, OSError):
+        return None
+    opaque = pixels[..., 3] > 0
+    fits = LEAST_SIDE <= max(opaque.shape) <= MOST_SIDE
+    return pixels if fits and opaque.any() and not opaque.all() else None
+
+
+def corners_of(opaque: np.ndarray) -> np.ndarray:
+    """(P, 2) the corners of all opaque pixels."""
+    rows, columns = np.nonzero(opaque)
+    return np.unique(np.concatenate([np.stack((columns + i, rows + j), 1) for i in (0, 1) for j in (0, 1)]), axis=0)
+
+
+def overdraw_of(pixels: np.ndarray) -> tuple[list[float], int, float]:
+    """Overdraw of each way, corners of opaque pixels outside of our hulls, and the CPU time of the slowest count."""
+    opaque = pixels[..., 3] > 0
+    rows, columns = np.nonzero(opaque)
+    area, corners = float(opaque.sum()), corners_of(opaque)
+    box = float((np.ptp(rows) + 1) * (np.ptp(columns) + 1))
+    convex = shapely.MultiPoint(corners).convex_hull.buffer(MARGIN, join_style="mitre").area
+    row, outside, seconds = [box / area - 1, convex / area - 1], 0, 0.0
+    for count in COUNTS:
+        start = time.process_time()
+        islands = islands_of(pixels, 0, 0, count)
+        seconds = max(seconds, time.process_time() - start)
+        hulls = [shapely.Polygon(island.loop) for island in islands]
+        whole = shapely.union_all(hulls)
+        shapely.prepare(whole)
+        outside += int((~shapely.contains_xy(whole, corners)).sum())
+        row.append(sum(hull.area for hull in hulls) / area - 1)
+    return row, outside, seconds
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("folders", nargs="+", type=Path)
+    options.add_argument("--sprites", type=int, default=40, help="of each folder")
+    options.add_argument("--seed", type=int, default=1)
+    options.add_argument("--write", action="store_true")
+    given = options.parse_args()
+    lines = []
+    everything, failed, outside, seconds = [], 0, 0, []
+    for folder in given.folders:
+        files = sorted(path for path in folder.rglob("*.png") if path.is_file() and not path.is_symlink())
+        random.Random(given.seed).shuffle(files)
+        found = 0
+        for path in files:
+            pixels = usable(path) if found < given.sprites else None
+            if pixels is None:
+                continue
+            found += 1
+            try:
+                row, beyond, took = overdraw_of(pixels)
+            except NestedCagesError as error:
+                failed += 1
+                lines.append(f"{path.name}: {error}")
+                continue
+            everything.append(row)
+            outside += beyond
+            seconds.append(took)
+        lines.append(f"{folder.name}: {found} sprites")
+    table = 100 * np.array(everything)
+    names = ("rectangle", "convex hull", *(f"{count} vertices" for count in COUNTS))
+    rows = [
+        f"| {name} | {np.median(column):.0f} % | {column.mean():.0f} % | {np.quantile(column, 0.9):.0f} % |"
+        for name, column in zip(names, table.T, strict=True)
+    ]
+    said = f"{len(table)} sprites, {failed} failed; corners of opaque pixels outside a hull: {outside}."
+    shown = "\n".join(("| around the sprite | median | mean | worst tenth |", "|---|---|---|---|", *rows, "", said))
+    lines += [shown, f"CPU of the slowest count: median {np.median(seconds):.2f} s, worst {max(seconds):.2f} s"]
+    print("\n".join(lines))
+    if given.write:
+        command = f"python benchmarks/overdraw.py {' '.join(folder.name for folder in given.folders)}"
+        measured(PAGE, "overdraw", command, "\n".join(lines), shown)
+
+
+if __name__ == "__main__":
+    main()
