@@ -31,7 +31,7 @@ class Engine:
     files: Mapping[str, Writer]
     """What writes each file, by its name with {stem}; the first is the one that a user names."""
     blends: tuple[str, ...]
-    """Blend modes that it draws, besides normal."""
+    """Blend modes that it draws, other than normal."""
 
     @property
     def ending(self) -> str:

@@ -97,7 +97,7 @@ def part_meshes(
     """A mesh for each island of a part, and the fields of those that bend.
 
     vertices: of the largest hull; bones: their number; bone: that which moves a part that does not bend; an island
-    beside a part that bends follows its nearest bone. Raises NestedCagesError.
+    next to a part that bends follows its nearest bone. Raises NestedCagesError.
     """
     pixels = part.pixels
     if part.opacity < 1.0:
@@ -217,7 +217,7 @@ def _inner_points(hull: FloatArray, bending: Bending) -> FloatArray:
 
 
 def _of_nearest(points: FloatArray, bending: Bending, bones: int) -> FloatArray:
-    """(1, B) weights of an island beside the part: it follows the nearest bone."""
+    """(1, B) weights of an island next to the part: it follows the nearest bone."""
     middles = 0.5 * (bending.chain[1:] + bending.chain[:-1])
     nearest = int(np.hypot(*(middles - points.mean(axis=0)).T).argmin())
     weights = np.zeros((1, bones))
