@@ -12,5 +12,6 @@ except ImportError:
 if bpy is not None and __package__:
     from .addon import register, unregister
     from .addon.api import cages
+    from .addon.record import CageSet
 
-    __all__ = ["cages", "register", "unregister"]
+    __all__ = ["CageSet", "cages", "register", "unregister"]

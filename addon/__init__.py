@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from . import operators
-from .binding import adoption, sweep
+from .binding import copies, sweep
 from .following import claims
 from .properties import schema
+from .record import cage_set
 from .ui import doors, menus, online_manual, overlay, panels, preferences
 
 # In the order of registration; each knows only those before it.
-_ROOMS = (schema, operators, adoption, sweep, claims, doors, panels, preferences, menus, online_manual, overlay)
+_ROOMS = (
+    *(schema, cage_set, operators, copies, sweep, claims),
+    *(doors, panels, preferences, menus, online_manual, overlay),
+)
 
 
 def register() -> None:

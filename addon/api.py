@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from types import SimpleNamespace
 from typing import Any, TypeAlias
 
 import bpy
 from bpy.types import Context, Object
 
-from . import record
+from . import making
 from .animation import visibility
-from .core import core
-from .generation.levels import OWN_UNIT
-from .scene import convert, ownership
+from .core import core, tasks
+from .errors import UserError
+from .generation.levels import OWN, OWN_UNIT
+from .properties.schema import NestedCagesUsed
+from .properties.settings import NAMES
+from .record import CageSet
+from .scene import convert
 from .scene.ownership import scene_of
 
 Level: TypeAlias = "str | int | float | core.Within | bpy.types.Object"
 Levels: TypeAlias = "str | int | float | core.Within | Sequence[Level]"
 
 
-def cages(objects: Sequence[Object], levels: Levels = "20%, 8%", **settings: Any) -> list[list[Object]]:
-    """Makes cages around each object and returns them, finest first.
+def cages(objects: Sequence[Object], levels: Levels = "20%, 8%", **settings: Any) -> list[CageSet]:
+    """Makes cages around each object and returns their sets: sequences of the cages, finest first, that know more.
 
     objects: curves, texts, Grease Pencil drawings, hair curves or flat meshes, in the current view layer.
     levels: vertex counts (int), fractions of the vertices (float below 1), `Within` of the core in units of the scene,
@@ -29,13 +35,12 @@ def cages(objects: Sequence[Object], levels: Levels = "20%, 8%", **settings: Any
     settings: properties of the operator `object.nested_cages_generate`, by the same names: clearance, decimation,
     energy, inside, together, close_open ... All others have the operator's defaults, whatever the panel shows.
 
-    An object that cannot be caged has an empty list if others can be; with ``together=True`` there is one list for all
-    objects. Earlier cages of the same objects are replaced. Selection, active object and current frame stay.
+    An object that cannot be caged has a set without cages if others can be; with ``together=True`` there is one set for
+    all objects. Earlier cages of the same objects are replaced. Selection, active object and current frame stay.
 
     Raises: ValueError with the operator's message if nothing can be caged.
     """
-    context, chosen, inside = bpy.context, list(objects), bool(settings.get("inside", False))
-    operator: Any = bpy.ops.object.nested_cages_generate  # type: ignore[attr-defined]
+    context, chosen = bpy.context, list(objects)
     if not chosen:
         raise ValueError("No objects were given")
     for obj in chosen:
@@ -43,50 +48,68 @@ def cages(objects: Sequence[Object], levels: Levels = "20%, 8%", **settings: Any
             raise ValueError(f"{obj!r:.60} is not an object: give objects, such as bpy.data.objects[name]")
         if not convert.readable(obj):
             raise ValueError(f"'{obj.name}' has no outline, it is of the type {obj.type}")
-    unknown = [name for name in settings if name not in operator.get_rna_type().properties]
-    if unknown:
-        raise ValueError(f"There is no setting '{unknown[0]}'")
     text, own = _levels(levels)
+    values: Any = SimpleNamespace(**_values({"levels": text, "show_result": False, **settings}))
+    if context.mode != "OBJECT":
+        raise ValueError("Switch to Object Mode first")
     context.view_layer.update()
+    drawings = chosen[:1] if values.use_selected_as_levels else chosen
+    own = [*own, *(chosen[1:] if values.use_selected_as_levels else ())]
     with _shown(context, chosen):
         for obj in chosen:
             if obj.name not in context.view_layer.objects or not obj.visible_get():
                 raise ValueError(f"'{obj.name}' is not visible in the current view layer, so it cannot be caged")
-        before = {obj: _meshes(context, obj, inside) for obj in chosen}
-        with _selected(context, chosen):
-            try:
-                operator(**{"levels": text, "level_objects": "\n".join(own), "show_result": False, **settings})
-            except RuntimeError as error:
-                raise ValueError(str(error).removeprefix("Error: ").strip()) from error
-        made = {obj: _cages_of(context, obj, inside) for obj in chosen if _meshes(context, obj, inside) != before[obj]}
-    common = settings.get("together") or settings.get("use_selected_as_levels")
-    return [made.get(obj, []) for obj in (chosen[:1] if common else chosen)]
+        try:
+            made, _ = tasks.drain(making.make(context, drawings, own, values, _tell))
+        except UserError as error:
+            raise ValueError(str(error)) from error
+    known = [next((each for each in made if obj in each.parts), CageSet(obj)) for obj in drawings]
+    return known[:1] if values.together else known
 
 
-def _cages_of(context: Context, obj: Object, inside: bool) -> list[Object]:
-    """The cages around an object or inside of it, finest first."""
-    collection = ownership.by_drawing(scene_of(context)).get((obj, inside))
-    return ownership.members(collection)[1:] if collection is not None else []
+def _tell(kind: making.Kind, text: str) -> None:
+    if kind == "WARNING":
+        warnings.warn(text, stacklevel=2)
 
 
-def _meshes(context: Context, obj: Object, inside: bool) -> list[int]:
-    """The session IDs of the meshes of an object's cages: new cages have new ones."""
-    return [cage.data.session_uid for cage in _cages_of(context, obj, inside) if cage.data is not None]
+def _values(given: dict[str, Any]) -> dict[str, Any]:
+    """All settings, by name. Raises: ValueError for unknown names and values."""
+    rna: Any = NestedCagesUsed.bl_rna
+    unknown = [name for name in given if name not in NAMES]
+    if unknown:
+        raise ValueError(f"There is no setting '{unknown[0]}'")
+    return {
+        name: _value(rna.properties[name], given[name]) if name in given else rna.properties[name].default
+        for name in NAMES
+    }
 
 
-def _levels(levels: Levels) -> tuple[str, list[str]]:
-    """The operator's text for levels, and the names of own objects."""
+def _value(prop: Any, value: Any) -> Any:
+    """A value for a property, in its range. Raises: ValueError."""
+    if prop.type == "ENUM":
+        known = [item.identifier for item in prop.enum_items]
+        if value not in known:
+            raise ValueError(f"{prop.identifier} is one of {', '.join(known)}, not {value!r:.60}")
+    elif prop.type in {"INT", "FLOAT"} and isinstance(value, int | float):
+        kind = int if prop.type == "INT" else float
+        return kind(min(max(value, prop.hard_min), prop.hard_max))
+    elif not isinstance(value, {"STRING": str, "BOOLEAN": int}.get(prop.type, ())):
+        raise ValueError(f"{prop.identifier} is of the type {prop.type.lower()}, not {value!r:.60}")
+    return value
+
+
+def _levels(levels: Levels) -> tuple[str, list[Object]]:
+    """The text for levels, which the cages keep, and own objects."""
     if isinstance(levels, str):
         return levels, []
     listed = [levels] if isinstance(levels, int | float | core.Within) else list(levels)
-    own = [level.name for level in listed if isinstance(level, Object)]
-    return ", ".join(map(_word, listed)), own
+    return ", ".join(map(_word, listed)), [level for level in listed if isinstance(level, Object)]
 
 
 def _word(level: Level) -> str:
-    """One level as text for the operator. Raises: ValueError."""
+    """One level as text. Raises: ValueError."""
     if isinstance(level, Object):
-        return "*"
+        return OWN
     if isinstance(level, core.Within):
         return f"+{100.0 * level.excess!r}%" if level.excess is not None else f"{level.limit!r}{OWN_UNIT}"
     if isinstance(level, float):
@@ -98,31 +121,17 @@ def _word(level: Level) -> str:
 
 @contextmanager
 def _shown(context: Context, objects: Sequence[Object]) -> Iterator[None]:
-    """Temporarily shows drawings that the animation of earlier cages hides."""
-    outputs = [output for obj in objects for output in ownership.outputs_about(scene_of(context), obj)]
-    hiding = [each for each in outputs if record.of(each).playing]
-    for collection in hiding:
-        visibility.leave(collection)
+    """Temporarily shows drawings that the animation of earlier cages hides, on the frame that it is."""
+    scene = scene_of(context)
+    moment = (scene.frame_current, scene.frame_subframe)
+    hiding = [each for obj in objects for each in CageSet.all_of(obj) if each.record.playing]
+    visibility.leave(*hiding)
     context.view_layer.update()
     try:
         yield
     finally:
-        for collection in hiding:
-            visibility.enter(collection)
-
-
-@contextmanager
-def _selected(context: Context, objects: Sequence[Object]) -> Iterator[None]:
-    """Temporarily selects only these objects, in Object Mode, the first of them active."""
-    if context.mode != "OBJECT":
-        raise ValueError("Switch to Object Mode first")
-    scene, layer = scene_of(context), context.view_layer
-    moment, active = (scene.frame_current, scene.frame_subframe), layer.objects.active
-    layer.objects.active = objects[0]
-    try:
-        with context.temp_override(selected_objects=list(objects)):
-            yield
-    finally:
-        layer.objects.active = active
+        for cage_set in hiding:
+            if cage_set.counts:
+                visibility.enter(cage_set)
         if (scene.frame_current, scene.frame_subframe) != moment:
             scene.frame_set(moment[0], subframe=moment[1])

@@ -13,12 +13,12 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.types import Collection, Context, Object
+from bpy.types import Context, Object
 from mathutils import Matrix, Vector
 
-from . import record
 from .animation.timeline import Timing
 from .binding import binding, field
+from .binding.copies import complete
 from .core import blamed, core, gate, triangulation
 from .errors import UserError
 from .generation import output
@@ -26,7 +26,8 @@ from .generation.generate import STORED, Generation, Options, Request, Result
 from .generation.job import Work
 from .generation.verifying import same_frame
 from .io import silhouettes
-from .scene import filling, ownership, placement
+from .record import CageSet
+from .scene import filling, placement
 from .scene.convert import Drawing
 from .scene.ownership import scene_of, select
 from .scene.plane import Frame, divided, float32_loop, scale_of, size, transform, united_loops, world_matrix
@@ -54,8 +55,8 @@ def united_drawing(context: Context, objects: Sequence[Object], gap: float) -> W
     """
     first = max(sorted(objects, key=lambda obj: obj.name), key=lambda obj: float(obj.dimensions.length))
     earlier = set_of(objects)
-    if earlier is not None and ownership.source_of(earlier) in objects:
-        first = next(obj for obj in objects if obj == ownership.source_of(earlier))
+    if earlier is not None and earlier.source in objects:
+        first = next(obj for obj in objects if obj == earlier.source)
     ordered = [first, *(obj for obj in objects if obj != first)]
     frame = silhouettes.plane_of(context, first, "ACTIVE")
     loops, problems = yield from silhouettes.painted_loops(context, ordered, frame, gap=gap, closed=True)
@@ -66,12 +67,11 @@ def united_drawing(context: Context, objects: Sequence[Object], gap: float) -> W
     return Drawing(first.name, frame, shorter, first.session_uid, others, united=True), problems
 
 
-def set_of(objects: Sequence[Object]) -> Collection | None:
-    """The output that the most of some objects are bound to."""
-    fields = [field.followed(obj) for obj in objects]
-    cages = [record.shown(made, record.FIELD) for made in fields if made is not None]
-    homes = [ownership.home_of_member(cage) for cage in cages if cage is not None]
-    common = Counter(home for home in homes if home is not None).most_common(1)
+def set_of(objects: Sequence[Object]) -> CageSet | None:
+    """The set that the most of some objects follow."""
+    cages = [field.followed(obj) for obj in objects]
+    sets = [CageSet.of(cage) for cage in cages if cage is not None]
+    common = Counter(each for each in sets if each is not None).most_common(1)
     return common[0][0] if common else None
 
 
@@ -136,7 +136,7 @@ def add_skeleton(context: Context, drawing: Drawing, skeleton: core.character.Sk
     return add_bones(context, f"{drawing.name} Bones", drawing.frame, bones), len(bones)
 
 
-def make(context: Context, drawing: Drawing, armature: Object, vertices: int) -> Work[Collection]:
+def make(context: Context, drawing: Drawing, armature: Object, vertices: int) -> Work[CageSet]:
     """A cage around a drawing, bound, and moved by the bones of an armature. Raises: UserError.
 
     vertices: of the cage before those at joints, 0 = as many as its loops need. Of earlier cages, what the artist made
@@ -149,19 +149,17 @@ def make(context: Context, drawing: Drawing, armature: Object, vertices: int) ->
     share = CLEARANCE_SHARE if room is None else min(CLEARANCE_SHARE, ROOM_PART * room.clearance / fine.diagonal)
     generation = Generation([Request(drawing)], Options(levels=(count,), clearance_share=share))
     yield from generation
-    earlier = set_of([obj for each in (drawing, *drawing.others) if (obj := each.source) is not None])
-    if earlier is not None and drawing.source is not None and ownership.source_of(earlier) is None:
-        ownership.hand_over(earlier, drawing.source)
+    complete()
     scene, results = scene_of(context), [_jointed(result, bones) for result in generation.results]
-    (collection,), _ = output.write(scene, results, Timing(show_flow=False), still=True)
-    binding.forget(collection)
+    (cage_set,), _ = output.write(scene, results, Timing(show_flow=False), still=True)
+    binding.forget(cage_set)
     context.view_layer.update()
-    cage = ownership.members(collection)[-1]
+    cage = cage_set.cages[-1]
     _weigh(cage, armature, bones)
-    binding.bind(context, collection)
-    for part in ownership.originals(collection):
+    binding.bind(context, cage_set)
+    for part in cage_set.originals:
         placement.attach(part, armature)
-    return collection
+    return cage_set
 
 
 def _jointed(result: Result, bones: Sequence[core.Bone]) -> Result:
@@ -191,9 +189,11 @@ def _weigh(cage: Object, armature: Object, bones: Sequence[core.Bone]) -> None:
         cage.modifiers.move(len(cage.modifiers) - 1, 0)
 
 
-def json_of(context: Context, collection: Collection, *, flip_y: bool, frames: bool) -> str:
+def json_of(context: Context, cage_set: CageSet, *, flip_y: bool, frames: bool) -> str:
     """The JSON of a rigged drawing, with all frames of the scene on request. Raises: UserError."""
-    fine, cage = ownership.members(collection)[0], ownership.members(collection)[-1]
+    fine, cage = cage_set.fine, cage_set.cages[-1]
+    if fine is None:
+        raise UserError(f"The fine mesh of '{cage_set.name}' was deleted: rig the drawing again")
     armature = next((each.object for each in cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)), None)
     if armature is None:
         raise UserError(f"'{cage.name}' follows no armature: press Rig first")

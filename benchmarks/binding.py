@@ -89,7 +89,7 @@ def run(vertices: int, frames: int) -> None:
     parts = figure(vertices)
     times = seconds(lambda: bpy.ops.object.nested_cages_generate(levels="31", together=True, show_flow=False))
     print("generate: {:.2f} s of processor, {:.2f} s".format(*times))
-    cage = next(obj for obj in bpy.data.objects if obj.get("nested_cages_level") == 1)
+    cage = next(obj for obj in bpy.data.objects if obj.name.endswith("Cage 1"))
     print("bind:     {:.2f} s of processor, {:.2f} s".format(*seconds(bpy.ops.object.nested_cages_bind)))
     rest = np.array([vertex.co for vertex in cage.data.vertices])
     arm = rest[:, 0] < -0.9

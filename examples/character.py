@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import sys
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 import bpy
@@ -18,7 +19,7 @@ from mathutils import Matrix, Vector
 
 from clip import join
 from demo import CAGES
-from extension import registered
+from extension import PACKAGE, registered
 from picture import aim, discs, faces, line, remove, set_up
 from waving import BONE, bones_at, points_at
 
@@ -105,7 +106,7 @@ def made(path: Path) -> Figure:
     armature = bpy.context.object
     bpy.ops.object.nested_cages_rig()
     bpy.ops.object.mode_set(mode="OBJECT")
-    cage = next(item for item in bpy.data.objects if item.get("nested_cages_level") == 1)
+    (cage,) = import_module(PACKAGE).CageSet.of(parts[0]).cages
     return Figure(parts, armature, cage)
 
 
@@ -139,7 +140,8 @@ def certified(cage: bpy.types.Object) -> tuple[bool, str]:
     bpy.context.view_layer.objects.active = cage
     cage.select_set(True)
     bpy.ops.object.nested_cages_verify(whole=True)
-    return cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
+    (certificate,) = import_module(PACKAGE).CageSet.of(cage).certificates
+    return certificate.verdict.startswith("Holds"), certificate.finding
 
 
 def border(cage: bpy.types.Object) -> np.ndarray:

@@ -11,18 +11,40 @@ import itertools
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parent))
 
+from extension import PACKAGE, registered
 from nestedcages_core.checker import faults_of_cage, faults_of_motion
 
-SOURCE, LEVEL = "nested_cages_source", "nested_cages_level"  # the add-on's marks on collections and objects
-INSIDE = "nested_cages_inside"  # of cages that lie inside the drawing
 DOUBLED = 1e-6  # of the drawing's size: points of a curve that are closer are one point, where two pieces meet
+
+
+@dataclass(frozen=True)
+class Played:
+    """A set of cages, finest first, and when each plays: first frames of its phases, and of the result; empty if the
+    animation was removed. inside: whether the cages lie inside the drawing.
+    """
+
+    name: str
+    source: bpy.types.Object
+    fine: bpy.types.Object
+    cages: list[bpy.types.Object]
+    frames: list[tuple[int, int, int, int]]
+    inside: bool = False
+
+
+def played() -> list[Played]:
+    """The sets of the file, while the add-on is registered."""
+    found = import_module(PACKAGE).CageSet.everywhere()
+    times = {cage_set: [each.frames for each in cage_set.certificates if each.frames[0] >= 0] for cage_set in found}
+    return [Played(s.name, s.source, s.fine, s.cages, times[s], s.inside) for s in found]
 
 
 @dataclass(frozen=True)
@@ -41,52 +63,48 @@ class Pose:
     edges: np.ndarray
 
 
-def check_animation(scene: bpy.types.Scene) -> Outcome:
-    """Checks every collection of cages in `scene`."""
-    collections = [collection for collection in scene.collection.children_recursive if SOURCE in collection]
-    problems = [] if collections else ["there are no cages in the scene"]
+def check_animation(scene: bpy.types.Scene, sets: list[Played]) -> Outcome:
+    """Checks sets of cages in `scene`."""
+    problems = [] if sets else ["there are no cages in the scene"]
     poses = 0
     before = scene.frame_current
-    for collection in collections:
-        if any("nested_cages_flow_start" not in cage for cage in collection.objects if cage.get(LEVEL)):
-            problems.append(f"{collection.name}: its animation was removed")
+    for cage_set in sets:
+        if len(cage_set.frames) < len(cage_set.cages):
+            problems.append(f"{cage_set.name}: its animation was removed")
             continue
-        for name, found in checked_poses(scene, collection):
+        for name, found in checked_poses(scene, cage_set):
             poses += 1
             problems += [f"{name}: {problem}" for problem in found]
-        problems += home_problems(scene, collection)
+        problems += home_problems(scene, cage_set)
     scene.frame_set(before)
     return Outcome(poses, tuple(problems))
 
 
-def checked_poses(scene: bpy.types.Scene, collection: bpy.types.Collection) -> Iterator[tuple[str, list[str]]]:
-    """Goes through a collection's animation: name and problems of each pair of levels at each half frame."""
-    levels = sorted((item for item in collection.objects if LEVEL in item), key=lambda item: item[LEVEL])
-    last = collection["nested_cages_end"]
+def checked_poses(scene: bpy.types.Scene, cage_set: Played) -> Iterator[tuple[str, list[str]]]:
+    """Goes through a set's animation: name and problems of each pair of levels at each half frame."""
+    levels, last = [cage_set.fine, *cage_set.cages], cage_set.frames[-1][3]
     before: dict[int, tuple[Pose, Pose]] = {}
-    for half in range(2 * min(cage["nested_cages_flow_start"] for cage in levels[1:]), 2 * last + 1):
+    for half in range(2 * min(flow for flow, *_ in cage_set.frames), 2 * last + 1):
         frame = half / 2
         scene.frame_set(half // 2, subframe=half % 2 / 2)
         graph = bpy.context.evaluated_depsgraph_get()
-        for inner, cage in itertools.pairwise(levels):
-            outer = next((item for item in levels if item[LEVEL] == cage[LEVEL] + 1), None)
-            if frame >= cage["nested_cages_reinflation_start"] and not flows(outer, frame):
-                name = f"frame {frame:g}, level {inner[LEVEL]} in level {cage[LEVEL]}"
+        for level, (inner, cage) in enumerate(itertools.pairwise(levels), 1):
+            if frame >= cage_set.frames[level - 1][1] and not any(flows(o, frame) for o in cage_set.frames[level:][:1]):
+                name = f"frame {frame:g}, level {level - 1} in level {level}"
                 pair = (evaluated(cage, graph), evaluated(inner, graph))
-                problems = contacts(before[cage[LEVEL]], pair) if cage[LEVEL] in before else []
+                problems = contacts(before[level], pair) if level in before else []
                 if frame == last:
-                    problems += faults_of_cage(*(pair[::-1] if cage.get(INSIDE) else pair), alike=False)
-                before[cage[LEVEL]] = pair
+                    problems += faults_of_cage(*(pair[::-1] if cage_set.inside else pair), alike=False)
+                before[level] = pair
                 yield name, problems
             else:
-                before.pop(cage[LEVEL], None)
+                before.pop(level, None)
 
 
-def flows(outer: bpy.types.Object | None, frame: float) -> bool:
-    """Whether a cage is away from home because the level around it has a flow of its own."""
-    if outer is None or outer["nested_cages_flow_start"] == outer["nested_cages_reinflation_start"]:
-        return False
-    return outer["nested_cages_flow_start"] < frame < outer["nested_cages_tightening_start"]
+def flows(outer: tuple[int, int, int, int], frame: float) -> bool:
+    """Whether a cage is away from home because the level around it, with these frames, has a flow of its own."""
+    flow, reinflation, tightening, _ = outer
+    return flow != reinflation and flow < frame < tightening
 
 
 def evaluated(item: bpy.types.Object, graph: bpy.types.Depsgraph) -> Pose:
@@ -105,11 +123,10 @@ def contacts(before: tuple[Pose, Pose], now: tuple[Pose, Pose]) -> list[str]:
     return faults_of_motion(outer.edges, inner.edges, steps[0], steps[1], [0])
 
 
-def home_problems(scene: bpy.types.Scene, collection: bpy.types.Collection) -> list[str]:
+def home_problems(scene: bpy.types.Scene, cage_set: Played) -> list[str]:
     """Whether the fine mesh on the last frame has the very coordinates of the source, and lies where it does."""
-    source = collection[SOURCE]
-    fine = next(item for item in collection.objects if item.get(LEVEL) == 0)
-    scene.frame_set(collection["nested_cages_end"])
+    source, fine = cage_set.source, cage_set.fine
+    scene.frame_set(cage_set.frames[-1][3])
     graph = bpy.context.evaluated_depsgraph_get()
     shown = points_of(fine.evaluated_get(graph).data)
     wanted = outline_of(source)
@@ -153,8 +170,10 @@ def main(arguments: list[str]) -> int:
     if len(arguments) != 1 or not Path(arguments[0]).is_file():
         print("Name one .blend file: python examples/check_animation.py FILE.blend", file=sys.stderr)
         return 2
-    bpy.ops.wm.open_mainfile(filepath=str(Path(arguments[0]).resolve()))
-    outcome = check_animation(bpy.context.scene)
+    with registered():  # which knows what is a cage; what plays is checked without it
+        bpy.ops.wm.open_mainfile(filepath=str(Path(arguments[0]).resolve()))
+        sets = played()
+    outcome = check_animation(bpy.context.scene, sets)
     for problem in outcome.problems:
         print(problem, file=sys.stderr)
     print(f"{outcome.poses} poses checked, {len(outcome.problems)} problems")

@@ -17,6 +17,7 @@ import bpy
 import numpy as np
 from PIL import Image
 
+from check_animation import played
 from demo import BODY, CAGE_AREAS, CAGES, CLEARANCE, COARSE, DOT, GHOST, INK, LEVELS, LINE, import_drawing, loops_at
 from extension import registered
 from picture import Fill, Outline, Panel, extent, render
@@ -32,11 +33,9 @@ COLOURS = 48  # of the palette that all pictures share
 Still = tuple[Panel, int]  # a picture and how long it is shown, in milliseconds
 
 
-def first_cage(fine: bpy.types.Object, cage: bpy.types.Object) -> Iterator[Still]:
+def first_cage(fine: bpy.types.Object, cage: bpy.types.Object, frames: tuple[int, ...]) -> Iterator[Still]:
     """The drawing shrinks into the coarse mesh, grows back and pushes it out."""
-    start, inside, tight, end = (
-        cage[f"nested_cages_{name}"] for name in ("flow_start", "reinflation_start", "tightening_start", "end")
-    )
+    start, inside, tight, end = frames
     ghost = Fill(loops_at(fine, start), GHOST)
     for text, paint, begin, until, count in (
         ("a drawing and a coarse mesh", COARSE, start, start, 0),
@@ -55,9 +54,11 @@ def first_cage(fine: bpy.types.Object, cage: bpy.types.Object) -> Iterator[Still
             yield Panel(text, shapes), HOLD if frame == until else MOMENT
 
 
-def second_cage(fine: bpy.types.Object, inner: bpy.types.Object, cage: bpy.types.Object) -> Iterator[Still]:
+def second_cage(
+    fine: bpy.types.Object, inner: bpy.types.Object, cage: bpy.types.Object, frames: tuple[int, ...]
+) -> Iterator[Still]:
     """A coarser cage around the first one, which stands still."""
-    start, end = cage["nested_cages_flow_start"], cage["nested_cages_end"]
+    start, *_, end = frames
     for frame in np.linspace(start, end, NEXT):
         body, middle, outer = (loops_at(item, frame) for item in (fine, inner, cage))
         shapes = [Fill(outer, CAGE_AREAS[1]), Fill(middle, CAGE_AREAS[0]), Fill(body, BODY), Outline(body, INK, LINE)]
@@ -83,9 +84,9 @@ def main(arguments: list[str]) -> int:
     import_drawing()
     with registered():
         bpy.ops.object.nested_cages_generate(levels=LEVELS, clearance=CLEARANCE)
-    collection = next(item for item in bpy.data.collections if "nested_cages_source" in item)
-    fine, first, second = sorted(collection.objects, key=lambda item: item["nested_cages_level"])
-    stills = [*first_cage(fine, first), *second_cage(fine, first, second)]
+        (made,) = played()
+    first, second = made.cages
+    stills = [*first_cage(made.fine, first, made.frames[0]), *second_cage(made.fine, first, second, made.frames[1])]
     corners = extent([panel for panel, _ in stills])
     pictures = [FOLDER / f"{number:03}.png" for number in range(len(stills))]
     for path, (panel, _) in zip(pictures, stills, strict=True):

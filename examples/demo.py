@@ -9,13 +9,14 @@ from __future__ import annotations
 import os
 import sys
 import time
+from importlib import import_module
 from pathlib import Path
 
 import bpy
 import numpy as np
 
-from check_animation import check_animation
-from extension import registered
+from check_animation import check_animation, played
+from extension import PACKAGE, registered
 from picture import Fill, Outline, Panel, colour, render
 
 HERE = Path(__file__).resolve().parent
@@ -62,11 +63,10 @@ def loops_at(item: bpy.types.Object, frame: float) -> list[np.ndarray]:
     return loops
 
 
-def panels(fine: bpy.types.Object, cages: list[bpy.types.Object]) -> list[Panel]:
+def panels(fine: bpy.types.Object, cages: list[bpy.types.Object], frames: list[tuple[int, ...]]) -> list[Panel]:
     """Input, flow and result, read from the animation."""
     first = cages[0]
-    start, inside = first["nested_cages_flow_start"], first["nested_cages_reinflation_start"]
-    end = cages[-1]["nested_cages_end"]
+    (start, inside, *_), end = frames[0], frames[-1][-1]
     drawing, shrunk, home = (loops_at(fine, frame) for frame in (start, inside, end))
     coarse = loops_at(first, start)
     polygon = Outline(coarse, COARSE, LINE, DOT)
@@ -99,19 +99,20 @@ def main(arguments: list[str]) -> int:
         except RuntimeError as error:  # how a script sees what the operator reports as an error
             print(f"There are no cages: {error}", file=sys.stderr)
             return 1
-        collection = next(item for item in bpy.data.collections if "nested_cages_source" in item)
-        fine, *cages = sorted(collection.objects, key=lambda item: item["nested_cages_level"])
+        (made,) = played()
+        certificates = import_module(PACKAGE).CageSet.of(drawing).certificates
+        fine, cages = made.fine, made.cages
         bpy.context.scene.frame_set(bpy.context.scene.frame_start)
         bpy.ops.wm.save_as_mainfile(filepath=str(blend), compress=True)
 
-    outcome = check_animation(bpy.context.scene)
-    render(picture, panels(fine, cages))
+    outcome = check_animation(bpy.context.scene, [made])
+    render(picture, panels(fine, cages, made.frames))
 
     print()
     print(f"{drawing.name}: {len(fine.data.vertices)} vertices")
-    for cage in cages:
-        print(f"{cage.name}: {len(cage.data.vertices)} vertices, frames {cage['nested_cages_flow_start']} to", end=" ")
-        print(f"{cage['nested_cages_end']}, {cage['nested_cages_seconds']:.2f} s. {cage['nested_cages_certificate']}.")
+    for cage, certificate in zip(cages, certificates, strict=True):
+        print(f"{cage.name}: {len(cage.data.vertices)} vertices, frames {certificate.frames[0]} to", end=" ")
+        print(f"{certificate.frames[-1]}, {certificate.seconds:.2f} s. {certificate.sentence}.")
     for problem in outcome.problems:
         print(problem, file=sys.stderr)
     if outcome.problems:

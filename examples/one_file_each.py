@@ -45,7 +45,7 @@ def main() -> None:
             path = folder / f"{ord(drawing.name):04x}.svg"
             with bpy.context.temp_override(selected_objects=[drawing, *made]):
                 bpy.ops.object.nested_cages_export(filepath=str(path), kind="SVG")
-            excess = 100.0 * made[-1]["nested_cages_excess"]
+            excess = 100.0 * made.certificates[-1].excess
             print(f"{drawing.name}: {len(made)} cages, the last with an excess of {excess:.1f} %, in {path.name}")
 
 

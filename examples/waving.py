@@ -13,6 +13,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from check_animation import played
 from clip import join
 from demo import BODY, CAGES, COARSE, DOT, INK, LINE, import_drawing
 from extension import PACKAGE, registered
@@ -139,8 +140,8 @@ def main() -> None:
     import_drawing()
     with registered():
         bpy.ops.object.nested_cages_generate(levels=LEVELS)
-        collection = next(item for item in bpy.data.collections if "nested_cages_source" in item)
-        levels = sorted(collection.objects, key=lambda item: item["nested_cages_level"])
+        (made_of_it,) = played()
+        levels = [made_of_it.fine, *made_of_it.cages]
         loops = [loops_of(item) for item in levels]
         bpy.ops.object.nested_cages_bind()
     fine, cage = levels[0], levels[-1]

@@ -16,7 +16,7 @@ import bpy
 
 FILE = Path(__file__).resolve().parents[1] / "addon" / "scene" / "nodes.blend"
 # Names of attributes in the files of users, as in addon/keys.py, and of the property with the digest of this script.
-MOTION, WEIGHT, DIGEST = "nested_cages_motion", "nested_cages_weight_", "nested_cages_digest"
+WEIGHT, POSE, DIGEST = "nested_cages_weight_", "nested_cages_pose", "nested_cages_digest"
 # Corners of the cross-section of thick lines.
 TUBE_CORNERS = 8
 # Largest number of halvings of edges, as in addon/binding/field.py.
@@ -78,23 +78,40 @@ def _place(tree: Tree) -> Socket:
     return _out(tree.nodes.new("GeometryNodeInputPosition"))
 
 
-def _corner(tree: Tree, source: Node, index: Socket) -> Socket:
-    """The position of an object's vertex of that number."""
-    inputs = {"Geometry": source.outputs["Geometry"], "Value": _place(tree), "Index": index}
+def _corner(tree: Tree, cage: Node, index: Socket) -> Socket:
+    """The pose of a cage's vertex of that number."""
+    inputs = {"Geometry": cage.outputs["Geometry"], "Value": _attribute(tree, POSE, "FLOAT_VECTOR"), "Index": index}
     return _out(_node(tree, "GeometryNodeSampleIndex", inputs, data_type="FLOAT_VECTOR", domain="POINT"))
 
 
-def _moved(tree: Tree, start: Node, place: Socket) -> None:
-    """Stores how far each vertex is from where the object puts it, and leaves it where it is."""
-    way = _vector(tree, "SUBTRACT", place, _place(tree))
-    inputs = {"Geometry": start.outputs["Geometry"], "Name": MOTION, "Value": way}
+def _matrix(tree: Tree, start: Node) -> Socket:
+    """The matrix whose columns are inputs of a group."""
+    matrix = tree.nodes.new("FunctionNodeCombineMatrix")
+    for column, name in enumerate(COLUMNS, 1):
+        parts = _node(tree, "ShaderNodeSeparateXYZ", {"Vector": start.outputs[name]})
+        for row, part in enumerate(parts.outputs, 1):
+            tree.links.new(part, matrix.inputs[f"Column {column} Row {row}"])
+    return _out(matrix)
+
+
+def pose(tree: Tree) -> None:
+    """Stores where the vertices of a cage are in the space of its drawing, whose matrix drivers give: to refer to the
+    drawing, which follows the cage, would be a circle.
+    """
+    start, own = tree.nodes.new("NodeGroupInput"), tree.nodes.new("GeometryNodeSelfObject")
+    here = _node(tree, "GeometryNodeObjectInfo", {"Object": _out(own)}, transform_space="ORIGINAL")
+    inverse = _out(_node(tree, "FunctionNodeInvertMatrix", {"Matrix": _matrix(tree, start)}))
+    there = tree.nodes.new("FunctionNodeMatrixMultiply")
+    tree.links.new(inverse, there.inputs[0])
+    tree.links.new(here.outputs["Transform"], there.inputs[1])
+    place = _out(_node(tree, "FunctionNodeTransformPoint", {"Vector": _place(tree), "Transform": _out(there)}))
+    inputs = {"Geometry": start.outputs["Geometry"], "Name": POSE, "Value": place}
     _end(tree, _out(_node(tree, "GeometryNodeStoreNamedAttribute", inputs, data_type="FLOAT_VECTOR", domain="POINT")))
 
 
-def weighted(tree: Tree) -> None:
-    """Each vertex goes where the sum of the object's vertices, multiplied by its weights, is."""
-    start, source = _start(tree, "RELATIVE")
-    count = _node(tree, "GeometryNodeAttributeDomainSize", {"Geometry": source.outputs["Geometry"]})
+def _weighted(tree: Tree, cage: Node) -> Socket:
+    """For a vertex of a field: the sum of the cage's vertices, multiplied by its weights."""
+    count = _node(tree, "GeometryNodeAttributeDomainSize", {"Geometry": cage.outputs["Geometry"]})
     first, last = tree.nodes.new("GeometryNodeRepeatInput"), tree.nodes.new("GeometryNodeRepeatOutput")
     first.pair_with_output(last)
     last.repeat_items.clear()
@@ -105,32 +122,38 @@ def weighted(tree: Tree) -> None:
     digits = _out(_node(tree, "FunctionNodeValueToString", {"Value": number}))
     text = {"String": f"{WEIGHT}#", "Find": "#", "Replace": digits}
     weight = _attribute(tree, _out(_node(tree, "FunctionNodeReplaceString", text)), "FLOAT")
-    corner = _corner(tree, source, number)
+    corner = _corner(tree, cage, number)
     tree.links.new(_vector(tree, "MULTIPLY_ADD", corner, weight, first.outputs["Place"]), last.inputs["Place"])
     onward = _node(tree, "ShaderNodeMath", operation="ADD")
     onward.inputs[1].default_value = 1.0
     tree.links.new(number, onward.inputs[0])
     tree.links.new(onward.outputs[0], last.inputs["Number"])
-    _moved(tree, start, last.outputs["Place"])
+    return last.outputs["Place"]
 
 
-def same(tree: Tree) -> None:
-    """Each vertex goes where the object's vertex of the same number is."""
-    start, source = _start(tree, "RELATIVE")
-    _moved(tree, start, _corner(tree, source, _out(tree.nodes.new("GeometryNodeInputIndex"))))
+def _same(tree: Tree, cage: Node) -> Socket:
+    """For a vertex of a field: the cage's vertex of the same number."""
+    return _corner(tree, cage, _out(tree.nodes.new("GeometryNodeInputIndex")))
 
 
-def follow(tree: Tree) -> None:
-    """Each point moves as the nearest place of the object, a field, does; whatever made the points comes first.
+def _follow(tree: Tree, place_of: Callable[[Tree, Node], Socket]) -> None:
+    """Each point moves as the nearest place of a field does that the cage moves by its pose; the field itself stays.
 
-    'In Place': the field is in the space of the geometry, wherever both are, so that copies elsewhere follow too.
-    'Subdivide': how often the edges of a mesh are halved before. Instances become real, and curves lines.
+    The columns are of the matrix from the space of what follows to that of the field, or of 'Space', another object
+    whose space is the field's. 'Subdivide': how often the edges of a mesh are halved before. Instances become real, and
+    curves lines.
     """
-    start, field = _start(tree, "ORIGINAL")
-    around = _node(tree, "GeometryNodeObjectInfo", {"Object": start.outputs["Object"]}, transform_space="RELATIVE")
-    there = {"Switch": start.outputs["In Place"], "False": around.outputs["Transform"]}
-    there = _out(_node(tree, "GeometryNodeSwitch", there, input_type="MATRIX"))
-    back = _out(_node(tree, "FunctionNodeInvertMatrix", {"Matrix": there}))
+    start = tree.nodes.new("NodeGroupInput")
+    cage, field = (
+        _node(tree, "GeometryNodeObjectInfo", {"Object": start.outputs[name]}, transform_space="ORIGINAL")
+        for name in ("Cage", "Field")
+    )
+    around = _node(tree, "GeometryNodeObjectInfo", {"Object": start.outputs["Space"]}, transform_space="RELATIVE")
+    away = tree.nodes.new("FunctionNodeMatrixMultiply")
+    tree.links.new(_matrix(tree, start), away.inputs[0])
+    into = _out(_node(tree, "FunctionNodeInvertMatrix", {"Matrix": around.outputs["Transform"]}))
+    tree.links.new(into, away.inputs[1])
+    back, there = _out(away), _out(_node(tree, "FunctionNodeInvertMatrix", {"Matrix": _out(away)}))
     shown = _node(
         tree, "GeometryNodeCollectionInfo", {"Collection": start.outputs["Collection"]}, transform_space="ORIGINAL"
     )
@@ -140,9 +163,11 @@ def follow(tree: Tree) -> None:
     real = _out(_node(tree, "GeometryNodeRealizeInstances", {"Geometry": _out(both)}))
     lines = _node(tree, "GeometryNodeResampleCurve", {"Curve": real}, mode="EVALUATED")
     geometry = _halved(tree, _out(lines), start.outputs["Subdivide"])
+    # Once for each vertex: faces are sampled by their corners.
+    way = {"Value": _vector(tree, "SUBTRACT", place_of(tree, cage), _place(tree))}
     inputs = {
         "Mesh": field.outputs["Geometry"],
-        "Value": _attribute(tree, MOTION, "FLOAT_VECTOR"),
+        "Value": _out(_node(tree, "GeometryNodeFieldOnDomain", way, data_type="FLOAT_VECTOR", domain="POINT")),
         "Sample Position": _out(_node(tree, "FunctionNodeTransformPoint", {"Vector": _place(tree), "Transform": back})),
     }
     way = _out(_node(tree, "GeometryNodeSampleNearestSurface", inputs, data_type="FLOAT_VECTOR"), "Value")
@@ -158,6 +183,16 @@ def _halved(tree: Tree, mesh: Socket, times: Socket) -> Socket:
         step = {"Switch": _out(more), "False": mesh, "True": finer}
         mesh = _out(_node(tree, "GeometryNodeSwitch", step, input_type="GEOMETRY"))
     return mesh
+
+
+def follow(tree: Tree) -> None:
+    """Follows a cage by the weights of a field."""
+    _follow(tree, _weighted)
+
+
+def follow_plain(tree: Tree) -> None:
+    """Follows a cage by a field of its own triangles."""
+    _follow(tree, _same)
 
 
 def edges(tree: Tree) -> None:
@@ -211,13 +246,15 @@ def _mixed(tree: Tree, glow: Node) -> Node:
 
 # By name: the inputs after the geometry with their types, and what builds the nodes.
 OBJECT = {"Object": "Object"}
+COLUMNS = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0), "Origin": (0.0, 0.0, 0.0)}
+MATRIX = dict.fromkeys(COLUMNS, "Vector")
+FOLLOWER = (
+    dict.fromkeys(("Cage", "Field", "Space"), "Object") | MATRIX | {"Subdivide": "Int", "Collection": "Collection"}
+)
 GROUPS: dict[str, tuple[dict[str, str], Callable[[Tree], None]]] = {
-    "Nested Cages Field": (OBJECT, weighted),
-    "Nested Cages Plain Field": (OBJECT, same),
-    "Nested Cages Follow Field": (
-        OBJECT | {"In Place": "Bool", "Subdivide": "Int", "Collection": "Collection"},
-        follow,
-    ),
+    "Nested Cages Pose": (MATRIX, pose),
+    "Nested Cages Follow Cage": (FOLLOWER, follow),
+    "Nested Cages Follow Plain Cage": (FOLLOWER, follow_plain),
     "Nested Cages Follow as Edges": (OBJECT, edges),
     "Nested Cages Fill": (OBJECT | {"Material": "Material"}, fill),
     "Nested Cages Thickness": ({"Radius": "Float", "Material": "Material"}, thickness),
@@ -233,7 +270,9 @@ def build(path: Path) -> None:
         tree: Any = bpy.data.node_groups.new(name, "GeometryNodeTree")
         tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
         for key, kind in ({"Geometry": "Geometry"} | inputs).items():
-            tree.interface.new_socket(key, in_out="INPUT", socket_type=f"NodeSocket{kind}")
+            socket = tree.interface.new_socket(key, in_out="INPUT", socket_type=f"NodeSocket{kind}")
+            if key in COLUMNS:
+                socket.default_value = COLUMNS[key]
         make(tree)
         blocks.add(tree)
     for name, shade in MATERIALS.items():

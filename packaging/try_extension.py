@@ -45,10 +45,11 @@ page = WM_OT_doc_view_manual._lookup_rna_url("bpy.ops.object.nested_cages_genera
 assert page.endswith(".html") and os.path.isfile(url2pathname(urlparse(page).path)), page
 import scipy
 assert os.environ["BLENDER_USER_RESOURCES"] in scipy.__file__, scipy.__file__
-cages = [o for o in bpy.data.objects if o.get("nested_cages_level", 0) > 0]
+from bl_ext.user_default.nested_cages import CageSet
+cages = CageSet.of(bpy.context.object)
 assert len(cages) == 2, [o.name for o in bpy.data.objects]
-for cage in cages:
-    print(cage.name, "-", cage["nested_cages_certificate"])
+for cage, certificate in zip(cages, cages.certificates):
+    print(cage.name, "-", certificate.sentence)
 print("The installed extension works, with scipy", scipy.__version__, "from its own zip.")
 sys.stdout.flush()
 bpy.ops.preferences.addon_disable(module="bl_ext.user_default.nested_cages")

@@ -27,8 +27,8 @@ puppet exchange game batch command __main__ __init__
 
 # The rooms of the add-on, in the same sense. `core` is its door to the core.
 ADDON_ROOMS = """
-errors core notes keys record scene animation rigging generation binding io following characters properties operators
-ui api __init__
+errors core notes keys record scene animation rigging generation binding io following characters properties making
+operators ui api __init__
 """
 DOOR = "core.py"
 

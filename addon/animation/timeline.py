@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 from itertools import pairwise
 
-import bpy
 import numpy as np
-from bpy.types import Collection, Object, Scene
+from bpy.types import Object, Scene
 
 from .. import record
 from ..core import core
 from ..errors import FloatArray
+from ..record import CageSet
 
 # Name and frame of a marker.
 Mark = tuple[str, int]
@@ -101,18 +101,18 @@ def step_frames(level: Phases, span: Span, timing: Timing) -> FloatArray:
     return frames
 
 
-def play_in(collection: Collection, played: Sequence[Span], marker: Mark | None = None) -> Mark:
+def play_in(cage_set: CageSet, played: Sequence[Span], marker: Mark | None = None) -> Mark:
     """Notes when an output plays, and its marker, one of its own unless several share one; returns the marker."""
-    cage_set, result = record.of(collection), played[-1].end
-    noted = cage_set.markers.add()
-    noted.name, noted.frame = marker or (cage_set.title or collection.name, result)
-    cage_set.frames, cage_set.animated = (played[0].flow, result, result), True
+    stored, result = cage_set.record, played[-1].end
+    noted = stored.markers.add()
+    noted.name, noted.frame = marker or (stored.title or cage_set.name, result)
+    stored.frames, stored.animated = (played[0].flow, result, result), True
     return noted.name, noted.frame
 
 
 def settle(scene: Scene, dropped: Sequence[Mark], added: Sequence[Mark] = ()) -> None:
     """Removes markers that no output needs any more, adds new ones, and fits the scene's range to what plays."""
-    needed = {(mark.name, mark.frame) for each in bpy.data.collections for mark in record.of(each).markers}
+    needed = {(mark.name, mark.frame) for each in CageSet.everywhere() for mark in each.record.markers}
     for name, frame in set(dropped) - needed:
         marker = next((m for m in scene.timeline_markers if m.name == name and m.frame == frame), None)
         if marker is not None:
@@ -124,19 +124,18 @@ def settle(scene: Scene, dropped: Sequence[Mark], added: Sequence[Mark] = ()) ->
     _fit_range(scene)
 
 
-def stop_playing(scene: Scene, collection: Collection) -> list[Mark]:
+def stop_playing(cage_set: CageSet) -> list[Mark]:
     """Notes that an output does not play any more; returns its markers."""
-    cage_set = record.of(collection)
-    dropped = [(marker.name, marker.frame) for marker in cage_set.markers]
-    cage_set.markers.clear()
-    cage_set.animated = False
+    noted = cage_set.record
+    dropped = [(marker.name, marker.frame) for marker in noted.markers]
+    noted.markers.clear()
+    noted.animated = False
     return dropped
 
 
-def frames_of(collection: Collection) -> tuple[int, int, int] | None:
+def frames_of(cage_set: CageSet) -> tuple[int, int, int] | None:
     """First frame of an output's animation, frame of its result, and last frame; None if it has no animation."""
-    cage_set = record.of(collection)
-    return tuple(cage_set.frames) if cage_set.animated else None
+    return tuple(cage_set.record.frames) if cage_set.record.animated else None
 
 
 def _fit_range(scene: Scene) -> None:
@@ -144,7 +143,8 @@ def _fit_range(scene: Scene) -> None:
     now = (scene.frame_start, scene.frame_end)
     stored = record.range_of(scene) or (*now, *now)
     start, end = (before if at == ours else at for before, ours, at in zip(stored[:2], stored[2:], now, strict=True))
-    played = [frames for c in bpy.data.collections if _plays_in(scene, c) and (frames := frames_of(c)) is not None]
+    playing = [(each, frames_of(each)) for each in CageSet.everywhere()]
+    played = [frames for each, frames in playing if frames is not None and _plays_in(scene, each)]
     first = min([start, *(max(frames[0], 0) for frames in played)])
     last = max([end, *(frames[2] for frames in played)])
     if (first, last) != now:
@@ -155,7 +155,6 @@ def _fit_range(scene: Scene) -> None:
         record.set_range(scene, (start, end, first, last))
 
 
-def _plays_in(scene: Scene, collection: Collection) -> bool:
+def _plays_in(scene: Scene, cage_set: CageSet) -> bool:
     """Whether objects of an output are in the scene."""
-    objects = [part.object for part in record.of(collection).levels if part.object is not None]
-    return any(scene.objects.get(obj.name) == obj for obj in objects)
+    return any(scene.objects.get(obj.name) == obj for obj in cage_set.members)

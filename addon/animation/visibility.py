@@ -10,11 +10,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import bpy
-from bpy.types import Collection, Mesh, Object, Scene
+from bpy.types import Mesh, Object, Scene
 
 from .. import record
 from ..errors import UserError
-from ..scene import display, ownership
+from ..record import CageSet
+from ..scene import display
 from ..scene.display import add_nodes_modifier
 from ..scene.ownership import check_free
 from . import shape_keys, timeline
@@ -82,29 +83,28 @@ def always_show(obj: Object) -> None:
         bpy.data.actions.remove(action)
 
 
-def enter(collection: Collection) -> None:
+def enter(cage_set: CageSet) -> None:
     """Hides the originals of an output before and after its result, and shows the moving copy instead.
 
     Around inner cages the drawing does not move; in another scene without the cages it stays as it is.
     """
-    if record.of(collection).playing:
-        leave(collection)
-    frames, fine = timeline.frames_of(collection), ownership.member(collection, 0)
-    if frames is None or fine is None or ownership.is_bound(collection) or ownership.is_inside(collection):
+    if cage_set.record.playing:
+        leave(cage_set)
+    frames, fine = timeline.frames_of(cage_set), cage_set.fine
+    if frames is None or fine is None or cage_set.bound or cage_set.inside:
         return
     first, result, _ = frames
     playing = [(first - 1, False), (first, True), (result, False)]
-    source = ownership.source_of(collection)
+    source = cage_set.source
     if source is not None and _is_elsewhere(source, fine):
         return
-    cage_set = record.of(collection)
-    cage_set.playing = True
+    cage_set.record.playing = True
     action = shape_keys.new_action(source.name if source is not None else fine.name)
-    for part in cage_set.sources:
-        if ownership.exists(part.object) and is_free(part.object):
+    for part in cage_set.references:
+        if record.exists(part.object) and is_free(part.object):
             part.hidden = True
             switch(part.object, playing, action)
-    copy = make_copy(collection, fine, source)
+    copy = make_copy(fine, source)
     switch(copy, [(frame, not hidden) for frame, hidden in playing], action)
 
 
@@ -113,20 +113,18 @@ def _is_elsewhere(source: Object, fine: Object) -> bool:
     return any(s.objects.get(source.name) == source and s.objects.get(fine.name) != fine for s in bpy.data.scenes)
 
 
-def leave(*collections: Collection) -> None:
+def leave(*sets: CageSet) -> None:
     """Shows the originals of outputs again and removes the moving copies."""
     actions: list[bpy.types.Action | None] = []
-    shown = set()
-    for collection in collections:
-        cage_set = record.of(collection)
-        for part in cage_set.sources:
-            if part.hidden and ownership.exists(part.object):
+    copies: list[Object] = []
+    for cage_set in sets:
+        for part in cage_set.references:
+            if part.hidden and record.exists(part.object):
                 actions.append(detach(part.object))
             part.hidden = False
-        cage_set.playing = False
-        shown.add(ownership.member(collection, 0))
-    shown.discard(None)
-    copies = [obj for obj in bpy.data.objects if obj.parent in shown and record.shown(obj, record.FILL) == obj.parent]
+        if cage_set.record.playing:
+            cage_set.record.playing = False
+        copies += [obj for fine in cage_set.members[:1] for obj in record.helpers_of(fine, record.FILL)]
     for copy in copies:
         for modifier in list(copy.modifiers):
             display.remove_modifier(copy, modifier)
@@ -134,7 +132,7 @@ def leave(*collections: Collection) -> None:
     shape_keys.discard(copies, meshes, actions)
 
 
-def make_copy(collection: Collection, fine: Object, source: Object | None) -> Object:
+def make_copy(fine: Object, source: Object | None) -> Object:
     """A new object that fills the outline of `fine`, next to the drawing that it stands for."""
     name = f"{source.name if source is not None else fine.name} Moving"
     mesh = bpy.data.meshes.new(name)
@@ -145,7 +143,7 @@ def make_copy(collection: Collection, fine: Object, source: Object | None) -> Ob
     copy.hide_select = True
     if source is not None:
         copy.color = source.color
-    for home in (source.users_collection if source is not None else ()) or (collection,):
+    for home in (source.users_collection if source is not None else ()) or fine.users_collection:
         home.objects.link(copy)
     material = main_material(source) if source is not None else None
     add_nodes_modifier(copy, display.FILL, display.group(display.FILL), {"Object": fine, "Material": material})
@@ -180,32 +178,31 @@ def _of_strokes(material: bpy.types.Material) -> bpy.types.Material:
     return fill
 
 
-def is_animated(collection: Collection) -> bool:
-    """Whether the steps of an output collection play."""
-    meshes = [obj.data for obj in ownership.members(collection) if obj.type == "MESH"]
+def is_animated(cage_set: CageSet) -> bool:
+    """Whether the steps of a set play."""
+    meshes = [obj.data for obj in cage_set.members if obj.type == "MESH"]
     return any(shape_keys.action_of(mesh.shape_keys) is not None for mesh in meshes)
 
 
-def remove(scene: Scene, collection: Collection) -> None:
+def remove(scene: Scene, cage_set: CageSet) -> None:
     """Removes the steps, their keyframes and markers; the fine mesh, the cages, other keys and animation stay.
 
     Raises: UserError.
     """
-    if ownership.is_bound(collection):
-        raise UserError(f"'{collection.name}' is bound to its cages, which turns off the animation: unbind it first")
-    check_free(ownership.members(collection))
-    if not is_animated(collection):
-        raise UserError(f"'{collection.name}' has no animation")
-    end(scene, collection)
-    record.of(collection).moving = False
-    record.keep(collection)
+    if cage_set.bound:
+        raise UserError(f"'{cage_set.name}' is bound to its cages, which turns off the animation: unbind it first")
+    check_free(cage_set.members)
+    if not is_animated(cage_set):
+        raise UserError(f"'{cage_set.name}' has no animation")
+    end(scene, cage_set)
+    cage_set.record.moving = False
 
 
-def end(scene: Scene, collection: Collection) -> None:
+def end(scene: Scene, cage_set: CageSet) -> None:
     """Removes what plays of an output, and what its objects say about it."""
-    leave(collection)
-    timeline.settle(scene, timeline.stop_playing(scene, collection))
-    for obj in ownership.members(collection):
+    leave(cage_set)
+    timeline.settle(scene, timeline.stop_playing(cage_set))
+    for obj in cage_set.members:
         shape_keys.remove_steps(obj)
         always_show(obj)
         for name in ("phases", "frames"):

@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import bpy
 import numpy as np
-from bpy.types import Collection, Context, Object
+from bpy.types import Context, Object
+from mathutils import Matrix
 
 from .. import keys, record
 from ..animation import visibility
@@ -21,10 +22,11 @@ from ..animation.shape_keys import remove_mesh
 from ..core import blamed, core, tasks
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
+from ..record import CageSet
 from ..rigging.pose import unshaped
-from ..scene import display, filling, ownership, placement
+from ..scene import display, filling, placement
 from ..scene.areas import paints
-from ..scene.ownership import check_free, scene_of
+from ..scene.ownership import check_free
 from ..scene.plane import PLANARITY, scale_of, size, space_to_space, transform
 from . import bound_meshes, field
 
@@ -69,9 +71,9 @@ def in_step(context: Context, works: Iterable[Work[Binding]]) -> Work[list[Bindi
     return [results[number] for number in sorted(results)]
 
 
-def bind(context: Context, collection: Collection, method: str = "AUTO") -> Binding:
+def bind(context: Context, cage_set: CageSet, method: str = "AUTO") -> Binding:
     """Makes every level of an output collection follow the next one. Raises: UserError, with nothing changed."""
-    return _alone(context, steps(context, collection, method))
+    return _alone(context, steps(context, cage_set, method))
 
 
 def _alone(context: Context, work: Work[Binding]) -> Binding:
@@ -81,102 +83,99 @@ def _alone(context: Context, work: Work[Binding]) -> Binding:
     return made
 
 
-def steps(context: Context, collection: Collection, method: str) -> Work[Binding]:
+def steps(context: Context, cage_set: CageSet, method: str) -> Work[Binding]:
     """The same, as a work for `in_step`."""
-    levels = _levels(context, collection)
+    levels = _levels(context, cage_set)
     yield Progress(0.0, STAGE)
     try:
-        visibility.leave(collection)
+        visibility.leave(cage_set)
         for obj in levels:
             bound_meshes.park(obj)
         yield Progress(1.0 / 5.0, STAGE)
         bound_meshes.fill(levels)
-        return (yield from _connect(context, collection, levels, method))
+        return (yield from _connect(context, cage_set, levels, method))
     except BaseException:
-        unbind(collection)
+        unbind(cage_set)
         display.remove_unused()
         raise
 
 
-def rebind(context: Context, collection: Collection, method: str = "AUTO") -> Work[Binding]:
+def rebind(context: Context, cage_set: CageSet, method: str = "AUTO") -> Work[Binding]:
     """Binds again, with the current vertices and transforms of cages and drawing. Raises: UserError.
 
     Bound objects return to their own shapes first. If the cages do not enclose these, nothing is changed. It can be
     cancelled until the first change.
     """
-    levels = _levels(context, collection)
+    levels = _levels(context, cage_set)
     for done, (inner, cage) in enumerate(pairwise(levels)):
         yield Progress(done / len(levels), f"checking '{cage.name}'")
         _check_enclosed(inner, cage)
     yield Progress(1.0 - 1.0 / len(levels), STAGE)
-    _disconnect(collection, levels)
+    _disconnect(cage_set, levels)
     bound_meshes.fill(levels)
-    return _alone(context, _connect(context, collection, levels, method))
+    return _alone(context, _connect(context, cage_set, levels, method))
 
 
-def newcomers(context: Context, collection: Collection) -> list[Object]:
+def newcomers(context: Context, cage_set: CageSet) -> list[Object]:
     """The selected drawings without cages of their own that a bound output can take along."""
     return [
         obj
         for obj in context.selected_objects
-        if paints(obj) and field.followed(obj) is None and ownership.level_of(obj) is None
-        if not ownership.outputs_about(scene_of(context), obj)
+        if paints(obj) and field.followed(obj) is None and record.level_of(obj) is None
+        if not CageSet.all_of(obj)
     ]
 
 
-def take_in(context: Context, collection: Collection) -> Work[Binding]:
+def take_in(context: Context, cage_set: CageSet) -> Work[Binding]:
     """Makes the selected drawings follow the cages of a bound output as well. Raises: UserError."""
-    cage = ownership.members(collection)[1]
-    made = field.field_of(cage)
+    parts, finest, coarsest = newcomers(context, cage_set), cage_set.cages[0], cage_set.cages[-1]
+    made = field.field_of(finest)
     assert made is not None
-    parts = newcomers(context, collection)
-    coarsest = ownership.members(collection)[-1]
+    space = placement.carrier_of(made)[0] or made
     armature = next((m.object for m in coarsest.modifiers if isinstance(m, bpy.types.ArmatureModifier)), None)
     for part in parts:
-        field.follow(part, made, in_place=False)
+        field.follow(part, finest, space)
         if armature is not None:
             placement.attach(part, armature)
-    sources = record.of(collection).sources
-    record.refer(sources, [*(each.object for each in sources if each.object is not None), *parts])
-    record.keep(collection)
+    cage_set.join(*parts)
     yield from ()
     return Binding(0.0, f"{_named(parts)} bound, with what is in the cages already")
 
 
-def unbind(collection: Collection) -> list[str]:
+def unbind(cage_set: CageSet) -> list[str]:
     """Restores the state before binding, with the artist's later work but poses of vertices; returns what is lost."""
-    levels = ownership.members(collection)
-    _disconnect(collection, levels)
+    levels = cage_set.members
+    _disconnect(cage_set, levels)
     lost = [f"'{obj.name}': {what} could not be kept" for obj in levels for what in bound_meshes.unpark(obj)]
-    record.bind(collection, "")
-    visibility.enter(collection)
+    cage_set.record.bound = ""
+    visibility.enter(cage_set)
     return lost
 
 
-def forget(collection: Collection) -> str:
+def forget(cage_set: CageSet) -> str:
     """Removes the remains of a binding from output written again; returns the method it was bound by, or nothing."""
-    if not ownership.is_bound(collection):
+    method = cage_set.bound
+    if not method:
         return ""
-    levels = ownership.members(collection)
-    _disconnect(collection, levels, lines_back=False)
+    levels = cage_set.members
+    _disconnect(cage_set, levels, lines_back=False)
     for obj in levels:
         before = record.before(obj)
         record.set_before(obj, record.Before())
         if before.mesh is not None:
             remove_mesh(before.mesh)
-    method = str(record.of(collection).bound)
-    record.bind(collection, "")
+    cage_set.record.bound = ""
     return method
 
 
-def _levels(context: Context, collection: Collection) -> list[Object]:
-    levels = ownership.members(collection)
-    if len(levels) < 2:
-        raise UserError(f"'{collection.name}' has no cages: generate some first")
+def _levels(context: Context, cage_set: CageSet) -> list[Object]:
+    levels = cage_set.members
+    if cage_set.fine is None:
+        raise UserError(f"The fine mesh of '{cage_set.name}' was deleted: generate them again")
     check_free(levels)
     for obj in levels:
         if obj.name not in context.view_layer.objects:
-            raise UserError(f"'{obj.name}' is not in this view layer: tick its collection in the Outliner")
+            raise UserError(f"'{obj.name}' is not in this view layer: tick its cage_set in the Outliner")
     return levels
 
 
@@ -200,30 +199,34 @@ def _check_enclosed(inner: Object, cage: Object) -> core.Certificate:
     return certificate
 
 
-def _connect(context: Context, collection: Collection, levels: list[Object], method: str) -> Work[Binding]:
+def _connect(context: Context, cage_set: CageSet, levels: list[Object], method: str) -> Work[Binding]:
     """Makes a field for each cage, which what is inside follows."""
-    before = record.of(collection).bound
+    before = cage_set.bound
     kind = next((each for each in (method, before) if each in field.NAMES), field.HARMONIC)
-    record.bind(collection, kind)
+    cage_set.record.bound = kind
     yield Progress(2.0 / 5.0, STAGE)
     for inner, cage in pairwise(levels):
         certificate, node = _check_enclosed(inner, cage), record.node_of(cage)
         clearance, excess = float(certificate.clearance) * scale_of(inner), float(certificate.excess)
         if record.is_edited(cage) or not math.isclose(clearance, node.clearance, rel_tol=CHANGED):
             record.restate(cage, clearance, excess)
-    originals = ownership.originals(collection)
-    space = next((obj for obj in originals if obj in context.view_layer.objects[:]), levels[0])
+    originals = cage_set.originals
+    space = next((obj for obj in originals if obj.name in context.view_layer.objects), levels[0])
     with unshaped(levels):
         for inner, cage in pairwise(levels):
-            made = field.make(cage, space, kind)
-            field.follow(inner, made, in_place=inner.matrix_world == made.matrix_world)
+            field.make(cage, space, kind)
+            field.pose(cage, space)
+            there = (
+                Matrix(space_to_space(space, inner).tolist()) if inner.matrix_world != space.matrix_world else Matrix()
+            )
+            field.follow(inner, cage, space, None if inner == levels[0] else there)
         yield Progress(3.0 / 5.0, f"{STAGE}: '{levels[0].name}' follows '{levels[-1].name}'")
         errors = [_error(context, inner) for inner in levels[:-1]]
         yield Progress(4.0 / 5.0, STAGE)
     for obj in levels:
         mesh = filling.mesh_of(obj)
         filling.add_attribute(mesh, keys.REST, "FLOAT_VECTOR", filling.points_of(mesh).astype(np.float32))
-        bound_meshes.take_lines_out(obj, collection)
+        bound_meshes.take_lines_out(obj)
     for obj, error in zip(levels, errors, strict=False):
         record.set_link(obj, field.NAMES[kind], error)
     return Binding(max(errors), _take_along(context, originals, space, levels))
@@ -241,19 +244,18 @@ def _error(context: Context, obj: Object) -> float:
 
 def _take_along(context: Context, originals: list[Object], space: Object, levels: list[Object]) -> str:
     """Makes the drawings follow, instead of the fine mesh if all can; returns which do, and why others do not."""
-    fine, made = levels[0], field.field_of(levels[1])
-    assert made is not None
+    fine, cage = levels[:2]
     problems = [] if originals else [f"The original object was deleted; '{fine.name}' follows"]
     for original in originals:
         try:
             if original.name not in context.view_layer.objects:
                 raise UserError(f"'{original.name}' is not in this view layer")
-            field.follow(original, made, in_place=original == space)
+            field.follow(original, cage, space)
         except UserError as error:
             problems.append(f"'{fine.name}' follows in place of '{original.name}': {error}")
     if not problems:
         fine.hide_set(True)
-    followers = [original for original in originals if field.followed(original) == made]
+    followers = [original for original in originals if field.followed(original) == cage]
     return "; ".join([*([f"{_named(followers)} bound"] if followers else []), *problems])
 
 
@@ -262,22 +264,23 @@ def _named(objects: Sequence[Object]) -> str:
     return ", ".join(f"'{o.name}'" for o in objects) if len(objects) <= MAX_NAMES else counted(len(objects), "drawing")
 
 
-def _disconnect(collection: Collection, levels: list[Object], *, lines_back: bool = True) -> None:
-    fields = ownership.helpers(collection)
+def _disconnect(cage_set: CageSet, levels: list[Object], *, lines_back: bool = True) -> None:
+    """Lets go what follows the cages of a set, and removes their fields."""
     for obj in levels:
         field.release(obj)
+        field.unpose(obj)
         display.render_lines(obj, True)
         record.set_link(obj, "", 0.0)
-    for obj in [
-        obj for obj in bpy.data.objects if field.followed(obj) in fields and not record.is_helper(obj, record.PROXY)
-    ]:
-        field.release(obj)
-    for helper in fields:
-        owner, thickness = record.lines_of(helper)
-        if lines_back and owner is not None:
-            display.set_thickness(owner, thickness)
-        mesh = filling.mesh_of(helper)
-        for modifier in list(helper.modifiers):
-            display.remove_modifier(helper, modifier)
-        bpy.data.objects.remove(helper)
-        remove_mesh(mesh)
+    for obj in [obj for obj in bpy.data.objects if record.has_node(obj) and not record.is_helper(obj, record.PROXY)]:
+        if field.followed(obj) in levels:
+            field.release(obj)
+    for owner in levels:
+        for helper in record.helpers_of(owner, record.FIELD, record.LINES):
+            if lines_back and record.is_helper(helper, record.LINES):
+                display.set_thickness(owner, record.node_of(helper).thickness)
+            record.drop(record.new_node(owner).helpers, [helper])
+            mesh = filling.mesh_of(helper)
+            for modifier in list(helper.modifiers):
+                display.remove_modifier(helper, modifier)
+            bpy.data.objects.remove(helper)
+            remove_mesh(mesh)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 
 import bpy
-from bpy.types import Collection, Object
+from bpy.types import Object
 
 from .. import record
 from ..animation import visibility
@@ -57,7 +57,7 @@ def fill(levels: list[Object]) -> None:
         cage.hide_render = True  # as wires they did not show in renders
 
 
-def take_lines_out(obj: Object, collection: Collection) -> None:
+def take_lines_out(obj: Object) -> None:
     """Moves thick lines to a helper object, because followers of an object need its plain shape in renders."""
     display.render_lines(obj, False)
     thickness = display.thickness_of(obj)
@@ -69,7 +69,8 @@ def take_lines_out(obj: Object, collection: Collection) -> None:
     record.make_helper(helper, record.LINES, obj, thickness)
     helper.hide_viewport = helper.hide_select = True
     helper.parent = obj
-    collection.objects.link(helper)
+    for collection in obj.users_collection:
+        collection.objects.link(helper)
     display.add_nodes_modifier(helper, display.EDGES, display.group(display.EDGES), {"Object": obj})
     helper.color = obj.color
     display.set_thickness(helper, thickness)

@@ -1,14 +1,18 @@
-"""The field of a cage: a hidden mesh that carries the cage's motion, and whatever follows it by one modifier."""
+"""The field of a cage: a hidden mesh with weights of the cage's corners, and what follows both by one modifier.
+
+The modifier reads the cage itself, and the field refers to nothing: copies follow their own cages at once.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import AbstractContextManager
-from typing import Final
+from typing import Any, Final
 
 import bpy
 import numpy as np
 from bpy.types import Mesh, Object
+from mathutils import Matrix
 
 from .. import keys, record
 from ..core import core, remembered
@@ -25,8 +29,9 @@ NAMES = {HARMONIC: "Harmonic Coordinates", LINEAR: "Linear Coordinates"}
 MAX_WEIGHTS = 1_000_000
 # Bytes of a field per vertex of its cage, for the memory.
 FIELD_BYTES = 20_000
-# The modifier of all that follows a field.
+# The modifier of all that follows a cage, and its node groups: by triangles alone, or by weights.
 FOLLOW = "Nested Cages Follow"
+FOLLOWERS = (display.FOLLOW_PLAIN, display.FOLLOW)
 # Edges of a picture are halved until those of its outline are shorter than this fraction of its size, so that it bends;
 # at most this often.
 BENDING_PART, MAX_HALVINGS = 1.0 / 32.0, 5
@@ -35,7 +40,7 @@ UNMOVED = 1e-6
 
 
 def make(cage: Object, space: Object, method: str) -> Object:
-    """The field of a filled cage, a new hidden object in the space of another one, which carries it. Raises: UserError.
+    """The field of a filled cage, a new hidden object with a mesh in the space of another one. Raises: UserError.
 
     Where weights would be too many, it is the cage's own triangles alone.
     """
@@ -47,10 +52,10 @@ def make(cage: Object, space: Object, method: str) -> Object:
         "field", outline.vertices, outline.edges, sampling,
     )  # fmt: skip
     if field.weights.size > MAX_WEIGHTS:
-        data, shows = filling.filled(name, _in(space, cage, corners), outline), display.SAME
+        data = filling.filled(name, _in(space, cage, corners), outline)
     else:
         height = np.full(len(field.vertices), corners[0, 2])
-        places, shows = _in(space, cage, np.column_stack([field.vertices, height])), display.WEIGHTED
+        places = _in(space, cage, np.column_stack([field.vertices, height]))
         data = filling.new_mesh(name, places, faces=field.triangles)
         for number, weights in enumerate(field.weights.T.astype(np.float32)):
             filling.add_attribute(data, f"{keys.WEIGHT}{number}", "FLOAT", weights)
@@ -61,18 +66,48 @@ def make(cage: Object, space: Object, method: str) -> Object:
     for collection in cage.users_collection:
         collection.objects.link(made)
     placement.carry(made, space)
-    display.add_nodes_modifier(made, shows, display.group(shows), {"Object": cage})
     return made
 
 
-def follow(obj: Object, field: Object, *, in_place: bool) -> None:
-    """Makes an object follow a field, and no other, by a modifier after its others. Raises: UserError.
+def pose(cage: Object, space: Object) -> None:
+    """Lets a cage know where it is in the space of a drawing, by a modifier after all others.
 
-    in_place: the field is in the object's own space, so that copies and instances elsewhere show the same.
+    Drivers read the drawing's matrix: a reference to the drawing, which follows the cage, would be a circle.
+    """
+    unpose(cage)
+    modifier = display.add_nodes_modifier(cage, display.POSE, display.group(display.POSE))
+    modifier.use_pin_to_last = True
+    for column, name in enumerate(display.COLUMNS):
+        for row in range(3):
+            driver = cage.driver_add(display.path_of(modifier, name), row).driver
+            driver.type = "AVERAGE"
+            variable = driver.variables.new()
+            variable.targets[0].id, variable.targets[0].data_path = space, f"matrix_world[{column}][{row}]"
+
+
+def unpose(cage: Object) -> None:
+    """Removes what `pose` has added."""
+    modifier = display.nodes_modifier(cage, display.POSE)
+    if modifier is None:
+        return
+    for name in display.COLUMNS:
+        cage.driver_remove(display.path_of(modifier, name), -1)
+    display.remove_modifier(cage, modifier)
+    data = cage.animation_data
+    if data is not None and data.action is None and not len(data.drivers) and not len(data.nla_tracks):
+        cage.animation_data_clear()
+
+
+def follow(obj: Object, cage: Object, space: Object, offset: Matrix | None = None) -> None:
+    """Makes an object follow a cage, and no other, by a modifier after its others. Raises: UserError.
+
+    space: the object in whose space the cage's field is; offset: the matrix into it if that stays as it is, as with a
+    cage, which must not depend on a drawing.
     """
     if problem := why_not(obj):
         raise UserError(problem)
     release(obj)
+    in_place = obj == space
     if instances_collection(obj):  # empties cannot bend: a new object shows the collection
         empty, name = obj, f"{obj.name} Bound"
         obj = bpy.data.objects.new(name, bpy.data.meshes.new(name))
@@ -81,18 +116,25 @@ def follow(obj: Object, field: Object, *, in_place: bool) -> None:
             home.objects.link(obj)
         obj.parent = empty
         empty.instance_type = "NONE"
-    inputs = {"Object": field, "In Place": in_place, "Subdivide": _halvings(obj)}
+    shows = field_of(cage)
+    assert shows is not None
+    kind = FOLLOWERS[f"{keys.WEIGHT}0" in filling.mesh_of(shows).attributes]
+    inputs: dict[str, Any] = {"Cage": cage, "Field": shows, "Subdivide": _halvings(obj)}
+    if not in_place and offset is None:
+        inputs["Space"] = space
     shown = record.shown(obj, record.PROXY)
     if shown is not None:
         inputs["Collection"] = shown.instance_collection
-    display.add_nodes_modifier(obj, FOLLOW, display.group(display.FOLLOW), inputs)
+    modifier = display.add_nodes_modifier(obj, FOLLOW, display.group(kind), inputs)
+    if offset is not None:
+        display.set_matrix(modifier, offset)
 
 
-def leave_place(obj: Object) -> None:
-    """Notes of a drawing that follows a field that this is no longer in its own space: not after Apply Scale."""
-    modifier = display.nodes_modifier(shown_by(obj), FOLLOW)
-    if modifier is not None and display.get_input(modifier, "In Place"):
-        display.set_input(modifier, "In Place", False)
+def move_offset(obj: Object, back: Matrix) -> None:
+    """Keeps a cage where it follows while the space of its drawing changes; back: from the one before to this one."""
+    modifier = display.nodes_modifier(obj, FOLLOW)
+    if modifier is not None and followed(obj) is not None:
+        display.set_matrix(modifier, back @ display.matrix_in(modifier))
         obj.update_tag()
 
 
@@ -111,17 +153,18 @@ def why_not(obj: Object) -> str:
 
 
 def field_of(cage: Object) -> Object | None:
-    """The field of a cage."""
-    return next((obj for obj in bpy.data.objects if record.shown(obj, record.FIELD) == cage), None)
+    """The field of a cage; a copy shares that of the original."""
+    helpers = record.objects_in(record.node_of(cage).helpers)
+    return next((obj for obj in helpers if record.is_helper(obj, record.FIELD)), None)
 
 
 def followed(obj: Object) -> Object | None:
-    """The field that an object follows, or the object that shows what it instances."""
+    """The cage that an object follows, or the object that shows what it instances."""
     modifier = display.nodes_modifier(shown_by(obj), FOLLOW)
     # A group that was appended to a file with its own has a number after its name.
-    if modifier is None or modifier.node_group is None or modifier.node_group.name.partition(".")[0] != display.FOLLOW:
+    if modifier is None or modifier.node_group is None or modifier.node_group.name.partition(".")[0] not in FOLLOWERS:
         return None
-    return display.get_input(modifier, "Object")
+    return display.get_input(modifier, "Cage")
 
 
 def shown_by(obj: Object) -> Object:
@@ -130,10 +173,8 @@ def shown_by(obj: Object) -> Object:
 
 
 def _proxies(obj: Object) -> list[Object]:
-    """The objects that show what an empty instances; to tell the children of any object takes a pass over the file."""
-    if obj.type != "EMPTY":
-        return []
-    return [child for child in obj.children if record.shown(child, record.PROXY) == obj]
+    """The objects that show what an empty instances."""
+    return record.helpers_of(obj, record.PROXY)
 
 
 def release(obj: Object) -> None:

@@ -1,6 +1,4 @@
-"""Before a file is saved, sets of which all that is seen was deleted are removed: their pointers to each other would
-keep them in the file for ever.
-"""
+"""Before a file is saved, what was deleted is let go: pointers to it would keep it in the file for ever."""
 
 from __future__ import annotations
 
@@ -11,52 +9,100 @@ from bpy.types import Collection, Object
 
 from .. import record
 from ..animation import shape_keys, timeline, visibility
-from ..scene import display, filling, ownership
+from ..record import CageSet
+from ..scene import display, placement
+from .copies import complete
 
 
 def sweep() -> None:
-    """Removes the hidden objects of these sets, and what was deleted, unless something else uses it."""
-    homes = (*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes))
-    there = {obj for home in homes for obj in home.objects}  # instances show collections that are in no scene
-    nodes = {obj: record.node_of(obj) for obj in bpy.data.objects if record.has_node(obj)}
-    gone = {obj for obj in nodes if obj not in there and not obj.use_fake_user and obj.library is None}
-    for collection in [each for each in bpy.data.collections if ownership.is_output(each) and each.is_editable]:
-        cage_set = record.of(collection)
-        levels = [part.object for part in cage_set.levels]
-        drawings = [part.object for part in cage_set.sources if part.object is not None]
-        drawings += [obj for drawing in drawings for obj in record.shown_in(drawing)]
-        copies = [obj for obj, node in nodes.items() if node.home == collection and obj not in levels]
-        if gone.issuperset({*drawings, *levels[1:], *copies} - {None}):
-            _remove(collection, [obj for obj in levels[:1] if obj is not None and obj not in gone])
-    ours = [record.of(each) for each in bpy.data.collections if ownership.is_output(each)]
-    listed = {part.object for cage_set in ours for items in (cage_set.sources, cage_set.levels) for part in items}
-    dead = gone - listed
-    for obj in dead:
-        record.set_before(obj, record.Before())
-        record.remove(obj)
-    used = bpy.data.user_map(subset=dead) if dead else {}
-    bpy.data.batch_remove([obj for obj, users in used.items() if users <= dead])
+    """Removes deleted drawings, cages and helpers, and what is left of sets without any, unless something uses it.
 
-
-def _remove(collection: Collection, fine: list[Object]) -> None:
-    """Removes what is left of a set."""
-    dropped = timeline.stop_playing(bpy.data.scenes[0], collection)
-    visibility.leave(collection)
-    cage_set = record.of(collection)
-    own = {part.object for items in (cage_set.levels, cage_set.sources) for part in items} - {None}
-    helpers = [obj for obj in bpy.data.objects if record.shown(obj, record.FIELD, record.LINES, record.PROXY) in own]
-    hidden = [*fine, *helpers]
-    meshes = [*map(filling.mesh_of, hidden), *filter(None, (record.before(obj).mesh for obj in own))]
-    for obj in hidden:
+    The fine mesh stays as long as its set, and so do all cages of a bound one: what is in them still follows them.
+    """
+    if not _deleted():
+        return
+    complete()  # what is shared with copies may go
+    gone, drawers, left = _deleted(), set[Collection](), set[Object]()
+    for cage_set in _sets():
+        if gone.issuperset({*cage_set.chain(), *cage_set.drawings()}):
+            left |= _left_of(cage_set, drawers)
+    gone = _deleted() | left
+    for cage_set in _sets():
+        if not gone.issuperset(cage_set.chain()):
+            gone -= {record.node_of(cage_set.finest).inner}
+            if cage_set.bound:
+                gone.difference_update(cage_set.chain())
+        if cage_set.finest in gone:
+            _hand_over(cage_set, gone)
+    for obj in gone:
+        _bridge(obj)
         for modifier in list(obj.modifiers):
             display.remove_modifier(obj, modifier)
-    cage_set.levels.clear()
-    cage_set.sources.clear()
-    shape_keys.discard(hidden, meshes, [])
-    if not len(collection.all_objects):
-        bpy.data.collections.remove(collection)
+        record.remove(obj)
+    for obj in [obj for obj in bpy.data.objects if record.has_node(obj) and obj not in gone]:
+        node = record.new_node(obj)
+        for items in (node.sets, node.parts, node.helpers, node.record.parts):
+            if not gone.isdisjoint(record.objects_in(items)):
+                record.drop(items, list(gone))
+        if placement.carrier_of(obj)[0] in gone and obj.is_editable:
+            place = obj.matrix_world.copy()
+            placement.carry(obj, None)
+            obj.matrix_world = place
+    users = bpy.data.user_map(subset=gone)
+    unused = [obj for obj in gone if users[obj] <= gone | drawers | set(bpy.data.scenes)]
+    shape_keys.discard(unused, [obj.data for obj in unused if isinstance(obj.data, bpy.types.Mesh)], [])
+    for home in [home for home in drawers if not len(home.all_objects)]:
+        bpy.data.collections.remove(home)
+    record.forget_sets()
+
+
+def _deleted() -> set[Object]:
+    """Objects that are or were in a set, and are in no collection any more."""
+    homes = (*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes))
+    there = {obj for home in homes for obj in home.objects}  # instances show collections that are in no scene
+    ours = [obj for obj in bpy.data.objects if record.has_node(obj) and obj not in there]
+    return {obj for obj in ours if not obj.use_fake_user and obj.library is None}
+
+
+def _sets() -> list[CageSet]:
+    """All chains, also of deleted cages."""
+    return [CageSet(obj) for obj in bpy.data.objects if record.is_finest(obj)]
+
+
+def _left_of(cage_set: CageSet, drawers: set[Collection]) -> set[Object]:
+    """The hidden objects of a set of which all that is seen was deleted, without their animation."""
+    fine = record.node_of(cage_set.finest).inner
+    if fine is None or record.node_of(fine).outer != cage_set.finest:
+        return set()
+    visibility.leave(cage_set)
+    dropped = timeline.stop_playing(cage_set)
     for scene in bpy.data.scenes:
         timeline.settle(scene, dropped)
+    drawers.update(fine.users_collection)
+    roles, owners = (record.FIELD, record.LINES, record.PROXY), (fine, *cage_set.chain(), *cage_set.drawings())
+    helpers = [each for obj in owners for each in record.helpers_of(obj, *roles)]
+    return {fine, *helpers}
+
+
+def _hand_over(cage_set: CageSet, gone: set[Object]) -> None:
+    """Moves the record of a set whose finest cage was deleted to the next one."""
+    heir = next((cage for cage in cage_set.chain() if cage not in gone), None)
+    if heir is not None:
+        drawings = cage_set.drawings()
+        record.assign(record.new_node(heir).record, record.values(cage_set.record))
+        for obj in drawings:
+            if obj.library is None:
+                record.refer(record.new_node(obj).sets, [heir])
+
+
+def _bridge(obj: Object) -> None:
+    """Takes a deleted cage out of its chain."""
+    node = record.node_of(obj)
+    inner, outer = node.inner, node.outer
+    if inner is not None and record.node_of(inner).outer == obj:
+        record.new_node(inner).outer = outer
+    if outer is not None and record.node_of(outer).inner == obj:
+        record.new_node(outer).inner = inner
 
 
 @bpy.app.handlers.persistent  # type: ignore[untyped-decorator]

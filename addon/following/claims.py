@@ -6,13 +6,14 @@ What moves the cages too, as a pose does, is no change of the drawing, and is le
 from __future__ import annotations
 
 import hashlib
+import itertools
 import time
 from collections.abc import Sequence
 from itertools import pairwise
 
 import bpy
 import numpy as np
-from bpy.types import Collection, Context, Object, Scene
+from bpy.types import Context, Object, Scene
 from mathutils import Matrix, Vector
 
 from .. import record
@@ -23,38 +24,37 @@ from ..errors import UserError
 from ..generation.job import LOOK_INTERVAL, Job, Progress, Work, in_window
 from ..generation.verifying import Chain, Finding, Folding, check
 from ..io import silhouettes
+from ..keys import found_object
 from ..notes import note
+from ..record import CageSet
 from ..scene import convert, filling, ownership, placement
 from ..scene.convert import Drawing, Outline
-from ..scene.ownership import scene_of
 from ..scene.plane import Frame, transform, world_matrix
 from . import live
 
 # Points of a drawing that tell whether its transform was applied, and their largest relative error then.
 MAX_CORNERS, UNMOVED = 8, 1e-5
 
-# Names of changed outputs, and the time of the last change.
-_changed: dict[str, float] = {}
+# Session IDs of the finest cages of changed sets, and the time of the last change.
+_changed: dict[int, float] = {}
 # By session ID of drawings: where they stood, and some of their points.
 _stood: dict[int, tuple[Matrix, list[Vector]]] = {}
 
 
 def chain_of(context: Context, objects: Sequence[Object]) -> Chain:
     """The objects with the visible originals of the fine mesh: not those played by a copy, nor followed inexactly."""
-    fine = next((obj for obj in objects if ownership.level_of(obj) == 0), None)
-    collection = ownership.collection_about(scene_of(context), fine) if fine is not None else None
+    fine = next((obj for obj in objects if record.level_of(obj) == 0), None)
+    cage_set = CageSet.of(fine) if fine is not None else None
     if (
         fine is None
-        or collection is None
-        or any(shape_keys.is_step_shown(obj) for obj in objects if ownership.level_of(obj) is not None)
+        or cage_set is None
+        or any(shape_keys.is_step_shown(obj) for obj in objects if record.level_of(obj) is not None)
     ):
         return Chain(objects, folding=_folding(objects))
-    visible = [
-        original for original in ownership.originals(collection) if original not in objects and original.visible_get()
-    ]
+    visible = [original for original in cage_set.originals if original not in objects and original.visible_get()]
     place = objects.index(fine)
-    if not ownership.is_bound(collection):
-        return Chain(objects, [each for each in visible if _is_readable(context, collection, each)], place)
+    if not cage_set.bound:
+        return Chain(objects, [each for each in visible if _is_readable(context, cage_set, each)], place)
     originals = [original for original in visible if field.followed(original) is not None]
     return Chain(objects, originals, place, bool(originals), _displayed, _folding(objects))
 
@@ -62,18 +62,15 @@ def chain_of(context: Context, objects: Sequence[Object]) -> Chain:
 def _folding(objects: Sequence[Object]) -> list[Folding]:
     """The fields that bound objects follow, each with the cage around them."""
     pairs = [(inner, cage, field.field_of(cage)) for inner, cage in pairwise(objects)]
-    return [Folding.of(cage, inner, shows) for inner, cage, shows in pairs if shows and field.followed(inner) == shows]
+    return [Folding.of(cage, inner, shows) for inner, cage, shows in pairs if shows and field.followed(inner) == cage]
 
 
-def _is_readable(context: Context, collection: Collection, obj: Object) -> bool:
+def _is_readable(context: Context, cage_set: CageSet, obj: Object) -> bool:
     """Whether a drawing can be read as it is, or should be: not what had to be closed, nor parts of a silhouette."""
     try:
         convert.read(context, obj)
     except UserError:
-        cage_set = record.of(collection)
-        return (
-            cage_set.known and not cage_set.settings.close_open and any(part.object == obj for part in cage_set.sources)
-        )
+        return cage_set.record.known and not cage_set.settings.close_open and obj in cage_set.parts
     return True
 
 
@@ -111,7 +108,7 @@ def remember(context: Context, checked: Sequence[Object], findings: Sequence[Fin
     for finding in findings:
         outer, inner = by_name[finding.cage], by_name[finding.fine]
         cage = outer if ownership.depth_of(outer) > 0 else inner
-        if ownership.home_of_member(cage) is not None:
+        if record.level_of(cage) is not None:
             if not finding.holds and context.scene.frame_current != finding.frames[1]:
                 context.scene.frame_set(finding.frames[1])  # the whole animation was checked
             _remember(context, cage, finding.holds, finding.note, finding.frames)
@@ -123,7 +120,6 @@ def _remember(context: Context, cage: Object, holds: bool, finding: core.Fault, 
     node.check, node.checked = record.HOLDS if holds else record.FAULT, frames
     node.judged = record.stamp(cage)
     record.set_check(node, finding)
-    record.publish(cage)
 
 
 @bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
@@ -132,9 +128,8 @@ def _on_update(_scene: Scene, depsgraph: bpy.types.Depsgraph) -> None:
     touched = {update.id.original.session_uid: update.is_updated_geometry for update in depsgraph.updates}
     if not touched:
         return
-    for collection in bpy.data.collections:
-        cage_set = record.of(collection)
-        theirs = [part.object for part in cage_set.sources if part.object is not None]
+    for cage_set in CageSet.everywhere():
+        theirs = cage_set.drawings()
         if not theirs:
             continue
         ids = [
@@ -142,24 +137,25 @@ def _on_update(_scene: Scene, depsgraph: bpy.types.Depsgraph) -> None:
         ]
         if theirs[0].session_uid in _stood and touched.keys().isdisjoint(ids):
             continue  # most of many sets, at each move of the mouse
-        cages = {cage.session_uid for cage in ownership.members(collection)[1:]}
+        cages = {cage.session_uid for cage in cage_set.cages}
         for source in theirs:
-            _stay(collection, source)
+            _stay(cage_set, source)
         if cages and any(map(touched.get, ids)) and not any(map(touched.get, cages)):
-            for obj in _carried(collection):
+            for obj in _carried(cage_set):
                 for source in theirs:
                     placement.keep_carried(obj, source)
             if not _changed:
                 Job(_checking(), background=True).start()
-            _changed[collection.name] = time.perf_counter()
+            _changed[cage_set.finest.session_uid] = time.perf_counter()
 
 
-def _carried(collection: Collection) -> list[Object]:
+def _carried(cage_set: CageSet) -> list[Object]:
     """All objects that a drawing carries."""
-    return [*ownership.members(collection), *ownership.helpers(collection)]
+    helpers = (record.helpers_of(cage, record.FIELD, record.LINES) for cage in cage_set.members)
+    return [*cage_set.members, *itertools.chain(*helpers)]
 
 
-def _stay(collection: Collection, source: Object) -> None:
+def _stay(cage_set: CageSet, source: Object) -> None:
     """Leaves cages in place when a transform of their drawing was applied, or its origin set: its points stay too."""
     before, now = _stood.get(source.session_uid), (source.matrix_world.copy(), _corners(source))
     _stood[source.session_uid] = now
@@ -170,9 +166,15 @@ def _stay(collection: Collection, source: Object) -> None:
     if any((one - other).length > UNMOVED * size for one, other in zip(there, here, strict=True)):
         return
     back = now[0].inverted_safe() @ before[0]
-    for obj in _carried(collection):
-        placement.rebase(obj, source, back)
-    field.leave_place(source)
+    for obj in _carried(cage_set):
+        if record.is_helper(obj, record.FIELD) and placement.carrier_of(obj)[0] == source:
+            filling.mesh_of(obj).transform(back)  # it is in the drawing's own space
+            placement.carry(obj, source)
+        else:
+            placement.rebase(obj, source, back)
+    if source == cage_set.source:
+        for cage in cage_set.cages:
+            field.move_offset(cage, back)
 
 
 def _corners(obj: Object) -> list[Vector]:
@@ -192,11 +194,11 @@ def _checking() -> Work[None]:
             yield from check_changed(live.REST)
             windows = bpy.context.window_manager.windows
             shown = {each.scene for each in windows} or {bpy.context.scene}
-            for name in list(_changed):
-                collection = bpy.data.collections.get(name)
-                source = ownership.source_of(collection) if collection is not None else None
+            for identity in list(_changed):
+                finest = found_object(identity)
+                source = CageSet(finest).source if finest is not None else None
                 if source is None or all(scene.objects.get(source.name) != source for scene in shown):
-                    del _changed[name]
+                    del _changed[identity]
     finally:
         _changed.clear()
 
@@ -206,46 +208,50 @@ def check_changed(rested: float = 0.0) -> Work[None]:
     stores what is wrong.
     """
     now = time.perf_counter()
-    for name in [name for name, when in _changed.items() if now - when >= rested]:
+    for identity in [identity for identity, when in _changed.items() if now - when >= rested]:
         windows = bpy.context.window_manager.windows
         for window in {each.scene: each for each in windows}.values() if len(windows) else (None,):
             with in_window(window):
-                _check_changed(bpy.context, name)
+                _check_changed(bpy.context, identity)
         yield Progress(0.0, "", LOOK_INTERVAL)
 
 
-def _check_changed(context: Context, name: str) -> None:
-    following, collection = live.current(), bpy.data.collections.get(name)
-    source = ownership.source_of(collection) if collection is not None else None
+def _check_changed(context: Context, identity: int) -> None:
+    following, finest = live.current(), found_object(identity)
+    cage_set = CageSet(finest) if finest is not None else None
+    source = cage_set.source if cage_set is not None else None
     if (
-        name not in _changed
-        or collection is None
+        identity not in _changed
+        or cage_set is None
+        or not cage_set.counts
         or source is None
         or source.mode == "EDIT"  # checked when it is left
         or context.scene.objects.get(source.name) != source  # maybe in another window
     ):
         return
-    del _changed[name]
+    del _changed[identity]
     if following is None or following.identity != source.session_uid:
-        _check(context, collection)
+        _check(context, cage_set)
 
 
-def changed_since(when: float) -> set[str]:
-    """Names of outputs whose drawing has changed since then."""
-    return {name for name, changed in _changed.items() if changed >= when}
+def changed_since(when: float) -> set[int]:
+    """Session IDs of the finest cages of sets whose drawing has changed since then."""
+    return {identity for identity, changed in _changed.items() if changed >= when}
 
 
-def certified(collections: Sequence[Collection], edited: set[str]) -> None:
+def certified(sets: Sequence[CageSet], edited: set[int]) -> None:
     """What was just made needs no check, although Blender took its drawing for changed while it was shown again;
-    edited: names of outputs whose drawing has changed since it was read.
+    edited: session IDs of finest cages of sets whose drawing has changed since it was read.
     """
-    for collection in collections:
-        if collection.name not in edited:
-            _changed.pop(collection.name, None)
+    for cage_set in sets:
+        if cage_set.finest.session_uid not in edited:
+            _changed.pop(cage_set.finest.session_uid, None)
 
 
-def _check(context: Context, collection: Collection) -> None:
-    fine, cage = ownership.members(collection)[:2]
+def _check(context: Context, cage_set: CageSet) -> None:
+    fine, cage = cage_set.fine, cage_set.finest
+    if fine is None or not record.exists(cage):
+        return
     known = record.node_of(cage).check != "NONE"
     try:
         chain = chain_of(context, sorted([fine, cage], key=ownership.depth_of))

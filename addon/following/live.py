@@ -14,7 +14,7 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.types import Collection, Object, Scene
+from bpy.types import Object, Scene
 
 from .. import record
 from ..animation import visibility
@@ -24,7 +24,8 @@ from ..generation.generate import STORED, Generation, Options, Request
 from ..generation.job import LOOK_INTERVAL, Job, Progress, Work
 from ..generation.levels import wanted_levels
 from ..keys import found_object
-from ..scene import filling, ownership
+from ..record import CageSet
+from ..scene import filling
 from ..scene.convert import Drawing, ReadingOptions
 from ..scene.ownership import scene_again, scene_of
 from ..scene.plane import scale_of
@@ -81,19 +82,19 @@ class Live:
                 self._changed()
             yield Progress(0.0, "", LOOK_INTERVAL)
 
-    def _followed(self) -> tuple[Object, Collection] | None:
+    def _followed(self) -> tuple[Object, CageSet] | None:
         """The drawing and the output that follows it; None if that has ended."""
         scene, source = bpy.data.scenes.get(self.scene), found_object(self.identity)
-        collection = ownership.collection_of(scene, source) if scene is not None and source is not None else None
-        if source is None or collection is None or why_not(collection) or visibility.is_animated(collection):
+        cage_set = CageSet.beside(source) if scene is not None and source is not None else None
+        if source is None or cage_set is None or why_not(cage_set) or visibility.is_animated(cage_set):
             return None
-        return source, collection
+        return source, cage_set
 
-    def _follow(self, source: Object, collection: Collection) -> Work[None]:
+    def _follow(self, source: Object, cage_set: CageSet) -> Work[None]:
         """Updates the cages, or makes them again. Raises: UserError."""
         now = time.perf_counter()
         drawing = drawing_now(bpy.context, source, self.reading)
-        done = self._step(collection, drawing, drawing.mesh(), scale_of(source))
+        done = self._step(cage_set, drawing, drawing.mesh(), scale_of(source))
         self._since = time.perf_counter()
         self.seconds = self._since - now
         self.behind, self.problem = not done, ""
@@ -101,7 +102,7 @@ class Live:
             self._dirty = False
         if done or self._dirty:
             return
-        for progress in self._again(collection, drawing, scale_of(source)):
+        for progress in self._again(cage_set, drawing, scale_of(source)):
             yield progress
             self._changed()
             if self._dirty:  # edited meanwhile
@@ -111,10 +112,10 @@ class Live:
                 raise UserError("Cancelled: edit the drawing, and its cages follow again")
         self.behind = False
 
-    def _step(self, collection: Collection, drawing: Drawing, after: core.Mesh, unit: float) -> bool:
+    def _step(self, cage_set: CageSet, drawing: Drawing, after: core.Mesh, unit: float) -> bool:
         """Moves the cages by one step if necessary; returns whether they enclose the current drawing."""
-        objects = ownership.members(collection)
-        if len(objects) < 2 or any(obj.mode != "OBJECT" for obj in objects):
+        objects = cage_set.members
+        if cage_set.fine is None or any(obj.mode != "OBJECT" for obj in objects):
             return False
         before, *cages = (filling.shape_of(obj) for obj in objects)
         if not np.array_equal(before.edges, after.edges):
@@ -157,9 +158,9 @@ class Live:
         wanted = wanted_levels(levels, fine, (), name, scale) if len(levels) == count else ()
         return [each.level if isinstance(each.level, core.Within) else None for each in wanted] or [None] * count
 
-    def _again(self, collection: Collection, drawing: Drawing, unit: float) -> Work[None]:
+    def _again(self, cage_set: CageSet, drawing: Drawing, unit: float) -> Work[None]:
         """Makes cages again, within the same tolerance or with the same vertex counts as far as possible."""
-        fine, cages = drawing.mesh(), ownership.members(collection)[1:]
+        fine, cages = drawing.mesh(), cage_set.cages
         tolerances = self._tolerances(drawing.name, fine, unit, len(cages))
         levels = tuple(
             tolerance or min(len(fine.vertices), len(filling.mesh_of(obj).vertices))
@@ -172,20 +173,20 @@ class Live:
         writing.write_still(scene_again(self.scene), generation.results[0], self._used)
 
 
-def why_not(collection: Collection) -> str:
+def why_not(cage_set: CageSet) -> str:
     """Why the cages of an output cannot follow edits; empty if they can."""
-    if ownership.is_inside(collection):
+    if cage_set.inside:
         return "Only cages around a drawing follow its edits: make inner cages again with Generate"
-    if not record.of(collection).known:
+    if not cage_set.record.known:
         return "These cages have no settings that they could be made again with: make them with Generate"
-    if len(record.of(collection).sources) > 1:
+    if len(cage_set.parts) > 1:
         return "Several drawings share these cages: make them again with Generate"
-    kinds = record.of(collection).kinds
+    kinds = cage_set.record.kinds
     if kinds:
         return f"These cages are {kinds}, which following edits would undo: make them again with Generate"
-    if ownership.is_bound(collection):
+    if cage_set.bound:
         return "Unbind the drawing from its cages first"
-    if record.of(collection).moving:
+    if cage_set.record.moving:
         return "The cages follow an animation: remove that first"
     return ""
 

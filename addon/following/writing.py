@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from bpy.types import Collection, Scene
+from bpy.types import Scene
 
 from .. import record
 from ..animation import shape_keys
@@ -16,7 +16,7 @@ from ..core import blamed, core, gate
 from ..errors import FloatArray, UserError
 from ..generation import output
 from ..generation.generate import Result
-from ..scene import ownership
+from ..record import CageSet
 from ..scene.convert import Drawing
 from ..scene.plane import Frame, scale_of
 from .moving import Moving
@@ -30,16 +30,16 @@ def write(
         source = result.poses.drawing.source
         if source is None:
             raise UserError(f"'{result.poses.drawing.name}' was deleted meanwhile, so its cages were discarded")
-        earlier = ownership.collection_of(scene, source)
-        if earlier is not None and ownership.is_bound(earlier):
+        earlier = CageSet.beside(source)
+        if earlier is not None and earlier.bound:
             raise UserError(f"'{earlier.name}' is bound to its cages, which move it: unbind it first")
     start = round(float(results[0].poses.frames[0]))
     timing = Timing(start_frame=start, frames_per_step=1, show_flow=False)
-    collections, lost = output.write(
+    sets, lost = output.write(
         scene, [replace(_standing(result), used=used) for result in results], timing, thickness, still=True
     )
-    for collection, result in zip(collections, results, strict=True):
-        _play(collection, result)
+    for cage_set, result in zip(sets, results, strict=True):
+        _play(cage_set, result)
     return lost
 
 
@@ -72,22 +72,21 @@ def _in_world(drawing: Drawing, scale: float) -> Drawing:
     return replace(drawing, frame=Frame(world @ frame.matrix, frame.height, scale, frame.own))
 
 
-def _play(collection: Collection, result: Moving) -> None:
+def _play(cage_set: CageSet, result: Moving) -> None:
     """Keys the shapes of the objects of an output, which are children of the drawing's object."""
     poses = result.poses
-    fine, *cages = ownership.members(collection)
-    action = shape_keys.new_action(collection.name)
+    fine, cages = cage_set.fine, cage_set.cages
+    assert fine is not None
+    action = shape_keys.new_action(cage_set.name)
     shape_keys.add_steps(fine, poses.points.astype(np.float32), poses.frames, "Level 1", action=action)
     for number, (obj, cage) in enumerate(zip(cages, result.cages, strict=True), 1):
         shape_keys.add_steps(obj, cage.cage_steps.astype(np.float32), cage.times, f"Level {number}", action=action)
-        noted, (clearance, excess) = record.node_of(obj), _measures(cage)
+        noted, (clearance, excess) = record.new_node(obj), _measures(cage)
         noted.clearance, noted.certified = clearance * poses.scale, {"MOTION"}
         noted.excess, noted.most = float(np.median(excess)), float(excess.max())
         noted.frames = (round(float(poses.frames[0])), -1, -1, round(float(poses.frames[-1])))
-    cage_set = record.of(collection)
     first, last = round(float(poses.frames[0])), round(float(poses.frames[-1]))
-    cage_set.moving, cage_set.frames = True, (first, last, last)
-    record.keep(collection)
+    cage_set.record.moving, cage_set.record.frames = True, (first, last, last)
 
 
 def write_still(scene: Scene, result: Result, used: dict[str, Any]) -> None:

@@ -1,6 +1,4 @@
-"""Results as objects: one collection per drawing with its fine mesh and one object per cage, in place of earlier
-output.
-"""
+"""Results as objects: per drawing a fine mesh and one object per cage, in a collection, in place of earlier ones."""
 
 from __future__ import annotations
 
@@ -16,16 +14,17 @@ from .. import record
 from ..animation import shape_keys, timeline, visibility
 from ..animation.timeline import Phases, Span, Timing
 from ..core import core
-from ..rigging.rig import Rig, is_rigged
+from ..record import CageSet
+from ..rigging.rig import Rig
 from ..scene import display, ownership, placement
-from ..scene.ownership import check_free, colours_of, level_of, member, members
+from ..scene.ownership import check_free, colours_of
 from .generate import Result
 from .replaced import Replaced
 
 
-def duration(collection: Collection, timing: Timing) -> int | None:
+def duration(cage_set: CageSet, timing: Timing) -> int | None:
     """Frames that the steps of an output would take with other timing; None if it has no steps."""
-    stored = [Phases.stored(cage) for cage in members(collection)[1:]]
+    stored = [Phases.stored(cage) for cage in cage_set.cages]
     phases = [each for each in stored if each is not None]
     if not stored or len(phases) < len(stored):
         return None
@@ -34,15 +33,15 @@ def duration(collection: Collection, timing: Timing) -> int | None:
 
 def write(
     scene: Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0, *, still: bool = False
-) -> tuple[list[Collection], list[str]]:
-    """Writes the output of each drawing; returns the collections, and sentences about the artist's work on earlier
-    output that could not be transferred. still: without the animation of its steps. Raises: UserError, before anything
-    is changed, if earlier output cannot be replaced. Any other fault leaves a scene that is half written, which
-    Blender's undo takes back.
+) -> tuple[list[CageSet], list[str]]:
+    """Writes the cages of each drawing; returns their sets, and sentences about the artist's work on earlier ones that
+    could not be transferred. still: without the animation of its steps. Raises: UserError, before anything is changed,
+    if earlier cages cannot be replaced. Any other fault leaves a scene that is half written, which Blender's undo takes
+    back.
     """
-    earlier = earlier_outputs(scene, results)
-    for collection in filter(None, earlier):
-        check_free(members(collection))
+    earlier = earlier_sets(results)
+    for cage_set in filter(None, earlier):
+        check_free(cage_set.members)
     visibility.leave(*filter(None, earlier))
     home = _home(scene, [result for result, before in zip(results, earlier, strict=True) if before is None])
     all_played = [timeline.spans(list(map(Phases.of, result.levels)), timing) for result in results]
@@ -51,26 +50,24 @@ def write(
     marker = (f"{len(results)} Drawings", end) if len(results) > 1 else None
     dropped: list[timeline.Mark] = []
     added: list[timeline.Mark] = []
-    collections, replaced = [], Replaced()
+    sets, replaced = list[CageSet](), Replaced()
     for result, played, before in zip(results, all_played, earlier, strict=True):
-        collection = before or _new_collection(home, result)
-        dropped += timeline.stop_playing(scene, collection)
-        _write_one(result, timing, played, collection, replaced)
-        added.append(timeline.play_in(collection, played, marker))
-        record.keep(collection)
-        collections.append(collection)
+        dropped += timeline.stop_playing(before) if before is not None else []
+        cage_set = _write_one(result, timing, played, before, home, replaced)
+        added.append(timeline.play_in(cage_set, played, marker))
+        sets.append(cage_set)
     timeline.settle(scene, dropped, added)
-    for result, collection in zip(results, collections, strict=True):
-        _set_thickness(collection, result, thickness)
-    for collection in collections:
-        if not any(scene.objects.get(obj.name) == obj for obj in members(collection)):  # made in another scene
-            ownership.home_of(scene, ownership.source_of(collection)).children.link(collection)
-        visibility.enter(collection)
+    for result, cage_set in zip(results, sets, strict=True):
+        _set_thickness(cage_set, result, thickness)
+    for cage_set in sets:
+        if not any(scene.objects.get(obj.name) == obj for obj in cage_set.members):  # made in another scene
+            drawer = ownership.drawer_of(cage_set) or cage_set.finest.users_collection[0]
+            ownership.home_of(scene, cage_set.source).children.link(drawer)
+        visibility.enter(cage_set)
     replaced.remove()
-    for collection in collections if still else ():
-        visibility.end(scene, collection)
-        record.keep(collection)
-    return collections, replaced.lost
+    for cage_set in sets if still else ():
+        visibility.end(scene, cage_set)
+    return sets, replaced.lost
 
 
 def _home(scene: Scene, results: Sequence[Result]) -> Collection:
@@ -84,84 +81,80 @@ def _home(scene: Scene, results: Sequence[Result]) -> Collection:
     return run
 
 
-def _new_collection(home: Collection, result: Result) -> Collection:
-    """A collection for the output of a drawing."""
-    source = result.drawing.source
-    kind = "Inner Cages" if result.inside else "Cages"
-    collection = bpy.data.collections.new(f"{source.name if source is not None else result.drawing.name} {kind}")
-    record.new(collection)
-    home.children.link(collection)
-    return collection
-
-
-def _set_thickness(collection: Collection, result: Result, thickness: float) -> None:
+def _set_thickness(cage_set: CageSet, result: Result, thickness: float) -> None:
     """Gives lines a thickness in renders, in scene units; 0: the cages alone, in proportion to the drawing."""
     automatic = display.AUTOMATIC_PART * result.levels[0].fine.diagonal
-    for obj in members(collection):
+    for level, obj in enumerate(cage_set.members):
         if thickness > 0.0:
             display.set_thickness(obj, thickness / result.drawing.frame.scale)
         else:
-            wanted = automatic if level_of(obj) else 0.0
+            wanted = automatic if level else 0.0
             display.set_thickness(obj, wanted, display.AUTOMATIC_THICKNESS)
 
 
-def earlier_outputs(scene: Scene, results: Sequence[Result]) -> list[Collection | None]:
-    """The output that each result will replace, if there is one: its own, or one that its drawings share."""
-    known = ownership.by_drawing(scene)
-    earlier: list[Collection | None] = []
+def earlier_sets(results: Sequence[Result]) -> list[CageSet | None]:
+    """The set that each result will replace, if there is one: its own, or one that its drawings share."""
+    earlier: list[CageSet | None] = []
     for result in results:
         drawings = [each.source for each in (result.drawing, *result.drawing.others) if each.source is not None]
-        outputs = [(obj, known.get((obj, result.inside))) for obj in drawings]
-        theirs = (o for obj, o in outputs if o and (obj == drawings[0] or len(record.of(o).sources) > 1))
-        earlier.append(next(theirs, None))
+        sets = [(obj, CageSet.beside(obj, inside=result.inside)) for obj in drawings]
+        earlier.append(next((s for obj, s in sets if s and (obj == drawings[0] or len(s.parts) > 1)), None))
     return earlier
 
 
 def _write_one(
-    result: Result, timing: Timing, played: Sequence[Span], collection: Collection, replaced: Replaced
-) -> None:
-    """Writes one output into its collection."""
+    result: Result, timing: Timing, played: Sequence[Span], before: CageSet | None, home: Collection, replaced: Replaced
+) -> CageSet:
+    """Writes one set, in place of the one before or into a new collection."""
     source, first = result.drawing.source, result.levels[0]
     name = source.name if source is not None else result.drawing.name
-    cage_set = record.of(collection)
-    cage_set.colours = colours_of(collection)
-    before = members(collection)
-    for obj in before:
+    title = f"{name} {'Inner Cages' if result.inside else 'Cages'}"
+    old_fine, old_cages = (before.fine, before.cages) if before is not None else (None, [])
+    old = [obj for obj in (old_fine, *old_cages) if obj is not None]
+    colours = colours_of(before)
+    for obj in old:
         replaced.set_aside(obj)
-    _rename(collection, name)
+    if before is not None:
+        _rename(before, name)
+        drawers = before.cages[0].users_collection
+    else:
+        drawer = bpy.data.collections.new(title)
+        home.children.link(drawer)
+        drawers = (drawer,)
 
-    inner, action = "Inner " if result.inside else "", shape_keys.new_action(collection.name)
-    fine = _member_with_mesh(collection, 0, f"{name} {inner}Fine", first.fine, result, replaced)
+    def object_of(number: int, what: str, shape: core.Mesh) -> Object:
+        there = old_fine if number == 0 else old_cages[number - 1] if number <= len(old_cages) else None
+        name_of_it = f"{name} {'Inner ' if result.inside else ''}{what}"
+        return _with_mesh(there, name_of_it, shape, result, replaced, drawers, number, colours)
+
+    action = shape_keys.new_action(title)
+    fine = object_of(0, "Fine", first.fine)
     _key_steps(fine, _fine_steps(first), first, played, timing, 1, action)
-    made = [fine]
+    cages = []
     for number, (level, span) in enumerate(zip(result.levels, played, strict=True), 1):
-        cage = _member_with_mesh(collection, number, f"{name} {inner}Cage {number}", level.cage, result, replaced)
+        cage = object_of(number, f"Cage {number}", level.cage)
         _key_steps(cage, _cage_steps(level), level, played, timing, number, action)
         if number < len(result.levels):
             following = result.levels[number]
             _key_steps(cage, _fine_steps(following), following, played, timing, number + 1, action, from_rest=True)
         visibility.hide_until(cage, span.flow, action)
-        _describe(cage, result, level, span)
-        made.append(cage)
+        cages.append(cage)
     if action is not None and not action.users:  # all have actions of the artist's
         bpy.data.actions.remove(action)
-    for surplus in [obj for obj in before if obj not in made]:
-        (replaced.kept if is_rigged(surplus) else replaced.surplus).append(surplus)
+    for surplus in [obj for obj in old if obj not in (fine, *cages)]:
+        replaced.leave(surplus)
 
-    record.refer(cage_set.sources, filter(None, (source, *(part.source for part in result.drawing.others))))
-    record.refer(cage_set.levels, made)
-    cage_set.title, cage_set.inside, cage_set.kinds, cage_set.moving = (
-        name,
-        result.inside,
-        ", ".join(result.kinds),
-        False,
-    )
-    cage_set.known = result.used is not None
+    cage_set = CageSet.make(fine, cages)
+    for cage, level, span in zip(cages, result.levels, played, strict=True):
+        _describe(cage, result, level, span)
+    drawings = filter(None, (source, *(part.source for part in result.drawing.others)))
+    cage_set.take(drawings, inside=result.inside)
+    noted = cage_set.record
+    noted.title, noted.colours, noted.kinds, noted.moving = name, colours, ", ".join(result.kinds), False
+    noted.known = result.used is not None
     if result.used is not None:
-        record.assign(cage_set.settings, result.used)
-    for number, obj in enumerate(made):
-        member_of_it = record.node_of(obj)
-        member_of_it.level, member_of_it.of, member_of_it.home = number, source, collection
+        record.assign(noted.settings, result.used)
+    return cage_set
 
 
 def _fine_steps(level: core.Level) -> NDArray[np.float32]:
@@ -193,22 +186,28 @@ def _key_steps(
     shape_keys.add_steps(obj, shown, frames, f"Level {number}", from_rest=from_rest, action=action)
 
 
-def _member_with_mesh(
-    collection: Collection, level: int, name: str, shape: core.Mesh, result: Result, replaced: Replaced
+def _with_mesh(
+    obj: Object | None,
+    name: str,
+    shape: core.Mesh,
+    result: Result,
+    replaced: Replaced,
+    drawers: Sequence[Collection],
+    level: int,
+    colours: int,
 ) -> Object:
-    """An object of a level with a new mesh, in the drawing's place; an existing one with the artist's work on it."""
+    """A member with a new mesh, in the drawing's place; an existing one with the artist's work on it."""
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(shape.vertices))
     mesh.edges.add(len(shape.edges))
     mesh.vertices.foreach_set("co", result.drawing.frame.points(shape.vertices).astype(np.float32).ravel())
     mesh.edges.foreach_set("vertices", shape.edges.astype(np.int32).ravel())
     mesh.update()
-    obj = member(collection, level)
     if obj is None:
         obj = bpy.data.objects.new(name, mesh)
-        record.new_node(obj).role = record.CAGE if level else record.FINE
-        collection.objects.link(obj)
-        display.apply_display(obj, level, record.of(collection).colours)
+        for drawer in drawers:
+            drawer.objects.link(obj)
+        display.apply_display(obj, level, colours)
     else:
         rig = Rig.of(obj)
         obj.data = mesh
@@ -219,8 +218,7 @@ def _member_with_mesh(
 
 def _describe(obj: Object, result: Result, level: core.Level, span: Span) -> None:
     """What is certified of a cage, how it came about and when it plays; lengths in scene units."""
-    node, report = record.node_of(obj), level.report
-    node.inside = level.inside
+    node, report = record.new_node(obj), level.report
     node.clearance, node.excess = report.clearance * result.drawing.frame.scale, report.excess
     node.most, node.start, node.seconds = report.excess, str(report.start), float(sum(report.seconds.values()))
     node.certified = {"LOOPS"} if level.cage.has_loops_like(level.fine) else set()
@@ -230,11 +228,11 @@ def _describe(obj: Object, result: Result, level: core.Level, span: Span) -> Non
     record.set_notes(node, report.notes, result.drawing.frame.scale)
 
 
-def _rename(collection: Collection, name: str) -> None:
-    """Renames an output if its drawing was renamed; names given by the user stay."""
-    before = record.of(collection).title
+def _rename(cage_set: CageSet, name: str) -> None:
+    """Renames the objects of a set and their collection if its drawing was renamed; names given by the user stay."""
+    before, drawer = cage_set.record.title, ownership.drawer_of(cage_set)
     if before in ("", name):
         return
-    for block in (collection, *members(collection)):
+    for block in (*cage_set.members, *([drawer] if drawer is not None else [])):
         if block.name.startswith(f"{before} "):
             block.name = name + block.name.removeprefix(before)

@@ -10,6 +10,7 @@ from bpy.types import Mesh, Object
 from .. import keys, record
 from ..animation import shape_keys
 from ..animation.visibility import detach
+from ..rigging.rig import is_rigged
 from ..scene import display
 from ..scene.filling import mesh_of
 
@@ -38,6 +39,13 @@ class Replaced:
             shape_keys.own_action(obj, obj.name)
         _free_name(hiding)
         self._actions.append(hiding)
+
+    def leave(self, obj: Object) -> None:
+        """Lets an object go that is no longer a level, with its field and lines; it stays if an artist worked on it."""
+        (self.kept if is_rigged(obj) else self.surplus).append(obj)
+        helpers = record.helpers_of(obj, record.FIELD, record.LINES)
+        self._meshes += map(mesh_of, helpers)
+        self.surplus += helpers
 
     def lose(self, obj: Object, what: Iterable[str]) -> None:
         """Notes what could not be transferred to the new mesh of an object."""

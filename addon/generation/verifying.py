@@ -35,13 +35,15 @@ SMALLEST = 1e-4
 class Folding:
     """The field `shows` of a cage at rest, and what follows it.
 
-    rest: vertices (N, 3); triangles: (T, 3) those that hold a part of the drawing; areas: (T,) of these.
+    rest: vertices (N, 3); weights: (N, m) of the cage's corners; triangles: (T, 3) those that hold a part of the
+    drawing; areas: (T,) of these.
     """
 
     cage: Object
     inner: Object
     shows: Object
     rest: FloatArray
+    weights: FloatArray
     triangles: NDArray[np.int64]
     areas: FloatArray
 
@@ -55,15 +57,14 @@ class Folding:
         triangles = corners.astype(np.int64)
         triangles = triangles[core.coordinates.holding(rest[:, :2], triangles, shape)]
         areas = 0.5 * np.abs(np.linalg.det(np.diff(rest[triangles][:, :, :2], axis=1)))
-        return cls(cage, inner, shows, rest, triangles, areas)
+        return cls(cage, inner, shows, rest, _stored_weights(data), triangles, areas)
 
     def now(self, context: Context) -> Finding | None:
         """What is folded on this frame: its part of the area, where most of it is, and the bone that bends it."""
-        data = self.shows.evaluated_get(context.evaluated_depsgraph_get()).data
-        motion = data.attributes.get(keys.MOTION)
-        if motion is None or len(motion.data) != len(self.rest):
+        corners = filling.points_of(filling.mesh_of(self.cage.evaluated_get(context.evaluated_depsgraph_get())))
+        if len(corners) != self.weights.shape[1]:
             return None
-        posed = self.rest + filling.stored(motion.data, "vector", 3)
+        posed = self.weights @ transform(space_to_space(self.shows, self.cage), corners)
         folded = core.coordinates.folded(posed[:, :2], self.triangles)
         share = float(self.areas[folded].sum() / self.areas.sum())
         if share < SMALLEST:
@@ -88,12 +89,19 @@ class Folding:
         names = {group.index: group.name for group in self.cage.vertex_groups if group.name in bends}
         pull = dict.fromkeys(names.values(), 0.0)
         for number, vertex in enumerate(self.cage.data.vertices):
-            weights = self.shows.data.attributes.get(f"{keys.WEIGHT}{number}")
-            part = sum(weights.data[int(corner)].value for corner in triangle) if weights is not None else 0.0
+            part = float(self.weights[triangle, number].sum()) if number < self.weights.shape[1] else 0.0
             for element in vertex.groups if part > 0.0 else ():
                 if element.group in names:
                     pull[names[element.group]] += part * element.weight
         return max(pull, key=lambda name: pull[name] * bends[name], default="")
+
+
+def _stored_weights(field: bpy.types.Mesh) -> FloatArray:
+    """The weights (N, m) that a field stores; of one without, each vertex is a corner."""
+    attributes: Any = field.attributes
+    names = [f"{keys.WEIGHT}{number}" for number in range(len(attributes))]
+    columns = [filling.stored(attributes[name].data, "value", 1) for name in names if name in attributes]
+    return np.column_stack([c.ravel() for c in columns]).astype(float) if columns else np.eye(len(field.vertices))
 
 
 def _bend(bone: bpy.types.PoseBone) -> float:

@@ -17,7 +17,8 @@ from .. import keys, record
 from ..animation import shape_keys, visibility
 from ..core import blamed, core, remembered, triangulation
 from ..errors import FloatArray, UserError
-from ..scene import convert, display, filling, ownership, placement, reading
+from ..record import CageSet
+from ..scene import convert, display, filling, placement, reading
 from ..scene.plane import PLANARITY, Frame, size
 
 # Radius of strokes, as a fraction of the size.
@@ -55,7 +56,7 @@ def make(context: Context, objects: Sequence[Object], shape: str, height: float)
         name = f"{obj.name} {shape.replace('_', ' ').title()}"
         points = frame.points(mesh.vertices)
         new = bpy.data.objects.new(name, SHAPES[shape](name, points, mesh, height / frame.scale))
-        new.color = display.colour(ownership.level_of(obj) or 0)
+        new.color = display.colour(record.level_of(obj) or 0)
         if shape == "GREASE_PENCIL":
             new.color = new.active_material.grease_pencil.color = obj.color
         (obj.users_collection or [context.scene.collection])[0].objects.link(new)
@@ -81,7 +82,7 @@ def make_animated(objects: Sequence[Object]) -> list[Object]:
     leave out objects that are hidden on their first. Raises: UserError.
     """
     for obj in objects:
-        if ownership.level_of(obj) is None or obj.data.shape_keys is None:
+        if record.level_of(obj) is None or obj.data.shape_keys is None:
             raise UserError(f"'{obj.name}' is not an animated cage: choose faces instead")
     outlines = [filling.shape_of(obj) for obj in objects]
     made = []
@@ -244,8 +245,8 @@ def _write(context: Context, obj: Object, tiles: Tiles, height: float, body: str
 
 def _carry(obj: Object, whole: Object) -> None:
     """Parents an outline to its body, and with a cage its drawing and the other cages, each where it is now."""
-    collection = ownership.home_of_member(obj)
-    drawn = [ownership.source_of(collection), *ownership.members(collection)] if collection is not None else [obj]
+    cage_set = CageSet.of(obj)
+    drawn = [cage_set.source, *cage_set.members] if cage_set is not None else [obj]
     for each in filter(None, drawn):
         root = each
         while root.parent is not None:

@@ -110,5 +110,5 @@ def place_silhouette(
         obj.data.materials.append(active.active_material)
     ownership.home_of(scene_of(context), active).objects.link(obj)
     obj.matrix_world = Matrix(frame.matrix.tolist())
-    record.refer(record.new_node(obj).parts, parts)
+    record.show_in(obj, parts)
     return obj

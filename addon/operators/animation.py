@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import bpy
-from bpy.types import Collection, Context, Scene
+from bpy.types import Context, Scene
 
-from .. import record
 from ..animation import visibility
-from ..binding.adoption import adopt
+from ..binding.copies import complete
 from ..errors import UserError, counted
 from ..following import live, moving, writing
 from ..generation.job import Work, share
@@ -17,10 +16,11 @@ from ..generation.levels import OWN, are_counts, lengths, parse_levels
 from ..properties import groups
 from ..properties.kinds import flag, whole
 from ..properties.settings import all_values, filled, options_of
+from ..record import CageSet
 from ..scene import ownership
 from ..scene.convert import ReadingOptions
-from ..scene.ownership import chosen, collection_of_active, scene_again, scene_of
-from .base import NOTHING, DialogJobOperator, Operator, OutputOperator
+from ..scene.ownership import scene_again, scene_of, set_of_active
+from .base import NOTHING, DialogJobOperator, Operator, SetOperator
 from .generate import DrawingsOperator, sources
 from .views import redraw
 
@@ -45,16 +45,15 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
     def prepare(self, context: Context) -> None:
         """Takes what is not given from the cages that the active drawing has, or else from the panel."""
         self._set_range(scene_of(context))
-        collection = collection_of_active(context)
-        cage_set = record.of(collection) if collection is not None else None
-        if collection is None or cage_set is None or not cage_set.known or cage_set.inside:
+        cage_set = set_of_active(context)
+        if cage_set is None or not cage_set.record.known or cage_set.inside:
             self.take_from_panel(context, groups.NOT_MOVING)
             return
         given = self.properties.is_property_set("levels")
         self.take_from_panel(context, groups.NOT_MOVING, cage_set.settings)
         levels = parse_levels(self.levels, lengths(scene_of(context)))
         if not given and (OWN in levels or not are_counts(levels)):
-            self.levels = ", ".join(str(len(cage.data.vertices)) for cage in ownership.members(collection)[1:])
+            self.levels = ", ".join(str(len(cage.data.vertices)) for cage in cage_set.cages)
 
     def draw(self, _context: Context) -> None:
         layout = self.layout
@@ -88,7 +87,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
             )
         self.exclusive = True  # reading changes the frame
         objects, read = sources(context), []
-        shared = next((group for group in ownership.with_parts(scene, objects) if len(group) > 1), None)
+        shared = next((group for group in ownership.with_parts(objects) if len(group) > 1), None)
         if shared is not None:
             others = counted(len(shared) - 1, "drawing")
             raise UserError(f"'{shared[0].name}' shares its cages with {others}: they cannot follow one alone")
@@ -133,42 +132,42 @@ class OBJECT_OT_nested_cages_live(Operator, bpy.types.Operator):
     def unavailable(cls, context: Context) -> str:
         if live.current() is not None:
             return ""
-        collection = collection_of_active(context)
-        if collection is None:
+        cage_set = set_of_active(context)
+        if cage_set is None:
             return NOTHING
-        if ownership.source_of(collection) is None:
+        if cage_set.source is None:
             return "The drawing of these cages is gone"
-        return live.why_not(collection)
+        return live.why_not(cage_set)
 
     def run(self, context: Context) -> None:
         if live.current() is not None:
             live.stop()
             return
         scene = scene_of(context)
-        adopt(scene, chosen(context)[:1])
-        collection = collection_of_active(context)
-        source = ownership.source_of(collection) if collection is not None else None
-        assert collection is not None and source is not None
-        settings = record.of(collection).settings
+        complete()
+        cage_set = set_of_active(context)
+        source = cage_set.source if cage_set is not None else None
+        assert cage_set is not None and source is not None
+        settings = cage_set.settings
         options = options_of(settings, scene)
-        if visibility.is_animated(collection):
-            visibility.remove(scene, collection)
+        if visibility.is_animated(cage_set):
+            visibility.remove(scene, cage_set)
             self.report({"INFO"}, "The animation was removed: Generate makes it again")
         reading, used = filled(ReadingOptions, settings), all_values(settings)
         live.start(live.Live(scene, source, options, reading, used, lambda: redraw(bpy.context)))
 
 
-class OBJECT_OT_nested_cages_remove_animation(OutputOperator, bpy.types.Operator):
+class OBJECT_OT_nested_cages_remove_animation(SetOperator, bpy.types.Operator):
     """Remove the steps, their keyframes and markers, and keep the finished cages"""
 
     bl_label = "Remove Animation, Keep Cages"
 
     @classmethod
-    def unsuitable(cls, collection: Collection) -> str:
-        if ownership.is_bound(collection):
+    def unsuitable(cls, cage_set: CageSet) -> str:
+        if cage_set.bound:
             return "Unbind the drawing from its cages first: its animation is turned off while bound"
-        return "" if visibility.is_animated(collection) else "The cages have no animation"
+        return "" if visibility.is_animated(cage_set) else "The cages have no animation"
 
-    def each(self, context: Context, collection: Collection) -> Work[None]:
-        visibility.remove(scene_of(context), collection)
+    def each(self, context: Context, cage_set: CageSet) -> Work[None]:
+        visibility.remove(scene_of(context), cage_set)
         yield from ()

@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import bpy
-from bpy.types import Collection, Context, Object
+from bpy.types import Context, Object
 
-from .. import record
-from ..binding.adoption import adopt, waiting
+from .. import making
+from ..binding.copies import complete
 from ..core import tasks
 from ..errors import Fault, UserError, counted
 from ..generation.job import SLICE, Job, Work, running, share
 from ..notes import sentence
 from ..properties.kinds import flag
-from ..scene import ownership
+from ..record import CageSet
 from ..scene.grease_pencil import hidden_parts
-from ..scene.ownership import chosen, outputs_of_chosen, scene_of, select
+from ..scene.ownership import scene_of, select, sets_of_chosen
 from . import views
 
 Outcome = set[Literal["RUNNING_MODAL", "CANCELLED", "FINISHED", "PASS_THROUGH", "INTERFACE"]]
@@ -99,6 +99,10 @@ class Operator(Named):
         last_fault[:] = filter(None, [error.fault])
         self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
+
+    def tell(self, kind: making.Kind, text: str) -> None:
+        """Reports a sentence."""
+        self.report({kind}, text)
 
     def tell_skipped(self, problems: Sequence[UserError], noun: str = "drawing") -> None:
         """Lists what could not be worked on; the rest was."""
@@ -196,8 +200,8 @@ class JobOperator(Operator):
         views.redraw(context)
 
 
-class OutputOperator(JobOperator):
-    """Works on the outputs of all selected drawings, one after the other. `purpose`: what inner cages cannot be used
+class SetOperator(JobOperator):
+    """Works on the sets of all selected drawings, one after the other. `purpose`: what inner cages cannot be used
     for, if they cannot. `both`: on cages around a drawing and on those inside.
     """
 
@@ -206,56 +210,51 @@ class OutputOperator(JobOperator):
 
     @classmethod
     def unavailable(cls, context: Context) -> str:
-        outputs = outputs_of_chosen(context, both=cls.both)
-        if not outputs:
-            return "" if waiting(chosen(context)) else NOTHING
-        reasons = [cls._why_not(collection) for collection in outputs]
-        return "" if "" in reasons else reasons[0]
+        reasons = [cls._why_not(cage_set) for cage_set in sets_of_chosen(context, both=cls.both)]
+        return "" if "" in reasons else next(iter(reasons), NOTHING)
 
     @classmethod
-    def _why_not(cls, collection: Collection) -> str:
-        if cls.purpose and ownership.is_inside(collection):
+    def _why_not(cls, cage_set: CageSet) -> str:
+        if cls.purpose and cage_set.inside:
             return f"Inner cages do not contain the drawing, so they cannot {cls.purpose}"
-        return cls.unsuitable(collection)
+        return cls.unsuitable(cage_set)
 
     @classmethod
-    def unsuitable(cls, collection: Collection) -> str:
-        """Why the operator cannot be used on this output; empty if it can."""
+    def unsuitable(cls, cage_set: CageSet) -> str:
+        """Why the operator cannot be used on this set; empty if it can."""
         return ""
 
     def work(self, context: Context) -> Work[None]:
-        adopt(scene_of(context), chosen(context))
-        outputs = outputs_of_chosen(context, both=self.both)
-        suitable = [collection for collection in outputs if not self._why_not(collection)]
+        sets = sets_of_chosen(context, both=self.both)
+        suitable = [cage_set for cage_set in sets if not self._why_not(cage_set)]
         if not suitable:
-            raise UserError(self._why_not(outputs[0]) if outputs else NOTHING)
+            raise UserError(self._why_not(sets[0]) if sets else NOTHING)
+        complete()
         results = yield from self.all(context, suitable)
         problems = [result for result in results if isinstance(result, UserError)]
         pairs = zip(suitable, results, strict=True)
-        done = [(collection, result) for collection, result in pairs if not isinstance(result, UserError)]
+        done = [(cage_set, result) for cage_set, result in pairs if not isinstance(result, UserError)]
         if not done:
             raise problems[0]
-        for collection, _ in done:
-            record.keep(collection)
         self.finish(context, done)
         self.tell_skipped(problems)
 
-    def all(self, context: Context, collections: Sequence[Collection]) -> Work[list[Any]]:
-        """The results of the work on each output, or why there is none."""
+    def all(self, context: Context, sets: Sequence[CageSet]) -> Work[list[Any]]:
+        """The results of the work on each set, or why there is none."""
         results: list[Any] = []
-        for number, collection in enumerate(collections):
+        for number, cage_set in enumerate(sets):
             try:
-                results.append((yield from share(self.each(context, collection), number, len(collections))))
+                results.append((yield from share(self.each(context, cage_set), number, len(sets))))
             except UserError as error:
                 results.append(error)
         return results
 
-    def each(self, context: Context, collection: Collection) -> Work[Any]:
-        """The work on one output, if it is not all done at the end. Raises: UserError, with nothing changed."""
+    def each(self, context: Context, cage_set: CageSet) -> Work[Any]:
+        """The work on one set, if it is not all done at the end. Raises: UserError, with nothing changed."""
         yield from ()
 
-    def finish(self, context: Context, done: Sequence[tuple[Collection, Any]]) -> None:
-        """Selects and reports, given the outputs and what `each` has returned for them."""
+    def finish(self, context: Context, done: Sequence[tuple[CageSet, Any]]) -> None:
+        """Selects and reports, given the sets and what `each` has returned for them."""
 
 
 class DialogJobOperator(JobOperator):

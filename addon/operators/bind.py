@@ -1,26 +1,27 @@
-"""Bind, Rebind, Unbind, handles at the corners of a bound cage, and Adopt; Rig and Suggest Bones."""
+"""Bind, Rebind, Unbind, and handles at the corners of a bound cage; Rig and Suggest Bones."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import bpy
-from bpy.types import Collection, Context, Object
+from bpy.types import Context, Object
 
-from .. import characters
+from .. import characters, record
 from ..binding import binding, field, handles
-from ..binding.adoption import adopt, waiting
+from ..binding.copies import complete
 from ..binding.field import HARMONIC, LINEAR, NAMES
 from ..core import core, tasks
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
 from ..keys import found_object
 from ..properties.kinds import choice, length, number, whole
+from ..record import CageSet
 from ..scene import filling, ownership
 from ..scene.areas import paints
 from ..scene.convert import Drawing
-from ..scene.ownership import check_free, chosen, outputs_of_chosen, scene_of, select
-from .base import JobOperator, Operator, OutputOperator, pose
+from ..scene.ownership import check_free, select, sets_of_chosen
+from .base import JobOperator, SetOperator, pose
 from .views import OUTLINES
 
 METHOD_ITEMS = (
@@ -30,17 +31,17 @@ METHOD_ITEMS = (
 )
 
 
-class BindingOperator(OutputOperator):
-    """Works on outputs that are bound, or are not bound yet."""
+class BindingOperator(SetOperator):
+    """Works on sets that are bound, or are not bound yet."""
 
     needs_bound = True
     purpose = "move it: select cages around it"
     exclusive = True
 
     @classmethod
-    def unsuitable(cls, collection: Collection) -> str:
-        bound = ownership.is_bound(collection)
-        if bound == cls.needs_bound or (bound and binding.newcomers(bpy.context, collection)):
+    def unsuitable(cls, cage_set: CageSet) -> str:
+        bound = bool(cage_set.bound)
+        if bound == cls.needs_bound or (bound and binding.newcomers(bpy.context, cage_set)):
             return ""
         return "Nothing is bound to these cages" if cls.needs_bound else "These cages are already bound"
 
@@ -52,16 +53,16 @@ class LinkOperator(BindingOperator):
 
     shown_by = (OUTLINES,)
 
-    def each(self, context: Context, collection: Collection) -> Work[binding.Binding]:
-        if not self.needs_bound and ownership.is_bound(collection):
-            return binding.take_in(context, collection)
-        return (binding.rebind if self.needs_bound else binding.steps)(context, collection, self.method)
+    def each(self, context: Context, cage_set: CageSet) -> Work[binding.Binding]:
+        if not self.needs_bound and bool(cage_set.bound):
+            return binding.take_in(context, cage_set)
+        return (binding.rebind if self.needs_bound else binding.steps)(context, cage_set, self.method)
 
-    def all(self, context: Context, collections: Sequence[Collection]) -> Work[list[binding.Binding | UserError]]:
-        return binding.in_step(context, [self.each(context, collection) for collection in collections])
+    def all(self, context: Context, sets: Sequence[CageSet]) -> Work[list[binding.Binding | UserError]]:
+        return binding.in_step(context, [self.each(context, cage_set) for cage_set in sets])
 
-    def finish(self, context: Context, done: Sequence[tuple[Collection, binding.Binding]]) -> None:
-        cages = [ownership.members(collection)[-1] for collection, _ in done]
+    def finish(self, context: Context, done: Sequence[tuple[CageSet, binding.Binding]]) -> None:
+        cages = [cage_set.cages[-1] for cage_set, _ in done]
         error = max(made.rest for _, made in done)
         select(context, *cages)
         name = f"'{cages[0].name}'" if len(cages) == 1 else f"the {len(cages)} coarsest cages"
@@ -89,46 +90,30 @@ class OBJECT_OT_nested_cages_unbind(BindingOperator, bpy.types.Operator):
 
     bl_label = "Unbind"
 
-    def each(self, _context: Context, collection: Collection) -> Work[None]:
-        check_free(ownership.members(collection))
-        for sentence in binding.unbind(collection):
+    def each(self, _context: Context, cage_set: CageSet) -> Work[None]:
+        check_free(cage_set.members)
+        for sentence in binding.unbind(cage_set):
             self.report({"WARNING"}, sentence)
         yield from ()
 
 
-class OBJECT_OT_nested_cages_adopt(Operator, bpy.types.Operator):
-    """Make copied, appended or instanced cages, or cages without their collection, the selected drawing's own.
-    All other buttons do this too
-    """
-
-    bl_label = "Adopt Cages"
-    modes = ()
-
-    needs = staticmethod(lambda context: not outputs_of_chosen(context) and waiting(chosen(context)))
-    missing = "Select a drawing whose cages were copied with it, or have lost their collection"
-
-    def run(self, context: Context) -> None:
-        made = adopt(scene_of(context), chosen(context))
-        self.report({"INFO"}, f"{counted(len(made), 'set')} of cages adopted")
-
-
-class OBJECT_OT_nested_cages_add_handles(OutputOperator, bpy.types.Operator):
+class OBJECT_OT_nested_cages_add_handles(SetOperator, bpy.types.Operator):
     """Add an armature with a bone per corner of the coarsest cage to move that corner and the drawing"""
 
     bl_label = "Add Handles"
     purpose = "move it: select cages around it"
 
     @classmethod
-    def unsuitable(cls, collection: Collection) -> str:
-        if not ownership.is_bound(collection):
+    def unsuitable(cls, cage_set: CageSet) -> str:
+        if not cage_set.bound:
             return "Bind the drawing to its cages first"
-        cage = ownership.members(collection)[-1]
+        cage = cage_set.cages[-1]
         if handles.handles_of(cage):
             return f"'{cage.name}' has handles already"
         return "" if cage.is_editable else f"'{cage.name}' cannot be changed because it is linked from another file"
 
-    def finish(self, context: Context, done: Sequence[tuple[Collection, None]]) -> None:
-        cages = [ownership.members(collection)[-1] for collection, _ in done]
+    def finish(self, context: Context, done: Sequence[tuple[CageSet, None]]) -> None:
+        cages = [cage_set.cages[-1] for cage_set, _ in done]
         pose(context, handles.add(context, cages))
         number = sum(len(filling.points_of(filling.mesh_of(cage))) for cage in cages)
         self.report({"INFO"}, f"{counted(number, 'handle')}: move them, and the drawing follows")
@@ -162,8 +147,8 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
 
     def work(self, context: Context) -> Work[None]:
         armature = _armature(context)
-        adopt(scene_of(context), chosen(context))
-        groups = ownership.with_parts(scene_of(context), _drawings(context))
+        complete()
+        groups = ownership.with_parts(_drawings(context))
         parts, identity = [part for group in groups for part in group], armature and armature.session_uid
         whole, problems = self.united(context, parts)
         yield Progress(0.0, "uniting painted areas")
@@ -172,8 +157,8 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
         if armature is None or whole.source is None:
             raise UserError("The armature or a drawing was deleted meanwhile, so the cage was discarded")
         with characters.removed_on_failure(new):
-            collection = yield from characters.make(context, whole, armature, self.vertices)
-        cage = ownership.members(collection)[-1]
+            cage_set = yield from characters.make(context, whole, armature, self.vertices)
+        cage = cage_set.cages[-1]
         pose(context, armature)
         self.tell_skipped(problems, "object")
         self.report(
@@ -223,15 +208,15 @@ class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
 
 def _drawings(context: Context) -> Sequence[Object]:
     """The selected objects that paint something and are no cages; of an armature alone, what it moves."""
-    drawn = [obj for obj in context.selected_objects if paints(obj) and ownership.level_of(obj) is None]
-    return drawn or [obj for each in outputs_of_chosen(context) for obj in ownership.originals(each)]
+    drawn = [obj for obj in context.selected_objects if paints(obj) and record.level_of(obj) is None]
+    return drawn or [obj for each in sets_of_chosen(context) for obj in each.originals]
 
 
 def _armature(context: Context) -> Object | None:
     """The selected armature, of several the active one; else the one that moves the selected drawings already."""
     active = context.view_layer.objects.active
     armatures = [obj for obj in context.selected_objects if obj.type == "ARMATURE"]
-    cages = [ownership.members(each)[-1] for each in outputs_of_chosen(context)] if not armatures else []
+    cages = [each.members[-1] for each in sets_of_chosen(context)] if not armatures else []
     rigs = [each for cage in cages for each in cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)]
     moving = [each.object for each in rigs if each.object is not None]
     return active if active in armatures else next(iter((*armatures, *moving)), None)

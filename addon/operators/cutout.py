@@ -27,7 +27,7 @@ from ..io.pictures import Canvas, Picture
 from ..keys import found_object
 from ..properties.kinds import flag, text, whole
 from ..properties.settings import filled, settings_of
-from ..scene import grease_pencil, ownership
+from ..scene import grease_pencil
 from ..scene.convert import Drawing, fine_drawing, read
 from ..scene.ownership import scene_of, select
 from .base import pose
@@ -170,16 +170,16 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
             for obj, result in zip(made, results, strict=True)
         ]
         scene = scene_of(context)
-        collections, _ = output.write(scene, placed, filled(Timing, settings_of(context)), still=True)
+        sets, _ = output.write(scene, placed, filled(Timing, settings_of(context)), still=True)
         context.view_layer.update()
         cages: list[Object] = []
-        for collection in collections if self.bind else ():
+        for cage_set in sets if self.bind else ():
             try:
-                binding.bind(context, collection)
+                binding.bind(context, cage_set)
             except UserError as error:
                 self.report({"WARNING"}, f"Not bound: {error}")
                 continue
-            cages.append(ownership.members(collection)[-1])
+            cages.append(cage_set.cages[-1])
         rig = handles.add(context, cages) if self.handles and cages else None
         if rig is None:
             select(context, *made)

@@ -11,15 +11,16 @@ from bpy.props import CollectionProperty
 from bpy.types import Context, Object
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from .. import characters
+from .. import characters, record
 from ..core import blamed, core
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
 from ..io import exporters, importers, svg_parts
 from ..properties.kinds import choice, flag, length, number, text, whole
+from ..record import CageSet
 from ..scene import convert, ownership
 from ..scene.filling import mesh_of
-from ..scene.ownership import chosen, outputs_of_chosen, scene_of, select
+from ..scene.ownership import chosen, select, sets_of_chosen
 from .base import DialogJobOperator, Operator, Outcome
 from .views import FLAT_LIGHT
 
@@ -240,14 +241,14 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
             flip_y=self.flip_y,
             triangles=self.triangles,
             pieces=max(3, self.pieces) if self.pieces else None,
-            levels=[ownership.depth_of(obj) for obj in objects] if any(map(ownership.level_of, objects)) else None,
+            levels=[ownership.depth_of(obj) for obj in objects] if any(map(record.level_of, objects)) else None,
             size=exporters.paper(context, objects[0], world=self.world) if self.scale == 1.0 else None,
         )
         self.report({"INFO"}, f"{counted(len(shapes), 'outline')} written to {path.name}")
 
     def _character(self, context: Context, path: Path) -> None:
         """Writes the rigged drawing of the selection. Raises: UserError."""
-        outputs = outputs_of_chosen(context)
+        outputs = sets_of_chosen(context)
         if len(outputs) != 1:
             raise UserError("Select one rigged drawing, or its cage: a file has one character")
         text = characters.json_of(context, outputs[0], flip_y=self.flip_y, frames=self.frames)
@@ -260,9 +261,9 @@ def outlines(context: Context) -> list[Object]:
     """The selected outlines, and all of what has cages or moves them; drawing by drawing, the coarsest last."""
     outlined: list[Object] = []
     selected = list(context.selected_objects or chosen(context)[:1])
-    for obj in sorted(selected, key=lambda obj: (ownership.level_of(obj) or 0, obj.name)):
-        about = ownership.outputs_about(scene_of(context), obj) if ownership.level_of(obj) is None else []
-        members = [ownership.members(output) for output in about]
+    for obj in sorted(selected, key=lambda obj: (record.level_of(obj) or 0, obj.name)):
+        about = CageSet.all_of(obj) if record.level_of(obj) is None else []
+        members = [output.members for output in about]
         if about:
             # Around it and inside: one copy of the drawing is enough.
             outlined += sorted(members[0] + [cage for more in members[1:] for cage in more[1:]], key=ownership.depth_of)
@@ -274,7 +275,7 @@ def outlines(context: Context) -> list[Object]:
 def coarsest(context: Context) -> list[Object]:
     """Of these, the coarsest cage of each drawing, and other selected outlines."""
     outlined, selected = outlines(context), context.selected_objects
-    sets = [[obj for obj in ownership.members(each) if obj in outlined] for each in outputs_of_chosen(context)]
+    sets = [[obj for obj in each.members if obj in outlined] for each in sets_of_chosen(context)]
     finer = {obj for objects in sets for obj in objects[:-1] if obj not in selected}
     return [obj for obj in outlined if obj not in finer]
 

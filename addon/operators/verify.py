@@ -6,23 +6,24 @@ from collections.abc import Iterator, Sequence
 
 import bpy
 import numpy as np
-from bpy.types import Collection, Context, Object, Scene
+from bpy.types import Context, Object, Scene
 from mathutils import Vector
 
 from .. import record
 from ..animation import visibility
-from ..binding.adoption import adopt, waiting
+from ..binding.copies import complete
 from ..errors import Fault, UserError
 from ..following import claims
 from ..generation.job import Work
 from ..generation.verifying import Finding, check, check_animation, same_frame, select_points
 from ..keys import found_object
 from ..properties.kinds import flag, text
+from ..record import CageSet
 from ..scene import convert, ownership
-from ..scene.ownership import chosen, outputs_of_chosen, scene_of, select
+from ..scene.ownership import scene_of, select, sets_of_chosen
 from ..scene.plane import transform, world_matrix
 from . import views
-from .base import JobOperator, Operator, OutputOperator, last_fault
+from .base import JobOperator, Operator, SetOperator, last_fault
 
 
 class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
@@ -39,11 +40,11 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
 
     @staticmethod
     def needs(context: Context) -> object:
-        return _nested(context) or waiting(chosen(context))
+        return _nested(context)
 
     def work(self, context: Context) -> Work[None]:
         scene = scene_of(context)
-        adopt(scene, chosen(context))
+        complete()
         chains = [claims.chain_of(context, objects) for objects in _nested(context, self.whole)]
         objects = [obj for chain in chains for obj in chain.objects]
         originals = list(dict.fromkeys(obj for chain in chains for obj in chain.originals))
@@ -89,12 +90,12 @@ def place_of(checked: Sequence[Object], finding: Finding) -> Fault | None:
 def _check_not_stepping(scene: Scene, objects: Sequence[Object]) -> None:
     """Raises: UserError if the cages play how they form, when the drawing crosses them on purpose."""
     for obj in objects:
-        collection = ownership.collection_about(scene, obj) if ownership.level_of(obj) is not None else None
-        if collection is None or ownership.is_bound(collection) or record.of(collection).moving:
+        cage_set = CageSet.of(obj) if record.level_of(obj) is not None else None
+        if cage_set is None or cage_set.bound or cage_set.record.moving:
             continue
-        if visibility.is_animated(collection):
+        if visibility.is_animated(cage_set):
             raise UserError(
-                f"'{collection.name}' plays how its cages form, which the drawing crosses on purpose: "
+                f"'{cage_set.name}' plays how its cages form, which the drawing crosses on purpose: "
                 "bind the drawing or remove the animation first, or check single frames"
             )
 
@@ -116,15 +117,15 @@ def _nested(context: Context, hidden: bool = False) -> list[list[Object]]:
     selection, without objects hidden on this frame unless `hidden`.
     """
     selected = [obj for obj in context.selected_objects if convert.readable(obj)]
-    outputs = outputs_of_chosen(context)
-    mine = [obj for obj in selected if ownership.level_of(obj) is not None]
+    outputs = sets_of_chosen(context)
+    mine = [obj for obj in selected if record.level_of(obj) is not None]
     others = [obj for obj in selected if obj not in mine]
-    plain = bool(others) and not any(ownership.outputs_about(scene_of(context), obj) for obj in others)
-    drawings = {ownership.source_of(output) for output in outputs}
+    plain = bool(others) and not any(CageSet.all_of(obj) for obj in others)
+    drawings = {each.source for each in outputs}
     if len(selected) > 1 and (not outputs or (len(drawings) == 1 and (plain or len(mine) > 1))):
         return [sorted(selected, key=lambda obj: (ownership.depth_of(obj), obj.dimensions.length))]
     nested = [
-        sorted((obj for obj in ownership.members(output) if hidden or not obj.hide_viewport), key=ownership.depth_of)
+        sorted((obj for obj in output.members if hidden or not obj.hide_viewport), key=ownership.depth_of)
         for output in outputs
     ]
     return [objects for objects in nested if len(objects) > 1]
@@ -161,7 +162,7 @@ class OBJECT_OT_nested_cages_select_fault(Operator, bpy.types.Operator):
         assert obj is not None
         obj.hide_viewport = False
         obj.hide_set(False)
-        if ownership.level_of(obj) is None and obj.is_editable:
+        if record.level_of(obj) is None and obj.is_editable:
             _edit(context, obj, fault)
         places = np.array(fault.places)
         context.scene.cursor.location = places.mean(axis=0)
@@ -174,8 +175,8 @@ class OBJECT_OT_nested_cages_select_fault(Operator, bpy.types.Operator):
         frame = record.node_of(cage).checked[1]
         if context.scene.frame_current != frame:
             context.scene.frame_set(frame)
-        home = ownership.home_of_member(cage)
-        members = ownership.members(home) if home is not None else [cage]
+        home = CageSet.of(cage)
+        members = home.members if home is not None else [cage]
         chain = claims.chain_of(context, sorted(members, key=ownership.depth_of))
         checked, findings = [*chain.objects, *chain.originals], check(context, [chain])
         _store(context, checked, [each for each in findings if cage.name in (each.cage, each.fine)])
@@ -185,7 +186,7 @@ class OBJECT_OT_nested_cages_select_fault(Operator, bpy.types.Operator):
 
 def _broken(context: Context) -> list[Object]:
     """The cages of the selection that are at fault."""
-    cages = [obj for each in outputs_of_chosen(context) for obj in ownership.members(each)[1:]]
+    cages = [obj for each in sets_of_chosen(context) for obj in each.members[1:]]
     return [obj for obj in cages if record.node_of(obj).check == record.FAULT]
 
 
@@ -222,37 +223,37 @@ NAME = "Nested Cages Report"
 FRAMES = ("first frame", "growing back from frame", "tightening from frame", "result on frame")
 
 
-class OBJECT_OT_nested_cages_report(OutputOperator, bpy.types.Operator):
+class OBJECT_OT_nested_cages_report(SetOperator, bpy.types.Operator):
     """Write a text with all facts about these cages: certificates, binding errors, times, notes"""
 
     bl_label = "Write Report"
     modes = ("OBJECT", "POSE")
     both = True
 
-    def finish(self, _context: Context, done: Sequence[tuple[Collection, None]]) -> None:
+    def finish(self, _context: Context, done: Sequence[tuple[CageSet, None]]) -> None:
         text = bpy.data.texts.get(NAME) or bpy.data.texts.new(NAME)
-        text.from_string("\n\n".join("\n".join(lines(collection)) for collection, _ in done) + "\n")
+        text.from_string("\n\n".join("\n".join(lines(cage_set)) for cage_set, _ in done) + "\n")
         self.report({"INFO"}, f"Written to the text '{NAME}': open it in a Text Editor")
 
 
-def lines(collection: Collection) -> Iterator[str]:
+def lines(cage_set: CageSet) -> Iterator[str]:
     """The lines of the report, level by level."""
-    yield collection.name
-    for obj in ownership.members(collection):
+    yield cage_set.name
+    certified = dict(zip(cage_set.cages, cage_set.certificates, strict=True))
+    for obj in cage_set.members:
         node = record.node_of(obj)
         numbers: dict[str, float] = {"vertices": len(obj.data.vertices)}
-        if node.role == record.CAGE:
+        if obj in certified:
             numbers |= {"excess": node.excess, "clearance": node.clearance, "seconds": node.seconds}
             numbers |= {name: frame for name, frame in zip(FRAMES, node.frames, strict=True) if frame >= 0}
         yield ""
         yield obj.name
         for label, value in numbers.items():
             yield f"    {label}: {value:.6g}"
-        edited = not ownership.is_bound(collection) and record.is_edited(obj)
+        edited = not cage_set.bound and record.is_edited(obj)
         unknown = "" if edited and record.is_judged(obj) else record.EDITED
-        certificate = unknown if edited else record.certificate(node)
-        method, error = record.link(obj)
-        follows = f"{method}, error {error:.1e} at rest" if method else ""
+        certificate = unknown if edited else certified[obj].sentence if obj in certified else ""
+        follows = f"{node.link}, error {node.link_error:.1e} at rest" if node.link else ""
         said = (node.start, certificate, follows, *record.sentences(node, checks=True))
         for sentence in filter(None, said):
             yield f"    {sentence}"

@@ -1,14 +1,14 @@
 """The record of a set of cages: what was asked for, what is certified, and how it plays and is bound.
 
-One `NestedCagesRecord` per collection of cages, and a `NestedCagesMember` on each object: pointers of objects follow
-their copies, those of collections do not. `record` reads and writes both, and the properties of earlier files.
+A `NestedCagesMember` on each object has its place in a chain, and on the finest cage the `NestedCagesRecord` of the
+set. Pointers of objects follow their copies. `record` reads and writes all this.
 """
 
 from __future__ import annotations
 
 import bpy
 from bpy.props import BoolVectorProperty, FloatVectorProperty, IntVectorProperty
-from bpy.types import Collection, Mesh, Object, Scene
+from bpy.types import Mesh, Object, Scene
 
 from .kinds import choice, flag, number, pointer, registration, row, several, text, whole
 from .settings import GenerationProperties, NestedCagesSettings
@@ -32,7 +32,7 @@ class NestedCagesMarker(bpy.types.PropertyGroup):
 
 
 class NestedCagesReference(bpy.types.PropertyGroup):
-    """An object of the set: a drawing, or the object of a level."""
+    """An object in a list: a drawing of a set, or of a drawing the finest cage of a set."""
 
     object: pointer("Object", "The object", Object)
     hidden: flag("Hidden", "Whether the animation hides this drawing meanwhile")
@@ -51,11 +51,10 @@ class NestedCagesUsed(bpy.types.PropertyGroup, GenerationProperties):
 
 
 class NestedCagesRecord(bpy.types.PropertyGroup):
-    """Of a collection of cages, and kept on each of its objects too, for copies and for a collection that is gone."""
+    """Of a set, on its finest cage, which it has whatever the number of its levels."""
 
-    sources: several("Drawings", "The drawings in these cages", NestedCagesReference)
+    parts: several("Drawings", "The drawings in these cages", NestedCagesReference)
     title: text("Title", "Name of the drawing when the cages were made")
-    levels: several("Levels", "The fine mesh and the cages", NestedCagesReference)
     inside: flag("Inside", "Whether the cages lie inside the drawing")
     moving: flag("Moving", "Whether the cages follow the drawing's own animation")
     known: flag("Known", "Whether the settings are those that the cages were made with")
@@ -80,17 +79,17 @@ class NestedCagesBefore(bpy.types.PropertyGroup):
 class NestedCagesMember(bpy.types.PropertyGroup):
     """Of an object: its place in a set, and what was found when it was made; lengths in scene units."""
 
+    role: choice("Role", "What the object is", ROLES)
+    inner: pointer("Inner", "What a cage encloses", Object)
+    outer: pointer("Outer", "The cage around it", Object)
+    sets: several("Sets", "The finest cages of a drawing's sets, and silhouettes that show it", NestedCagesReference)
+    record: pointer("Record", "What is said of the set, on its finest cage", NestedCagesRecord)
+    helpers: several("Helpers", "Objects that show it, fill it, move it, or carry its field", NestedCagesReference)
     shows: pointer("Shows", "What a helper shows, fills or moves", Object)
     thickness: number("Thickness", "Of the lines that a helper shows")
     before: pointer("Before", "As it was before it was bound", NestedCagesBefore)
     link: text("Link", "The method that it follows its cage by")
     link_error: number("Error", "How far it moves at rest, as a fraction of its size")
-    role: choice("Role", "What the object is", ROLES)
-    level: whole("Level", "Its level, 0 for the fine mesh", default=-1)
-    of: pointer("Drawing", "The drawing that it belongs to", Object)
-    home: pointer("Home", "The collection with the record", Collection)
-    kept: pointer("Kept", "The record, for copies", NestedCagesRecord)
-    inside: flag("Inside", "Whether it lies inside the drawing")
     certified: choice("Certified", "What is certified, apart from strict nesting", PROMISES, options={"ENUM_FLAG"})
     stamp: text("Stamp", "Digest of the certified coordinates")
     clearance: number("Clearance", "Least distance from what it encloses")
@@ -124,7 +123,6 @@ CLASSES = (
 
 # Of what, under which name, and what they say.
 POINTERS = (
-    (Collection, "nested_cages", NestedCagesRecord, "The record of these cages"),
     (Object, "nested_cages_member", NestedCagesMember, "Its part in a set of cages"),
     (Scene, "nested_cages", NestedCagesSettings, "Settings of the next cages"),
     (Scene, "nested_cages_playing", NestedCagesRange, "Frames before and as the animation set them"),

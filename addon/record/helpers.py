@@ -1,10 +1,12 @@
-"""What helper objects of a set show, and bound objects and the scene's range as they were."""
+"""What an object is in a set, what helper objects show, and bound objects and the scene's range as they were."""
 
 from __future__ import annotations
 
 from collections import namedtuple
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
+import bpy
 import numpy as np
 from bpy.types import Mesh, Object, Scene
 from mathutils import Matrix
@@ -37,18 +39,53 @@ def _unset(**values: Any) -> Any:
     return namedtuple("Unset", values)(**values)
 
 
-# What is read of a collection and of an object without a set.
-NO_RECORD = _unset(sources=(), levels=(), markers=(), bound="", inside=False, playing=False, colours=-1)
+# What is read of an object without a set.
+NO_RECORD = _unset(
+    parts=(), markers=(), title="", bound="", kinds="", inside=False, playing=False, known=False, moving=False,
+    animated=False, frames=(0, 0, 0), colours=-1, settings=None,
+)  # fmt: skip
 NO_NODE = _unset(
-    role="NONE", level=-1, inside=False, of=None, home=None, shows=None, thickness=0.0, parts=(), link="",
-    link_error=0.0, before=_unset(mesh=None), kept=NO_RECORD, stamp="", notes=(), check="NONE",
+    role="NONE", inner=None, outer=None, sets=(), record=NO_RECORD, helpers=(), shows=None, thickness=0.0, parts=(),
+    link="", link_error=0.0, before=_unset(mesh=None), stamp="", notes=(), check="NONE",
 )  # fmt: skip
 
 
+def objects_in(items: Any) -> list[Object]:
+    """The objects of a list of references."""
+    return [item.object for item in items if item.object is not None]
+
+
+def refer(items: Any, objects: Iterable[Object]) -> None:
+    """Adds objects to a list of references that are not in it."""
+    known = objects_in(items)
+    for obj in objects:
+        if obj not in known:
+            items.add().object = obj
+
+
+def drop(items: Any, gone: Sequence[Object]) -> None:
+    """Removes objects from a list of references, and what no longer refers to one."""
+    for number in reversed([k for k, item in enumerate(items) if item.object is None or item.object in gone]):
+        items.remove(number)
+
+
+def exists(obj: Object | None) -> bool:
+    """Whether an object is in a collection or a view: deleted ones may still be referred to."""
+    # Blender knows at once whether a view has an object, but goes through all of a collection to find one.
+    return obj is not None and (obj.visible_get() or obj.hide_get() or bool(obj.users_collection))
+
+
 def make_helper(obj: Object, role: str, shows: Object, thickness: float = 0.0) -> None:
-    """Notes what an object shows, fills or moves."""
-    node = new_node(obj)
+    """Notes what an object shows, fills or moves, which knows of it."""
+    node, items = new_node(obj), new_node(shows).helpers
     node.role, node.shows, node.thickness = role, shows, thickness
+    drop(items, ())
+    refer(items, [obj])
+
+
+def helpers_of(obj: Object, *roles: str) -> list[Object]:
+    """The helpers of some roles that an object has; a copy has none until it gets its own."""
+    return [each for each in objects_in(node_of(obj).helpers) if shown(each, *roles) == obj]
 
 
 def shown(obj: Object, *roles: str) -> Object | None:
@@ -62,14 +99,17 @@ def is_helper(obj: Object, *roles: str) -> bool:
     return node_of(obj).role in roles
 
 
-def lines_of(helper: Object) -> tuple[Object | None, float]:
-    """The object whose lines a helper shows, and their thickness."""
-    return shown(helper, LINES), float(node_of(helper).thickness)
-
-
 def shown_in(silhouette: Object) -> list[Object]:
     """The objects that a silhouette shows."""
-    return [part.object for part in node_of(silhouette).parts if part.object is not None]
+    return objects_in(node_of(silhouette).parts)
+
+
+def show_in(silhouette: Object, parts: Sequence[Object]) -> None:
+    """Notes what a silhouette shows; its parts know of it."""
+    refer(new_node(silhouette).parts, parts)
+    for part in parts:
+        if part.library is None:
+            refer(new_node(part).sets, [silhouette])
 
 
 def range_of(scene: Scene) -> tuple[int, int, int, int] | None:
@@ -109,13 +149,39 @@ def set_before(obj: Object, given: Before) -> None:
     stored.hidden = (*given.hidden, False, False, False)[:3]
 
 
-def link(obj: Object) -> tuple[str, float]:
-    """The method that an object follows its cage by, empty if it does not, and its error at rest."""
-    node = node_of(obj)
-    return node.link, node.link_error
-
-
 def set_link(obj: Object, method: str, error: float) -> None:
-    """Notes the method that an object follows its cage by; empty: none."""
+    """Notes the method that an object follows its cage by, and its error at rest; empty: none."""
     node = new_node(obj)
     node.link, node.link_error = method, error
+
+
+def values(group: Any) -> dict[str, Any]:
+    """The properties of a group as plain values; those of an unset pointer to a group are there too."""
+    plain: dict[str, Any] = {}
+    for prop in group.bl_rna.properties:
+        name, value = prop.identifier, getattr(group, prop.identifier)
+        if name == "rna_type":
+            continue
+        if prop.type == "COLLECTION":
+            plain[name] = [values(item) for item in value]
+        elif prop.type == "POINTER" and isinstance(value, bpy.types.PropertyGroup):
+            plain[name] = values(value)
+        elif getattr(prop, "is_array", False):
+            plain[name] = tuple(value)
+        else:
+            plain[name] = set(value) if isinstance(value, set) else value
+    return plain
+
+
+def assign(group: Any, given: dict[str, Any]) -> None:
+    """Sets the properties of a group to `values` of one."""
+    for name, value in given.items():
+        if isinstance(value, list):
+            items = getattr(group, name)
+            items.clear()
+            for item in value:
+                assign(items.add(), item)
+        elif isinstance(value, dict):
+            assign(getattr(group, name), value)
+        else:
+            setattr(group, name, value)

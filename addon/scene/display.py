@@ -14,9 +14,11 @@ from typing import Any
 
 import bpy
 from bpy.types import Object
+from mathutils import Matrix
 
 FILE = Path(__file__).with_name("nodes.blend")
-WEIGHTED, SAME, FOLLOW = "Nested Cages Field", "Nested Cages Plain Field", "Nested Cages Follow Field"
+FOLLOW, FOLLOW_PLAIN = "Nested Cages Follow Cage", "Nested Cages Follow Plain Cage"
+POSE = "Nested Cages Pose"
 EDGES, FILL, THICKNESS = "Nested Cages Follow as Edges", "Nested Cages Fill", "Nested Cages Thickness"
 FLAT, CUTOUT = "Nested Cages Flat", "Nested Cages Cutout"
 
@@ -28,7 +30,7 @@ def group(name: str) -> bpy.types.NodeTree:
 
 def remove_unused() -> None:
     """Removes the node groups of bindings that nothing uses."""
-    ours = (WEIGHTED, SAME, FOLLOW, EDGES)
+    ours = (FOLLOW, FOLLOW_PLAIN, POSE, EDGES)
     bpy.data.batch_remove([tree for tree in bpy.data.node_groups if tree.name in ours and not tree.users])
 
 
@@ -60,6 +62,8 @@ DRAWING_STEP, LEVEL_STEP = 0.381966, 0.19
 # Saturation and value in turn from level to level: bright enough for lines on a dark background.
 TONES = ((0.85, 1.0), (0.5, 1.0), (0.95, 0.8))
 
+# Inputs that are the columns of a matrix.
+COLUMNS = ("X", "Y", "Z", "Origin")
 # Types of inputs that refer to a data-block.
 NAMING = ("NodeSocketObject", "NodeSocketMaterial")
 # Prefix of the names of our modifiers and node groups.
@@ -181,6 +185,28 @@ def get_input(modifier: bpy.types.NodesModifier, name: str) -> Any:
     if hasattr(modifier, "properties"):
         return getattr(modifier.properties.inputs, identifier).value
     return modifier[identifier]
+
+
+def path_of(modifier: bpy.types.NodesModifier, name: str) -> str:
+    """The data path of an input from its object, by the name of its socket."""
+    identifier, start = _identifier(modifier, name), f'modifiers["{modifier.name}"]'
+    return (
+        f"{start}.properties.inputs.{identifier}.value"
+        if hasattr(modifier, "properties")
+        else f'{start}["{identifier}"]'
+    )
+
+
+def set_matrix(modifier: bpy.types.NodesModifier, matrix: Matrix) -> None:
+    """Sets the inputs that are the columns of a matrix."""
+    for name, column in zip(COLUMNS, matrix.col, strict=True):
+        set_input(modifier, name, tuple(column[:3]))
+
+
+def matrix_in(modifier: bpy.types.NodesModifier) -> Matrix:
+    """The matrix whose columns are inputs."""
+    columns = [(*get_input(modifier, name), float(name == COLUMNS[-1])) for name in COLUMNS]
+    return Matrix(columns).transposed()
 
 
 def thickness_of(obj: Object, name: str = THICKNESS) -> float:

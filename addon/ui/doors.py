@@ -13,6 +13,7 @@ import numpy as np
 from bpy.types import Context, Object
 from mathutils import Vector
 
+from .. import record
 from ..errors import UserError, counted
 from ..generation.job import running
 from ..generation.levels import lengths, loop_sizes, meanings, parse_levels
@@ -21,9 +22,8 @@ from ..operators.base import Operator, last_fault
 from ..properties import groups
 from ..properties.kinds import choice, registration
 from ..properties.settings import copy_values, settings_of
-from ..scene import ownership
 from ..scene.areas import paints
-from ..scene.ownership import chosen, outputs_of_chosen, scene_of
+from ..scene.ownership import chosen, scene_of, sets_of_chosen
 
 RIG, PICTURE, CAGES = "RIG", "PICTURE", "CAGES"
 TITLES = {RIG: "Rig a Character", PICTURE: "Cut Out a Picture", CAGES: "Cages around Drawings"}
@@ -46,13 +46,13 @@ _by_hand: dict[str, str] = {}
 def fitting(context: Context) -> str:
     """The door that fits the selection; empty if none does."""
     objects = _looked_at(context)
-    sources = [source for each in outputs_of_chosen(context) if (source := ownership.source_of(each)) is not None]
+    sources = [source for each in sets_of_chosen(context) if (source := each.source) is not None]
     if any(image_on(obj) is not None for obj in (*sources, *objects)):
         return PICTURE
     if any(obj.type == "ARMATURE" for obj in objects):
         return RIG
     drawings = [obj for obj in objects if paints(obj)]
-    if len(drawings) > 1 and not any(ownership.level_of(obj) is not None for obj in drawings) and _overlap(drawings):
+    if len(drawings) > 1 and not any(record.level_of(obj) is not None for obj in drawings) and _overlap(drawings):
         return RIG
     return CAGES if drawings else ""
 
@@ -66,7 +66,7 @@ def opened(context: Context) -> str:
 def _looked_at(context: Context) -> list[Object]:
     """What is selected; with nothing selected, the active object if it has cages."""
     selected = list(context.selected_objects)
-    return (selected or [obj for obj in chosen(context) if outputs_of_chosen(context)])[:MOST]
+    return (selected or [obj for obj in chosen(context) if sets_of_chosen(context)])[:MOST]
 
 
 def _overlap(objects: Sequence[Object]) -> bool:
@@ -160,7 +160,7 @@ BEHIND: dict[str, Callable[[Any, Context], None]] = {RIG: _rig_door, PICTURE: _p
 def counts(context: Context) -> str:
     """The vertices of the cages of all selected drawings: "20 % = 4 to 93 vertices"; empty if they are not known."""
     settings, known = settings_of(context), lengths(scene_of(context))
-    drawings = [obj for obj in chosen(context)[:MOST] if ownership.level_of(obj) is None and obj.mode == "OBJECT"]
+    drawings = [obj for obj in chosen(context)[:MOST] if record.level_of(obj) is None and obj.mode == "OBJECT"]
     sizes = [of_one for obj in drawings if sum(of_one := loop_sizes(obj, settings.resolution))]
     try:
         levels = parse_levels(settings.levels, known) if sizes else ()

@@ -20,7 +20,6 @@ ENTRIES: tuple[dict[str, Any], ...] = (
         "live": "REC",
         "rebind": "FILE_REFRESH",
         "unbind": "UNLINKED",
-        "adopt": "COMMUNITY",
     },
     {"remove_animation": "X"},
 )

@@ -15,7 +15,7 @@ GUIDES = ((ROOT / "manual" / "docs" / "guide", ".html"), (ROOT / "docs" / "guide
 # Suffixes of operators, prefixes of settings, and the page about each.
 OPERATORS = {
     **dict.fromkeys(("verify", "report"), "verify"),
-    **dict.fromkeys(("adopt", "bind", "rebind", "unbind", "add_handles"), "bind"),
+    **dict.fromkeys(("bind", "rebind", "unbind", "add_handles"), "bind"),
     "remove_animation": "animation",
     **dict.fromkeys(("follow", "live"), "motion"),
     **dict.fromkeys(("to_objects", "pieces", "export", "import"), "export"),

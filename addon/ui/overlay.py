@@ -15,10 +15,10 @@ from bpy.types import Context, Object
 from gpu_extras.batch import batch_for_shader
 from numpy.typing import NDArray
 
-from .. import record
 from ..operators.base import last_fault
 from ..properties import groups
-from ..scene import filling, ownership
+from ..record import CageSet
+from ..scene import filling
 from ..scene.plane import transform
 
 # Pixels at interface scale 1: default width of lines, extra width of selected cages, and size of handles.
@@ -51,12 +51,11 @@ def looks(context: Context) -> Iterator[tuple[Object, Look]]:
     """The cages that this view shows, without those being edited, which Blender shows."""
     chosen = groups.preferences()
     wide = WIDTH if chosen is None else chosen.line_width
-    view = {"viewport": context.space_data} if isinstance(context.space_data, bpy.types.SpaceView3D) else {}
-    for collection in filter(ownership.is_output, bpy.data.collections):
-        cage_set = record.of(collection)
-        cages = [part.object for part in cage_set.levels][1:]
+    view: Any = {"viewport": context.space_data} if isinstance(context.space_data, bpy.types.SpaceView3D) else {}
+    for cage_set in CageSet.everywhere():
+        cages = cage_set.cages
         for obj in cages:
-            if obj is not None and obj.mode == "OBJECT" and obj.visible_get(**view):
+            if obj.mode == "OBJECT" and obj.visible_get(**view):
                 selected = obj.select_get()
                 r, g, b = (part + LIGHTER * (1.0 - part) if selected else part for part in obj.color[:3])
                 handles = bool(cage_set.bound) and obj == cages[-1]

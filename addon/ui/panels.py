@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.types import Context
 
-from .. import record
 from ..animation.timeline import Timing
 from ..generation import output
 from ..operators.presets import NESTEDCAGES_PT_presets
 from ..properties import groups
 from ..properties.kinds import registration
 from ..properties.settings import filled, settings_of
-from ..scene import ownership
-from ..scene.ownership import collection_of_active, outputs_of_active
+from ..scene.ownership import set_of_active, sets_of_active
 from . import doors, results
 
 CATEGORY = "Nested Cages"
@@ -76,16 +74,16 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return collection_of_active(context) is not None
+        return set_of_active(context) is not None
 
     def draw(self, context: Context) -> None:
         layout: Any = self.layout
-        outputs = outputs_of_active(context)
-        for collection in outputs:
-            results.draw_output(layout, context, collection)
+        outputs = sets_of_active(context)
+        for cage_set in outputs:
+            results.draw_set(layout, context, cage_set)
         column = layout.column(align=True)
         column.operator("object.nested_cages_verify", icon="CHECKMARK")
-        if any(ownership.is_bound(each) or record.of(each).moving for each in outputs):
+        if any(bool(each.bound) or each.record.moving for each in outputs):
             column.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
         column.operator("object.nested_cages_report", icon="TEXT")
         results.draw_live(column)
@@ -100,13 +98,13 @@ class VIEW3D_PT_nested_cages_animation(PartPanel, bpy.types.Panel):
         settings, layout = settings_of(context), _split(self.layout)
         groups.draw(layout.column(align=True), settings, groups.FRAMES)
         groups.draw(layout.column(), settings, groups.ANIMATION)
-        collection, scene = collection_of_active(context), context.scene
+        cage_set, scene = set_of_active(context), context.scene
         timing = filled(Timing, settings)
-        frames = output.duration(collection, timing) if collection is not None else None
+        frames = output.duration(cage_set, timing) if cage_set is not None else None
         if frames is not None:  # with these settings, from the steps of the output
             seconds = frames * scene.render.fps_base / scene.render.fps
             layout.label(text=f"Length as before: {frames} frames, {seconds:.1f} s")
-        if collection is not None:
+        if cage_set is not None:
             layout.operator("object.nested_cages_remove_animation", icon="X")
 
 

@@ -6,11 +6,11 @@ import textwrap
 from typing import Any
 
 import bpy
-from bpy.types import Collection, Context, Object
+from bpy.types import Context, Object
 
 from .. import notes, record
 from ..following import claims, live
-from ..scene import ownership
+from ..record import CageSet
 
 # Letters per line of a sentence: fits into the sidebar at its default width.
 NOTE_WIDTH = 36
@@ -21,14 +21,14 @@ MANY_TIMES = 10.0
 HOLDS, BROKEN, EDITED, ADVICE, MADE = "CHECKMARK", "ERROR", "QUESTION", "INFO", "MOD_MESHDEFORM"
 
 
-def draw_output(layout: Any, context: Context, collection: Collection) -> None:
+def draw_set(layout: Any, context: Context, cage_set: CageSet) -> None:
     """A line for each cage of a set, with its size against the drawing's."""
-    layout.label(text=collection.name, icon="OUTLINER_COLLECTION", translate=False)
+    layout.label(text=cage_set.name, icon="OUTLINER_COLLECTION", translate=False)
     column, size = layout.box().column(align=True), 1.0
-    for cage in ownership.members(collection)[1:]:
+    for cage in cage_set.cages:
         state, sentence = health(context, cage)
         size *= 1.0 + record.node_of(cage).excess
-        name = cage.name.removeprefix(f"{record.of(collection).title} ")
+        name = cage.name.removeprefix(f"{cage_set.record.title} ")
         column.label(text=f"{name}: {len(cage.data.vertices)} vertices, {larger(size)}", icon=state, translate=False)
         for line in textwrap.wrap(sentence, NOTE_WIDTH):
             column.label(text=line, translate=False)
@@ -47,11 +47,11 @@ def larger(size: float) -> str:
 
 def health(context: Context, cage: Object) -> tuple[str, str]:
     """An icon for how a cage is, and one sentence on what is wrong with it, if anything is."""
-    node, home = record.node_of(cage), ownership.home_of_member(cage)
+    node, cage_set = record.node_of(cage), CageSet.of(cage)
     stands = claims.stands(context, cage)
     if node.check == record.FAULT and stands:
         return BROKEN, " ".join(record.sentences(node, checks=True, others=False))
-    bound = home is not None and ownership.is_bound(home)
+    bound = cage_set is not None and bool(cage_set.bound)
     if not bound and record.is_edited(cage):
         return (HOLDS, "") if stands and record.is_judged(cage) else (EDITED, record.EDITED)
     advice = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib import import_module
 from typing import Any
 
 import bpy
@@ -150,6 +151,37 @@ def grease_pencil(name: str, loops: Sequence[Loop], cyclic: bool = True, radius:
         for point, place in zip(stroke.points, raised(loop), strict=True):
             point.position, point.radius = place, radius
     return add(name, data)
+
+
+def set_in(home: Any) -> Any:
+    """The set of cages in a collection, or of an object."""
+    record = import_module("nested_cages_extension.addon.record")
+    if isinstance(home, record.CageSet):
+        return home
+    objects = [home] if isinstance(home, bpy.types.Object) else home.objects
+    sets = {record.CageSet.of(obj) for obj in objects if isinstance(home, bpy.types.Object) or record.level_of(obj)}
+    return next(iter(sets), None)
+
+
+def facts(block: Any) -> dict[str, Any]:
+    """What is known of the set in a collection, or of a member: of cages with their certificate."""
+    found = set_in(block)
+    if isinstance(block, bpy.types.Collection) or found is block:
+        known = {"source": found.source, "end": found.record.frames[1], "inside": found.inside} if found else {}
+        return known | ({"bound": found.bound} if found and found.bound else {})
+    if found is None or block not in found.members:
+        return {}
+    level = found.members.index(block)
+    known = {"level": level, "vertices": len(block.data.vertices)}
+    if level:
+        said = found.certificates[level - 1]
+        known |= {"inside": found.inside, "begins_from": said.start, "notes": "; ".join(said.notes)}
+        known |= {name: getattr(said, name) for name in ("clearance", "excess", "seconds", "need")}
+        known["certificate"] = said.sentence
+        frames = zip(("flow_start", "reinflation_start", "tightening_start", "end"), said.frames, strict=True)
+        known |= {name: frame for name, frame in frames if frame >= 0}
+        known |= {"check": said.verdict, "finding": said.finding} if said.verdict else {}
+    return known
 
 
 def snapshot() -> dict[str, Any]:

@@ -10,7 +10,7 @@ from types import ModuleType
 import bpy
 import pytest
 
-from drawings import circle, poly_curve, snapshot, star, wire
+from drawings import circle, facts, poly_curve, snapshot, star, wire
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -30,7 +30,7 @@ def test_the_cages_of_each_object_come_back(extension: ModuleType) -> None:
         ["Two Cage 1", "Two Cage 2"],
     ]
     assert [[len(cage.data.vertices) for cage in cages] for cages in made] == [[24, 12], [24, 12]]
-    assert all(cage["nested_cages_clearance"] >= 0.01 for cages in made for cage in cages)
+    assert all(facts(cage)["clearance"] >= 0.01 for cages in made for cage in cages)
     assert bpy.context.selected_objects == [] and bpy.context.view_layer.objects.active == two
     assert bpy.context.scene.frame_current == 1
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mathutils import Color, Matrix
 
-from drawings import add, at_frame, choose, evaluated, grease_pencil, in_world, poly_curve, text, wire
+from drawings import add, at_frame, choose, evaluated, facts, grease_pencil, in_world, poly_curve, set_in, text, wire
 from engine_json import character_of
 from marks import slow_after
 
@@ -80,7 +80,7 @@ def rigged(parts):
     assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
     assert bpy.context.object == armature and bpy.context.mode == "POSE"
     bpy.ops.object.mode_set(mode="OBJECT")
-    return armature, next(obj for obj in bpy.data.objects if obj.get("nested_cages_level") == 1)
+    return armature, next(obj for obj in bpy.data.objects if facts(obj).get("level") == 1)
 
 
 def bone_at(armature, x, y):
@@ -203,10 +203,10 @@ def test_parts_added_later_and_instances_follow_and_are_verified() -> None:
     assert np.abs(instanced(empty) - rest["Glove"]).max() > 0.3
     choose(cage)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
+    assert facts(cage)["check"].startswith("Holds"), facts(cage)["finding"]
     ring.location.y += 1.0
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    assert "does not enclose 'Ring'" in cage["nested_cages_finding"]
+    assert "does not enclose 'Ring'" in facts(cage)["finding"]
     assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
     assert not ring.modifiers and empty.instance_type == "COLLECTION" and not empty.children
 
@@ -236,18 +236,18 @@ PARTS = ("Torso", "Hand.L", "Badge")
 @pytest.mark.parametrize("name", slow_after(1, PARTS))
 def test_what_acts_on_a_part_acts_on_its_character(addon, name, capfd) -> None:
     """Generating, rigging and following: no other part is let go or left behind."""
-    ownership, parts = addon.scene.ownership, figure()
+    parts = figure()
     armature, cage = rigged(parts)
-    (home,) = ownership.outputs_about(bpy.context.scene, parts["Leg.R"])
+    (home,) = addon.record.CageSet.all_of(parts["Leg.R"])
     for again in (False, True):
         choose(parts[name], armature)
         work = bpy.ops.object.nested_cages_rig if again else bpy.ops.object.nested_cages_generate
         assert work(**({} if again else {"levels": "40"})) == {"FINISHED"}
         if bpy.context.mode == "POSE":
             bpy.ops.object.mode_set(mode="OBJECT")
-        assert {ownership.outputs_about(bpy.context.scene, part)[0] for part in parts.values()} == {home}
-        assert set(ownership.originals(home)) == set(parts.values()) and ownership.is_bound(home)
-        assert ownership.members(home)[1] == cage
+        assert {addon.record.CageSet.all_of(part)[0] for part in parts.values()} == {home}
+        assert set(set_in(home).originals) == set(parts.values()) and bool(set_in(home).bound)
+        assert set_in(home).members[1] == cage
     assert f"shares its cages with {len(parts) - 1} drawings" in capfd.readouterr().out
     choose(parts[name])
     with pytest.raises(RuntimeError, match=f"shares its cages with {len(parts) - 1} drawings"):
@@ -259,7 +259,6 @@ def test_what_acts_on_a_part_acts_on_its_character(addon, name, capfd) -> None:
 
 
 def test_a_part_of_a_copy_stands_for_the_copied_character(addon) -> None:
-    ownership = addon.scene.ownership
     parts = [face(name, capsule(*LIMBS[name])) for name in ("Torso", "Arm.L", "Hand.L")]
     choose(*parts)
     assert bpy.ops.object.nested_cages_generate(levels="30", together=True) == {"FINISHED"}
@@ -270,9 +269,9 @@ def test_a_part_of_a_copy_stands_for_the_copied_character(addon) -> None:
     choose(copies[1])
     assert bpy.ops.object.nested_cages_generate(levels="20") == {"FINISHED"}
     for mine, count in ((parts, 30), (copies, 20)):
-        (home,) = {home for part in mine for home in ownership.outputs_about(bpy.context.scene, part)}
-        assert set(ownership.originals(home)) == set(mine)
-        assert len(ownership.members(home)[-1].data.vertices) == count
+        (home,) = {home for part in mine for home in addon.record.CageSet.all_of(part)}
+        assert set(set_in(home).originals) == set(mine)
+        assert len(set_in(home).members[-1].data.vertices) == count
 
 
 @pytest.mark.slow
@@ -290,7 +289,7 @@ def test_rigging_again_fits_the_cage_to_new_parts(height) -> None:
     assert all([m.name for m in part.modifiers] == ["Nested Cages Follow"] for part in parts.values())
     choose(cage)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
+    assert facts(cage)["check"].startswith("Holds"), facts(cage)["finding"]
 
 
 @pytest.mark.parametrize("chosen", slow_after(1, ["a part and the cage", "two parts", "the cage and a part"]))
@@ -299,7 +298,7 @@ def test_verification_of_some_parts_is_that_of_their_character(chosen) -> None:
     parts, (_, cage) = list(made.values()), rigged(made)
     choose(*{"a part and the cage": (parts[0], cage), "two parts": parts[:2]}.get(chosen, (cage, parts[0])))
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    assert cage["nested_cages_check"].startswith("Holds")
+    assert facts(cage)["check"].startswith("Holds")
 
 
 @pytest.mark.slow
@@ -315,7 +314,7 @@ def test_verification_says_where_a_limb_folds_over_itself(capfd) -> None:
     for first, last, verdict in ((1, 3, "Holds on 1 – 3"), (5, 6, "Broken on frame 5")):
         scene.frame_start, scene.frame_end = first, last
         assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
-        assert cage["nested_cages_check"] == verdict, cage["nested_cages_finding"]
+        assert facts(cage)["check"] == verdict, facts(cage)["finding"]
     scene.frame_set(5)
     pattern = rf"Frame 5: 'Torso Fine' bends '{neck.name}' over itself: (.*) % of its area"
     told = capfd.readouterr().out
@@ -442,15 +441,13 @@ def test_a_character_is_copied_appended_and_redrawn(tmp_path) -> None:
     assert np.linalg.norm(points(parts["Hand.L"]) - wanted["Hand.L"], axis=1).max() < 0.1
     choose(cage)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
+    assert facts(cage)["check"].startswith("Holds"), facts(cage)["finding"]
     wanted = {name: points(obj) for name, obj in parts.items()}
     # A copy of everything that is seen moves on its own.
     choose(*parts.values(), cage, armature)
     assert bpy.ops.object.duplicate() == {"FINISHED"}
     copies = {obj.name.rsplit(".", 1)[0]: obj for obj in bpy.context.selected_objects}
     double = next(obj for obj in bpy.context.selected_objects if obj.type == "ARMATURE")
-    choose(copies["Torso"])
-    assert bpy.ops.object.nested_cages_adopt() == {"FINISHED"}
     turn(double, bone_at(double, 0.0, 1.7), 40.0)
     for name, obj in parts.items():
         np.testing.assert_allclose(points(obj), wanted[name], atol=1e-5)
@@ -563,7 +560,7 @@ def test_a_layered_svg_of_twelve_parts_is_posed_after_four_actions(tmp_path) -> 
     actions += [bpy.ops.object.nested_cages_suggest_bones, bpy.ops.object.nested_cages_rig]
     for action in actions[1:]:
         assert action() == {"FINISHED"}
-    armature, cage = bpy.context.object, next(obj for obj in bpy.data.objects if obj.get("nested_cages_level") == 1)
+    armature, cage = bpy.context.object, next(obj for obj in bpy.data.objects if facts(obj).get("level") == 1)
     hand = before["Hand.L"].mean(axis=0)
     actions.append(lambda: turn(armature, bone_at(armature, hand[0], hand[1]), 40.0))
     actions[-1]()
@@ -573,4 +570,4 @@ def test_a_layered_svg_of_twelve_parts_is_posed_after_four_actions(tmp_path) -> 
     bpy.ops.object.mode_set(mode="OBJECT")
     choose(cage)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
+    assert facts(cage)["check"].startswith("Holds"), facts(cage)["finding"]

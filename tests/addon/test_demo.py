@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import bpy
 import pytest
@@ -57,15 +58,13 @@ def test_the_file_holds_drawing_and_cages_alone(demo: tuple[Path, str]) -> None:
     assert not bpy.data.cameras
 
 
-def test_every_level_shows_how_it_came_about(demo: tuple[Path, str]) -> None:
+def test_every_level_shows_how_it_came_about(addon: ModuleType, demo: tuple[Path, str]) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(demo[0] / "letter_a.blend"))
-    cages = [item for item in bpy.data.objects if item.get("nested_cages_level", 0) > 0]
-    assert len(cages) == 2
-    for cage in cages:
-        assert cage["nested_cages_begins_from"] == "flow"
-        phases = [cage[f"nested_cages_{name}_start"] for name in ("flow", "reinflation", "tightening")]
-        assert phases == sorted(set(phases))
-        assert phases[-1] < cage["nested_cages_end"]
+    (found,) = addon.record.CageSet.everywhere()
+    assert len(found) == 2
+    for certificate in found.certificates:
+        assert certificate.start == "flow"
+        assert list(certificate.frames) == sorted(set(certificate.frames))
 
 
 def test_the_check_runs_on_the_file(demo: tuple[Path, str]) -> None:

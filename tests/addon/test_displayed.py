@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import at_frame, choose, circle, evaluated, grease_pencil, in_world, solid, star, text, wire
+from drawings import at_frame, choose, circle, evaluated, facts, grease_pencil, in_world, solid, star, text, wire
 from marks import slow_after
 
 
@@ -67,7 +67,7 @@ def test_cages_lie_and_stay_around_what_is_displayed(kind) -> None:
     KINDS[kind]()
     source = bpy.context.object
     assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
-    cage = next(obj for obj in bpy.data.objects if obj.get("nested_cages_level") == 1)
+    cage = next(obj for obj in bpy.data.objects if facts(obj).get("level") == 1)
     end = bpy.context.scene.frame_current
     check_enclosed(source, cage, end)
     source.delta_location.x, source.delta_scale = 0.7, (1.5, 1.5, 1.5)
@@ -79,7 +79,7 @@ def test_cages_lie_and_stay_around_what_is_displayed(kind) -> None:
     assert [len(obj.constraints) for obj in (cage, source)] in ([1, 1], [0, 0])
     check_enclosed(source, cage, end)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    assert cage["nested_cages_check"].startswith("Holds")
+    assert facts(cage)["check"].startswith("Holds")
 
 
 def test_path_animation_switched_on_later_moves_no_cage() -> None:
@@ -134,17 +134,17 @@ def test_a_change_that_cages_cannot_follow_is_said_at_once(addon, change, bound)
         outer.location.x += 0.1
         bpy.context.view_layer.update()
         list(claims.check_changed())
-    assert "nested_cages_check" not in cage
+    assert "check" not in facts(cage)
     CHANGES[change](source)
     bpy.context.view_layer.update()
     list(claims.check_changed())
-    assert cage["nested_cages_check"].startswith("Broken") and "Word" in cage["nested_cages_finding"]
+    assert facts(cage)["check"].startswith("Broken") and "Word" in facts(cage)["finding"]
     source.data.body, source.data.size = "Hi", 1.0
     if "Bend" in source.modifiers:
         source.modifiers.remove(source.modifiers["Bend"])
     bpy.context.view_layer.update()
     list(claims.check_changed())
-    assert cage["nested_cages_check"].startswith("Holds")
+    assert facts(cage)["check"].startswith("Holds")
 
 
 @pytest.mark.parametrize("bound", slow_after(1, [True, False]))
@@ -331,7 +331,7 @@ def test_instances_of_nodes_are_read_as_displayed(addon, kind, fill) -> None:
     outer = bpy.data.objects[f"{source.name} Cage 1"]
     assert np.ptp(evaluated(outer)[:, 0]) < 1.2
     assert bpy.ops.object.nested_cages_bind() == {"FINISHED"} == bpy.ops.object.nested_cages_verify()
-    assert outer["nested_cages_check"].startswith("Holds")
+    assert facts(outer)["check"].startswith("Holds")
 
 
 def transparent(drawn):

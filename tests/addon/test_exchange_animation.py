@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, choose, circle, evaluated, in_world, poly_curve, star
+from drawings import at_frame, choose, circle, evaluated, facts, in_world, poly_curve, star
 from marks import slow_after
 
 # Frames at which a step is shown, and frames between two steps.
@@ -20,7 +20,7 @@ def cages():
     poly_curve("Drawing", [star(), circle(20, 0.4)])
     assert bpy.ops.object.nested_cages_generate(levels="24, 12", frames_per_step=PER_STEP) == {"FINISHED"}
     collection = bpy.data.collections["Drawing Cages"]
-    return sorted(collection.objects, key=lambda obj: obj["nested_cages_level"])
+    return sorted(collection.objects, key=lambda obj: facts(obj)["level"])
 
 
 def seen(objects, frames):

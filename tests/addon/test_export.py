@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import choose, circle, evaluated, in_world, poly_curve, solid, star
+from drawings import choose, circle, evaluated, facts, in_world, poly_curve, solid, star
 
 SIDE = 40
 
@@ -24,8 +24,8 @@ def cages():
     source.rotation_euler = (0.3, 0.2, 0.1)
     source.scale = (2.0, 2.0, 2.0)
     assert bpy.ops.object.nested_cages_generate(levels="24, 12") == {"FINISHED"}
-    members = [obj for obj in bpy.data.objects if "nested_cages_level" in obj]
-    fine, *found = sorted(members, key=lambda obj: obj["nested_cages_level"])
+    members = [obj for obj in bpy.data.objects if "level" in facts(obj)]
+    fine, *found = sorted(members, key=lambda obj: facts(obj)["level"])
     return source, fine, found
 
 

@@ -10,7 +10,22 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import add, at_frame, choose, circle, edges_of, evaluated, poly_curve, snapshot, solid, star, text, wire
+from drawings import (
+    add,
+    at_frame,
+    choose,
+    circle,
+    edges_of,
+    evaluated,
+    facts,
+    poly_curve,
+    set_in,
+    snapshot,
+    solid,
+    star,
+    text,
+    wire,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -115,7 +130,7 @@ def certified(core, addon, collection, obj, frames) -> None:
     """On each frame, the evaluated cages strictly enclose what is in them, and the drawing itself on its frames."""
     for frame in frames:
         depsgraph = at_frame(frame)
-        members = addon.scene.ownership.members(collection)
+        members = set_in(collection).members
         meshes = [core.Mesh(evaluated(o, depsgraph)[:, :2].astype(float), edges_of(o)) for o in members]
         for inner, outer in pairwise(meshes):
             assert core.verify(outer, inner).holds, frame
@@ -136,7 +151,7 @@ def test_cages_follow_a_drawing_that_moves_by_any_means(addon, core, motion) -> 
     assert bpy.context.scene.frame_current == 4
     assert [len(o.data.vertices) for o in collection.objects][1:] == [int(n) for n in levels.split(",")]
     certified(core, addon, collection, obj, range(FIRST, LAST + 1, 2))
-    fine, *cages = addon.scene.ownership.members(collection)
+    fine, *cages = set_in(collection).members
     for frame in np.arange(FIRST, LAST, 0.5):
         depsgraph = at_frame(frame)
         for inner, outer in ((fine, cages[0]), (cages[0], cages[1])):
@@ -146,7 +161,7 @@ def test_cages_follow_a_drawing_that_moves_by_any_means(addon, core, motion) -> 
 def test_the_stored_coordinates_are_certified_key_by_key(addon, core) -> None:
     """From the shape keys alone: what Blender stores holds on every key and on the straight way between them."""
     collection = follow(bent_by_armature(), levels="12", frame_step=1)
-    fine, cage = addon.scene.ownership.members(collection)
+    fine, cage = set_in(collection).members
 
     def steps(obj):
         found = {}
@@ -178,7 +193,7 @@ def test_the_stored_coordinates_are_certified_key_by_key(addon, core) -> None:
 
 def test_a_cyclic_motion_closes(addon, core) -> None:
     collection = follow(bent_by_armature(), cyclic=True, levels="12", frame_end=LAST - 1, frame_step=1)
-    _, cage = addon.scene.ownership.members(collection)
+    _, cage = set_in(collection).members
     first, last = (evaluated(cage, at_frame(frame)) for frame in (FIRST, LAST))
     assert np.allclose(first, last, atol=1e-6)
     assert not np.allclose(first, evaluated(cage, at_frame(5)), atol=0.1)
@@ -187,7 +202,7 @@ def test_a_cyclic_motion_closes(addon, core) -> None:
 def test_one_cage_for_all_frames_stands_still(addon, core) -> None:
     obj = bent_by_armature()
     collection = follow(obj, still=True, levels="16, 8")
-    _, first, second = addon.scene.ownership.members(collection)
+    _, first, second = set_in(collection).members
     assert all(len(o.data.vertices) == n for o, n in ((first, 16), (second, 8)))
     before = [evaluated(o, at_frame(FIRST)) for o in (first, second)]
     assert all(np.array_equal(b, evaluated(o, at_frame(5))) for b, o in zip(before, (first, second), strict=True))
@@ -199,8 +214,8 @@ def test_the_whole_animation_can_be_verified(addon) -> None:
     collection = follow(obj, frame_step=1)
     bpy.context.scene.frame_end = LAST
     assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
-    assert collection.objects[1][addon.keys.CHECK] == f"Holds on {FIRST} – {LAST}"
-    assert "at all instants between" in collection.objects[1][addon.keys.CERTIFICATE]
+    assert facts(collection.objects[1])["check"] == f"Holds on {FIRST} – {LAST}"
+    assert "at all instants between" in facts(collection.objects[1])["certificate"]
 
 
 def refused(obj, **values) -> str:
@@ -259,14 +274,14 @@ def test_follow_and_generate_replace_each_other(addon) -> None:
     choose(obj)
     bpy.ops.object.nested_cages_generate(levels="20, 10")
     collection = bpy.data.collections["Shaped Cages"]
-    assert not collection.nested_cages.moving and len(collection.objects) == 3
+    assert not set_in(collection).record.moving and len(collection.objects) == 3
     bpy.context.view_layer.update()
     for member in collection.objects:
         assert np.allclose(member.matrix_world, obj.matrix_world, atol=1e-6)
     follow(obj)
     choose(obj)
     assert bpy.ops.object.nested_cages_remove_animation() == {"FINISHED"}
-    assert not collection.nested_cages.moving
+    assert not set_in(collection).record.moving
 
 
 def test_the_range_is_the_scenes_if_it_is_not_given(addon) -> None:
@@ -275,7 +290,7 @@ def test_the_range_is_the_scenes_if_it_is_not_given(addon) -> None:
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 2, 6
     bpy.ops.object.nested_cages_follow(levels="12")
     cage = bpy.data.collections["Shaped Cages"].objects[1]
-    assert (cage[addon.keys.FLOW_START], cage[addon.keys.END]) == (2, 6)
+    assert (facts(cage)["flow_start"], facts(cage)["end"]) == (2, 6)
 
 
 def follower(addon, **values):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from drawings import circle, poly_curve, star
+from drawings import circle, facts, poly_curve, star
 from drawings import text as word
 
 UNITS = {"m": 1.0, "mm": 0.001, "u": 1.0}
@@ -129,4 +129,4 @@ def test_a_drawing_far_from_its_origin_is_certified_as_stored(addon, core) -> No
 def test_letters_that_interlock_leave_room_for_the_next_cage() -> None:
     word("Word", "Hifly")
     assert bpy.ops.object.nested_cages_generate() == {"FINISHED"}
-    assert [obj["nested_cages_level"] for obj in bpy.data.collections["Word Cages"].objects] == [0, 1, 2]
+    assert [facts(obj)["level"] for obj in bpy.data.collections["Word Cages"].objects] == [0, 1, 2]

@@ -15,6 +15,7 @@ from drawings import (
     circle,
     edges_of,
     evaluated,
+    facts,
     grease_pencil,
     grid_face,
     hair,
@@ -151,9 +152,9 @@ def test_the_operator_gives_the_core_s_cages(addon, core, tmp_path, name) -> Non
     bpy.context.view_layer.update()
     shown = in_world(source, outline(source))
     assert bpy.ops.object.nested_cages_generate(levels="40%", **values) == {"FINISHED"}
-    (collection,) = [c for c in bpy.data.collections if "nested_cages_source" in c]
-    fine, cage = sorted(collection.objects, key=lambda obj: obj["nested_cages_level"])
-    depsgraph = at_frame(cage["nested_cages_end"])
+    (collection,) = [c for c in bpy.data.collections if "source" in facts(c)]
+    fine, cage = sorted(collection.objects, key=lambda obj: facts(obj)["level"])
+    depsgraph = at_frame(facts(cage)["end"])
     points, corners = evaluated(fine, depsgraph)[:, :2], evaluated(cage, depsgraph)[:, :2]
     assert count is None or len(points) == count
     assert fine.matrix_world == cage.matrix_world
@@ -163,7 +164,7 @@ def test_the_operator_gives_the_core_s_cages(addon, core, tmp_path, name) -> Non
     (level,) = core.nested_cages(mesh, [wanted], stored=np.float32).levels
     np.testing.assert_array_equal(corners, level.cage.vertices)
     np.testing.assert_array_equal(edges_of(cage), level.cage.edges)
-    assert cage["nested_cages_excess"] == pytest.approx(level.report.excess, rel=1e-3)
+    assert facts(cage)["excess"] == pytest.approx(level.report.excess, rel=1e-3)
     assert core.verify(core.Mesh(corners.astype(float), edges_of(cage).astype(int)), mesh).holds
 
     # Every point of the fine mesh is one that Blender shows of the source, in the same place of the world.
@@ -207,10 +208,10 @@ def test_a_hidden_own_level_counts_with_its_modifiers(hide, kind) -> None:
     generate = bpy.ops.object.nested_cages_generate
     assert generate(levels="*", level_objects="Own", as_published=True, shrink=False) == {"FINISHED"}
     cage = bpy.data.objects["Drawing Cage 1"]
-    first = evaluated(cage, at_frame(cage["nested_cages_flow_start"]))
+    first = evaluated(cage, at_frame(facts(cage)["flow_start"]))
     np.testing.assert_allclose(in_world(cage, first), expected, atol=1e-5)
     assert snapshot()["hidden"] == ["Drawing Moving", *before["hidden"]]
-    assert cage["nested_cages_end"] == cage["nested_cages_flow_start"]  # nothing moves
+    assert facts(cage)["end"] == facts(cage)["flow_start"]  # nothing moves
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import poly_curve, snapshot, star
+from drawings import poly_curve, set_in, snapshot, star
 from marks import slow_after
 
 
@@ -246,9 +246,8 @@ def test_several_drawings_are_written_at_once(addon, modal, monkeypatch, cancel)
         assert snapshot() == before
         return
     assert tick(addon, operator, context) == {"FINISHED"} and addon.generation.job.running() is None
-    ownership = addon.scene.ownership
     for name in ("One", "Two", "Three"):
-        made = ownership.members(ownership.collection_of(bpy.context.scene, bpy.data.objects[name]))
+        made = set_in(addon.record.CageSet.of(bpy.data.objects[name])).members
         assert [len(obj.data.vertices) for obj in made] == [60, 20, 10]
     assert len(bpy.data.meshes) == 12 and all(block.users for block in (*bpy.data.meshes, *bpy.data.actions))
 

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, circle, evaluated
+from drawings import at_frame, circle, evaluated, facts
 
 FINE, CAGE, STEPS, FLOW_END, TIGHTENING = 10_000, 40, 200, 60, 180
 
@@ -34,7 +34,7 @@ def test_a_large_drawing_is_written_saved_and_loaded(addon, core, tmp_path) -> N
     timing = addon.animation.timeline.Timing(1, 2)
     (collection,), lost = addon.generation.output.write(bpy.context.scene, [made], timing)
     assert not lost
-    end = collection["nested_cages_end"]
+    end = facts(collection)["end"]
     assert end == 1 + 2 * (STEPS - 1)
     path = str(tmp_path / "large.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path, compress=False)

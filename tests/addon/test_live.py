@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import circle, edges_of, evaluated, poly_curve, solid, star, wire
+from drawings import circle, edges_of, evaluated, facts, poly_curve, set_in, solid, star, wire
 from marks import slow_after
 
 
@@ -58,7 +58,7 @@ def holds(core, addon, collection, obj) -> bool:
     """Whether the cages enclose the drawing of now, as stored."""
     drawing = addon.following.moving.drawing_now(bpy.context, obj, addon.scene.convert.ReadingOptions())
     meshes = [drawing.mesh()]
-    for member in addon.scene.ownership.members(collection)[1:]:
+    for member in set_in(collection).members[1:]:
         meshes.append(core.Mesh(evaluated(member)[:, :2].astype(float), edges_of(member)))
     return all(core.verify(outer, inner).holds for inner, outer in pairwise(meshes))
 
@@ -94,7 +94,7 @@ def test_an_edit_is_followed_by_a_step(addon, core, live, tick, make) -> None:
     obj, collection = switched_on(make)
     tick()
     assert not live.current().behind
-    cages = addon.scene.ownership.members(collection)[1:]
+    cages = set_in(collection).members[1:]
     meshes = [cage.data for cage in cages]
     for factor in (1.1, 1.05, 0.9):
         move_points(obj, factor)
@@ -104,7 +104,7 @@ def test_an_edit_is_followed_by_a_step(addon, core, live, tick, make) -> None:
         assert not live.current().behind and not live.current().problem
         assert holds(core, addon, collection, obj)
     assert [cage.data for cage in cages] == meshes  # by steps: these are the same meshes
-    assert "Certified as stored" in cages[0][addon.keys.CERTIFICATE]
+    assert "Certified as stored" in facts(cages[0])["certificate"]
 
 
 def test_a_step_is_certified_as_it_is_stored(core, live, tick, monkeypatch) -> None:
@@ -151,7 +151,7 @@ def test_another_topology_is_made_anew_in_slices(addon, core, live, job, tick) -
     assert live.current().behind
     tick()
     assert not live.current().behind and holds(core, addon, collection, obj)
-    assert [len(o.data.vertices) for o in addon.scene.ownership.members(collection)] == [80, 24, 12]
+    assert [len(o.data.vertices) for o in set_in(collection).members] == [80, 24, 12]
     assert job.running() is None
     move_points(obj, 1.1)
     tick()
@@ -314,7 +314,7 @@ def test_a_cage_keeps_the_promises_that_it_was_made_with(addon, core, live, tick
         tick()
         assert not live.current().behind and holds(core, addon, collection, obj)
         fine, *cages = (core.Mesh(evaluated(o)[:, :2].astype(float), edges_of(o)) for o in collection.objects)
-        member = addon.record.node_of(addon.scene.ownership.members(collection)[-1])
+        member = addon.record.node_of(set_in(collection).members[-1])
         promise = dict(addon.record.notes(member)).get("note.tolerance", {})
         if levels == "0.05u":
             assert core.Within(distance=0.05).is_met(cages[0], fine) and promise["taken"] <= 0.05
@@ -323,7 +323,7 @@ def test_a_cage_keeps_the_promises_that_it_was_made_with(addon, core, live, tick
             assert min(each.clearance for each in found) >= 0.05 * (1.0 - 1e-6)
         else:
             assert core.Within(excess=0.2).is_met(cages[1], fine) and promise["taken"] <= 0.2
-        assert addon.record.of(collection).settings.levels == levels
+        assert set_in(collection).record.settings.levels == levels
 
 
 def test_the_window_of_the_drawing_s_scene_is_worked_in(addon) -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import bpy
 import pytest
 
-from drawings import at_frame, lines, poly_curve, solid, star
+from drawings import at_frame, facts, lines, poly_curve, solid, star
 
 # What each choice is in the core, told apart from the add-on's own table.
 EXPECTED = {
@@ -51,8 +51,8 @@ def test_each_choice_makes_a_certified_cage(addon, name, key) -> None:
     poly_curve("Drawing", [star(24)])
     assert bpy.ops.object.nested_cages_generate(levels="10", **{name: key}) == {"FINISHED"}
     fine, cage = bpy.data.objects["Drawing Fine"], bpy.data.objects["Drawing Cage 1"]
-    assert cage["nested_cages_certificate"].startswith("Certified as stored")
-    depsgraph = at_frame(cage["nested_cages_end"])
+    assert facts(cage)["certificate"].startswith("Certified as stored")
+    depsgraph = at_frame(facts(cage)["end"])
     assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
     assert lines(cage, depsgraph).distance(lines(fine, depsgraph)) > 0.0
 

@@ -9,17 +9,17 @@ import pytest
 import shapely
 from mathutils import Matrix
 
-from drawings import at_frame, circle, poly_curve, solid, star
-from examples.check_animation import check_animation
+from drawings import at_frame, circle, facts, poly_curve, set_in, solid, star
+from examples.check_animation import Played, check_animation
 
 
 def outputs():
-    return {c.name: c for c in bpy.data.collections if "nested_cages_source" in c.keys()}  # noqa: SIM118
+    return {c.name: c for c in bpy.data.collections if "source" in facts(c)}
 
 
 def made(collection):
-    found = [obj for obj in outputs()[collection].objects if "nested_cages_level" in obj.keys()]  # noqa: SIM118
-    return sorted(found, key=lambda obj: obj["nested_cages_level"])
+    found = [obj for obj in outputs()[collection].objects if "level" in facts(obj)]
+    return sorted(found, key=lambda obj: facts(obj)["level"])
 
 
 def taken(addon, cage):
@@ -55,7 +55,7 @@ def test_units_of_the_scene_are_understood() -> None:
     poly_curve("Drawing", [circle(60, 100.0)])
     assert bpy.ops.object.nested_cages_generate(levels="50 mm") == {"FINISHED"}
     cage = made("Drawing Cages")[1]
-    assert "within 5 of the shape" in cage["nested_cages_need"]
+    assert "within 5 of the shape" in facts(cage)["need"]
 
 
 def test_an_excess_is_of_the_drawing_on_every_level(addon) -> None:
@@ -110,8 +110,10 @@ def test_inner_cages_lie_inside_and_play(core) -> None:
     names = [f"Drawing Inner {name}" for name in ("Fine", "Cage 1", "Cage 2")]
     assert [each.name for each in (fine, first, second)] == names
     scene = bpy.context.scene
-    assert scene.frame_current == outputs()["Drawing Inner Cages"]["nested_cages_end"]
-    outcome = check_animation(scene)
+    assert scene.frame_current == facts(outputs()["Drawing Inner Cages"])["end"]
+    found = set_in(outputs()["Drawing Inner Cages"])
+    frames = [certificate.frames for certificate in found.certificates]
+    outcome = check_animation(scene, [Played(found.name, found.source, found.fine, found.cages, frames, inside=True)])
     assert outcome.problems == ()
     assert outcome.poses > 10
     depsgraph = at_frame(9000)
@@ -120,10 +122,10 @@ def test_inner_cages_lie_inside_and_play(core) -> None:
         for outer, inner in ((fine, first), (first, second))
     ]
     for cage, excess in zip((first, second), excesses, strict=True):
-        assert cage["nested_cages_excess"] == pytest.approx(excess, abs=1e-5)
+        assert facts(cage)["excess"] == pytest.approx(excess, abs=1e-5)
         assert -1.0 < excess < 0.0
-        assert cage["nested_cages_inside"]
-    assert "strictly inside level 0" in first["nested_cages_certificate"]
+        assert facts(cage)["inside"]
+    assert "strictly inside level 0" in facts(first)["certificate"]
     assert obj.visible_get()
     # the first shape of a cage is looser than the last one
     assert len(first.data.shape_keys.key_blocks) > 2
@@ -144,7 +146,7 @@ def test_cages_around_and_inside_are_kept_side_by_side_and_replaced_each_by_its_
     assert made("Drawing Cages") == outer
     assert len(outer[1].data.vertices) == 18
     assert len(outputs()) == 2
-    colours = [collection.nested_cages.colours for collection in outputs().values()]
+    colours = [set_in(collection).record.colours for collection in outputs().values()]
     assert len(set(colours)) == 2
     for frame in (1, 9000):
         at_frame(frame)
@@ -152,7 +154,7 @@ def test_cages_around_and_inside_are_kept_side_by_side_and_replaced_each_by_its_
         if frame == 9000:
             assert shown == [inner[1], inner[0], outer[1]]
     assert obj.visible_get()
-    assert [o["nested_cages_inside"] for o in addon.scene.ownership.outputs_of(bpy.context.scene, obj)] == [False, True]
+    assert [facts(o)["inside"] for o in addon.record.CageSet.all_of(obj)] == [False, True]
 
 
 def test_inner_cages_are_verified(addon) -> None:
@@ -164,8 +166,8 @@ def test_inner_cages_are_verified(addon) -> None:
     bpy.context.view_layer.objects.active = obj
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     holds = f"Holds on frame {bpy.context.scene.frame_current}"
-    assert first["nested_cages_check"] == second["nested_cages_check"] == holds
-    assert made("Drawing Cages")[1]["nested_cages_check"].startswith("Holds")
+    assert facts(first)["check"] == facts(second)["check"] == holds
+    assert facts(made("Drawing Cages")[1])["check"].startswith("Holds")
     for each in bpy.context.selected_objects:
         each.select_set(False)
     bpy.context.view_layer.objects.active = first
@@ -173,8 +175,8 @@ def test_inner_cages_are_verified(addon) -> None:
     first.data.transform(Matrix.Scale(1.2, 4))
     first.data.update()
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    assert first["nested_cages_check"].startswith("Broken")
-    assert "'Drawing Inner Fine' does not enclose 'Drawing Inner Cage 1'" in first["nested_cages_finding"]
+    assert facts(first)["check"].startswith("Broken")
+    assert "'Drawing Inner Fine' does not enclose 'Drawing Inner Cage 1'" in facts(first)["finding"]
     assert first.select_get()
 
 
@@ -189,8 +191,8 @@ def test_selected_cages_of_both_sides_are_one_chain() -> None:
     for each in (second, around, first):
         each.select_set(True)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    assert "'Drawing Cage 1' encloses 'Drawing Inner Cage 1'" in around["nested_cages_finding"]
-    assert "'Drawing Inner Cage 1' encloses 'Drawing Inner Cage 2'" in second["nested_cages_finding"]
+    assert "'Drawing Cage 1' encloses 'Drawing Inner Cage 1'" in facts(around)["finding"]
+    assert "'Drawing Inner Cage 1' encloses 'Drawing Inner Cage 2'" in facts(second)["finding"]
 
 
 def test_inner_cages_move_nothing_and_say_so(addon) -> None:
@@ -214,8 +216,8 @@ def test_scripts_get_inner_cages_and_needs(addon, core) -> None:
     assert first.name == "Drawing Inner Cage 1"
     assert len(second.data.vertices) == 9
     ((near, wide),) = addon.api.cages([obj], [core.Within(distance=0.05), core.Within(excess=0.5)])
-    assert "within 0.05 of the shape" in near["nested_cages_need"]
-    assert "50 % was allowed" in wide["nested_cages_need"]
+    assert "within 0.05 of the shape" in facts(near)["need"]
+    assert "50 % was allowed" in facts(wide)["need"]
 
 
 def test_both_sides_are_exported_with_one_drawing(tmp_path) -> None:

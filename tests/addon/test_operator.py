@@ -15,6 +15,7 @@ from drawings import (
     choose,
     circle,
     evaluated,
+    facts,
     in_world,
     lines,
     nurbs_circle,
@@ -38,7 +39,7 @@ def generate(**properties):
 def output(name="Drawing"):
     """The collection, the fine mesh and the cages."""
     collection = bpy.data.collections[f"{name} Cages"]
-    fine, *cages = sorted(collection.objects, key=lambda obj: obj["nested_cages_level"])
+    fine, *cages = sorted(collection.objects, key=lambda obj: facts(obj)["level"])
     return collection, fine, cages
 
 
@@ -57,7 +58,7 @@ def test_no_cage_crosses_what_it_encloses_on_any_frame(addon, decimation) -> Non
     generate(levels="48, 20", decimation=decimation, frames_per_step=2)
     _, fine, cages = output()
     for inner, cage in itertools.pairwise([fine, *cages]):
-        begin, end = cage["nested_cages_reinflation_start"], cage["nested_cages_end"]
+        begin, end = facts(cage)["reinflation_start"], facts(cage)["end"]
         for half in range(2 * begin, 2 * end + 1):
             depsgraph = at_frame(half / 2)
             assert not lines(inner, depsgraph).intersects(lines(cage, depsgraph)), (cage.name, half / 2)
@@ -71,13 +72,13 @@ def test_the_animation_begins_and_ends_with_the_source(addon) -> None:
     source = bezier_circle("Drawing", radius=2.0, resolution=16)
     generate()
     collection, fine, cages = output()
-    first = cages[0]["nested_cages_flow_start"]
-    assert cages[0]["nested_cages_reinflation_start"] > first
+    first = facts(cages[0])["flow_start"]
+    assert facts(cages[0])["reinflation_start"] > first
     source.data.dimensions = "3D"
     expected = evaluated(source)
-    for frame in (first, first - 10, collection["nested_cages_end"], 4000):
+    for frame in (first, first - 10, facts(collection)["end"], 4000):
         np.testing.assert_array_equal(evaluated(fine, at_frame(frame)), expected)
-    assert np.abs(evaluated(fine, at_frame(cages[0]["nested_cages_reinflation_start"])) - expected).max() > 1e-3
+    assert np.abs(evaluated(fine, at_frame(facts(cages[0])["reinflation_start"])) - expected).max() > 1e-3
     assert fine.matrix_world == source.matrix_world
 
 
@@ -88,24 +89,24 @@ def test_levels_appear_one_after_the_other_with_what_is_known_of_them(addon) -> 
     generate(start_frame=101, frames_per_step=3)
     collection, fine, cages = output()
     for number, cage in enumerate(cages, 1):
-        assert (cage["nested_cages_level"], cage["nested_cages_vertices"]) == (number, len(cage.data.vertices))
-        assert cage["nested_cages_certificate"].startswith("Certified as stored") and cage["nested_cages_seconds"] > 0.0
+        assert (facts(cage)["level"], facts(cage)["vertices"]) == (number, len(cage.data.vertices))
+        assert facts(cage)["certificate"].startswith("Certified as stored") and facts(cage)["seconds"] > 0.0
         for before in (True, False):
-            at_frame(cage["nested_cages_flow_start"] - before)
+            at_frame(facts(cage)["flow_start"] - before)
             assert cage.hide_viewport == cage.hide_render == before
-    assert not fine.hide_viewport and cages[1]["nested_cages_flow_start"] > cages[0]["nested_cages_end"]
-    assert scene.frame_end == collection["nested_cages_end"] == cages[-1]["nested_cages_end"]
+    assert not fine.hide_viewport and facts(cages[1])["flow_start"] > facts(cages[0])["end"]
+    assert scene.frame_end == facts(collection)["end"] == facts(cages[-1])["end"]
     markers = {marker.name: marker.frame for marker in scene.timeline_markers}
-    assert markers == {"Drawing": collection["nested_cages_end"]}
-    assert (cages[0]["nested_cages_reinflation_start"] - 101) % 3 == 0
+    assert markers == {"Drawing": facts(collection)["end"]}
+    assert (facts(cages[0])["reinflation_start"] - 101) % 3 == 0
 
 
 def test_without_the_flow_the_drawing_is_inside_from_the_start(addon) -> None:
     poly_curve("Drawing", [star()])
     generate(levels="20", show_flow=False, decimation="ARC_LENGTH")
     _, fine, (cage,) = output()
-    assert cage["nested_cages_flow_start"] == cage["nested_cages_reinflation_start"] == 1
-    for half in range(2, 2 * cage["nested_cages_end"] + 1):
+    assert facts(cage)["flow_start"] == facts(cage)["reinflation_start"] == 1
+    for half in range(2, 2 * facts(cage)["end"] + 1):
         depsgraph = at_frame(half / 2)
         assert not lines(fine, depsgraph).intersects(lines(cage, depsgraph))
 
@@ -120,7 +121,7 @@ def test_the_clearance_is_a_length_of_the_scene(addon, clearance) -> None:
     for inner, cage in itertools.pairwise([fine, *cages]):
         measured = 3.0 * lines(inner, depsgraph).distance(lines(cage, depsgraph))
         assert clearance * (1.0 - 1e-9) <= measured <= 1.05 * clearance
-        assert cage["nested_cages_clearance"] == pytest.approx(measured, rel=1e-6)
+        assert facts(cage)["clearance"] == pytest.approx(measured, rel=1e-6)
 
 
 ORDINARY = {
@@ -156,7 +157,7 @@ def test_selected_objects_become_the_levels(addon) -> None:
     assert [len(cage.data.vertices) for cage in cages] == [24, 9]
     assert len(fine.data.vertices) == 60
     assert bpy.context.view_layer.objects.active is source
-    start = evaluated(cages[0], at_frame(cages[0]["nested_cages_reinflation_start"]))
+    start = evaluated(cages[0], at_frame(facts(cages[0])["reinflation_start"]))
     np.testing.assert_allclose(start[:, :2], circle(24, 1.4, (0.05, 0.0)), atol=1e-6)
     assert len(bpy.data.collections) == 1
 
@@ -170,10 +171,10 @@ def test_all_selected_drawings_in_common_cages(addon, core) -> None:
     bpy.context.view_layer.objects.active = one
     bpy.context.view_layer.update()
     assert generate(levels="30", together=True) == {"FINISHED"}
-    (collection,) = [c for c in bpy.data.collections if "nested_cages_source" in c]
-    assert collection["nested_cages_source"] == one and collection.name == "One Cages"
-    fine, cage = sorted(collection.objects, key=lambda obj: obj["nested_cages_level"])
-    depsgraph = at_frame(cage["nested_cages_end"])
+    (collection,) = [c for c in bpy.data.collections if "source" in facts(c)]
+    assert facts(collection)["source"] == one and collection.name == "One Cages"
+    fine, cage = sorted(collection.objects, key=lambda obj: facts(obj)["level"])
+    depsgraph = at_frame(facts(cage)["end"])
     moved = in_world(two, evaluated(two, depsgraph))[:, :2]
     expected = shapely.Polygon(star(), [circle(12, 0.3)]).union(shapely.Polygon(moved))
     assert solid(fine, depsgraph).symmetric_difference(expected).area < 1e-5
@@ -190,9 +191,9 @@ def test_drawings_in_common_cages_are_united_where_they_cross_and_flattened_wher
     two.location.z = 0.01
     bpy.data.objects["One"].select_set(True)
     assert generate(levels="30", together=True) == {"FINISHED"}
-    (collection,) = [c for c in bpy.data.collections if "nested_cages_source" in c]
-    fine, cage = sorted(collection.objects, key=lambda obj: obj["nested_cages_level"])
-    depsgraph = at_frame(cage["nested_cages_end"])
+    (collection,) = [c for c in bpy.data.collections if "source" in facts(c)]
+    fine, cage = sorted(collection.objects, key=lambda obj: facts(obj)["level"])
+    depsgraph = at_frame(facts(cage)["end"])
     expected = shapely.Polygon(star()).union(shapely.Polygon(circle(40, 1.0, (0.9, 0.0))))
     assert solid(fine, depsgraph).symmetric_difference(expected).area < 1e-5
     assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
@@ -283,7 +284,7 @@ def test_undo_takes_a_fault_while_replacing_back(addon, monkeypatch, before, pla
 
     def at_the_result() -> None:
         """Selects both drawings where the animation does not hide them."""
-        bpy.context.scene.frame_set(bpy.data.collections["One Cages"]["nested_cages_end"])
+        bpy.context.scene.frame_set(facts(bpy.data.collections["One Cages"])["end"])
         for obj in bpy.data.objects:
             obj.select_set(obj.name in {"One", "Two"})
 
@@ -383,7 +384,7 @@ def test_the_frame_jumps_to_the_result_or_stays(addon) -> None:
     generate(show_result=False)
     assert bpy.context.scene.frame_current == 1
     generate()
-    assert bpy.context.scene.frame_current == output()[0]["nested_cages_end"]
+    assert bpy.context.scene.frame_current == facts(output()[0])["end"]
 
 
 def levels_out_of_plane():

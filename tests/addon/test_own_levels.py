@@ -6,13 +6,13 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, circle, evaluated, poly_curve, solid, star
+from drawings import at_frame, circle, evaluated, facts, poly_curve, solid, star
 from marks import slow_after
 
 
 def cages():
-    found = [obj for obj in bpy.data.objects if obj.get("nested_cages_level", 0) > 0]
-    return sorted(found, key=lambda obj: obj["nested_cages_level"])
+    found = [obj for obj in bpy.data.objects if facts(obj).get("level", 0) > 0]
+    return sorted(found, key=lambda obj: facts(obj)["level"])
 
 
 def test_own_objects_are_levels_among_others() -> None:
@@ -66,7 +66,7 @@ def test_each_energy_gives_its_own_certified_cage(core, energy) -> None:
         depsgraph = at_frame(9000)
         fine = bpy.data.objects["Drawing Fine"]
         assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
-        shapes.append((evaluated(cage, depsgraph), cage["nested_cages_excess"]))
+        shapes.append((evaluated(cage, depsgraph), facts(cage)["excess"]))
     (tight, least), (other, more) = shapes
     assert np.abs(tight - other).max() > 1e-4
     assert more > least

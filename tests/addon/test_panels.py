@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 import pytest
 
-from drawings import bezier_circle, choose, circle, grid_face, poly_curve, star, text, wire
+from drawings import bezier_circle, choose, circle, facts, grid_face, poly_curve, star, text, wire
 
 
 class Layout:
@@ -181,7 +181,7 @@ def test_the_panel_shows_the_length_as_soon_as_it_is_known(draw) -> None:
     poly_curve("Drawing", [star()])
     assert not any(text.startswith("Length") for text in draw("VIEW3D_PT_nested_cages_animation"))
     bpy.ops.object.nested_cages_generate(levels="20")
-    settings, end = bpy.context.scene.nested_cages, bpy.data.collections["Drawing Cages"]["nested_cages_end"]
+    settings, end = bpy.context.scene.nested_cages, facts(bpy.data.collections["Drawing Cages"])["end"]
     assert "Length as before: 120 frames, 5.0 s" in draw("VIEW3D_PT_nested_cages_animation")
     settings.fit_length = False
     assert f"Length as before: {end} frames, {end / 24:.1f} s" in draw("VIEW3D_PT_nested_cages_animation")
@@ -220,7 +220,7 @@ def test_levels_are_told_for_all_selected_drawings(draw) -> None:
 def test_results_are_short_and_the_numbers_are_in_a_report(draw) -> None:
     poly_curve("Drawing", [star()])
     bpy.ops.object.nested_cages_generate(levels="20, 8")
-    first, second = (1.0 + bpy.data.objects[f"Drawing Cage {k}"]["nested_cages_excess"] for k in (1, 2))
+    first, second = (1.0 + facts(bpy.data.objects[f"Drawing Cage {k}"])["excess"] for k in (1, 2))
     drawn = draw("VIEW3D_PT_nested_cages_result")
     assert f"Cage 1: 20 vertices, {100.0 * (first - 1.0):.2g} % larger" in drawn
     assert f"Cage 2: 8 vertices, {100.0 * (first * second - 1.0):.0f} % larger" in drawn  # than the drawing

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, edges_of, evaluated, poly_curve, star
+from drawings import at_frame, edges_of, evaluated, facts, poly_curve, set_in, star
 
 slotted = pytest.mark.skipif(bpy.app.version < (4, 4, 0), reason="actions have no slots")
 
@@ -17,19 +17,19 @@ def cages():
     poly_curve("Drawing", [star()])
     assert bpy.ops.object.nested_cages_generate(levels="20, 10") == {"FINISHED"}
     collection = bpy.data.collections["Drawing Cages"]
-    return collection, *sorted(collection.objects, key=lambda obj: obj["nested_cages_level"])
+    return collection, *sorted(collection.objects, key=lambda obj: facts(obj)["level"])
 
 
 def test_the_drawing_is_hidden_as_long_as_the_new_animation_plays(cages) -> None:
     collection, *_ = cages
-    end = collection["nested_cages_end"]
+    end = facts(collection)["end"]
     at_frame(end)
     bpy.data.objects["Drawing"].select_set(True)
     bpy.ops.object.nested_cages_generate(levels="20, 10", frames_per_step=1)
-    assert collection["nested_cages_end"] < end and collection.nested_cages.sources[0].hidden
-    for frame in (collection["nested_cages_end"] - 1, collection["nested_cages_end"]):
+    assert facts(collection)["end"] < end and set_in(collection).record.parts[0].hidden
+    for frame in (facts(collection)["end"] - 1, facts(collection)["end"]):
         at_frame(frame)
-        assert bpy.data.objects["Drawing"].hide_viewport == (frame < collection["nested_cages_end"])
+        assert bpy.data.objects["Drawing"].hide_viewport == (frame < facts(collection)["end"])
     bpy.ops.object.nested_cages_remove_animation()
     assert bpy.data.objects["Drawing"].animation_data is None
 
@@ -44,7 +44,7 @@ def test_all_cages_of_a_drawing_share_one_action(cages) -> None:
     assert all(owner.animation_data.action == action for owner in owners)
     slots = {owner.animation_data.action_slot.identifier for owner in owners}
     assert len(slots) == len(action.slots) == len(owners)  # the fine mesh is never hidden
-    at_frame(collection["nested_cages_end"])
+    at_frame(facts(collection)["end"])
     others[0].keyframe_insert("location", frame=5)
     bpy.ops.object.nested_cages_generate(levels="20, 10")
     own = others[0].animation_data.action
@@ -57,7 +57,7 @@ def test_all_cages_of_a_drawing_share_one_action(cages) -> None:
 def test_without_the_animation_the_cages_stay(cages) -> None:
     scene = bpy.context.scene
     collection, *objects = cages
-    end = collection["nested_cages_end"]
+    end = facts(collection)["end"]
     depsgraph = at_frame(end)
     home, edges = [evaluated(obj, depsgraph) for obj in objects], [edges_of(obj) for obj in objects]
     objects[1].keyframe_insert("location", frame=1)

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import circle, evaluated, grid_face, poly_curve, star, text, wire
+from drawings import circle, evaluated, facts, grid_face, poly_curve, set_in, star, text, wire
 from marks import slow_after
 
 MAKE = {
@@ -54,7 +54,7 @@ def moved_by(source, cage) -> float:
 
 @pytest.mark.parametrize("bound", slow_after(1, [False, True]), ids=["free", "bound"])
 def test_a_saved_file_works_as_before(addon, bound, tmp_path) -> None:
-    ownership, record = addon.scene.ownership, addon.record
+    record = addon.record
     bpy.context.scene.frame_end = 20
     parts = [wire(name, [circle(8, 0.1, (x, 0.0))]) for name, x in (("Left", -9.0), ("Right", 9.0))]
     choose(*parts)
@@ -70,10 +70,10 @@ def test_a_saved_file_works_as_before(addon, bound, tmp_path) -> None:
     choose(source)
     assert [obj.name for obj in record.shown_in(bpy.data.objects["Both"])] == ["Right", "Left"]
     assert record.range_of(scene) == (1, 20, 1, scene.frame_end) and scene.frame_end > 20
-    members = ownership.members(collection)
-    assert [ownership.level_of(obj) for obj in members] == [0, 1, 2]
-    assert ownership.outputs_about(scene, source) == [collection] and ownership.is_bound(collection) is bound
-    assert addon.generation.output.duration(collection, addon.animation.timeline.Timing()) is not None
+    members = set_in(collection).members
+    assert [record.level_of(obj) for obj in members] == [0, 1, 2]
+    assert record.CageSet.all_of(source) == [set_in(collection)] and bool(set_in(collection).bound) is bound
+    assert addon.generation.output.duration(set_in(collection), addon.animation.timeline.Timing()) is not None
     assert bpy.ops.object.nested_cages_report() == {"FINISHED"}
     assert "Certified as stored" in bpy.data.texts["Nested Cages Report"].as_string()
     if bound:
@@ -82,13 +82,13 @@ def test_a_saved_file_works_as_before(addon, bound, tmp_path) -> None:
     choose(source)
     scene.frame_set(1)
     assert source.hide_viewport  # its moving copy plays
-    scene.frame_set(collection["nested_cages_end"])
+    scene.frame_set(facts(collection)["end"])
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     assert record.node_of(members[1]).check == record.HOLDS
     markers = len(scene.timeline_markers)
     assert bpy.ops.object.nested_cages_generate(levels="16") == {"FINISHED"}
-    assert len(ownership.members(collection)) == 2 and len(scene.timeline_markers) == markers
-    assert collection.nested_cages.known and collection.nested_cages.settings.levels == "16"
+    assert len(set_in(collection).members) == 2 and len(scene.timeline_markers) == markers
+    assert set_in(collection).record.known and set_in(collection).record.settings.levels == "16"
     assert bpy.ops.object.nested_cages_remove_animation() == {"FINISHED"}
     assert scene.frame_end == 20 and record.range_of(scene) is None
 
@@ -96,8 +96,8 @@ def test_a_saved_file_works_as_before(addon, bound, tmp_path) -> None:
 def test_a_set_is_known_by_its_objects_wherever_they_are(addon) -> None:
     """Moved to other collections and scenes, renamed, with another parent, and with the collection removed."""
     source, collection = caged(bind=True)
-    ownership, scene = addon.scene.ownership, bpy.context.scene
-    fine, finer, coarsest = ownership.members(collection)
+    scene = bpy.context.scene
+    fine, finer, coarsest = set_in(collection).members
     choose(source)
     bpy.ops.object.nested_cages_add_handles()
     bpy.ops.object.mode_set(mode="OBJECT")
@@ -109,7 +109,7 @@ def test_a_set_is_known_by_its_objects_wherever_they_are(addon) -> None:
         collection.objects.unlink(obj)
         controls.objects.link(obj)
     coarsest.name = source.name = "Renamed"
-    assert ownership.members(collection) == [fine, finer, coarsest]
+    assert set_in(collection).members == [fine, finer, coarsest]
     bpy.context.view_layer.update()
     assert moved_by(fine, coarsest) > 0.1
     for vertex in coarsest.data.vertices:
@@ -118,24 +118,23 @@ def test_a_set_is_known_by_its_objects_wherever_they_are(addon) -> None:
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     assert all(addon.record.node_of(cage).check == addon.record.HOLDS for cage in (finer, coarsest))
     bpy.ops.object.nested_cages_generate(levels="20, 10")
-    assert ownership.members(collection) == [fine, finer, coarsest] and len(coarsest.data.vertices) == 10
+    assert set_in(collection).members == [fine, finer, coarsest] and len(coarsest.data.vertices) == 10
     assert len(bpy.data.collections) == 2
     for obj in (fine, finer):
         controls.objects.link(obj)
     bpy.data.collections.remove(collection)
     choose(source)
     assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
-    (found,) = ownership.outputs_of(scene, source)
-    assert ownership.members(found) == [fine, finer, coarsest] and not ownership.is_bound(found)
-    assert found.nested_cages.settings.levels == "20, 10" and set(controls.objects) >= {fine, finer, coarsest}
+    (found,) = addon.record.CageSet.all_of(source)
+    assert set_in(found).members == [fine, finer, coarsest] and not bool(set_in(found).bound)
+    assert set_in(found).record.settings.levels == "20, 10" and set(controls.objects) >= {fine, finer, coarsest}
 
 
 @pytest.mark.parametrize("kind", slow_after(1, MAKE))
 @pytest.mark.parametrize("how", ["duplicated", "instanced", "scene copied", "appended"])
 def test_a_copy_is_a_character_of_its_own(addon, kind, how, tmp_path) -> None:
     source, collection = caged(kind, bind=True)
-    ownership = addon.scene.ownership
-    objects = [source, *ownership.members(collection)]
+    objects = [source, *set_in(collection).members]
     before = set(bpy.data.objects)
     if how == "duplicated":
         choose(*objects)
@@ -145,10 +144,7 @@ def test_a_copy_is_a_character_of_its_own(addon, kind, how, tmp_path) -> None:
     elif how == "appended":
         path = str(tmp_path / "character.blend")
         bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
-        with bpy.data.libraries.load(path) as (_, here):
-            here.objects = [source.name, objects[-1].name]
-        for obj in here.objects:
-            bpy.context.scene.collection.objects.link(obj)
+        bpy.ops.wm.append(directory=path + "/Object/", filename=source.name)
     else:
         home, instance = bpy.data.collections.new("Character"), bpy.data.objects.new("Instance", None)
         home.objects.link(source)
@@ -161,26 +157,21 @@ def test_a_copy_is_a_character_of_its_own(addon, kind, how, tmp_path) -> None:
         choose(instance)
         bpy.ops.object.duplicates_make_real(use_base_parent=True, use_hierarchy=True)
         bpy.context.scene.collection.children.link(home)
-    members = [addon.record.node_of(obj) for obj in set(bpy.data.objects) - before]
-    (copy,) = {member.of for member in members if member.role == "CAGE"}
-    assert copy not in before
-    choose(copy)
-    if bpy.ops.object.nested_cages_adopt.poll():
-        assert bpy.ops.object.nested_cages_adopt() == {"FINISHED"}
-    else:  # what copies the collection too makes a set
-        assert how in {"scene copied", "appended"}
-    (own,) = ownership.outputs_of(bpy.context.scene, copy)
-    assert own != collection and not set(ownership.members(own)) & set(objects)
-    assert ownership.members(collection) == objects[1:]
-    assert moved_by(objects[1], ownership.members(own)[-1]) == 0.0
-    assert moved_by(copy, ownership.members(collection)[-1]) == 0.0
-    assert moved_by(copy, ownership.members(own)[-1]) > 0.1
+    new = set(bpy.data.objects) - before
+    (own,) = {found for obj in new for found in addon.record.CageSet.all_of(obj)} - {set_in(objects[1])}
+    copy, original = own.source, set_in(objects[1])
+    assert copy in new and set(own.cages) <= new and original.members == objects[1:]
+    if how == "instanced":  # Blender lets them share their meshes, as with a linked duplicate
+        own.cages[-1].data = own.cages[-1].data.copy()
+    assert moved_by(objects[1], own.cages[-1]) == 0.0
+    assert moved_by(copy, original.cages[-1]) == 0.0
+    assert moved_by(copy, own.cages[-1]) > 0.1
     choose(copy)
     assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
-    assert ownership.is_bound(collection) and not ownership.is_bound(own)
+    assert original.bound and not own.bound
     assert bpy.ops.object.nested_cages_generate(levels="16") == {"FINISHED"}
-    assert [len(ownership.members(found)) for found in (collection, own)] == [3, 2]
-    meshes = [obj.data for found in (collection, own) for obj in ownership.members(found)]
+    assert [len(set_in(found).members) for found in (collection, own)] == [3, 2]
+    meshes = [obj.data for found in (collection, own) for obj in set_in(found).members]
     assert len(set(meshes)) == len(meshes)
 
 
@@ -188,7 +179,7 @@ def test_a_copy_is_a_character_of_its_own(addon, kind, how, tmp_path) -> None:
 @pytest.mark.skipif(bpy.app.version < (4, 3), reason="Blender 4.2 tells nothing of imports")
 def test_append_makes_no_objects_of_kept_meshes_and_removes_none_of_before(addon, tmp_path) -> None:
     _, collection = caged(bind=True)
-    kept = addon.record.before(addon.scene.ownership.members(collection)[0]).mesh
+    kept = addon.record.before(set_in(collection).members[0]).mesh
     names, path = sorted(obj.name for obj in bpy.data.objects), str(tmp_path / "character.blend")
     mine = bpy.data.objects.new("Mine", kept)
     bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
@@ -226,16 +217,15 @@ def test_many_drawings_are_bound_in_as_many_passes_over_the_scene_as_one(addon) 
         parts = [poly_curve(f"Part {many} {k}", [circle(24, 0.5, (2.0 * k, 0.0))]) for k in range(many)]
         choose(*parts)
         bpy.ops.object.nested_cages_generate(levels="12, 8")
-        outputs = [addon.scene.ownership.collection_about(bpy.context.scene, part) for part in parts]
+        outputs = [addon.record.CageSet.of(part) for part in parts]
         steps = binding.in_step(bpy.context, [binding.steps(bpy.context, output, "AUTO") for output in outputs])
         counts.append(sum(1 for _ in steps))
-        assert all(map(addon.scene.ownership.is_bound, outputs))
+        assert all(output.bound for output in outputs)
     assert counts[0] == counts[1]
 
 
 @pytest.mark.slow
 def test_several_drawings_are_rigged_in_three_actions(addon) -> None:
-    ownership = addon.scene.ownership
     for k in range(4):
         poly_curve(f"Part {k}", [circle(24, 0.5, (2.0 * k, 0.0))])
     choose(*bpy.data.objects)
@@ -243,23 +233,23 @@ def test_several_drawings_are_rigged_in_three_actions(addon) -> None:
     bpy.ops.object.nested_cages_generate(levels="8")
     choose(*parts)
     assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
-    outputs = [ownership.collection_about(bpy.context.scene, part) for part in parts]
-    assert all(map(ownership.is_bound, outputs))
+    outputs = [addon.record.CageSet.of(part) for part in parts]
+    assert all(output.bound for output in outputs)
     choose(*parts)
     assert bpy.ops.object.nested_cages_add_handles() == {"FINISHED"}
     rig = bpy.context.view_layer.objects.active
     assert bpy.context.mode == "POSE" and len(rig.data.bones) == 32
-    cage = ownership.members(outputs[2])[-1]
-    before = [evaluated(ownership.members(output)[0]).copy() for output in outputs]
+    cage = set_in(outputs[2]).members[-1]
+    before = [evaluated(set_in(output).members[0]).copy() for output in outputs]
     for k, bone in enumerate(sorted(rig.pose.bones, key=lambda bone: bone.name)):
         bone.location.y = 0.2 * (cage.name in bone.name)
         assert k < 32
     bpy.context.view_layer.update()
-    change = [np.abs(evaluated(ownership.members(o)[0]) - b).max() for o, b in zip(outputs, before, strict=True)]
+    change = [np.abs(evaluated(set_in(o).members[0]) - b).max() for o, b in zip(outputs, before, strict=True)]
     assert [value > 0.1 for value in change] == [False, False, True, False]
     # A pose is checked where it is made.
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"} and bpy.context.mode == "POSE"
-    assert all(addon.record.node_of(ownership.members(output)[1]).check == "HOLDS" for output in outputs)
+    assert all(addon.record.node_of(set_in(output).members[1]).check == "HOLDS" for output in outputs)
     assert bpy.ops.object.nested_cages_report() == {"FINISHED"}
     said = bpy.data.texts["Nested Cages Report"].as_string()
     assert all(f"Part {k} Cages" in said for k in range(4))
@@ -267,7 +257,7 @@ def test_several_drawings_are_rigged_in_three_actions(addon) -> None:
     choose(*parts)
     for action in ("rebind", "unbind", "remove_animation"):
         assert getattr(bpy.ops.object, f"nested_cages_{action}")() == {"FINISHED"}
-    assert not any(map(ownership.is_bound, outputs)) and not any(map(addon.animation.visibility.is_animated, outputs))
+    assert not any(output.bound for output in outputs) and not any(map(addon.animation.visibility.is_animated, outputs))
 
 
 def test_files_of_several_drawings_hold_their_cages(tmp_path) -> None:
@@ -298,7 +288,7 @@ def test_what_an_edit_makes_untrue_is_not_said(addon) -> None:
     source = MAKE["curve"]()
     bpy.ops.object.nested_cages_generate(levels="0.05u")
     collection, record, health = bpy.data.collections["Drawing Cages"], addon.record, addon.ui.results.health
-    cage = addon.scene.ownership.members(collection)[1]
+    cage = set_in(collection).cages[0]
     assert not record.is_edited(cage) and "0.05" in health(bpy.context, cage)[1]
     stretch(cage)
     assert health(bpy.context, cage) == (addon.ui.results.EDITED, record.EDITED)
@@ -314,25 +304,25 @@ def test_what_an_edit_makes_untrue_is_not_said(addon) -> None:
     assert bpy.ops.object.nested_cages_bind(method="LINEAR") == {"FINISHED"}
     member = record.node_of(cage)
     assert not record.notes(member) and member.excess > 0.3 and not record.is_edited(cage)
-    assert cage["nested_cages_excess"] == pytest.approx(member.excess) and not cage["nested_cages_need"]
+    assert facts(cage)["excess"] == pytest.approx(member.excess) and not facts(cage)["need"]
     assert bpy.ops.object.nested_cages_rebind() == {"FINISHED"}
-    assert record.of(collection).bound == "LINEAR"
+    assert set_in(collection).record.bound == "LINEAR"
 
 
 @pytest.mark.slow
 def test_generate_after_bind_makes_the_drawings_cages_again(addon) -> None:
     _source, collection = caged(bind=True)
-    coarsest = addon.scene.ownership.members(collection)[-1]
+    coarsest = set_in(collection).members[-1]
     assert bpy.context.view_layer.objects.active == coarsest and bpy.context.selected_objects == [coarsest]
     assert bpy.ops.object.nested_cages_generate(levels="20, 10") == {"FINISHED"}
-    assert [len(obj.data.vertices) for obj in addon.scene.ownership.members(collection)] == [60, 20, 10]
-    assert len(bpy.data.collections) == 1 and addon.scene.ownership.is_bound(collection)
+    assert [len(obj.data.vertices) for obj in set_in(collection).members] == [60, 20, 10]
+    assert len(bpy.data.collections) == 1 and bool(set_in(collection).bound)
 
 
 @pytest.mark.parametrize("how", slow_after(1, ["driven", "keyed"]))
 def test_a_pose_by_animation_is_there_after_generate(addon, how) -> None:
     source, collection = caged(bind=True)
-    rest, cage = evaluated(source).copy(), addon.scene.ownership.members(collection)[-1]
+    rest, cage = evaluated(source).copy(), set_in(collection).members[-1]
     if how == "driven":
         cage.driver_add("location", 0).driver.expression = "1.0"
     else:
@@ -342,7 +332,7 @@ def test_a_pose_by_animation_is_there_after_generate(addon, how) -> None:
     assert bpy.ops.object.nested_cages_generate(levels="20, 10") == {"FINISHED"}
     bpy.context.scene.frame_set(2)
     bpy.context.view_layer.update()
-    assert addon.scene.ownership.is_bound(collection)
+    assert bool(set_in(collection).bound)
     np.testing.assert_allclose(evaluated(source) - rest, np.tile((1.0, 0.0, 0.0), (len(rest), 1)), atol=1e-5)
 
 

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import circle, poly_curve, raised, star, wire
+from drawings import circle, facts, poly_curve, raised, star, wire
 from marks import slow_after
 
 Watch = Callable[[Any, str], list[Any]]
@@ -84,7 +84,7 @@ def test_advice_on_a_loose_cage_and_on_room_is_found_once(core, watch) -> None:
     poly_curve("Drawing", [star(120, 0.7, 9), circle(30, 0.1)])
     hulls, bounds = watch(core.OuterHull, "decimate"), watch(core.hierarchy, "tightest_place")
     redo(bpy.ops.object.nested_cages_generate, {"levels": "8", "clearance": 1e-3}, {"frames_per_step": 9})
-    report = bpy.data.objects["Drawing Cage 1"]["nested_cages_notes"]
+    report = facts(bpy.data.objects["Drawing Cage 1"])["notes"]
     assert "larger than the drawing: 8 vertices are few" in str(report)
     assert len({arguments[2] for arguments in hulls}) == len(hulls) > 0
     assert len(bounds) == 1

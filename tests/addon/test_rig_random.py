@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
-from drawings import choose, evaluated, in_world, outlive, star, wire
+from drawings import choose, evaluated, facts, in_world, outlive, star, wire
 
 pytestmark = pytest.mark.slow
 
@@ -50,16 +50,16 @@ class Artist:
 
     @property
     def fine(self):
-        return next(obj for obj in self.collection.objects if obj.get("nested_cages_level") == 0)
+        return next(obj for obj in self.collection.objects if facts(obj).get("level") == 0)
 
     @property
     def cage(self):
         """The cage that is worked on: the first one, which is always there."""
-        return next(obj for obj in self.collection.objects if obj.get("nested_cages_level") == 1)
+        return next(obj for obj in self.collection.objects if facts(obj).get("level") == 1)
 
     @property
     def bound(self) -> bool:
-        return "nested_cages_bound" in self.collection
+        return "bound" in facts(self.collection)
 
     def push(self) -> None:
         bpy.ops.ed.undo_push(message="edit")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import at_frame, circle, poly_curve, solid, star, wire
+from drawings import at_frame, circle, facts, poly_curve, solid, star, wire
 
 
 def paint(obj, name, weights):
@@ -20,8 +20,8 @@ def paint(obj, name, weights):
 
 
 def cages(name="Drawing"):
-    found = [o for o in bpy.data.collections[f"{name} Cages"].objects if o.get("nested_cages_level", 0) > 0]
-    return sorted(found, key=lambda obj: obj["nested_cages_level"])
+    found = [o for o in bpy.data.collections[f"{name} Cages"].objects if facts(o).get("level", 0) > 0]
+    return sorted(found, key=lambda obj: facts(obj)["level"])
 
 
 def noted(addon):
@@ -210,6 +210,6 @@ def test_cages_with_rules_do_not_follow() -> None:
 def test_inner_cages_keep_rules_too() -> None:
     poly_curve("Drawing", [star(61, 0.2, 3)[:, ::-1]])
     bpy.ops.object.nested_cages_generate(levels="16, 10", symmetry="MIRROR_X", inside=True)
-    for cage in [o for o in bpy.data.collections["Drawing Inner Cages"].objects if o.get("nested_cages_level", 0) > 0]:
+    for cage in [o for o in bpy.data.collections["Drawing Inner Cages"].objects if facts(o).get("level", 0) > 0]:
         found = {tuple(point) for point in points(cage).tolist()}
         assert found == {(-x, y) for x, y in found}

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, circle, poly_curve, polygon_area, star, wire
+from drawings import at_frame, circle, facts, poly_curve, polygon_area, star, wire
 
 
 def generate(**properties):
@@ -47,7 +47,7 @@ def test_while_it_plays_a_filled_copy_moves_in_place_of_the_original(addon, heig
         assert copy.hide_viewport is copy.hide_render is not playing
     filled = area(copy, at_frame(first))
     assert filled == pytest.approx(polygon_area(star()) - polygon_area(circle(12, 0.3)), rel=1e-4)
-    shrunk = bpy.data.objects["Drawing Cage 1"]["nested_cages_reinflation_start"]
+    shrunk = facts(bpy.data.objects["Drawing Cage 1"])["reinflation_start"]
     assert area(copy, at_frame(shrunk)) < filled
     mesh = copy.evaluated_get(at_frame(first)).data
     assert [material.name for material in mesh.materials] == [red.name]
@@ -180,7 +180,7 @@ def test_in_a_batch_what_cannot_be_done_is_skipped_and_listed(addon, capfd) -> N
     for obj in bpy.data.objects:
         obj.select_set(True)
     assert generate() == {"FINISHED"}
-    assert {c.name for c in bpy.data.collections if "nested_cages_source" in c} == {"Glyph 1 Cages", "Glyph 3 Cages"}
+    assert {c.name for c in bpy.data.collections if "source" in facts(c)} == {"Glyph 1 Cages", "Glyph 3 Cages"}
     told = "".join(capfd.readouterr())
     for words in (
         "Skipped: 'Glyph 0' crosses or touches itself",
@@ -208,7 +208,7 @@ def test_a_loose_cage_says_why_and_what_number_would_do(addon) -> None:
     assert note["count"] == 5 and note["excess"] > 0.5
     generate(levels=str(note["better"]))
     cage = bpy.data.objects["Drawing Cage 1"]
-    assert cage["nested_cages_excess"] < 0.25 and not cage["nested_cages_notes"]
+    assert facts(cage)["excess"] < 0.25 and not facts(cage)["notes"]
 
 
 def test_nothing_selected_the_wrong_kind_and_a_hidden_object_are_three_sentences(addon) -> None:

@@ -8,20 +8,20 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, evaluated, lines, poly_curve, star
+from drawings import at_frame, evaluated, facts, lines, poly_curve, star
 
 
 def generate(**properties):
     assert bpy.ops.object.nested_cages_generate(**{"levels": "20, 10", **properties}) == {"FINISHED"}
     collection = bpy.data.collections["Drawing Cages"]
-    fine, *cages = sorted(collection.objects, key=lambda obj: obj["nested_cages_level"])
+    fine, *cages = sorted(collection.objects, key=lambda obj: facts(obj)["level"])
     return collection, fine, cages
 
 
 def test_a_cage_stays_home_until_its_own_flow_begins_out_of_sight() -> None:
     poly_curve("Drawing", [star()])
     _, _, cages = generate(decimation="ARC_LENGTH", show_flow=False)
-    end = cages[0]["nested_cages_end"]
+    end = facts(cages[0])["end"]
     home = evaluated(cages[0], at_frame(9000))
     np.testing.assert_array_equal(evaluated(cages[0], at_frame(end)), home)
 
@@ -41,11 +41,11 @@ def test_the_length_is_known_for_other_timings(addon) -> None:
 def test_thousands_of_frames_play_to_the_end() -> None:
     poly_curve("Drawing", [star()])
     collection, fine, cages = generate(frames_per_step=500)
-    end = collection["nested_cages_end"]
+    end = facts(collection)["end"]
     assert end > 5000
     home = evaluated(fine, at_frame(end + 1))
     np.testing.assert_array_equal(evaluated(fine, at_frame(end)), home)
-    for frame in np.linspace(cages[-1]["nested_cages_reinflation_start"], end, 25):
+    for frame in np.linspace(facts(cages[-1])["reinflation_start"], end, 25):
         depsgraph = at_frame(frame)
         assert not lines(cages[0], depsgraph).intersects(lines(cages[1], depsgraph))
 

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import choose, circle, poly_curve, star, wire
+from drawings import choose, circle, facts, poly_curve, star, wire
 
 
 @pytest.fixture
@@ -31,8 +31,8 @@ def move(obj, index, place):
 def test_untouched_cages_hold(cages) -> None:
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     for cage in cages[1:]:
-        assert cage["nested_cages_check"].startswith("Holds on frame")
-        assert cage["nested_cages_finding"].startswith(f"'{cage.name}' encloses")
+        assert facts(cage)["check"].startswith("Holds on frame")
+        assert facts(cage)["finding"].startswith(f"'{cage.name}' encloses")
     assert not any(selected(obj) for obj in cages)
     assert bpy.context.view_layer.objects.active.name == "Drawing"
 
@@ -41,8 +41,8 @@ def test_a_cage_that_was_pushed_in_is_found_with_its_vertices(cages) -> None:
     fine, inner, outer = cages
     move(inner, 3, (0.0, 0.0, 0.0))
     bpy.ops.object.nested_cages_verify()
-    assert inner["nested_cages_check"].startswith("Broken on frame")
-    assert "does not enclose 'Drawing Fine'" in inner["nested_cages_finding"]
+    assert facts(inner)["check"].startswith("Broken on frame")
+    assert "does not enclose 'Drawing Fine'" in facts(inner)["finding"]
     assert 3 in selected(inner)
     assert len(selected(inner)) < 8
     assert selected(fine)
@@ -68,7 +68,7 @@ def test_any_two_objects_can_be_checked(addon) -> None:
     inner, outer = bpy.data.objects["Inner"], bpy.data.objects["Outer"]
     assert {0, 1, 11}.isdisjoint(selected(inner))
     assert 6 in selected(inner)
-    assert "nested_cages_check" not in outer
+    assert "check" not in facts(outer)
     outer.location.x = -0.7
     bpy.ops.object.nested_cages_verify()
     assert not selected(inner) and not selected(outer)
@@ -87,8 +87,8 @@ def test_a_copy_of_a_cage_is_none_of_the_levels(cages) -> None:
     copy.select_set(False)
     bpy.context.view_layer.objects.active = drawing
     bpy.ops.object.nested_cages_verify()
-    assert all(cage["nested_cages_check"].startswith("Holds") for cage in (inner, outer))
-    assert "nested_cages_check" not in copy
+    assert all(facts(cage)["check"].startswith("Holds") for cage in (inner, outer))
+    assert "check" not in facts(copy)
     assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
     assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
     drawing.select_set(True)
@@ -112,10 +112,10 @@ def test_it_says_what_to_select(addon) -> None:
 
 
 def test_cages_whose_level_has_not_begun_are_left_out(cages) -> None:
-    bpy.context.scene.frame_set(cages[1]["nested_cages_reinflation_start"])
+    bpy.context.scene.frame_set(facts(cages[1])["reinflation_start"])
     bpy.ops.object.nested_cages_verify()
-    assert "nested_cages_check" in cages[1]
-    assert "nested_cages_check" not in cages[2]
+    assert "check" in facts(cages[1])
+    assert "check" not in facts(cages[2])
 
 
 @pytest.fixture
@@ -146,22 +146,22 @@ def test_the_first_frame_with_a_fault_is_found(keyed) -> None:
     for frame in range(1, 21):
         scene.frame_set(frame)
         bpy.ops.object.nested_cages_verify()
-        verdicts.append(cage["nested_cages_check"])
+        verdicts.append(facts(cage)["check"])
         wrong.append((selected(fine), selected(cage)))
     first = next(frame for frame, verdict in enumerate(verdicts, 1) if verdict.startswith("Broken"))
     assert 2 < first < 20
 
     scene.frame_set(3, subframe=0.5)
     assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
-    assert cage["nested_cages_check"] == f"Broken on frame {first}"
-    assert cage["nested_cages_finding"].startswith(f"Frame {first}: '{cage.name}' does not enclose")
+    assert facts(cage)["check"] == f"Broken on frame {first}"
+    assert facts(cage)["finding"].startswith(f"Frame {first}: '{cage.name}' does not enclose")
     assert (selected(fine), selected(cage)) == wrong[first - 1]
     assert (scene.frame_current, scene.frame_subframe) == (3, 0.5)
 
     scene.frame_end = first - 1
     bpy.ops.object.nested_cages_verify(whole=True)
-    assert cage["nested_cages_check"] == f"Holds on 1 – {first - 1}"
-    assert f"on all frames from 1 to {first - 1}: gap" in cage["nested_cages_finding"]
+    assert facts(cage)["check"] == f"Holds on 1 – {first - 1}"
+    assert f"on all frames from 1 to {first - 1}: gap" in facts(cage)["finding"]
     assert not selected(fine) and not selected(cage)
 
 
@@ -202,7 +202,7 @@ def test_steps_that_cross_on_purpose_are_no_fault(cages) -> None:
     assert scene.frame_current == before
     bpy.ops.object.nested_cages_remove_animation()
     bpy.ops.object.nested_cages_verify(whole=True)
-    assert {cage["nested_cages_check"] for cage in cages[1:]} == {f"Holds on {scene.frame_start} – {scene.frame_end}"}
+    assert {facts(cage)["check"] for cage in cages[1:]} == {f"Holds on {scene.frame_start} – {scene.frame_end}"}
 
 
 def test_thickness_is_for_renders_only(addon) -> None:

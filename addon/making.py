@@ -1,0 +1,183 @@
+"""Cages made, or made again, for the Generate button and for scripts: drawings are read, cages computed and written,
+and what was bound or posed before is so again.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Literal, TypeAlias
+
+import bpy
+import numpy as np
+from bpy.types import Context, Object, Scene
+
+from . import record
+from .animation.timeline import Timing
+from .binding import binding, field
+from .binding.copies import complete
+from .errors import UserError, counted
+from .following import claims
+from .generation import output
+from .generation.generate import Generation, Request, Result, percentage
+from .generation.job import Progress, Work
+from .generation.rules import Places
+from .notes import in_scene, note
+from .properties.settings import GenerationProperties, all_values, filled, options_of
+from .record import CageSet
+from .rigging.pose import Pose, unmoved
+from .scene import areas, convert, ownership
+from .scene.grease_pencil import hidden_parts
+from .scene.ownership import scene_again, scene_of
+from .scene.reading import Lines, lines_of_all
+
+# Weight in a vertex group from which on a vertex is pinned.
+PINNED = 0.5
+
+# Says a sentence.
+Kind: TypeAlias = Literal["INFO", "WARNING"]
+Tell: TypeAlias = Callable[[Kind, str], None]
+
+
+def make(
+    context: Context, drawings: Sequence[Object], own: Sequence[Object], values: GenerationProperties, tell: Tell
+) -> Work[tuple[list[CageSet], list[UserError]]]:
+    """Cages around each drawing, or in common ones; returns their sets, and why some drawings have none.
+
+    The first drawing is the active one. own: objects that are levels. A drawing stands for all that share its cages.
+    Raises: UserError if nothing can be caged.
+    """
+    options, name = options_of(values, scene_of(context)), scene_of(context).name
+    groups = ownership.with_parts(drawings, inside=values.inside)
+    for group in groups:
+        if not set(group) <= set(drawings):
+            others = counted(len(group) - 1, "drawing")
+            tell("INFO", f"'{group[0].name}' shares its cages with {others}: all are used")
+    with field.unposed(itertools.chain(*groups)):
+        asked, problems = _requests(context, groups, own, values)
+        generation = Generation(asked, options)
+    read = time.perf_counter()
+    yield from generation
+    yield Progress(1.0, "writing")
+    problems += generation.problems
+    edited, used = claims.changed_since(read), all_values(values)
+    results = [replace(result, used=used) for result in generation.results]
+    return _put(scene_again(name), results, values, edited, tell), problems
+
+
+def _put(
+    scene: Scene, results: Sequence[Result], values: GenerationProperties, edited: set[int], tell: Tell
+) -> list[CageSet]:
+    """Puts the results into the scene; edited: sets whose drawing has changed since. Raises: UserError."""
+    gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
+    if gone is not None:
+        raise UserError(f"'{gone}' was deleted meanwhile, so its cages were discarded")
+    if bpy.context.mode == "EDIT_MESH":
+        # Undo in Edit Mode only covers the edited mesh.
+        bpy.ops.object.mode_set(mode="OBJECT")
+    complete()
+    poses = {}
+    for earlier in filter(None, output.earlier_sets(results)):
+        source = earlier.source
+        poses[earlier] = {record.level_of(obj): Pose.of(obj, source) for obj in earlier.members}
+    sets, lost = output.write(scene, results, filled(Timing, values), values.thickness)
+    bound = {cage_set: binding.forget(cage_set) for cage_set in sets}
+    if values.show_result:
+        scene.frame_set(max(cage_set.record.frames[1] for cage_set in sets))
+    for cage_set, method in bound.items():
+        _bind_again(cage_set, method, tell)
+        for obj in cage_set.members:
+            pose = poses.get(cage_set, {}).get(record.level_of(obj))
+            if pose is not None:
+                pose.give(obj, bound=bool(cage_set.bound))
+    claims.certified(sets, edited)
+    for sentence in lost:
+        tell("WARNING", sentence)
+    cages = [level for result in results for level in result.levels]
+    scale = results[0].drawing.frame.scale
+    for said in dict.fromkeys(said for level in cages for said in level.report.notes):
+        tell("INFO" if said.code == record.TOLERANCE else "WARNING", in_scene(said, scale))
+    sizes = [abs(level.excess) for level in cages]
+    around, shown = "", ", ".join(map(percentage, sizes))
+    if len(results) > 1:
+        around = f" for {len(results)} drawings"
+        shown = f"{percentage(min(sizes))} to {percentage(max(sizes))}"
+    kind, measure = ("certified inner cage", "less area") if results[0].inside else ("certified cage", "excess")
+    tell("INFO", f"{counted(len(cages), kind)}{around}; {measure} {shown}")
+    return sets
+
+
+def _bind_again(cage_set: CageSet, method: str, tell: Tell) -> None:
+    """Binds again what was bound before, by the same method; if that fails, the cages stay and the user is told."""
+    if method:
+        try:
+            with unmoved(cage_set.members):
+                binding.bind(bpy.context, cage_set, method)
+        except UserError as error:
+            tell("WARNING", f"Not bound again, and poses were lost: {error}")
+
+
+def _requests(
+    context: Context, groups: Sequence[Sequence[Object]], own: Sequence[Object], values: GenerationProperties
+) -> tuple[list[Request], list[UserError]]:
+    """The requests of drawings: each group with its own cages, or all in common ones; and for several, why some cannot
+    be caged. Raises: UserError if none can.
+    """
+    drawings = [list(itertools.chain(*groups))] if values.together else groups
+    asked, problems = [], []
+    lines = lines_of_all(context, [*itertools.chain(*drawings), *own], values.resolution)
+    for objects in drawings:
+        try:
+            asked.append(_request(context, objects, own, lines, values))
+        except UserError as error:
+            problems.append(error)
+    if problems and not asked:
+        raise problems[0]
+    return asked, problems
+
+
+def _request(
+    context: Context,
+    objects: Sequence[Object],
+    own: Sequence[Object],
+    lines: Mapping[Object, Lines],
+    values: GenerationProperties,
+) -> Request:
+    """One drawing, of all objects, and the user's own levels for it. Raises: UserError."""
+    reading = filled(convert.ReadingOptions, values)
+    outlines = [convert.read(context, obj, reading, lines.get(obj)) for obj in objects]
+    fine = convert.fine_drawing(outlines[0], reading)
+    layers = [convert.drawing_in(fine.frame, outline, reading, layer=True) for outline in outlines[1:]]
+    fine = convert.joined(fine, layers)
+    others = [convert.read(context, obj, reading, lines.get(obj)) for obj in own]
+    coarse = [convert.drawing_in(fine.frame, outline, reading) for outline in others]
+    if values.use_selected_as_levels:
+        coarse.sort(key=lambda drawing: -sum(map(len, drawing.loops)))
+    return Request(fine, tuple(coarse), _places(context, objects, fine, values))
+
+
+def _places(context: Context, objects: Sequence[Object], fine: convert.Drawing, values: GenerationProperties) -> Places:
+    """Where it matters in a drawing. Raises: UserError."""
+    points = np.concatenate(fine.loops)
+    missing = [note("drawing.hidden", **hidden) for hidden in hidden_parts(context, objects)]
+    places = {}
+    for group in filter(None, (values.weight_group, values.pin_group)):
+        weights = areas.painted(context, objects, fine.frame, group, points)
+        if weights is None or not weights.any():
+            missing.append(note("places.empty", name=fine.name, group=group))
+        else:
+            places[group] = weights
+    joints: list[list[float]] = []
+    if values.joint_armature:
+        armature = context.scene.objects.get(values.joint_armature)
+        if armature is None or armature.type != "ARMATURE":
+            raise UserError(f"'{values.joint_armature}' is not an armature in the scene: choose one for 'Joints'")
+        joints = areas.bone_ends(armature, fine.frame).tolist()
+    return Places(
+        weights=tuple(places[values.weight_group].tolist()) if values.weight_group in places else (),
+        pins=tuple(np.flatnonzero(places[values.pin_group] > PINNED).tolist()) if values.pin_group in places else (),
+        joints=tuple((x, y) for x, y in joints),
+        notes=tuple(missing),
+    )
