@@ -20,10 +20,6 @@ if TYPE_CHECKING:
     from ..energies import CageEnergy
     from ..solver.elimination import Elimination
 
-CORRECTION = 1.02
-"""Length of a correction of missed rows, in what they lack: it makes up for what is not linear."""
-
-
 class Terms(NamedTuple):
     """K linear inequalities room + J D ≥ 0 on the motion D of a cage; room and J D are lengths."""
 
@@ -184,24 +180,3 @@ def short_of(bounds: Sequence[Bound], cage: FloatArray) -> FloatArray:
     """(m,) the most that any bound lacks at each vertex."""
     most: FloatArray = np.max([np.zeros(len(cage)), *(bound.short(cage) for bound in bounds)], axis=0)
     return most
-
-
-def correction(bounds: Sequence[Bound], cage: FloatArray, lacking: FloatArray) -> FloatArray | None:
-    """(m, 2) motion that makes up for what rows lack, each by the smallest motion of its own; None if none does.
-
-    lacking: (m,) what was lacking before; rows of vertices that lacked anything are left as they are.
-    """
-    rows, room = terms_of(bounds, cage, 0.0)
-    kept = np.concatenate([np.zeros(0, bool), *((lacking[group.vertex] == 0.0).all(axis=0) for group in rows)])
-    lack = np.where(kept, np.maximum(-room, 0.0), 0.0)
-    if not lack.any():
-        return None
-    motion, first = np.zeros_like(cage), 0
-    for group in rows:
-        own = lack[first : first + group.count]
-        first += group.count
-        slope = group.weight[:, None] * np.broadcast_to(group.direction, (*group.vertex.shape[:1], 2, group.count))
-        squared = (slope * slope).sum(axis=(0, 1))
-        step = CORRECTION * slope * np.divide(own, squared, out=np.zeros_like(own), where=squared > 0.0)
-        np.add.at(motion, group.vertex, step.transpose(0, 2, 1))
-    return motion

@@ -48,6 +48,14 @@ class Rows:
         """(K, w, 2), or (K, 1, 2) for a common one."""
         return np.moveaxis(self.direction if self.direction.ndim == 3 else self.direction[None], 2, 0)
 
+    def dense(self, count: int) -> FloatArray:
+        """(K, 2 count) the matrix."""
+        matrix = np.zeros((self.count, count, 2))
+        directions, row = self.directions, np.arange(self.count)
+        for j, (vertex, weight) in enumerate(zip(self.vertex, self.weight, strict=True)):
+            matrix[row, vertex] += weight[:, None] * directions[:, min(j, directions.shape[1] - 1)]
+        return matrix.reshape(self.count, 2 * count)
+
     def coupled(self) -> Iterator[tuple[IntArray, IntArray]]:
         """All pairs of vertices (K,) in one row."""
         return combinations(self.vertex, 2)

@@ -102,6 +102,11 @@ class Elimination:
         return cls(dense.reshape(block.shape), linear, inverse, edge_group, successor, stretch, axis[used])
 
     @property
+    def count(self) -> int:
+        """u."""
+        return len(self.first[0])
+
+    @property
     def slots(self) -> range:
         """The numbers of blocks of a vertex."""
         return range(len(self.block))
@@ -119,7 +124,7 @@ class Elimination:
         pairs = [(one, two) for one in self.block for two in other]
         pairs += [(self.block[0], two) for two in self.block[1:]]
         row, column = (np.concatenate(each) for each in zip(*pairs, strict=True))
-        return BandOrder.of(len(self.first[0]), row, column)
+        return BandOrder.of(self.count, row, column)
 
     def solve(
         self, solver: InteriorPoint, program: QuadraticProgram, absolute: float, order: BandOrder | None = None
@@ -138,7 +143,7 @@ class Elimination:
             program,
             gradient=self._gradient(program.gradient),
             hessian=self._hessian(program.hessian),
-            rows=[self._rows(group) for group in program.rows],
+            rows=[self.rows(group) for group in program.rows],
             radius=self._least(program.radius if self.stretch is None else program.radius / self.stretch),
             axes=axes,
         )
@@ -172,7 +177,7 @@ class Elimination:
         """(m, 2) a motion that keeps the equalities: for each block the longest unknowns of a motion (m, 2)."""
         back = np.concatenate(self.readings(motion))
         by_length = np.argsort(back[:, 0] ** 2 + back[:, 1] ** 2, kind="stable")
-        unknowns = np.zeros((len(self.first[0]), 2))
+        unknowns = np.zeros((self.count, 2))
         unknowns[self.block.ravel()[by_length]] = back[by_length]  # the last value written stays
         return self.motion(unknowns)
 
@@ -181,13 +186,13 @@ class Elimination:
         return [_product(self.inverse[slot], motion) for slot in self.slots]
 
     def _least(self, values: FloatArray) -> FloatArray:
-        least = np.full(len(self.first[0]), np.inf)
+        least = np.full(self.count, np.inf)
         for block in self.block:
             np.minimum.at(least, block, values)
         return least
 
     def _gradient(self, gradient: FloatArray) -> FloatArray:
-        total = np.zeros((len(self.first[0]), 2))
+        total = np.zeros((self.count, 2))
         for slot in self.slots:
             back = _product(self.linear[slot].transpose(0, 2, 1), gradient)
             for axis in (0, 1):
@@ -208,7 +213,8 @@ class Elimination:
                 parts.append(Blocks(row, column, value))
         return parts[0] if len(parts) == 1 else Blocks.sum([(1.0, part) for part in parts])
 
-    def _rows(self, rows: Rows) -> Rows:
+    def rows(self, rows: Rows) -> Rows:
+        """J S."""
         vertex = np.concatenate([self.block[slot][rows.vertex] for slot in self.slots])
         direction = np.empty((len(vertex), 2, rows.count))
         for j, own in enumerate(rows.vertex):

@@ -160,14 +160,14 @@ def restore(
     x, contacts = _apart(bodies, pairs, x, required, side)
     if lacking is None:
         return x, contacts
-    from ..constraints.base import correction
+    from .correction import correction  # few cages have bounds
 
     for _ in range(CORRECTIONS):
-        motion = correction(bodies.bounds, x[: bodies.m], lacking)
+        motion = correction(bodies, pairs, contacts, required, x[: bodies.m], lacking)
         if motion is None:
             break
         moved = x.copy()
-        moved[: bodies.m] += bodies.longest(motion)
+        moved[: bodies.m] += motion
         moved, after = _apart(bodies, pairs, moved, required, side)
         if bool((after.distance < required).any()):
             break

@@ -146,6 +146,9 @@ def find_trial(
             shortest = float(fraction.min())
             fraction = np.full(m, shortest if shortest < float(fraction.max()) else STEP_REDUCTION * shortest)
             continue
+        if len(failing) == 0:  # parts of a step keep rows if all vertices take the same
+            fraction = np.full(m, STEP_REDUCTION * float(fraction.min()))
+            continue
         pairs = near.pairs
         vertex = np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing], missed])
         fraction[np.unique(vertex[vertex < m])] *= STEP_REDUCTION
