@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ..energies import CageEnergy
     from ..solver.elimination import Elimination
 
+
 class Terms(NamedTuple):
     """K linear inequalities room + J D ≥ 0 on the motion D of a cage; room and J D are lengths."""
 

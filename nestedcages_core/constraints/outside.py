@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..errors import Fault, NestingError
-from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
+from ..geometry.convex_hull import convex_hull
 from ..geometry.distance import PointEdge, point_edge
 from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.precision import ROUND_OFF
-from ..geometry.predicates import crossing_pairs, winding_number
+from ..geometry.predicates import BoxTree, crossing_pairs, winding_number
 from ..geometry.smallest_gap import smallest_gap
 from ..geometry.vectors import cross
 from ..parameters import check_not_negative
@@ -29,6 +30,21 @@ if TYPE_CHECKING:
 OBSTACLE_MARGIN = 1e-7
 """Fraction added to a distance, for rounding; without a distance the same part of the drawing's diagonal."""
 
+WAYS, MOST_STARTS = 48, 16
+"""Directions of the ways out of a bay, and vertices of the obstacle that they start from, at most."""
+
+WAY_ROOM = 0.25
+"""Distance that lines keep from a way out, as a fraction of its own from the drawing: walls of the cage pass by."""
+
+
+class WayOut(NamedTuple):
+    """A segment from an obstacle out of the convex hull of a drawing."""
+
+    start: FloatArray
+    end: FloatArray
+    room: float
+    """Distance that lines keep from it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Outside(Constraint):
@@ -38,6 +54,8 @@ class Outside(Constraint):
     distance: float = 0.0
     """In the input's units."""
     must: bool = field(default=True, kw_only=True)
+    way_out: WayOut | None = field(default=None, kw_only=True, repr=False)
+    """Out of the bay that the obstacle lies in: lines that do not cross it leave the obstacle outside."""
 
     def __post_init__(self) -> None:
         check_not_negative(self, "distance")
@@ -54,11 +72,17 @@ class Outside(Constraint):
         fault = self.fault(about, about) if side > 0 else None
         if fault is not None:
             raise NestingError(fault.said(f"The drawing is not clear of the obstacle: {fault}"))
-        return self
+        return replace(self, way_out=_way_out(self.shape, about)) if side > 0 else self
 
     def free(self, lines: Lines, frame: NormalFrame) -> FloatArray:
-        """Lines end at the obstacle."""
+        """Lines end at the obstacle, and at its way out."""
         start, end = frame.into(self.shape.vertices), frame.into(self.shape.edge_ends)
+        inside = winding_number(lines.point, start, end) != 0
+        room = np.full(len(start), self.distance / frame.scale)
+        if self.way_out is not None:
+            way = frame.into(np.stack((self.way_out.start, self.way_out.end)))
+            start, end = np.concatenate((start, way[:1])), np.concatenate((end, way[1:]))
+            room = np.append(room, self.way_out.room / frame.scale)
         edge = (end - start)[None]
         to = start[None] - lines.point[:, None]
         along = np.broadcast_to(lines.direction[:, None], to.shape)
@@ -66,10 +90,12 @@ class Outside(Constraint):
         with np.errstate(divide="ignore", invalid="ignore"):
             reach, place = cross(to, edge) / sine, cross(to, along) / sine
         hit = (sine != 0.0) & (place >= 0.0) & (place <= 1.0)
-        room = self.distance / frame.scale
         free = [np.where(hit & (way * reach >= 0.0), way * reach - room, np.inf).min(axis=1) for way in (1.0, -1.0)]
-        inside = winding_number(lines.point, start, end) != 0
         return np.where(inside, -1.0, np.stack(free))
+
+    def _why(self, fine: Mesh) -> str:
+        lost = self.way_out is None and bool(_in_bay(self.shape, fine).any())
+        return ": the bay of the drawing that it lies in has no straight way out" if lost else ""
 
     def bound(self, coarse: Mesh, fine: Mesh, units: Units) -> Bound:
         """Pairs of a vertex of one of the two and an edge of the other."""
@@ -90,7 +116,7 @@ class Outside(Constraint):
         what = "meets" if met else f"comes as near as {gap:.6g} to"
         return Fault(
             f"The cage {what} the obstacle at ({x:.6g}, {y:.6g}); {self.distance:.6g} is asked for: use more vertices, "
-            "or move the obstacle.",
+            f"or move the obstacle{self._why(fine)}.",
             "obstacle.met",
             clearance=gap,
             wanted=self.distance,
@@ -139,6 +165,31 @@ class BoundOutside(Bound):
         point, edge = near_pairs(self.points, cage, ends, reach)
         near_vertices = point_edge(cage[vertex], self.points[of], self.ends[of])
         return (vertex, near_vertices), (edge, point_edge(self.points[point], cage[edge], ends[edge]))
+
+
+def _in_bay(obstacle: Mesh, about: Mesh) -> BoolArray:
+    """(k,) whether vertices of an obstacle lie in the convex hull of a drawing."""
+    hull = about.vertices[convex_hull(about.vertices)]
+    return np.asarray(winding_number(obstacle.vertices, hull, np.roll(hull, -1, axis=0)) != 0)
+
+
+def _way_out(obstacle: Mesh, about: Mesh) -> WayOut | None:
+    """The straight way out for an obstacle that lies in the convex hull of a drawing; None without, or where none is.
+
+    Of the ways from its vertices in several directions, it is the one that is farthest from the drawing.
+    """
+    angle = 2.0 * np.pi * np.arange(WAYS) / WAYS
+    ahead = (about.diagonal + obstacle.diagonal) * np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    starts = obstacle.vertices[_in_bay(obstacle, about)][:MOST_STARTS]
+    start, end = np.repeat(starts, WAYS, axis=0), (starts[:, None] + ahead).reshape(-1, 2)
+    clear = np.ones(len(start), bool)
+    clear[crossing_pairs(BoxTree(start, end), about.edge_tree)[0]] = False
+    start, end = start[clear], end[clear]
+    if len(start) == 0:
+        return None
+    room = point_edge(about.vertices[None], start[:, None], end[:, None]).distance.min(axis=1)
+    k = int(room.argmax())
+    return WayOut(start[k], end[k], WAY_ROOM * float(room[k]))
 
 
 def _overlap(ours: tuple[FloatArray, FloatArray], theirs: tuple[FloatArray, FloatArray]) -> bool:

@@ -273,6 +273,25 @@ def test_obstacles_push_the_cage_aside() -> None:
     assert smallest_gap(level.cage.edge_tree, obstacle.shape.edge_tree) >= 0.01 * (1.0 - 1e-9)
 
 
+@pytest.mark.parametrize("count", [6, 7, 24])
+def test_obstacles_in_a_bay_stay_outside_if_a_straight_way_leads_out(count: int) -> None:
+    horseshoe = np.concatenate((ring(40)[:34], 0.6 * ring(40)[33::-1]))
+    fine = Mesh.from_loops([horseshoe])
+    obstacle = Outside(Mesh.from_loops([0.3 * ring(9)]), 0.02)
+    assert count > 7 or obstacle.fault(nested_cages(fine, count)[0].cage, fine) is not None
+    level = nested_cages(fine, count, constraints=[obstacle])[0]
+    assert verify(level.cage, fine) and obstacle.fault(level.cage, fine) is None
+
+
+def test_a_bay_that_winds_is_named() -> None:
+    turn = np.linspace(2.0, 14.0, 120)
+    spiral = turn[:, None] * np.column_stack((np.cos(turn), np.sin(turn)))
+    fine = Mesh.from_loops([np.concatenate((spiral, 1.15 * spiral[::-1] + 0.3))])
+    with pytest.raises(NestedCagesError, match="no straight way out") as caught:
+        nested_cages(fine, 5, constraints=[Outside(Mesh.from_loops([0.5 * ring(9)]))])
+    assert caught.value.code == "obstacle.met"
+
+
 def test_obstacles_are_judged_exactly() -> None:
     cage = Mesh.from_loops([[(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)]])
     square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
