@@ -113,7 +113,7 @@ class AxisAligned(Constraint):
     def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
         """Exact along the axes, but for the rounding of images under a rotation; else as single precision allows."""
         edge, largest = cage.edge_ends - cage.vertices, float(np.abs(cage.vertices).max())
-        tangent = _closest(edge, self.tangents)
+        tangent = _nearest_tangent(edge, self.tangents)
         off = np.abs(cross(tangent, edge))
         off[off <= largest * np.where((tangent == 0.0).any(axis=1), ROUNDING, SINGLE_ROUNDING)] = 0.0
         k = int(np.argmax(off))
@@ -134,7 +134,7 @@ class AxisAligned(Constraint):
     def _bound(self, coarse: Mesh) -> Bound:
         """The bound of a mesh whose edges are along the directions, to the accuracy of lines; else of none."""
         edge = coarse.edge_ends - coarse.vertices
-        tangent = _closest(edge, self.tangents)
+        tangent = _nearest_tangent(edge, self.tangents)
         off = np.abs(cross(tangent, edge))
         if not (off <= np.maximum(NEGLIGIBLE * norm(edge), ROUND_OFF * coarse.diagonal)).all():
             return Bound()
@@ -203,7 +203,7 @@ def _turn(one: FloatArray, other: FloatArray) -> FloatArray:
     return np.asarray(np.arctan2(cross(one, other), dot(one, other)))
 
 
-def _closest(edge: FloatArray, tangents: FloatArray) -> FloatArray:
+def _nearest_tangent(edge: FloatArray, tangents: FloatArray) -> FloatArray:
     """(m, 2) the unit vector of some (K, 2) that is closest to each edge (m, 2)."""
     closest: FloatArray = tangents[np.argmax(edge @ tangents.T, axis=1)]
     return closest

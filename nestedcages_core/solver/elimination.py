@@ -150,9 +150,9 @@ class Elimination:
 
     def motion(self, unknowns: FloatArray) -> FloatArray:
         """S d, (m, 2) from (u, 2)."""
-        moved = _product(self.linear[0], unknowns[self.block[0]])
+        moved = _applied(self.linear[0], unknowns[self.block[0]])
         for slot in self.slots[1:]:
-            moved = moved + _product(self.linear[slot], unknowns[self.block[slot]])
+            moved = moved + _applied(self.linear[slot], unknowns[self.block[slot]])
         return moved
 
     def scaled(self, motion: FloatArray, fraction: FloatArray) -> FloatArray:
@@ -161,7 +161,7 @@ class Elimination:
         if len(self.block) == 1:
             return np.asarray(least[self.block[0]][:, None] * motion)
         vertex, slot = self.first
-        return self.motion(least[:, None] * _product(self.inverse[slot, vertex], motion[vertex]))
+        return self.motion(least[:, None] * _applied(self.inverse[slot, vertex], motion[vertex]))
 
     def least(self, values: FloatArray) -> FloatArray:
         """(m,) the least of the values (m,) of vertices that are images of each other."""
@@ -183,7 +183,7 @@ class Elimination:
 
     def readings(self, motion: FloatArray) -> list[FloatArray]:
         """w times (m, 2) the unknowns of its blocks that a motion (m, 2) of each vertex stands for."""
-        return [_product(self.inverse[slot], motion) for slot in self.slots]
+        return [_applied(self.inverse[slot], motion) for slot in self.slots]
 
     def _least(self, values: FloatArray) -> FloatArray:
         least = np.full(self.count, np.inf)
@@ -194,7 +194,7 @@ class Elimination:
     def _gradient(self, gradient: FloatArray) -> FloatArray:
         total = np.zeros((self.count, 2))
         for slot in self.slots:
-            back = _product(self.linear[slot].transpose(0, 2, 1), gradient)
+            back = _applied(self.linear[slot].transpose(0, 2, 1), gradient)
             for axis in (0, 1):
                 total[:, axis] += np.bincount(self.block[slot], back[:, axis], len(total))
         return total
@@ -220,7 +220,7 @@ class Elimination:
         for j, own in enumerate(rows.vertex):
             given = rows.directions[:, min(j, rows.directions.shape[1] - 1)]
             for slot in self.slots:
-                along = _product(self.linear[slot][own].transpose(0, 2, 1), given)
+                along = _applied(self.linear[slot][own].transpose(0, 2, 1), given)
                 direction[slot * len(rows.vertex) + j] = (rows.weight[j][:, None] * along).T
         for j in range(1, len(vertex)):
             for i in range(j):  # two of the same block become one unknown
@@ -230,7 +230,7 @@ class Elimination:
         return Rows(vertex, np.ones(vertex.shape), direction)
 
 
-def _product(matrices: FloatArray, vectors: FloatArray) -> FloatArray:
+def _applied(matrices: FloatArray, vectors: FloatArray) -> FloatArray:
     """(K, 2) matrices (K, 2, 2) times vectors (K, 2)."""
     out: FloatArray = np.matmul(matrices, vectors[:, :, None])[:, :, 0]
     return out

@@ -42,7 +42,7 @@ def correction(
             return None
         reach = -REACH * missed
     room = np.concatenate((room[kept], np.maximum(contacts.distance - required, 0.0)))
-    slopes = np.concatenate((_dense(bodies, rows)[kept], _dense(bodies, [*constraint_rows(pairs, contacts)])))
+    slopes = np.concatenate((_slopes(bodies, rows)[kept], _slopes(bodies, [*constraint_rows(pairs, contacts)])))
     held = room < 0.0
     for _ in range(PASSES):
         unknowns = _smallest(slopes[held], -np.where(room < 0.0, OVERSHOOT, 1.0)[held] * room[held])
@@ -54,7 +54,7 @@ def correction(
     return motion if bodies.elimination is None else bodies.elimination.motion(motion)
 
 
-def _dense(bodies: Bodies, rows: list[Rows]) -> FloatArray:
+def _slopes(bodies: Bodies, rows: list[Rows]) -> FloatArray:
     """(K, 2m) the rows, or those over the unknowns of the cage."""
     if bodies.elimination is None:
         return np.concatenate([group.dense(bodies.m) for group in rows])
