@@ -15,13 +15,13 @@ from ..geometry.arrays import FloatArray
 from ..geometry.precision import NEGLIGIBLE
 from ..solver.banded import Rows
 
-OVERSHOOT = 1.02
+ROW_OVERSHOOT = 1.02
 """Length of a correction in what rows lack: it makes up for what is not linear."""
 
-PASSES = 6
+JOINING_PASSES = 6
 """Maximum number of times that further rows join."""
 
-REACH = 10.0
+LACK_REACH = 10.0
 """Motion that rows may be broken by, in what is missed most."""
 
 
@@ -40,12 +40,12 @@ def correction(
         missed = float(room[kept].min(initial=0.0))
         if missed == 0.0:
             return None
-        reach = -REACH * missed
+        reach = -LACK_REACH * missed
     room = np.concatenate((room[kept], np.maximum(contacts.distance - required, 0.0)))
     slopes = np.concatenate((_slopes(bodies, rows)[kept], _slopes(bodies, [*constraint_rows(pairs, contacts)])))
     held = room < 0.0
-    for _ in range(PASSES):
-        unknowns = _smallest(slopes[held], -np.where(room < 0.0, OVERSHOOT, 1.0)[held] * room[held])
+    for _ in range(JOINING_PASSES):
+        unknowns = _smallest(slopes[held], -np.where(room < 0.0, ROW_OVERSHOOT, 1.0)[held] * room[held])
         broken = (room + slopes @ unknowns < 0.0) & ~held
         if not broken.any():
             break
