@@ -29,6 +29,7 @@ STORIES = (
     "butterfly",
     "character",
     "coast",
+    "cut_or_held",
     "five_levels",
     "glyphs",
     "logo",
@@ -37,6 +38,7 @@ STORIES = (
     "regions",
     "sprite_outline",
     "walk",
+    "warning_area",
     "waving",
 )
 NESTED = {
