@@ -28,7 +28,9 @@ class PictureProperties:
         min=0.0,
         soft_max=32.0,
     )
-    threshold: number("Threshold", "Opacity above which a pixel counts as opaque", min=0.0, max=1.0, subtype="FACTOR")
+    threshold: number(
+        "Threshold", "Opacity above which a pixel counts as opaque", default=0.5, min=0.0, max=1.0, subtype="FACTOR"
+    )
     holes: flag("Holes", "Keep holes open instead of filling them")
 
 

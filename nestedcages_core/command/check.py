@@ -11,6 +11,7 @@ import numpy as np
 
 from ..checker import TOLERANCE, check, faults_of_motion
 from ..errors import NestedCagesError
+from ..exchange.pictures import HALF
 from ..hierarchy import Share, Within, level_words, parse_level
 from .options import decimals, length, symmetry
 from .progress import tell
@@ -41,7 +42,7 @@ def check_files(arguments: Sequence[str]) -> int:
         options.error(f"argument --levels: {error}")
     kind, judged, lost = "error", "", list[str]()
     try:
-        drawings = read_drawings(given.drawing, given.tolerance, together=given.borders)
+        drawings = read_drawings(given.drawing, given.tolerance, together=given.borders, threshold=given.threshold)
         results = read_cages(given.result, together=given.borders)
         kind, judged = "wrong", _judged(results)
         problems = list(_problems(given, drawings, results, lost))
@@ -189,4 +190,5 @@ def _parser() -> argparse.ArgumentParser:
     options.add_argument("--symmetry", type=symmetry, metavar="WHAT", help="x, y or an order of rotations")
     options.add_argument("--distance", type=length, metavar="LENGTH", help="no cage reaches farther than this")
     options.add_argument("--tolerance", type=length, metavar="LENGTH", help="of curves of a drawing, as when reading")
+    options.add_argument("--threshold", type=float, default=HALF, metavar="ALPHA", help="of a picture, as when reading")
     return options

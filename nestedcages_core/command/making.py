@@ -13,7 +13,7 @@ from typing import NamedTuple
 from ..batch import Outcome, nested_cages_many
 from ..errors import NestedCagesError
 from ..exchange import Coverage, Limits, coverage_cages
-from ..exchange.pictures import picture_cages
+from ..exchange.pictures import HALF, picture_cages
 from ..geometry.mesh import Mesh
 from ..hierarchy import Hierarchy, Level, Settings, inner_cages, nested_cages
 from .progress import ProgressLine
@@ -82,7 +82,7 @@ def _made_outcomes(source: Source, given: argparse.Namespace, line: ProgressLine
         return nested_cages_many(shapes, given.levels, settings, executor=executor, progress=line.of_batch)
     of_picture = {
         "padding": given.padding or given.clearance or 0.0,
-        "threshold": given.threshold or 0.0,
+        "threshold": HALF if given.threshold is None else given.threshold,
         "holes": given.holes,
         "limits": replace(Limits(), **given.limits),
     }

@@ -177,7 +177,7 @@ OPTIONS = {
     "pictures": (
         _option("--padding", type=length, metavar="PIXELS", help="the clearance; parts closer are joined"),
         _option("--threshold", type=_share, metavar="ALPHA", help="opacity from 0 to 1 above which a pixel counts as "
-                "opaque (default: 0)"),
+                "opaque (default: 0.5)"),
         _option("--holes", help="keep holes open (default: closed)"),
     ),
     "outlines": (

@@ -13,7 +13,7 @@ from ..checker import rings_of
 from ..errors import invalid_file
 from ..exchange import DRAWING_LIMITS, Frame, Limits, levels_in_svg, outlines_from_engine_json, read_map, read_whole
 from ..exchange.fill import united
-from ..exchange.pictures import alpha_channel, boundary_of_pixels
+from ..exchange.pictures import HALF, alpha_channel, boundary_of_pixels
 from ..geometry.arrays import IntArray
 from ..geometry.mesh import Mesh
 from ..libraries import load_shapely
@@ -74,10 +74,10 @@ class Shapes(NamedTuple):
     """Whether y points up, as in maps; in pictures it points down."""
 
 
-def read_drawings(path: str, tolerance: float | None, *, together: bool = False) -> Shapes:
+def read_drawings(path: str, tolerance: float | None, *, together: bool = False, threshold: float = HALF) -> Shapes:
     """The drawings of a file, as cages are made from them; of a picture of this program those that it shows.
 
-    together: whether the features of a map are one drawing.
+    together: whether the features of a map are one drawing. threshold: opacity above which pixels count.
     """
     suffix = Path(path).suffix.lower()
     if suffix == ".svg":
@@ -91,9 +91,10 @@ def read_drawings(path: str, tolerance: float | None, *, together: bool = False)
     source = read(path, Limits(), {"tolerance": tolerance})
     if source.failures:
         raise invalid_file(" ".join(source.failures))
+    contents = [shape.content for shape in source.shapes]
     meshes = [
-        shape.content if isinstance(shape.content, Mesh) else boundary_of_pixels(alpha_channel(shape.content) > 0)
-        for shape in source.shapes
+        content if isinstance(content, Mesh) else boundary_of_pixels(alpha_channel(content) > threshold)
+        for content in contents
     ]
     if together:
         meshes = [_together(meshes)]

@@ -22,7 +22,8 @@ from .gis_files import map_document
 from .limits import LimitError, Limits, Quota
 from .meridian import across
 from .meshes import meshes_of
-from .repair import repaired_mesh
+from .repair import HAIRLINE_PART, repaired_mesh
+from .specks import without_specks
 
 GEOGRAPHIC = ("CRS84", "4326", "4269", "4258")
 """Substrings of the names of common coordinate reference systems in degrees."""
@@ -108,7 +109,7 @@ def read_map(source: Any, limits: Limits | None = None, tolerance: float | None 
             continue
         try:
             polygons, shifted = across(polygons) if degrees else (polygons, [])
-            mesh, repairs = repaired_mesh(polygons, quota, tolerance=tolerance, clean=clean)
+            mesh, repairs = _seen(*repaired_mesh(polygons, quota, tolerance=tolerance, clean=clean), tolerance)
             features.append(Feature(mesh, properties, identity, name, (*shifted, *repairs, *lost)))
         except LimitError:
             raise
@@ -139,7 +140,7 @@ def from_geojson(source: Any, *, limits: Limits | None = None, tolerance: float 
     if len(features) == 1:
         return features[0].mesh
     polygons = [polygon for feature in features for polygon in polygons_of(feature.mesh)]
-    return repaired_mesh(polygons, Quota(limits or Limits()), tolerance=tolerance)[0]
+    return _seen(*repaired_mesh(polygons, Quota(limits or Limits()), tolerance=tolerance), tolerance)[0]
 
 
 def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None, tolerance: float | None = None) -> Mesh:
@@ -261,6 +262,12 @@ def _json_value(value: Any) -> Any:
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
     raise TypeError(f"a {type(value).__name__} cannot be written as JSON")
+
+
+def _seen(mesh: Mesh, repairs: list[str], tolerance: float | None) -> tuple[Mesh, list[str]]:
+    """A mesh without what is as small as hairlines in both directions, with what was done."""
+    mesh, small = without_specks(mesh, 0.0 if tolerance is None else (HAIRLINE_PART * tolerance) ** 2)
+    return mesh, [*repairs, *small]
 
 
 def _said(found: Map) -> Map:

@@ -296,6 +296,7 @@ def test_settings_are_passed_on_and_bad_padding_is_refused() -> None:
         collision_outline(sprite(), 12, padding=-1.0)
     with pytest.raises(NestedCagesError, match="padding"):
         collision_outline(sprite(), 12, padding=float("nan"))
+    assert len(collision_outline(sprite(), 4).vertices) == 4
     with pytest.raises(NestedCagesError, match="at least"):
-        collision_outline(sprite(), 4)
+        collision_outline(sprite(), 2)
     assert_wrapped(sprite(), collision_outline(sprite(), 12, settings=Settings(clearance=2.0)), 2.0)

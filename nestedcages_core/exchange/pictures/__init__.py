@@ -1,6 +1,7 @@
 """Pictures in: PNG files, the boundary of what is opaque in them, and collision outlines."""
 
 from .collision import (
+    HALF,
     alpha_channel,
     boundary_of_pixels,
     collision_outline,
@@ -11,6 +12,7 @@ from .collision import (
 from .png import decode_png, encode_png, read_png
 
 __all__ = [
+    "HALF",
     "alpha_channel",
     "boundary_of_pixels",
     "collision_outline",

@@ -22,6 +22,9 @@ Levels = Sequence[int | Mesh | Within] | Callable[[Mesh], Sequence[int | Mesh | 
 MAX_BORDER = 1e8
 """Pixels around a picture up to which they are counted; no limit allows as many."""
 
+HALF = 0.5
+"""Opacity above which a pixel counts as opaque, as in game engines."""
+
 CUT = 0.25
 """Cut at the corner of a transparent pixel between two opaque ones that only share a point, in pixels."""
 
@@ -62,8 +65,8 @@ def picture_cages(
     picture: as `alpha_channel` reads it; levels: vertex counts, or a function of the boundary of the pixels that gives
     them; unit: pixels, x to the right and y downwards, pixel (row, column) the square from (column, row) on; padding:
     distance in pixels that the cages keep from them and from each other; threshold: opacity above which a pixel counts
-    as opaque; holes: whether holes are kept open, in cages too; settings; limits: on pixels, and on their edges as
-    points. Parts and holes with no room for the padding are joined and closed.
+    as opaque, one half as in game engines by default; holes: whether holes are kept open, in cages too; settings;
+    limits: on pixels, and on their edges as points. Parts and holes with no room for the padding are joined and closed.
 
     Raises NestedCagesError if nothing is opaque or the vertices are too few.
     """
@@ -75,7 +78,7 @@ def picture_cages_run(
     levels: Levels,
     *,
     padding: float = 0.0,
-    threshold: float = 0.0,
+    threshold: float = HALF,
     holes: bool = False,
     settings: Settings | None = None,
     limits: Limits | None = None,

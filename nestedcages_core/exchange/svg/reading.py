@@ -16,6 +16,7 @@ from ..files import read_whole
 from ..fill import Area, bounds_of, solid, union_of
 from ..limits import Quota
 from ..repair import HAIRLINE_PART
+from ..specks import DISPLAYED, without_specks
 from .areas import Areas
 from .document import Box, Document, Frame
 from .nodes import Group, Shape
@@ -147,6 +148,10 @@ class Reading:
             areas = _on_page(areas, page, cut_off, reading.quota)
         width = HAIRLINE_PART * reading.tolerance if self.document.strokes_count else 0.0  # ours are read as written
         mesh = solid(areas, seam=width, spike=width, quota=reading.quota, notes=narrow)
+        if width > 0.0:
+            pixel = min(self.document.pixel, mesh.extent / DISPLAYED)
+            mesh, small = without_specks(mesh, max(width, pixel) ** 2)
+            narrow += small
         new = [*cut_off, *(f"{note.capitalize()}." for note in narrow)]
         self.notes += [note for note in new if note not in self.notes]
         return mesh
