@@ -77,6 +77,7 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "note.start": ("source", "on", "first", "text"),
     "note.clearance": ("wanted", "given", "on"),
     "note.loops": ("wanted", "given", "filled", "joined", "lost", "on", "excess", "better"),
+    "note.knee": ("given", "better", "excess", "less"),
     "note.energy": ("energy",),
     "note.untightened": (),
     "note.symmetry": ("symmetry", "difference", "on", "tolerance"),

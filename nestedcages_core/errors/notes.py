@@ -22,6 +22,7 @@ NOTES: Mapping[str, str] = {
     "loops": "The cage has {given}, but the mesh in it has {wanted}{lost}.",
     "loops keep": "Keeping all {wanted} loops makes the cage {excess_percent:.0f} % larger than the shape; {given} "
     'would make it about {better_percent:.0f} % larger: leave out loops="keep".',
+    "knee": "{better} vertices would make it {less_percent:.2g} % instead of {excess_percent:.2g} %.",
     "energy": "The cage is the coarse mesh, where {energy} is smallest; Area() makes it tighter.",
     "untightened": "The coarse mesh is not tightened: details of the fine mesh are too small for that.",
     "symmetry grid": "The symmetry is moved by {difference:.3g} to the grid: {symmetry}.",

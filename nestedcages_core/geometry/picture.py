@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -53,15 +53,10 @@ def svg_picture(frames: Sequence[Sequence[Any]]) -> str:
 
 def plotted(meshes: Sequence[Any], ax: Any = None) -> Any:
     """Draw meshes with matplotlib on axes, by default new ones; returns the axes. Raises NestedCagesError."""
-    try:
-        from matplotlib import pyplot as plt
-        from matplotlib.patches import PathPatch
-        from matplotlib.path import Path
-    except ImportError as error:
-        raise NestedCagesError(
-            "Plots need matplotlib: pip install matplotlib.", code="dependency.missing", library="matplotlib"
-        ) from error
-    axes = plt.subplots()[1] if ax is None else ax
+    axes = _axes(ax)
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
     for level, mesh in _largest_first(meshes):
         outline = Path.make_compound_path(*(Path(ring, closed=True) for ring in map(_closed, mesh.rings)))
         colour, opacity = _paint(level)
@@ -69,6 +64,30 @@ def plotted(meshes: Sequence[Any], ax: Any = None) -> Any:
         axes.add_patch(PathPatch(outline, facecolor=colour, edgecolor="none", alpha=opacity))
     axes.set_aspect("equal")
     axes.autoscale_view()
+    return axes
+
+
+def _axes(ax: Any) -> Any:
+    """Axes of matplotlib, by default new ones. Raises NestedCagesError where it is missing."""
+    try:
+        from matplotlib import pyplot as plt
+    except ImportError as error:
+        raise NestedCagesError(
+            "Plots need matplotlib: pip install matplotlib.", code="dependency.missing", library="matplotlib"
+        ) from error
+    return plt.subplots()[1] if ax is None else ax
+
+
+def plotted_curve(values: Mapping[int, float], marked: Sequence[int], names: tuple[str, str], ax: Any = None) -> Any:
+    """Draw values by number with matplotlib, some of them marked, and return the axes.
+
+    Raises NestedCagesError if matplotlib is missing.
+    """
+    axes = _axes(ax)
+    axes.step(list(values), list(values.values()), where="post", color=COLOURS[0])
+    axes.plot(marked, [values[k] for k in marked], "o", color=COLOURS[1 % len(COLOURS)])
+    axes.set_xlabel(names[0])
+    axes.set_ylabel(names[1])
     return axes
 
 

@@ -154,6 +154,10 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
             from ..decimation.loops import advice
 
             advised += advice(inner, done.cage)
+        if side > 0 and plan.is_free and isinstance(level, int):
+            from ..decimation.loops import knee_note
+
+            advised += knee_note(inner, done.cage, clearances[0])
         return replace(done, report=replace(done.report, notes=(*remarks, *done.report.notes, *advised, *late)))
 
     failure: NestedCagesError | None = None

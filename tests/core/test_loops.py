@@ -21,7 +21,7 @@ from nestedcages_core import (
     verify,
 )
 from nestedcages_core.decimation import LineCycles
-from nestedcages_core.decimation.loops import FewerLoops
+from nestedcages_core.decimation.loops import FewerLoops, Tradeoff
 from nestedcages_core.decimation.loops.joining import Joins
 from nestedcages_core.decimation.loops.knapsack import Tree
 from nestedcages_core.decimation.loops.parts import Hole, Part, open_regions, outermost_parts, outlines
@@ -242,3 +242,29 @@ def test_starts_enclose_and_are_no_looser_than_those_with_all_loops() -> None:
         mesh = FewerLoops(method).decimate(fine, count)
         assert verify(mesh, fine, same_loops=False) and len(mesh.vertices) <= count
         assert mesh.area <= method.decimate(fine, count).area
+
+
+def test_the_knee_is_told() -> None:
+    """Fifteen vertices cannot follow sixteen corners."""
+    fine = Mesh.from_loops([ring(4, 1.0, angle=np.pi / 4) + np.array([3.0 * x, 3.0 * y]) for x, y in np.ndindex(2, 2)])
+    level = nested_cages(fine, 13)[0]
+    found = level.tradeoff
+    (said,) = (note for note in level.report.notes if note.code == "note.knee")
+    assert said.data["better"] == found.knee and said.data["given"] == 13
+    assert f"{found.knee} vertices would make it" in said and found[found.knee] <= 0.5 * level.excess
+    assert found[13] == pytest.approx(level.excess)
+    assert list(found) == sorted(found) and all(np.diff(list(found.values())) <= 0.0)
+    better = nested_cages(fine, found.knee)[0]
+    assert better.excess == pytest.approx(found[found.knee], abs=0.1 * level.excess)
+    assert not any(note.code == "note.knee" for note in better.report.notes)
+
+
+def test_counts_against_excess_are_drawn() -> None:
+    plt = pytest.importorskip("matplotlib.pyplot")
+    found = nested_cages(bell(), 9)[0].tradeoff
+    axes = found.plot()
+    x, y = axes.lines[0].get_data()
+    assert list(x) == list(found) and list(y) == list(found.values()) and axes.get_xlabel() == "vertices"
+    assert found.plot(axes) is axes
+    plt.close("all")
+    assert len(Tradeoff.of(bell(), nested_cages(bell(), 9)[0].cage, most=30)) > len(found)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import Fault, InvalidMeshError, NestedCagesError, NestingError, note
+from ...geometry.arrays import FloatArray
 from ...geometry.convex_hull import convex_hull
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
@@ -160,7 +161,7 @@ class LoopChoice:
 
     def look(self, most: float) -> Stage[float, None]:
         """Learn what outlines cost, if some may be worth it: most is the area that a cage with all loops adds."""
-        if min((move.added for move in self._moves()), default=np.inf) >= most:
+        if most < np.inf and min((move.added for move in self._moves()), default=np.inf) >= most:
             return
         self._reduce()
         yield from self._search(list(outlines(self.parts)))
@@ -193,6 +194,10 @@ class LoopChoice:
             if self.missing is not None:
                 raise self.missing
             yield Mesh.from_loops([self.fine.vertices[convex_hull(self.fine.vertices)]])
+
+    def costs(self) -> FloatArray:
+        """(K,) about the least area that a cage of 0, 1, … vertices adds."""
+        return np.asarray(self.filled + Tree(self.count).of_parts(self.parts).least)
 
     def _best(self, price: float = 0.0) -> tuple[float, list[Kind]]:
         """The least area that is added at a price of each loop, and the outlines to keep; none if not known."""
