@@ -62,7 +62,7 @@ FAULTS = (
     Fault(CORE + "level/builder.py", "(1.0 + PAPER_PREFERENCE) * excess", "excess",
           TESTS + "a_start_that_the_flow_entered_is_preferred_by_a_little"),
     Fault(CORE + "level/builder.py",
-          "symmetric_starts(starts, self.symmetry, self.plan.side)", "starts",
+          "self.plan.started((yield from self._coarse_meshes(attempt)))", "yield from self._coarse_meshes(attempt)",
           "tests/core/test_needs_together.py::test_details_and_starts_that_once_led_to_faults"),
     Fault(CORE + "level/gate.py", "fault = next(plan.missed(cage, whole=promised), None)", "pass",
           TESTS + "a_polygon_that_is_not_convex_is_no_convex_cage"),

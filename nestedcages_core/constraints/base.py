@@ -40,6 +40,9 @@ class Units(Protocol):
     def points(self, points: FloatArray) -> FloatArray:
         """Points (..., 2) of the input in these units."""
 
+    def to_input(self, points: FloatArray) -> FloatArray:
+        """Points (..., 2) of these units in those of the input."""
+
     def clearance(self, length: float) -> float:
         """A distance of the input in these units, with a margin for rounding."""
 
@@ -56,6 +59,9 @@ class Rounding(Protocol):
 
 class Bound:
     """A constraint on cages of one topology, in the units of the solvers. The base class bounds nothing."""
+
+    only_equal: ClassVar[bool] = False
+    """Whether it has equalities alone: no rows, and nothing is ever short."""
 
     def eliminated(self, images: Elimination | None, successor: IntArray) -> Elimination | None:
         """The unknowns where the constraint has equalities; images: those of the symmetry of the cage.
@@ -146,6 +152,10 @@ class Constraint:
     def started(self, coarse: Mesh, side: int) -> Mesh:
         """The start from a coarse mesh, such as one that keeps equalities exactly. Raises NestingError."""
         return coarse
+
+    def restored(self, coarse: Mesh, steps: FloatArray) -> FloatArray:
+        """(K, m, 2) the steps of a cage from a coarse mesh, in the input's units, with equalities exact."""
+        return steps
 
     def bound(self, coarse: Mesh, fine: Mesh, units: Units) -> Bound:
         """The constraint on cages with the edges of a coarse mesh; both meshes are in the units of the solvers."""

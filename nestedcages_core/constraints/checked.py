@@ -128,6 +128,13 @@ class Checked(Constraint):
             raise _wrong(self.given, "started", "must keep the edges of the coarse mesh")
         return found if found is coarse else found.validated()
 
+    def restored(self, coarse: Mesh, steps: FloatArray) -> FloatArray:
+        """Finite numbers."""
+        found = _numbers(self.given, "restored", lambda: self.given.restored(coarse, _sealed(steps)), steps.shape)
+        if not np.isfinite(found).all():
+            raise _wrong(self.given, "restored", "must return finite numbers")
+        return found
+
     def free(self, lines: Lines, frame: NormalFrame) -> FloatArray:
         """Numbers, which may be infinite."""
         return _numbers(self.given, "free", lambda: self.given.free(lines, frame), (2, len(lines)))
@@ -172,6 +179,11 @@ class CheckedBound(Bound):
 
     of: Constraint
     given: Bound
+
+    @property
+    def only_equal(self) -> bool:  # type: ignore[override]
+        """Of the given one."""
+        return bool(self.given.only_equal)
 
     def settled(self, cage: FloatArray, successor: IntArray) -> FloatArray:
         """Finite numbers."""

@@ -10,7 +10,8 @@ import numpy as np
 from ..decimation.base import Outline
 from ..decimation.budget import LEAST_PER_LOOP
 from ..errors import Fault, InvalidMeshError, NestingError, note
-from ..geometry.group import Symmetry, orbits_of
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.group import Orbits, Symmetry, orbits_of
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE, ROUNDING_ULPS
 from ..geometry.predicates import winding_number
@@ -18,7 +19,8 @@ from ..geometry.solids import overlay
 from ..geometry.symmetry import Mirror
 from ..geometry.symmetry.detection import Found
 from ..geometry.vectors import rotated_right
-from .base import Constraint, Rounding
+from ..solver.elimination import Elimination
+from .base import Bound, Constraint, Rounding, Units
 from .numbers import Numbers
 
 SPECK = 1e-3
@@ -58,6 +60,27 @@ class Symmetric(Constraint):
         """See `possible_count`."""
         return possible_count(count, outline, self.group, keeps=self.keeps)
 
+    def started(self, coarse: Mesh, side: int) -> Mesh:
+        """The start with images exactly where they belong. Raises NestingError where vertices have none."""
+        orbits = orbits_of(coarse, self.group)
+        if orbits is None:
+            raise NestingError(
+                f"The coarse mesh does not have {self.group}; give a mesh whose vertices are images of each other, or "
+                "a vertex count.",
+                code="symmetry.not_found",
+            )
+        return coarse.moved(orbits.symmetrised(coarse.vertices)).validated()
+
+    def bound(self, coarse: Mesh, fine: Mesh, units: Units) -> Bound:
+        """Images move together."""
+        orbits = orbits_of(coarse.moved(units.to_input(coarse.vertices)), self.group)
+        return Bound() if orbits is None else BoundImages(orbits, units)
+
+    def restored(self, coarse: Mesh, steps: FloatArray) -> FloatArray:
+        """All steps with exact images."""
+        orbits = orbits_of(coarse, self.group)
+        return steps if orbits is None else np.stack([orbits.symmetrised(step) for step in steps])
+
     def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
         """Whether all vertices are images of each other, on the numbers."""
         numbers = self.numbers
@@ -75,6 +98,25 @@ class Symmetric(Constraint):
             if not (away > 0.0).any():
                 return None
         return Fault(f"The cage does not have {self.group}.", "symmetry.missed")
+
+
+@dataclass(frozen=True, eq=False)
+class BoundImages(Bound):
+    """The vertices of each orbit move alike, by elimination."""
+
+    only_equal = True
+    orbits: Orbits
+    units: Units
+
+    def eliminated(self, images: Elimination | None, successor: IntArray) -> Elimination:
+        """The motions of the first vertices. Raises NestingError for a second symmetry."""
+        if images is not None:
+            raise NestingError("Cages have one symmetry at most; leave out the other.", code="setting.conflict")
+        return Elimination.of_images(self.orbits, successor)
+
+    def settled(self, cage: FloatArray, successor: IntArray) -> FloatArray:
+        """(m, 2) the cage with exact images, in the input's units."""
+        return self.units.points(self.orbits.symmetrised(self.units.to_input(cage)))
 
 
 def symmetric(

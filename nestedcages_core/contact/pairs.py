@@ -53,24 +53,24 @@ class Bodies:
         cls,
         coarse: Mesh,
         fine: Mesh,
-        images: Elimination | None = None,
         *,
         side: int = 1,
         bounds: tuple[Bound, ...] = (),
         clearances: FloatArray | None = None,
     ) -> Bodies:
-        """images: of a symmetric cage. side: 1 for a cage around the fine mesh, -1 for one inside it."""
+        """side: 1 for a cage around the fine mesh, -1 for one inside it."""
         lengths, cage = fine.edge_lengths, coarse.loop_order.walked(side)
+        elimination: Elimination | None = None
         for bound in bounds:
-            images = bound.eliminated(images, cage.successor)
+            elimination = bound.eliminated(elimination, cage.successor)
         return cls(
             coarse,
             cage,
             fine.loop_order.walked(side),
             0.5 * (lengths + lengths[fine.predecessor]),
             float(coarse.edge_lengths.mean()),
-            images,
-            bounds,
+            elimination,
+            tuple(bound for bound in bounds if not bound.only_equal),
             clearances,
         )
 

@@ -22,7 +22,6 @@ from .pairs import Bodies
 
 if TYPE_CHECKING:
     from ..constraints.base import Bound
-    from ..solver.elimination import Elimination
 
 logger = logging.getLogger(__name__)
 
@@ -87,19 +86,17 @@ def reinflate(
     *,
     contacts: Sequence[Contact],
     clearance: float,
-    images: Elimination | None = None,
     bounds: tuple[Bound, ...] = (),
 ) -> Stage[float, Reinflation]:
     """Follow the flow's steps (J + 1, n, 2) back while the cage, starting as the coarse mesh, is pushed out.
 
-    contacts: ways to resolve contact; each starts over where the one before is blocked. images: of the vertices of a
-    symmetric cage; bounds: what the cage keeps; only sequential QPs know both. A generator: yields the fraction done
-    and returns the steps.
+    contacts: ways to resolve contact; each starts over where the one before is blocked. bounds: what the cage keeps,
+    which only sequential QPs know. A generator: yields the fraction done and returns the steps.
 
     Raises ReinflationError when no contact succeeds, or when exact predicates find a contact in the result; its
     ``partial`` is the reinflation so far.
     """
-    bodies, plain = Bodies.of(coarse, fine, images, bounds=bounds), images is None and not bounds
+    bodies, plain = Bodies.of(coarse, fine, bounds=bounds), not bounds
     failure = ReinflationError("No contact was given for reinflation.", code="setting.invalid")
     for contact in contacts:
         key = key_of(contact, clearance, flow_steps, fine, coarse) if plain else None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,9 +20,6 @@ from .plan import Plan
 from .report import JudgedCage, Level, LevelProgress, NestingReport, Progress
 from .units import SolverUnits
 
-if TYPE_CHECKING:
-    from .symmetrised_start import Alike
-
 
 @dataclass(frozen=True, eq=False)
 class CageInProgress:
@@ -34,8 +30,6 @@ class CageInProgress:
     unit_coarse: Mesh
     flow: FlowResult
     untightened: Reinflation
-    alike: Alike | None = None
-    """Its exact symmetry."""
     tightened: Reinflation | None = None
     """Followed by the tightening."""
     energy: CageEnergy | None = None
@@ -109,8 +103,7 @@ class Assembly:
         moving_steps[0] = flow_steps[-1]
         moving_steps[-1] = self.fine.vertices
         cage_steps = units.to_input(reinflation.cage_steps)
-        if cage.alike is not None:
-            cage_steps = cage.alike.symmetrised(cage_steps)
+        cage_steps = self.plan.restored(cage.start.coarse, cage_steps)
         cage_steps[0] = cage.start.coarse.vertices
         flow = FlowResult(flow_steps, cage.flow.iterations, cage.flow.stage)
         return Way(cage.start.coarse, flow, Reinflation(moving_steps, cage_steps, reinflation.iterations))

@@ -31,7 +31,6 @@ from .units import SolverUnits
 
 if TYPE_CHECKING:
     from .settling import Settling
-    from .symmetrised_start import Alike
 
 logger = logging.getLogger(__name__)
 
@@ -55,7 +54,6 @@ class LevelBuilder:
         self.plan, self.clearances, self.progress = plan, clearances, progress
         self.settings = settings = methods_for(settings, plan)
         self.fine, self.outline = plan.fine, plan.outline.mesh
-        self.symmetry = plan.group
         self.units = SolverUnits.of(self.fine, 0.0 if plan.numbers is None else plan.numbers.room)
         self.unit_fine = self.units.from_input(self.fine)
         self.assembly = Assembly(plan, progress, self.units)
@@ -115,10 +113,6 @@ class LevelBuilder:
             try:
                 self.starts = []
                 starts = self.plan.started((yield from self._coarse_meshes(attempt)))
-                if self.symmetry is not None:
-                    from .symmetrised_start import symmetric_starts
-
-                    starts = symmetric_starts(starts, self.symmetry, self.plan.side)
                 self.starts = starts
                 notes = clamping
                 if attempt.fallback:
@@ -213,17 +207,11 @@ class LevelBuilder:
 
     def _reinflated(self, attempt: Attempt, start: Start) -> Stage[Progress, CageInProgress]:
         """Flow and reinflation from a coarse mesh."""
-        alike: Alike | None = None
-        if self.symmetry is not None:
-            from .symmetrised_start import made_alike
-
-            alike = made_alike(start, self.symmetry, self.plan.side)
-            start = alike.start
         unit_coarse = self.units.from_input(start.coarse)
         if self.plan.side < 0 or self.plan.outline.inner is not None:  # both rest: nothing flows
             flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
             resting = Reinflation(self.unit_fine.vertices[None], unit_coarse.vertices[None], 0)
-            return self._bound(CageInProgress(start, unit_coarse, flow, resting, alike))
+            return self._bound(CageInProgress(start, unit_coarse, flow, resting))
         yield from self.progress.begin("flow")
         try:
             if self.outline is not self.fine and Nesting(start.coarse, self.fine).encloses():
@@ -247,11 +235,10 @@ class LevelBuilder:
             flow.steps,
             contacts=[self.units.method(contact) for contact in attempt.contacts],
             clearance=self.units.clearance(attempt.clearances[0]),
-            images=None if alike is None else alike.images,
             bounds=self.plan.bounds(unit_coarse, self.units),
         )
         reinflation = yield from self.progress.follow(expansion, lambda done: (done, "reinflation"))
-        return self._bound(CageInProgress(start, unit_coarse, flow, reinflation, alike))
+        return self._bound(CageInProgress(start, unit_coarse, flow, reinflation))
 
     def _bound(self, cage: CageInProgress) -> CageInProgress:
         """The cage with its energy."""
@@ -265,10 +252,9 @@ class LevelBuilder:
         start = cage.untightened.cage_steps[-1]
         assert cage.energy is not None
         steps: list[FloatArray] = []
-        images = None if cage.alike is None else cage.alike.images
         bounds, wide = self.plan.bounds(cage.unit_coarse, self.units), self.plan.clearances(self.units)
         tightening = self.settings.tightening.run(
-            Bodies.of(cage.unit_coarse, self.unit_fine, images, side=self.plan.side, bounds=bounds, clearances=wide),
+            Bodies.of(cage.unit_coarse, self.unit_fine, side=self.plan.side, bounds=bounds, clearances=wide),
             start,
             self.unit_fine.vertices,
             clearance=self.units.clearance(clearance),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, cast
 
@@ -124,17 +125,32 @@ class Plan:
         allowed: list[Start] = []
         errors: list[NestingError] = []
         for start in starts:
-            coarse = start.coarse
             try:
-                for constraint in self.constraints:
-                    coarse = constraint.started(coarse, self.side)
+                coarse = self._started(start.coarse)
             except NestingError as error:
                 errors.append(error)
-            else:
-                allowed.append(start if coarse is start.coarse else Start(coarse, start.source))
+                continue
+            on_curve = start.on_curve
+            if coarse is not start.coarse and on_curve is not None:
+                with suppress(NestingError):
+                    on_curve = self._started(on_curve)
+                on_curve = None if on_curve is start.on_curve else on_curve
+            allowed.append(Start(coarse, start.source, on_curve))
         if errors and not allowed:
             raise errors[0]
         return allowed
+
+    def _started(self, coarse: Mesh) -> Mesh:
+        """The start from a coarse mesh. Raises NestingError."""
+        for constraint in self.constraints:
+            coarse = constraint.started(coarse, self.side)
+        return coarse
+
+    def restored(self, coarse: Mesh, steps: FloatArray) -> FloatArray:
+        """(K, m, 2) steps of a cage from a coarse mesh, in the input's units, with equalities exact."""
+        for constraint in self.constraints:
+            steps = constraint.restored(coarse, steps)
+        return steps
 
     def bounds(self, coarse: Mesh, units: SolverUnits) -> tuple[Bound, ...]:
         """The constraints on cages with the edges of a coarse mesh, in the units of the solvers."""

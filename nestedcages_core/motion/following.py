@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy
 
+from ..constraints.base import Bound
 from ..contact import SequentialQP
 from ..contact.linearisation import measure
 from ..contact.pairs import Bodies, Pairs, find_pairs
@@ -23,7 +24,6 @@ from ..hierarchy import Settings
 from ..level.gate import judged
 from ..level.settling import placements
 from ..level.units import SolverUnits
-from ..solver.elimination import Elimination
 from ..tasks import drain
 from ..tightening.reach_clearance import restore
 from ..verification import verify
@@ -62,6 +62,8 @@ class Follower:
     """With room for rounding to certain numbers."""
     energy: CageEnergy
     promises: Promises
+    bounds: tuple[Bound, ...] = ()
+    """What the cage keeps."""
     orbits: Orbits | None = None
     """Of the vertices of a symmetric cage."""
     contact: SequentialQP = field(default_factory=SequentialQP)
@@ -72,12 +74,11 @@ class Follower:
         unit_cage, unit_fine = units.from_input(cage), units.from_input(fine)
         group = promises.plan.group
         orbits = None if group is None else orbits_of(cage, group)
-        images = None if orbits is None else Elimination.of_images(orbits, cage.successor)
         plan, energy = promises.plan, promises.settings.energy.at(unit_cage)
         bounds, clearances = plan.bounds(unit_cage, units), plan.clearances(units)
-        bodies = Bodies.of(unit_cage, unit_fine, images, bounds=bounds, clearances=clearances)
+        bodies = Bodies.of(unit_cage, unit_fine, bounds=bounds, clearances=clearances)
         kept = units.clearance(clearance + promises.room)
-        return cls(units, unit_cage, unit_fine, bodies, kept, energy, promises, orbits)
+        return cls(units, unit_cage, unit_fine, bodies, kept, energy, promises, bounds, orbits)
 
     def stored(self, cage: FloatArray) -> FloatArray:
         """(m, 2) a cage in the input's units, as symmetric and on the numbers as promised."""
@@ -117,9 +118,7 @@ class Follower:
         cage, before: the cage of another pose and that pose; they define the correct sides.
         """
         bodies = self.bodies
-        if self.orbits is not None:
-            guess = self.units.points(self.orbits.symmetrised(self.units.to_input(guess)))
-        for bound in bodies.bounds:
+        for bound in self.bounds:
             guess = bound.settled(guess, bodies.cage.successor)
         old, new = np.concatenate([cage, before]), np.concatenate([guess, after])
         pairs = find_pairs(bodies, new, RESTORED_REACH * bodies.cage_edge_length)
