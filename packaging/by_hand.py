@@ -63,7 +63,7 @@ FAULTS = (
           TESTS + "a_start_that_the_flow_entered_is_preferred_by_a_little"),
     Fault(CORE + "level/builder.py",
           "self.plan.started((yield from self._coarse_meshes(attempt)))", "yield from self._coarse_meshes(attempt)",
-          "tests/core/test_needs_together.py::test_details_and_starts_that_once_led_to_faults"),
+          "tests/core/test_symmetry.py::test_bad_symmetries_are_rejected"),
     Fault(CORE + "level/gate.py", "fault = next(plan.missed(cage, whole=promised), None)", "pass",
           TESTS + "a_polygon_that_is_not_convex_is_no_convex_cage"),
     Fault(CORE + "constraints/convex.py", "or winding_number(other[:1], one, np.roll(one, -1, axis=0))[0]", "",
