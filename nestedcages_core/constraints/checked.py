@@ -133,7 +133,7 @@ class Checked(Constraint):
         found = _numbers(self.given, "restored", lambda: self.given.restored(coarse, _sealed(steps)), steps.shape)
         if not np.isfinite(found).all():
             raise _wrong(self.given, "restored", "must return finite numbers")
-        return found
+        return found.copy()
 
     def free(self, lines: Lines, frame: NormalFrame) -> FloatArray:
         """Numbers, which may be infinite."""
@@ -190,7 +190,7 @@ class CheckedBound(Bound):
         found = _numbers(self.of, "settled", lambda: self.given.settled(_sealed(cage), successor), cage.shape)
         if not np.isfinite(found).all():
             raise _wrong(self.of, "settled", "must return finite numbers")
-        return found
+        return found.copy()
 
     def eliminated(self, images: Elimination | None, successor: IntArray) -> Elimination | None:
         """None, or an elimination."""

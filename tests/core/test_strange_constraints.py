@@ -92,6 +92,7 @@ BROKEN = [
     ),
     ("reach", answer(np.zeros(3)), "must return numbers of the shape"),
     ("started", answer(None), "must return a Mesh, not None"),
+    ("restored", lambda _, coarse, steps: steps * np.nan, "must not return NaN"),
     ("started", answer(star(5, 14)), "must keep the edges"),
     ("bound", answer(None), "must return a Bound, not None"),
     ("term", answer(1.0), "must return an energy or None"),
