@@ -32,6 +32,14 @@ SYMMETRIES = (
     ),
     (ROTATION, "Rotation", "All sectors alike, around the object's origin or, if that is not there, the middle"),
 )
+AXES, TRANSIT = "AXES", "TRANSIT"
+DIRECTIONS = (
+    (NONE, "Any", "Edges have any direction"),
+    (AXES, "Along Axes", "Edges are horizontal and vertical, as in tiles and pixel art"),
+    (TRANSIT, "Along Axes and Diagonals", "Edges are horizontal, vertical or diagonal, as in transit maps"),
+)
+# Angles of the directions in degrees, from the horizontal of the drawing.
+DEGREES = {AXES: (0.0, 90.0), TRANSIT: (0.0, 45.0, 90.0, 135.0)}
 # Distance from the middle of a drawing, as a fraction of its size, at which the object's origin counts as the middle.
 CENTRED = 1e-3
 
@@ -58,6 +66,7 @@ class Rules:
     symmetry_order: int = 2
     min_edge: float = 0.0
     min_angle: float = 0.0
+    directions: str = NONE
 
     def settings(self, settings: core.Settings, fine: core.Mesh, scale: float, places: Places) -> core.Settings:
         """The core's settings with these rules for a drawing. Raises: UserError.
@@ -77,6 +86,7 @@ class Rules:
                 joints=places.joints,
                 min_edge=self.min_edge / scale or None,
                 min_angle=float(np.degrees(self.min_angle)) or None,
+                constraints=() if self.directions == NONE else (core.AxisAligned(DEGREES[self.directions]),),
             )
         except core.NestedCagesError as error:
             raise UserError(str(error)) from error
@@ -87,6 +97,7 @@ class Rules:
         names |= {"merged": self.merge > 0.0 or self.loops == ONE}
         if places is not None:
             names |= {"weighted": bool(places.weights), "pinned": bool(places.pins or places.joints)}
+        names |= {"of few directions": self.directions != NONE}
         names |= {"limited in edges or angles": self.min_edge > 0.0 or self.min_angle > 0.0}
         return [name for name, holds in names.items() if holds]
 

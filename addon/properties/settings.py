@@ -15,7 +15,7 @@ from ..animation.timeline import Timing
 from ..generation.generate import Options
 from ..generation.levels import lengths, parse_levels
 from ..generation.methods import DECIMATIONS, ENERGIES, Methods, items
-from ..generation.rules import AUTO, LOOPS, SYMMETRIES, Rules
+from ..generation.rules import AUTO, DIRECTIONS, LOOPS, SYMMETRIES, Rules
 from ..generation.rules import NONE as NO_SYMMETRY
 from ..scene.convert import ReadingOptions
 from .kinds import choice, flag, length, number, text, whole
@@ -49,6 +49,7 @@ class GenerationProperties:
     )
     symmetry: choice("Symmetry", "What makes both sides of a cage alike", SYMMETRIES, default=NO_SYMMETRY)
     symmetry_order: whole("Order", "Number of sectors that are alike", default=2, min=2, soft_max=12)
+    directions: choice("Edges", "Directions of the edges of cages in the plane of the drawing", DIRECTIONS)
     weight_group: text("Weights", "Vertex group: where its weights are high, cages have more vertices and less excess")
     pin_group: text(
         "Pins", "Vertex group: cages keep a vertex at each of its vertices with a weight of more than a half"

@@ -28,6 +28,9 @@ TOLD = ("note.count", "note.loops")
 SETTINGS = ("clearance", "grid", "loops", "merge", "convex", "symmetry", "min_edge", "min_angle", "seconds")
 """Options that are settings of the same name."""
 
+CONSTRAINTS = ("directions", "box")
+"""Options that are constraints."""
+
 
 class Made(NamedTuple):
     """The cages of one shape, from the finest to the coarsest."""
@@ -75,7 +78,8 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
 
 def _made_outcomes(source: Source, given: argparse.Namespace, line: ProgressLine) -> list[Outcome]:
     """The cages of the shapes of a file, or the error of each."""
-    settings = Settings(**{name: getattr(given, name) for name in SETTINGS})
+    constraints = [each for name in CONSTRAINTS if (each := getattr(given, name)) is not None]
+    settings = Settings(**{name: getattr(given, name) for name in SETTINGS}, constraints=constraints)
     shapes = [shape.content for shape in source.shapes]
     if all(isinstance(shape, Mesh) for shape in shapes) and not given.inside and len(shapes) > 1:
         executor = partial(_processes, given.jobs) if given.jobs > 1 else None

@@ -10,8 +10,10 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from math import inf, nan
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+from ..constraints.axis_aligned import TRANSIT, AxisAligned
+from ..constraints.box import Box
 from ..errors import NestedCagesError
 from ..exchange import DRAWING_LIMITS, Limits
 from ..exchange.decimals import MAX_DECIMALS
@@ -103,6 +105,30 @@ def symmetry(text: str) -> Mirror | Rotation | Found:
     return Mirror(None, AXES[text]) if text in AXES else Rotation(None, _order(text))
 
 
+Made = TypeVar("Made")
+
+
+def directions(text: str) -> AxisAligned:
+    words = {"axes": AxisAligned(), "transit": AxisAligned(TRANSIT)}
+    return words[text] if text in words else _made(AxisAligned, text, "axes, transit or angles such as 0,60,120")
+
+
+def box(text: str) -> Box:
+    def between(*corners: float) -> Box:
+        x, y, u, v = corners
+        return Box((min(x, u), min(y, v)), (max(x, u), max(y, v)))
+
+    return _made(lambda numbers: between(*numbers), text, "two corners such as 0,0,640,480")
+
+
+def _made(maker: Callable[[tuple[float, ...]], Made], text: str, what: str) -> Made:
+    """What a maker makes of numbers between commas; what: these in words."""
+    try:
+        return maker(tuple(float(word) for word in text.split(",")))
+    except (TypeError, ValueError, NestedCagesError):
+        raise argparse.ArgumentTypeError(f"{what} are needed, not {text!r}") from None
+
+
 def _limit(text: str) -> tuple[str, int]:
     name, _, number = text.partition("=")
     if name not in vars(Limits()):
@@ -151,6 +177,9 @@ OPTIONS = {
         _option("--min-angle", type=_number("an angle above 0 and below 60 degrees", lambda value: 0.0 < value < 60.0),
                 metavar="DEGREES", help="no angle between cage edges is sharper than this, where there is room; below "
                 "60"),
+        _option("--directions", type=directions, metavar="WHAT", help="edges are along the axes (axes), also along "
+                "both diagonals (transit), or at these angles in degrees, such as 0,60,120"),
+        _option("--box", type=box, metavar="X,Y,X,Y", help="cages stay between two corners, as in --box=-8,0,8,9"),
         _option("--grid", type=length, metavar="LENGTH", help="cage vertices are multiples of this length"),
         _option("--decimals", type=decimals, metavar="N", help="the same by decimals: 6 or 7 for maps in degrees, 0 "
                 "for whole pixels"),
@@ -204,7 +233,8 @@ ALSO_FOR = {"tolerance": {"map"}, "layers": {"map"}, "inside": {"drawing", "map"
 APART = (
     *(("padding", "clearance"), ("grid", "decimals"), ("inside", "jobs"), ("inside", "borders"), ("jobs", "borders")),
     *(("borders", "grid"), ("borders", "decimals"), ("borders", "symmetry"), ("convex", "inside")),
-    *(("convex", other) for other in ("borders", "min_edge", "min_angle")),
+    *(("convex", other) for other in ("borders", "min_edge", "min_angle", "directions")),
+    *(("borders", other) for other in ("directions", "box")),
     *(("merge", other) for other in ("inside", "convex", "symmetry", "min_edge", "min_angle")),
 )
 """Options that exclude each other."""

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from ..decimation.line_cycles.places import NormalFrame
     from ..solver.elimination import Elimination
 
+TRANSIT = (0.0, 45.0, 90.0, 135.0)
+"""The directions of transit maps, in degrees."""
+
 LEAST_TURN = 5.0
 """Least angle in degrees between two directions: at smaller ones corners move far when edges move a little."""
 

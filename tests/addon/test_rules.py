@@ -181,6 +181,16 @@ def test_short_edges_and_sharp_angles_are_avoided() -> None:
     assert np.linalg.norm(np.diff(corners, axis=0), axis=1).min() > 0.2 * (1 - 1e-5)
 
 
+@pytest.mark.parametrize(("directions", "turns"), [("AXES", 90.0), ("TRANSIT", 45.0)])
+def test_edges_have_few_directions(directions: str, turns: float) -> None:
+    poly_curve("Drawing", [star(120, 0.3, 7)])
+    bpy.ops.object.nested_cages_generate(levels="24", directions=directions)
+    (shape,) = assert_nested()[1:]
+    edge = np.diff(np.array(shape.exterior.coords), axis=0)
+    angle = np.degrees(np.arctan2(edge[:, 1], edge[:, 0]))
+    assert np.abs((angle + 0.5 * turns) % turns - 0.5 * turns).max() < 1e-3
+
+
 def test_close_parts_are_merged(addon) -> None:
     poly_curve("Drawing", [circle(40), circle(40) + np.array([2.1, 0.0])])
     bpy.ops.object.nested_cages_generate(levels="5", merge=0.5)

@@ -521,6 +521,32 @@ def test_symmetric_cages_and_limits(drawing: Path, tmp_path: Path) -> None:
             assert np.array_equal(x, -x[::-1])
 
 
+@pytest.mark.parametrize("directions", ["axes", "transit", "30,120"])
+def test_edges_along_directions_in_a_box(directions: str, drawing: Path, tmp_path: Path) -> None:
+    room = 3.0 if directions == "30,120" else 0.01
+    low, high = letter_a(1).vertices.min(axis=0) - room, letter_a(1).vertices.max(axis=0) + room
+    corners = ",".join(map(str, (*low.tolist(), *high.tolist())))
+    out = tmp_path / "out.geojson"
+    command = [
+        str(drawing),
+        "--levels",
+        "24",
+        "--directions",
+        directions,
+        f"--box={corners}",
+        "--quiet",
+        "-o",
+        str(out),
+    ]
+    assert main(command) == 0
+    cage = read_geojson(out)
+    edge = cage.edge_ends - cage.vertices
+    angle = np.degrees(np.arctan2(edge[:, 1], edge[:, 0])) - (30.0 if directions == "30,120" else 0.0)
+    turns = 45.0 if directions == "transit" else 90.0
+    assert np.abs((angle + 0.5 * turns) % turns - 0.5 * turns).max() < 1e-5
+    assert (cage.vertices >= low - 1e-9).all() and (cage.vertices <= high + 1e-9).all()
+
+
 @pytest.mark.parametrize(
     ("merge", "loops"),
     slow_after(2, [([], 2), (["--loops", "one"], 1), (["--merge", "all"], 1), (["--merge", "0.2"], 2)]),
@@ -536,6 +562,7 @@ def test_parts_that_share_a_loop(merge: list[str], loops: int, tmp_path: Path) -
 @pytest.mark.parametrize(
     "wrong", [["--symmetry", "z"], ["--symmetry", "1"], ["--symmetry", "x", "--borders"], ["--min-angle", "70"],
               ["--convex", "--min-edge", "1"], ["--convex", "--inside"], ["--convex", "--borders"],
+              ["--directions", "up"], ["--directions", "0"], ["--box", "1,2,3"], ["--box", "1,1,1,2"],
               ["--merge", "0"], ["--merge", "all", "--symmetry", "x"]]
 )  # fmt: skip
 def test_symmetries_and_limits_that_cannot_be_had(wrong: list[str], drawing: Path) -> None:
