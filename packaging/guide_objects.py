@@ -141,7 +141,7 @@ def message() -> Steps:
     yield from sidebar()
     yield 1.0
     # an error opens its window only for a button that a mouse has pressed
-    subprocess.run(["xdotool", "mousemove", "900", "274", "sleep", "0.5", "click", "1"], check=True)
+    subprocess.run(["xdotool", "mousemove", "900", "228", "sleep", "0.5", "click", "1"], check=True)
     yield 2.0
     yield from shoot("message", (450, 160, 1035, 345))
 

@@ -22,6 +22,7 @@ from ..animation.shape_keys import remove_mesh
 from ..core import blamed, core, tasks
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
+from ..notes import BROKEN
 from ..record import CageSet
 from ..rigging.pose import unshaped
 from ..scene import display, filling, placement
@@ -190,11 +191,13 @@ def _check_enclosed(inner: Object, cage: Object) -> core.Certificate:
         )
     with blamed(f"'{inner.name}'"):
         fine = core.Mesh(points[:, :2], filling.loop_edges(drawing))
-    certificate = core.verify(filling.shape_of(cage), fine)
+    around = filling.shape_of(cage)
+    certificate = core.verify(around, fine, same_loops=around.has_loops_like(fine))  # holes may be filled
     if not certificate.holds:
+        wrong = ", ".join(dict.fromkeys(BROKEN[problem.code] for problem in certificate.problems))
         raise UserError(
-            f"'{cage.name}' does not enclose '{inner.name}' as it is now ({'; '.join(certificate.problems)}): "
-            "move its vertices out, then bind again"
+            f"'{cage.name}' does not enclose '{inner.name}' as it is now ({wrong}): move its vertices out, then bind "
+            "again"
         )
     return certificate
 

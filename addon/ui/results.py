@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Mapping
 from typing import Any
 
 import bpy
@@ -54,14 +55,16 @@ def health(context: Context, cage: Object) -> tuple[str, str]:
     bound = cage_set is not None and bool(cage_set.bound)
     if not bound and record.is_edited(cage):
         return (HOLDS, "") if stands and record.is_judged(cage) else (EDITED, record.EDITED)
-    advice = [
-        notes.sentence(*each)
-        for each in record.notes(node)
-        if not each[0].startswith(record.CHECK) and each[0] not in ON_METHODS
-    ]
+    advice = [_in_words(*each) for each in record.notes(node) if not each[0].startswith((record.CHECK, *ON_METHODS))]
     if advice:
         return ADVICE, advice[0]
     return (HOLDS if stands or not bound else MADE), ""
+
+
+def _in_words(code: str, data: Mapping[str, Any]) -> str:
+    """A note as an artist reads it: which holes are filled, not the numbers of loops."""
+    lost = str(data.get("lost", "")).strip(": ")
+    return f"{lost[:1].upper()}{lost[1:]}" if code == "note.loops" and lost else notes.sentence(code, data)
 
 
 def draw_live(layout: bpy.types.UILayout) -> None:

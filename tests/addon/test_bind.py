@@ -70,6 +70,21 @@ def turned(points):
 EXACT = ("AUTO", "LINEAR")
 
 
+def test_a_cage_that_fills_a_hole_moves_what_is_in_it(addon) -> None:
+    source = poly_curve("Drawing", [star(120), circle(40, 0.35), circle(24, 0.1, (0.55, 0.0))])
+    assert bpy.ops.object.nested_cages_generate(levels="48, 12") == {"FINISHED"}
+    fine, _, last = (bpy.data.objects[f"Drawing {name}"] for name in ("Fine", "Cage 1", "Cage 2"))
+    shapes = [addon.scene.filling.shape_of(obj) for obj in (fine, last)]
+    assert len(shapes[1].loops) < len(shapes[0].loops)
+    choose(source)
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    before = evaluated(fine)
+    for vertex in last.data.vertices:
+        vertex.co.x += 0.5
+    last.data.update()
+    np.testing.assert_allclose(evaluated(fine) - before, np.tile((0.5, 0.0, 0.0), (len(before), 1)), atol=1e-5)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("method", EXACT)
 def test_the_drawing_follows_affine_poses_through_all_levels(method) -> None:
