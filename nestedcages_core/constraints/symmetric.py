@@ -109,9 +109,7 @@ class BoundImages(Bound):
     units: Units
 
     def eliminated(self, images: Elimination | None, successor: IntArray) -> Elimination:
-        """The motions of the first vertices. Raises NestingError for a second symmetry."""
-        if images is not None:
-            raise NestingError("Cages have one symmetry at most; leave out the other.", code="setting.conflict")
+        """The motions of the first vertices."""
         return Elimination.of_images(self.orbits, successor)
 
     def settled(self, cage: FloatArray, successor: IntArray) -> FloatArray:

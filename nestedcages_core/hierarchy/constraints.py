@@ -69,6 +69,8 @@ def constraints_of(settings: Settings, about: Mesh, side: int) -> Asked:
         from ..constraints.checked import checked
 
         kept += [checked(each).of(about, side) for each in settings.constraints]
+    if sum(each.group is not None for each in kept) > 1:
+        raise NestingError("Cages have one symmetry at most; leave out the others.", code="setting.conflict")
     if settings.min_edge is not None:
         from ..constraints.least_edge import LeastEdge
 

@@ -24,6 +24,7 @@ from nestedcages_core import (
     verify,
 )
 from nestedcages_core.constraints import Constraint
+from nestedcages_core.constraints.symmetric import Symmetric
 from nestedcages_core.geometry.group import Orbits, Symmetry, mirror_axis
 from nestedcages_core.geometry.solids import overlay
 from shapes import letter_a, star
@@ -182,6 +183,8 @@ def test_bad_symmetries_are_rejected() -> None:
                   lambda: Found(-1.0)):  # fmt: skip
         with pytest.raises(NestedCagesError):
             wrong()
+    with pytest.raises(NestedCagesError, match="one symmetry at most"):
+        nested_cages(star(), 12, symmetry=Mirror(), constraints=[Symmetric(Rotation())])
     coarse = Mesh.from_loops([[(-3, -3), (3, -3), (0, 6), (-3, 3)]])
     with pytest.raises(NestedCagesError, match="The coarse mesh does not have a mirror"):
         nested_cages(star(), [coarse], Settings(symmetry=Mirror((0, 0), (1, 0)), fallback=None))
