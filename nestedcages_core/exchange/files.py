@@ -12,9 +12,11 @@ from ..errors import invalid_file
 from .limits import Limits
 
 try:
-    import fcntl
+    from fcntl import LOCK_EX, LOCK_NB, flock
+
+    LOCKS = True
 except ImportError:  # on Windows, where files that are open cannot be removed
-    fcntl = None  # type: ignore[assignment]
+    LOCKS = False
 
 DEFAULT_MODE = 0o666
 """Permissions of a new file before the user's umask."""
@@ -61,9 +63,9 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
                 file.flush()
                 os.fsync(file.fileno())
                 os.chmod(beside, stat.S_IMODE(target.stat().st_mode) if target.exists() else DEFAULT_MODE & ~_umask())
-                if fcntl is not None:
+                if LOCKS:
                     os.replace(beside, target)
-            if fcntl is None:
+            if not LOCKS:
                 os.replace(beside, target)
         except BaseException:
             with suppress(OSError):
@@ -77,10 +79,10 @@ def _locked(target: Path) -> tuple[int, str]:
     """A new file beside a target, open and locked, and its path."""
     while True:
         handle, beside = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=UNFINISHED, dir=target.parent)
-        if fcntl is not None:
+        if LOCKS:
             with suppress(OSError):  # some network folders have no locks
-                fcntl.flock(handle, fcntl.LOCK_EX)
-        if fcntl is None or os.fstat(handle).st_nlink:
+                flock(handle, LOCK_EX)
+        if not LOCKS or os.fstat(handle).st_nlink:
             return handle, beside
         os.close(handle)  # somebody cleaned it away before it was locked
 
@@ -92,10 +94,10 @@ def _clean(folder: Path) -> None:
     _cleaned.add(folder)
     for left in folder.glob(f".*{UNFINISHED}"):
         with suppress(OSError), left.open("rb") as file:
-            if fcntl is not None:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if LOCKS:
+                flock(file, LOCK_EX | LOCK_NB)
                 left.unlink()
-        if fcntl is None:
+        if not LOCKS:
             with suppress(OSError):
                 left.unlink()
 
