@@ -51,6 +51,7 @@ def check(
 ) -> Verdict:
     """Check a cage, several from the finest to the coarsest, a hierarchy or moving cages, from their numbers alone.
 
+    fine: of moving cages the topology, as they were given; its places are then those at their keys.
     fine, cages: objects with vertices (n, 2) and directed edges (n, 2), rings of points (k, 2), or GeoJSON geometries.
     clearance: smallest distance, in input units; default: what a level was asked for, else anything above 0.
     same_loops: whether cages keep the loops of what they enclose; default: yes, unless a level's coarse mesh did not.
@@ -61,7 +62,10 @@ def check(
     motions: number of motions between steps to check per level, spread evenly; default: all.
     """
     given = getattr(cage_or_levels, "levels", cage_or_levels)
-    problems, lost, within, levels = [], list[str](), fine, list(given) if _depth(given) > 3 else [given]
+    problems, lost, levels = [], list[str](), list(given) if _depth(given) > 3 else [given]
+    if levels and len(getattr(levels[0], "fine_steps", ())) and hasattr(fine, "edges"):
+        fine = SimpleNamespace(vertices=levels[0].fine_steps[0], edges=fine.edges)
+    within = fine
     for k, level in enumerate(levels):
         cage, report, inner, alike = getattr(level, "cage", level), getattr(level, "report", None), inside, same_loops
         wanted = getattr(report, "wanted_clearance", 0.0) if clearance is None else clearance

@@ -12,6 +12,7 @@ NOTES: Mapping[str, str] = {
     "count symmetry": "{asked} vertices were asked for; with {symmetry} the cage can have {given}.",
     "count constraint": "{asked} vertices were asked for; its constraints leave room for {given}.",
     "count grid": "On the grid, {asked} vertices make no convex cage: it has {given} at most.",
+    "count fewer": "{asked} vertices were asked for; the tightest cage that was found has {given}.",
     "count hull": "{asked} vertices were asked for, but a hull has {given}: with these, the cage is as tight.",
     "start fallback": "Started from the {source} instead of the coarse mesh: {text}",
     "start flow": "Started from the {source}: the mesh could not shrink into a coarse mesh {first}.",

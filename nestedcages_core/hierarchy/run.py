@@ -150,6 +150,9 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
                     raise
                 level = level.after(error)  # more vertices each time, and at most those of the mesh
         advised = level.notes() if isinstance(level, Rising) else ()
+        told = any(each.code == "note.count" for each in done.report.notes)
+        if isinstance(level, int) and len(done.cage.vertices) < level and not told:
+            advised += (note("note.count", on="fewer", asked=int(level), given=len(done.cage.vertices)),)
         if keeps and side > 0 and done.report.excess > LOOSE and plan.is_free and not isinstance(level, Mesh):
             from ..decimation.loops import advice
 

@@ -29,9 +29,10 @@ class Bound:
 
     def message(self, wanted: float) -> Fault:
         """The message for a larger clearance."""
+        less = f"ask for less than {self.clearance:.6g}, or " if self.clearance > 0.0 else ""
         return Fault(
-            f"No cage keeps the clearance of {wanted:.6g} {self.where}: {self.why}; ask for less than "
-            f"{self.clearance:.6g}, or {self.remedy}.",
+            f"No cage {f'keeps the clearance of {wanted:.6g}' if wanted > 0.0 else 'fits'} {self.where}: {self.why}; "
+            f"{less}{self.remedy}.",
             "clearance.no_room",
             wanted=wanted,
             largest=self.clearance,

@@ -173,6 +173,10 @@ def test_inner_cages_and_cages_that_move_are_checked() -> None:
     fine = star()
     moving = animated_cages(fine, [fine.vertices * (1.0 + 0.2 * k, 1.0) for k in range(3)], [20], FAST)
     assert check(fine, moving)
+    elsewhere = fine.moved(3.0 * fine.vertices - 7.0)  # it gives the topology alone
+    assert check(elsewhere, animated_cages(elsewhere, moving.levels[0].fine_steps, [20, 12], FAST))
+    assert not check(SimpleNamespace(vertices=fine.vertices, edges=fine.edges[:, ::-1]), moving)
+    assert not check(star(5, 40), moving)
     level = moving.levels[0]
     shrunk = replace(level, cage_steps=level.cage_steps * np.linspace(1.0, 0.8, len(level.times))[:, None, None])
     assert "at key" in check(fine, shrunk).problems[0]

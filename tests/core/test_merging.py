@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from nestedcages_core import Mesh, NestedCagesError, Settings, inner_cages, nested_cages, verify
+from nestedcages_core import (
+    Mesh,
+    NestedCagesError,
+    OuterHull,
+    Settings,
+    inner_cages,
+    nested_cages,
+    verify,
+)
 from nestedcages_core.decimation.merging import Bridged, Merging
 from nestedcages_core.hierarchy import Share
 from shapes import islands, polygon, ring
@@ -73,3 +83,28 @@ def test_parts_that_are_smaller_than_the_gaps_around_them_share_a_loop(distance:
     level = nested_cages(fine, 32, merge=distance).levels[0]
     assert len(Bridged.of(fine, distance).closed(1.0).loops) == loops
     assert verify(level.cage, fine, level.report.clearance, same_loops=False) and level.report.excess < 0.08
+
+
+def test_a_note_says_when_there_are_fewer_vertices_than_asked_for() -> None:
+    """Whatever the reason: a merged outline may have fewer corners than its parts."""
+
+    class Fewer:
+        def decimate(self, fine: Mesh, count: Any, *, clearance: float | None = None) -> Mesh:
+            return OuterHull().decimate(fine, count - 2, clearance=clearance)
+
+    level = nested_cages(ring(20), 8, decimation=Fewer())[0]
+    (said,) = [note for note in level.report.notes if note.code == "note.count"]
+    assert (len(level.cage.vertices), said.data["asked"], said.data["given"]) == (6, 8, 6)
+    assert not nested_cages(ring(20), 8, decimation=OuterHull())[0].report.notes
+
+
+@pytest.mark.parametrize("size", [1e-155, 1e-165, 1e-170])
+def test_parts_too_small_to_tell_apart_are_told_as_such(size: float) -> None:
+    tiny = [ring(6, size), ring(6, size, 0.0, (4.0 * size, 0.0)), ring(12, 1.0, 0.0, (3.0, 0.0))]
+    for options in ({}, {"pins": [0]}, {"weights": np.arange(24) + 1.0}):
+        for count in (9, 24):
+            try:
+                nested_cages(Mesh.from_loops(tiny), count, **options)
+            except NestedCagesError as error:
+                assert "derivatives" not in str(error)
+                assert "less than 0" not in str(error)
