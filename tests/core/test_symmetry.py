@@ -186,7 +186,7 @@ def test_bad_symmetries_are_rejected() -> None:
     with pytest.raises(NestedCagesError, match="one symmetry at most"):
         nested_cages(star(), 12, symmetry=Mirror(), constraints=[Symmetric(Rotation())])
     coarse = Mesh.from_loops([[(-3, -3), (3, -3), (0, 6), (-3, 3)]])
-    with pytest.raises(NestedCagesError, match="The coarse mesh does not have a mirror"):
+    with pytest.raises(NestedCagesError, match="The start does not have a mirror"):
         nested_cages(star(), [coarse], Settings(symmetry=Mirror((0, 0), (1, 0)), fallback=None))
     level = nested_cages(star(), [coarse], Settings(symmetry=Mirror((0, 0), (1, 0)))).levels[0]
     check(level, Mirror((0, 0), (1, 0)))
