@@ -65,8 +65,8 @@ class Symmetric(Constraint):
         orbits = orbits_of(coarse, self.group)
         if orbits is None:
             raise NestingError(
-                f"The start does not have {self.group}; use more vertices, or a coarse mesh whose vertices are images of "
-                "each other.",
+                f"The start does not have {self.group}; use more vertices, or a coarse mesh whose vertices are images "
+                "of each other.",
                 code="symmetry.not_found",
             )
         return coarse.moved(orbits.symmetrised(coarse.vertices)).validated()
