@@ -17,9 +17,9 @@ from .errors import UserError, told
 if TYPE_CHECKING:
     import nestedcages_core as core
     from nestedcages_core import cache as memory
-    from nestedcages_core import tasks
+    from nestedcages_core import game, tasks
     from nestedcages_core.errors import notes as errors
-    from nestedcages_core.exchange import pictures
+    from nestedcages_core.exchange import layers, pictures
     from nestedcages_core.geometry import broad_phase, distance, loops, predicates, triangulation
     from nestedcages_core.level import gate, steps
 else:
@@ -48,9 +48,10 @@ else:
     loops, pictures, predicates = map(_LazyModule, ("geometry.loops", "exchange.pictures", "geometry.predicates"))
     errors, gate, steps = map(_LazyModule, ("errors.notes", "level.gate", "level.steps"))
     tasks, triangulation = map(_LazyModule, ("tasks", "geometry.triangulation"))
+    game, layers = map(_LazyModule, ("game", "exchange.layers"))
 
-__all__ = ["blamed", "broad_phase", "core", "distance", "errors", "gate", "known", "loops", "memory"]
-__all__ += ["pictures", "predicates", "remembered", "steps", "tasks", "triangulation"]
+__all__ = ["blamed", "broad_phase", "core", "distance", "errors", "game", "gate", "known", "layers", "loops"]
+__all__ += ["memory", "pictures", "predicates", "remembered", "steps", "tasks", "triangulation"]
 
 Result = TypeVar("Result")
 

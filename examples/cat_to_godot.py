@@ -3,7 +3,7 @@
     python examples/cat_to_godot.py [OUT] [--godot PROGRAM]
 
 OUT: a folder, which becomes a project of Godot. With a Godot 4 and a display, such as by xvfb-run, the walk is drawn
-by Godot: walk.gif. Needs Pillow, shapely and rectpack.
+by Godot: walk.gif. Needs Pillow and shapely.
 """
 
 from __future__ import annotations

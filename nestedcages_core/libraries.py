@@ -50,10 +50,3 @@ def load_pictures() -> Any:
     with _needed("Pillow", "Reading PNG"):
         from PIL import Image
     return Image
-
-
-def load_packer() -> Any:
-    """rectpack, which packs rectangles."""
-    with _needed("rectpack", "An atlas"):
-        import rectpack
-    return rectpack

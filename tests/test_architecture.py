@@ -27,15 +27,15 @@ puppet exchange game batch command __main__ __init__
 
 # The rooms of the add-on, in the same sense. `core` is its door to the core.
 ADDON_ROOMS = """
-errors core notes keys record scene animation rigging generation binding io following characters properties making
-operators ui api __init__
+errors core notes keys record scene animation rigging generation binding io following characters puppets properties
+making operators ui api __init__
 """
 DOOR = "core.py"
 
 THIRD_PARTY = {"numpy", "scipy"}
 # Optional libraries, each in its room alone, imported when needed: formats, plots, progress bars.
 OPTIONAL = {
-    "libraries": {"shapely", "tinycss2", "cssselect2", "PIL", "pyogrio", "rectpack"},
+    "libraries": {"shapely", "tinycss2", "cssselect2", "PIL", "pyogrio"},
     "geometry": {"matplotlib"},
     "tasks": {"tqdm"},
 }

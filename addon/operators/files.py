@@ -17,12 +17,13 @@ from ..errors import UserError, counted
 from ..generation.job import Progress, Work
 from ..io import exporters, importers, svg_parts
 from ..properties.kinds import choice, flag, length, number, text, whole
+from ..puppets import exported, imported
 from ..record import CageSet
 from ..scene import convert, ownership
 from ..scene.filling import mesh_of
 from ..scene.ownership import chosen, select, sets_of_chosen
 from .base import DialogJobOperator, Operator, Outcome
-from .views import FLAT_LIGHT
+from .views import FLAT_LIGHT, TEXTURES
 
 Y_ITEMS = (
     ("AUTO", "Automatic", "Down in SVG and collision outlines, up in maps"),
@@ -41,7 +42,7 @@ PLANE_ITEMS = (
     ("XY", "Lying", "On the floor, seen from the top"),
 )
 Y_DOWN = {"AUTO": None, "DOWN": True, "UP": False}
-EXTENSIONS = (*importers.SVG, *importers.MAPS)
+EXTENSIONS = (*importers.SVG, *importers.MAPS, *imported.ENDINGS)
 
 
 class FilesOperator(DialogJobOperator):
@@ -64,7 +65,9 @@ def paths_of(operator: Any) -> list[Path]:
 
 
 class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Read drawings: the filled area of an SVG, each feature of a GeoJSON, or a collision outline"""
+    """Read drawings: the filled area of an SVG, each feature of a GeoJSON, a collision outline, or a layered painting
+    as a puppet with bones
+    """
 
     bl_label = "Import Outlines"
     bl_options = {"REGISTER", "UNDO", "PRESET"}
@@ -82,6 +85,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         soft_max=100.0,
     )
     outlines: choice("SVG As", "What to make of an SVG", OUTLINE_ITEMS, default="AUTO")
+    hidden: flag("Hidden Layers", "Include hidden layers of a painting, as hidden parts")
     plane: choice("Plane", "How drawings are put into the scene", PLANE_ITEMS, default="AUTO")
     centre: flag(
         "Centre", "Put the middle of a drawing at the origin; maps and exported cages keep their places", default=True
@@ -91,7 +95,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         return self.invoke_popup(context)
 
     def draw(self, _context: Context) -> None:
-        self.draw_options("outlines", "plane", "centre", "y", "scale")
+        self.draw_options("outlines", "hidden", "plane", "centre", "y", "scale")
 
     def work(self, context: Context) -> Work[None]:
         paths = paths_of(self)
@@ -99,10 +103,14 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
             raise UserError("Choose a file to read")
         shapes: list[importers.Shape] = []
         layered_files: list[tuple[str, Any]] = []
+        puppets = []
         for done, path in enumerate(paths):
             yield Progress(0.5 * done / len(paths), f"reading '{path.name}'")
             parts, notes = svg_parts.read(path, self.outlines)
-            if parts:
+            if path.suffix.lower() in imported.ENDINGS:
+                puppet, notes = imported.read(path, hidden=self.hidden)
+                puppets.append(puppet)
+            elif parts:
                 layered_files.append((path.stem, parts))
             else:
                 of_file, notes = importers.shapes_in(path, self.outlines)
@@ -117,8 +125,17 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         importers.arrange(placed, upright=self.plane == "XZ", centred=False)
         importers.arrange(drawn, upright=self.plane != "XY", centred=self.centre and bool(drawn))
         made = [*placed, *drawn]
-        self.shown_by = (FLAT_LIGHT,) if layered_files else ()
+        for puppet in puppets:
+            made += imported.place(
+                context, puppet, scale=self.scale, is_upright=self.plane != "XY", is_centred=self.centre
+            )
+        self.shown_by = (TEXTURES, FLAT_LIGHT) if puppets else (FLAT_LIGHT,) if layered_files else ()
         select(context, *made)
+        if puppets and not (placed or drawn):
+            layers, bones = (sum(len(getattr(each, kind)) for each in puppets) for kind in ("parts", "bones"))
+            self.report({"INFO"}, f"{counted(layers, 'part')}, {counted(bones, 'bone')}")
+            return
+        made = [obj for obj in made if obj.type == "MESH"]
         count = sum(len(mesh_of(obj).vertices) for obj in made)
         word = "part" if layered_files and not shapes else "outline"
         self.report({"INFO"}, f"{counted(len(made), word)}, {count} vertices")
@@ -148,9 +165,14 @@ FILE_ITEMS = (
     ("SVG", "SVG", "One path per outline, holes cut out"),
     ("GEOJSON", "GeoJSON", "One feature per outline, for maps and shapely"),
     ("ENGINE", "Collision Outline", "Polygons with holes of the coarsest outline as JSON for game engines"),
-    ("CHARACTER", "Character", "Bones, cage, triangles and weights of a rigged drawing as JSON for game engines"),
+    ("CHARACTER", "Character", "Bones, cage, triangles and weights of a rigged drawing as JSON for scripts"),
+    ("GODOT", "Godot 4", "The puppet of an imported painting as a scene with its textures and actions"),
+    ("SPINE", "Spine 4.2", "The puppet of an imported painting as a skeleton with its atlas and actions"),
+    ("DRAGONBONES", "DragonBones 5.5", "The puppet of an imported painting as a skeleton with its atlas and actions"),
 )
 SUFFIXES = {"SVG": ".svg", "GEOJSON": ".geojson", "ENGINE": ".json", "CHARACTER": ".json"}
+SUFFIXES |= {"GODOT": ".tscn", "SPINE": ".json", "DRAGONBONES": ".json"}
+ENGINES = {"GODOT": "godot", "SPINE": "spine", "DRAGONBONES": "dragonbones"}
 
 
 class OnOutlines(Operator):
@@ -178,7 +200,11 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
 
 
 class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Write the selected outlines, or a drawing with all of its cages, as they are on this frame, to a file"""
+    """Write the selected outlines, or a drawing with all of its cages, as they are on this frame, to a file; or an
+    imported painting with its bones and actions for a game engine
+    """
+
+    needs = staticmethod(lambda context: outlines(context) or exported.armature_of(context.selected_objects))
 
     bl_label = "Export Cages"
     bl_options = {"REGISTER", "PRESET"}
@@ -220,7 +246,9 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
 
     def invoke(self, context: Context, event: bpy.types.Event) -> Outcome:  # type: ignore[override]
         if not self.filepath:
-            name = bpy.path.clean_name(outlines(context)[0].name)
+            rig = exported.armature_of(context.selected_objects)
+            name = bpy.path.clean_name(rig.data.name if rig is not None else outlines(context)[0].name)
+            self.kind = "GODOT" if rig is not None and self.kind not in ENGINES else self.kind
             self.filepath = str(Path(bpy.data.filepath).parent / (name + self.filename_ext))
         asked: Any = super().invoke(context, event)
         return {*asked}
@@ -229,6 +257,9 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         if not self.filepath:
             raise UserError("Choose a file to write")
         path = Path(bpy.path.abspath(self.filepath))
+        if self.kind in ENGINES:
+            self._puppet(context, path)
+            return
         if self.kind == "CHARACTER":
             self._character(context, path)
             return
@@ -245,6 +276,16 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
             size=exporters.paper(context, objects[0], world=self.world) if self.scale == 1.0 else None,
         )
         self.report({"INFO"}, f"{counted(len(shapes), 'outline')} written to {path.name}")
+
+    def _puppet(self, context: Context, path: Path) -> None:
+        """Writes the puppet of the selection for a game engine. Raises: UserError."""
+        rig = exported.armature_of(context.selected_objects or chosen(context))
+        if rig is None:
+            raise UserError("Select the armature or a part of a layered painting that was imported as a puppet")
+        files, notes = exported.write(context, rig, path, ENGINES[self.kind])
+        for note in notes:
+            self.report({"WARNING"}, note)
+        self.report({"INFO"}, f"{', '.join(file.name for file in files)} written")
 
     def _character(self, context: Context, path: Path) -> None:
         """Writes the rigged drawing of the selection. Raises: UserError."""

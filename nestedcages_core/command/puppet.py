@@ -111,7 +111,7 @@ def _tell_bones(puppet: GamePuppet) -> None:
         above = f" on {puppet.bones[bone.parent].name}" if bone.parent is not None else ""
         free = proved.low <= -180.0 and proved.high >= 180.0
         turns = "turns freely" if free else f"nothing folds from {proved.low:.1f}° to {proved.high:.1f}° (proved)"
-        turns = turns if proved.low < proved.high else "not proved, since its weights were painted by hand"
+        turns = turns if proved.low < proved.high else "nothing is proved of its weights"
         tell(f"  {bone.name}{above}: {turns}", sys.stdout)
 
 

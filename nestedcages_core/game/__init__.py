@@ -3,14 +3,18 @@
 - `game_puppet`: a `GamePuppet` from the painted parts of a picture; `meshed` from a puppet that was drafted before.
 - `write_puppet`: its files for one of the `ENGINES`.
 - `Animation`: keys of its bones.
+- `texture_of`, `certify`, `engine_weights`, `proved_ranges`: for meshes that were edited elsewhere.
 - `to_puppet_json`, `from_puppet_json`: a puppet without its pictures; `repainted`: the puppet of a changed painting,
   with its bones, names and keys; `with_hand_weights`: weights that were painted by hand.
 """
 
 from .animation import Animation
+from .atlas import texture_of
 from .engines import ENGINES, Engine, engine_for, undrawn, write_puppet
+from .islands import certify, stored
 from .kept import from_puppet_json, to_puppet_json
-from .mesh import PartMesh, Placement
+from .mesh import PartMesh, Placement, engine_weights
+from .proved import proved_ranges
 from .puppet import HULL_VERTICES, GamePuppet, game_puppet, meshed
 from .repainted import Changes, repainted, with_hand_weights
 
@@ -23,11 +27,16 @@ __all__ = [
     "GamePuppet",
     "PartMesh",
     "Placement",
+    "certify",
     "engine_for",
+    "engine_weights",
     "from_puppet_json",
     "game_puppet",
     "meshed",
+    "proved_ranges",
     "repainted",
+    "stored",
+    "texture_of",
     "to_puppet_json",
     "undrawn",
     "with_hand_weights",

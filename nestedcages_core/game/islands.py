@@ -42,15 +42,15 @@ class Island:
     loop: FloatArray
     """(n, 2) the hull, around all opaque pixels, in pixels of the canvas, y pointing down."""
 
-    def certify(self, loop: FloatArray) -> None:
-        """Raise NestedCagesError unless a simple loop (n, 2) strictly encloses all opaque pixels: exact predicates."""
-        opaque = scipy.ndimage.binary_fill_holes(self.pixels[..., 3] > 0)
-        pixels = boundary_of_pixels(opaque)
-        placed = Mesh(pixels.vertices + np.array([self.left, self.top]), pixels.edges)
-        certificate = verify(Mesh.from_loops([loop]), placed, same_loops=False)
-        if not certificate:
-            problem = f"A hull does not enclose its pixels: {certificate.problems[0]}"
-            raise NestedCagesError(problem, code="cage.uncertified")
+
+def certify(loop: FloatArray, pixels: Pixels, left: int, top: int) -> None:
+    """Raise NestedCagesError unless a simple loop (n, 2) strictly encloses all opaque pixels: exact predicates."""
+    outline = boundary_of_pixels(scipy.ndimage.binary_fill_holes(pixels[..., 3] > 0))
+    placed = Mesh(outline.vertices + np.array([left, top]), outline.edges)
+    certificate = verify(Mesh.from_loops([loop]), placed, same_loops=False)
+    if not certificate:
+        problem = f"A hull does not enclose its pixels: {certificate.problems[0]}"
+        raise NestedCagesError(problem, code="cage.uncertified")
 
 
 def islands_of(pixels: Pixels, left: int, top: int, vertices: int) -> list[Island]:

@@ -14,7 +14,7 @@ from ..geometry.triangulation import Triangulation, constrained_delaunay
 from ..libraries import load_shapely
 from ..puppet import BendField
 from ..puppet.circular import Bend, shares_of
-from .islands import islands_of, stored
+from .islands import certify, islands_of, stored
 
 SKIN = Linear()
 """How game engines blend bones."""
@@ -31,6 +31,9 @@ CLEAR, CLEAR_OF_HULL = 0.25, 0.2
 
 LEAST_GAP = 2.0
 """Least distance of the hull's vertices at joints from others, in pixels."""
+
+MOST_BONES = 4
+"""Bones of a point that engines take."""
 
 FINEST_WEIGHT = 2.0**-16
 """Weights are multiples of this, so that they sum to 1 exactly in float32."""
@@ -93,8 +96,8 @@ class Bending:
 
 def part_meshes(
     part: PicturePart, name: str, place: Placement, vertices: int, bones: int, bone: int, bending: Bending | None
-) -> tuple[list[PartMesh], list[BendField]]:
-    """A mesh for each island of a part, and the fields of those that bend.
+) -> list[PartMesh]:
+    """A mesh for each island of a part.
 
     vertices: of the largest hull; bones: their number; bone: that which moves a part that does not bend; an island
     next to a part that bends follows its nearest bone. Raises NestedCagesError.
@@ -104,7 +107,6 @@ def part_meshes(
         pixels = pixels.copy()
         pixels[..., 3] = np.round(pixels[..., 3] * part.opacity)
     meshes: list[PartMesh] = []
-    fields: list[BendField] = []
     for number, island in enumerate(islands_of(pixels, part.left, part.top, vertices), 1):
         loop = place.up(island.loop)
         weights = np.zeros((1, bones))
@@ -114,14 +116,13 @@ def part_meshes(
             weights = np.zeros((len(points), bones))
             first = own.first_bone
             weights[:, first : first + len(own.bends) + 1] = own.weights
-            fields.append(own)
             triangles = own.grid.triangles
         else:
             points, hull = _counter_clockwise(loop), len(loop)
             triangles = constrained_delaunay(points, _loop_edges(hull))
             if bending is not None:
                 weights = _of_nearest(points, bending, bones)
-        island.certify(place.down(points[:hull]))
+        certify(place.down(points[:hull]), island.pixels, island.left, island.top)
         mesh = PartMesh(
             name if number == 1 else f"{name}.island{number}",
             part.path,
@@ -137,7 +138,7 @@ def part_meshes(
             part.is_visible,
         )
         meshes.append(mesh)
-    return meshes, fields
+    return meshes
 
 
 def _bent(loop: FloatArray, bending: Bending) -> tuple[FloatArray, int, BendField]:
@@ -233,3 +234,14 @@ def _loop_edges(count: int) -> IntArray:
 def _counter_clockwise(loop: FloatArray) -> FloatArray:
     x, y = loop.T
     return loop if float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) > 0.0 else loop[::-1]
+
+
+def engine_weights(weights: FloatArray) -> FloatArray:
+    """Weights (n, B) as engines take them: not negative, at most four in a row, rows of sum 1 in float32 too."""
+    kept = np.maximum(weights, 0.0)
+    order = np.argsort(-kept, axis=1, kind="stable")
+    np.put_along_axis(kept, order[:, MOST_BONES:], 0.0, axis=1)
+    kept = np.round(kept / kept.sum(axis=1, keepdims=True) / FINEST_WEIGHT) * FINEST_WEIGHT
+    rows = np.arange(len(kept))
+    kept[rows, order[:, 0]] += 1.0 - kept.sum(axis=1)
+    return np.asarray(kept)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -16,9 +16,9 @@ from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..libraries import load_shapely
 from ..puppet import BendField, Hold, JointRange, PartChoice, Puppet, PuppetDraft, PuppetPart, draft_puppet, puppet_of
-from ..puppet.ranges import FREE, ranges_of
 from .animation import Animation
 from .mesh import SKIN, Bending, PartMesh, Placement, part_meshes
+from .proved import proved_ranges
 
 HULL_VERTICES = 16
 """Of the largest hull of a part, by default."""
@@ -119,19 +119,14 @@ def meshed(
     """The meshes of a puppet whose parts have these pictures, in the same order. Raises NestedCagesError."""
     draft = puppet.draft
     meshes: list[PartMesh] = []
-    ranges = [FREE] * len(draft.bones)
     for k, part in enumerate(parts):
         carrier = puppet.fields[k]
         bending = None if carrier is None else Bending(carrier, _chain(puppet, carrier))
-        found, fields = part_meshes(
-            part, draft.parts[k].name, place, vertices, len(draft.bones), draft.bone_of[k], bending
-        )
-        meshes += found
-        for own in fields:
-            for bone, proved in enumerate(ranges_of(own, SKIN), own.first_bone + 1):
-                ranges[bone] = _both(ranges[bone], proved)
+        meshes += part_meshes(part, draft.parts[k].name, place, vertices, len(draft.bones), draft.bone_of[k], bending)
     records = tuple(_record_of(draft, k, part) for k, part in enumerate(parts))
-    return GamePuppet(name, place, draft.bones, tuple(meshes), tuple(ranges), (), draft.notes, records)
+    return GamePuppet(
+        name, place, draft.bones, tuple(meshes), proved_ranges(draft.bones, meshes), (), draft.notes, records
+    )
 
 
 def _record_of(draft: PuppetDraft, number: int, part: PicturePart) -> PartRecord:
@@ -154,14 +149,3 @@ def _chain(puppet: Puppet, carrier: BendField) -> FloatArray:
     """(K + 2, 2) heads of the bones of a field, and the tip of the last."""
     bones = puppet.bones[carrier.first_bone : carrier.first_bone + len(carrier.bends) + 1]
     return np.array([bones[0].head, *(bone.tail for bone in bones)])
-
-
-def _both(one: JointRange, other: JointRange) -> JointRange:
-    """The angles in two ranges."""
-    return replace(
-        one,
-        low=max(one.low, other.low),
-        high=min(one.high, other.high),
-        simple_low=max(one.simple_low, other.simple_low),
-        simple_high=min(one.simple_high, other.simple_high),
-    )

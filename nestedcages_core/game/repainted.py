@@ -12,17 +12,12 @@ from ..errors import invalid_setting
 from ..exchange.layers import PicturePart
 from ..geometry.arrays import FloatArray
 from ..geometry.triangulation import Triangulation
-from ..puppet import Hold, JointRange, PartChoice, PuppetDraft, draft_puppet, puppet_of
+from ..puppet import Hold, PartChoice, PuppetDraft, draft_puppet, puppet_of
 from .animation import Animation
 from .local import unique_names
-from .mesh import SKIN, PartMesh
+from .mesh import SKIN, PartMesh, engine_weights
+from .proved import proved_ranges
 from .puppet import HULL_VERTICES, GamePuppet, PartRecord, checksum_of, meshed, puppet_part
-
-MOST_BONES = 4
-"""Weights of a point that engines take."""
-
-UNPROVED = JointRange(0.0, 0.0, 0.0, 0.0)
-"""Range of a joint of which nothing is proved."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +41,7 @@ class Changes:
 
 
 def with_hand_weights(puppet: GamePuppet, weights: Mapping[str, FloatArray]) -> GamePuppet:
-    """The puppet with weights (n, B) that were painted by hand, by name of the mesh; nothing is proved of their joints.
+    """The puppet with weights (n, B) that were painted by hand, by name of the mesh, and with what is proved of these.
 
     Raises NestedCagesError for other meshes, and for weights that are none.
     """
@@ -60,7 +55,8 @@ def with_hand_weights(puppet: GamePuppet, weights: Mapping[str, FloatArray]) -> 
         solved = meshes[name].weights - hand.get(name, 0.0)
         hand[name] = painted - solved
         meshes[name] = replace(meshes[name], weights=np.asarray(painted, dtype=np.float64))
-    return _unproved(replace(puppet, meshes=tuple(meshes.values()), hand=hand), hand)
+    found = tuple(meshes.values())
+    return replace(puppet, meshes=found, hand=hand, ranges=proved_ranges(puppet.bones, found))
 
 
 def repainted(
@@ -172,11 +168,11 @@ def _with_hand(made: GamePuppet, old: GamePuppet) -> GamePuppet:
             for k, bone in enumerate(target):
                 if bone is not None:
                     carried[:, bone] += here[:, k]
-            weights = _normalised(mesh.weights + carried)
+            weights = engine_weights(mesh.weights + carried)
             hand[mesh.name] = weights - mesh.weights
             mesh = replace(mesh, weights=weights)
         meshes.append(mesh)
-    return _unproved(replace(made, meshes=tuple(meshes), hand=hand), hand)
+    return replace(made, meshes=tuple(meshes), hand=hand, ranges=proved_ranges(made.bones, meshes))
 
 
 def _at(mesh: PartMesh, values: FloatArray, points: FloatArray) -> FloatArray:
@@ -184,20 +180,3 @@ def _at(mesh: PartMesh, values: FloatArray, points: FloatArray) -> FloatArray:
     ring = np.arange(mesh.hull)
     grid = Triangulation(mesh.points, mesh.triangles, ring, np.roll(ring, -1), np.zeros(mesh.hull))
     return np.asarray(grid.interpolation(points) @ values)
-
-
-def _normalised(weights: FloatArray) -> FloatArray:
-    """Weights that engines take: not negative, at most four, rows of sum 1."""
-    kept = np.maximum(weights, 0.0)
-    order = np.argsort(-kept, axis=1)
-    np.put_along_axis(kept, order[:, MOST_BONES:], 0.0, axis=1)
-    return np.asarray(kept / kept.sum(axis=1, keepdims=True))
-
-
-def _unproved(puppet: GamePuppet, hand: Mapping[str, FloatArray]) -> GamePuppet:
-    """The puppet with nothing proved of the joints of bones whose weights were painted."""
-    touched = np.zeros(len(puppet.bones), dtype=np.bool_)
-    for differences in hand.values():
-        touched |= np.abs(differences).max(axis=0) > 0.0
-    ranges = [UNPROVED if touched[k] else proved for k, proved in enumerate(puppet.ranges)]
-    return replace(puppet, ranges=tuple(ranges))

@@ -357,7 +357,13 @@ def test_weights_painted_by_hand_are_carried_by_place(parts: list[PicturePart]) 
     for one, other in zip(new.meshes[1:], plain.meshes[1:], strict=True):
         np.testing.assert_array_equal(one.weights, other.weights)
     touched = {new.bones[k].name for k in range(len(new.bones)) if new.ranges[k].low == new.ranges[k].high}
-    assert touched >= {"body"}
+    assert touched >= {"tail"}
+    assert "body" not in touched
+    own = np.flatnonzero(tail.weights.any(axis=0))
+    softer = np.round(tail.weights**0.9 * 2**16) / 2**16
+    softer[:, own[0]] = 1.0 - softer[:, own[1:]].sum(axis=1)
+    proved = with_hand_weights(old, {"tail": softer}).ranges
+    assert all(proved[k].low < -20.0 and proved[k].high > 20.0 for k in own[1:])
 
 
 def test_damaged_puppet_files_end_in_a_sentence(puppet: GamePuppet) -> None:

@@ -1,0 +1,242 @@
+"""A puppet in the scene as files of a game engine: meshes, textures, bones, weights and actions as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.types import Context, Object
+from numpy.typing import NDArray
+
+from .. import keys
+from ..core import blamed, core, game
+from ..errors import FloatArray, UserError
+from ..io.pictures import image_on
+from ..scene import filling
+from ..scene.ownership import scene_of
+from .imported import PIXEL, pixels_of
+
+Whole = NDArray[np.int64]
+
+# How far texture coordinates may be off the places of vertices, in pixels.
+OFF_PLACE = 0.5
+# Shifts of bones below this, in pixels, and turns below this, in degrees, are none.
+NO_SHIFT, NO_TURN = 1e-3, 1e-3
+
+
+def armature_of(objects: Sequence[Object]) -> Object | None:
+    """The armature of the puppet that the first of some objects belongs to; None if it belongs to none."""
+    for obj in objects:
+        rig = obj if obj.type == "ARMATURE" else obj.parent
+        if rig is not None and rig.type == "ARMATURE" and parts_of(rig):
+            return rig
+    return None
+
+
+def parts_of(rig: Object) -> list[Object]:
+    """The textured layers of a puppet, the lowest first."""
+    found = [obj for obj in rig.children if obj.type == "MESH" and keys.LAYER in obj.keys()]  # noqa: SIM118
+    return sorted(found, key=lambda obj: (_in_rig(obj)[2, 3], obj.name))
+
+
+def write(context: Context, rig: Object, path: Path, engine: str) -> tuple[list[Path], tuple[str, ...]]:
+    """Writes a puppet for an engine of the core; returns the files and what is to be told. Raises: UserError."""
+    puppet, notes = puppet_in_scene(context, rig)
+    with blamed(f"'{path.name}' cannot be written"):
+        files = game.write_puppet(path, puppet, engine)
+        return files, (*notes, *game.undrawn(puppet, engine))
+
+
+def puppet_in_scene(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str, ...]]:
+    """The puppet of an armature as it is at rest, with its actions. Raises: UserError."""
+    width, height, unit = rig.get(keys.CANVAS, (0, 0, PIXEL))
+    place = game.Placement(int(width), int(height))
+    number = {bone.name: k for k, bone in enumerate(rig.data.bones)}
+    bones = tuple(
+        core.Bone(_pixels(bone.head_local, unit), _pixels(bone.tail_local, unit), number.get(_parent(bone)), bone.name)
+        for bone in rig.data.bones
+    )
+    notes: list[str] = []
+    meshes = []
+    for obj in parts_of(rig):
+        mesh = _part_mesh(rig, obj, number, place, unit)
+        with blamed(f"'{obj.name}'"):
+            loop = place.down(mesh.points[: mesh.hull])
+            try:
+                game.certify(loop, mesh.pixels, mesh.left, mesh.top)
+            except core.NestedCagesError as error:
+                notes.append(f"'{obj.name}': {error}")
+        meshes.append(mesh)
+    with blamed(f"'{rig.name}'"):
+        ranges = game.proved_ranges(bones, meshes)
+        animations = _baked(context, rig, bones, unit)
+    name = bpy.path.clean_name(rig.data.name)
+    return game.GamePuppet(name, place, bones, tuple(meshes), ranges, animations), tuple(notes)
+
+
+def _in_rig(obj: Object) -> FloatArray:
+    """(4, 4) the place of a part in its armature, which Blender does not keep up to date for hidden objects."""
+    return np.array(obj.matrix_parent_inverse @ obj.matrix_basis)
+
+
+def _pixels(place: Any, unit: float) -> tuple[float, float]:
+    return place[0] / unit, place[1] / unit
+
+
+def _parent(bone: bpy.types.Bone) -> str | None:
+    return bone.parent.name if bone.parent is not None else None
+
+
+def _part_mesh(rig: Object, obj: Object, number: dict[str, int], place: game.Placement, unit: float) -> game.PartMesh:
+    """The mesh of a layer, its hull first. Raises: UserError."""
+    data = filling.mesh_of(obj)
+    data.calc_loop_triangles()
+    there = _in_rig(obj)
+    raw = filling.points_of(data)
+    points = game.stored((raw @ there[:3, :3].T + there[:3, 3])[:, :2] / unit)
+    triangles = filling.stored(data.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
+    order = _hull_first(obj, triangles, len(points))
+    weights = np.zeros((len(points), len(number)))
+    names = [group.name for group in obj.vertex_groups]
+    for vertex in data.vertices:
+        for member in vertex.groups:
+            if names[member.group] in number:
+                weights[vertex.index, number[names[member.group]]] = member.weight
+    if not (weights.sum(axis=1) > 0.0).all():
+        raise UserError(f"'{obj.name}' has vertices without weights of bones: paint some, or remove them")
+    corners = points[triangles]
+    edges, others = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    turned = edges[:, 0] * others[:, 1] < edges[:, 1] * others[:, 0]
+    triangles = np.where(turned[:, None], triangles[:, ::-1], triangles)
+    back = np.empty_like(order)
+    back[order] = np.arange(len(order))
+    pixels, left, top = _texture(obj, place.down(points))
+    ring = int((np.bincount(_rim(triangles).ravel(), minlength=len(points)) > 0).sum())
+    return game.PartMesh(
+        obj.name,
+        str(obj.get(keys.LAYER, obj.name)),
+        str(obj.get(keys.LAYER_ID, "")),
+        points[order],
+        ring,
+        back[triangles],
+        game.engine_weights(weights)[order],
+        left,
+        top,
+        pixels,
+        str(obj.get(keys.BLEND, "normal")),
+        not obj.hide_render,
+    )
+
+
+def _rim(triangles: Whole) -> Whole:
+    """(n, 2) sides that belong to one triangle, in the triangle's direction."""
+    sides = np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2).reshape(-1, 2)
+    _, first, count = np.unique(np.sort(sides, axis=1), axis=0, return_index=True, return_counts=True)
+    return np.asarray(sides[first[count == 1]])
+
+
+def _hull_first(obj: Object, triangles: Whole, count: int) -> Whole:
+    """The vertices, those of the outline first and in order. Raises: UserError."""
+    following = dict(_rim(triangles).tolist())
+    hull = [next(iter(following), 0)]
+    while (after := following.get(hull[-1])) is not None and after != hull[0] and len(hull) <= count:
+        hull.append(after)
+    if len(hull) != len(following) or len(hull) < 3:
+        raise UserError(f"'{obj.name}' is not one area without holes: engines need an outline of one loop")
+    inside = [vertex for vertex in range(count) if vertex not in following]
+    return np.array([*hull, *inside])
+
+
+def _texture(obj: Object, places: FloatArray) -> tuple[Any, int, int]:
+    """The pixels of a layer, and their left and top on the canvas. Raises: UserError."""
+    image = image_on(obj)
+    data = filling.mesh_of(obj)
+    if image is None or data.uv_layers.active is None:
+        raise UserError(f"'{obj.name}' has no texture: give it the material with its picture again")
+    pixels = pixels_of(image)
+    uv = filling.stored(data.uv_layers.active.data, "uv", 2)
+    used = filling.stored(data.loops, "vertex_index", 1, np.int32).ravel()
+    shown = np.stack((uv[:, 0], 1.0 - uv[:, 1]), axis=1) * (pixels.shape[1], pixels.shape[0])
+    corner = places[used] - shown
+    left, top = np.round(corner.mean(axis=0)).astype(int).tolist()
+    if np.abs(corner - (left, top)).max() > OFF_PLACE:
+        raise UserError(f"'{obj.name}' does not show its picture where it was painted: undo changes of its coordinates")
+    return pixels, left, top
+
+
+def _baked(context: Context, rig: Object, bones: Sequence[core.Bone], unit: float) -> tuple[game.Animation, ...]:
+    """The actions of an armature, as seen: with constraints and IK, a key on each frame."""
+    scene = scene_of(context)
+    rate = scene.render.fps / scene.render.fps_base
+    found = []
+    with _kept(scene, rig):
+        for action in _actions(rig):
+            rig.animation_data.action = action
+            if hasattr(rig.animation_data, "action_suitable_slots") and rig.animation_data.action_slot is None:
+                rig.animation_data.action_slot = next(iter(rig.animation_data.action_suitable_slots), None)
+            first, last = round(action.frame_range[0]), round(action.frame_range[1])
+            frames = range(first, max(last, first + 1) + 1)
+            moved = np.array([_matrices(context, rig, frame) for frame in frames])
+            found.append(_keys_of(action.name, moved, bones, unit, (np.array(frames) - first) / rate))
+    return tuple(found)
+
+
+def _actions(rig: Object) -> list[bpy.types.Action]:
+    """The action of an armature, and those of its tracks."""
+    animation = rig.animation_data
+    if animation is None:
+        return []
+    strips = [strip.action for track in animation.nla_tracks for strip in track.strips]
+    return list(dict.fromkeys(action for action in (animation.action, *strips) if action is not None))
+
+
+@contextmanager
+def _kept(scene: bpy.types.Scene, rig: Object) -> Iterator[None]:
+    """Puts back the frame and the action of an armature."""
+    animation = rig.animation_data
+    if animation is None:
+        yield
+        return
+    frame, action, layered = scene.frame_current, animation.action, animation.use_nla
+    slot = getattr(animation, "action_slot", None)
+    animation.use_nla = False
+    try:
+        yield
+    finally:
+        animation.action, animation.use_nla = action, layered
+        if slot is not None:
+            animation.action_slot = slot
+        scene.frame_set(frame)
+
+
+def _matrices(context: Context, rig: Object, frame: int) -> list[list[list[float]]]:
+    """Of each bone on a frame, from its place at rest to where it is."""
+    scene_of(context).frame_set(frame)
+    posed: Any = rig.evaluated_get(context.evaluated_depsgraph_get())
+    return [
+        [list(row) for row in posed.pose.bones[bone.name].matrix @ bone.matrix_local.inverted_safe()]
+        for bone in rig.data.bones
+    ]
+
+
+def _keys_of(
+    name: str, moved: FloatArray, bones: Sequence[core.Bone], unit: float, times: FloatArray
+) -> game.Animation:
+    """Keys from how bones move (K, B, 4, 4) from rest."""
+    angle = np.unwrap(np.arctan2(moved[:, :, 1, 0], moved[:, :, 0, 0]), axis=0)
+    turned, shifted = {}, {}
+    for k, bone in enumerate(bones):
+        head = np.array(bone.head)
+        above = np.tile(np.eye(4), (len(times), 1, 1)) if bone.parent is None else moved[:, bone.parent]
+        own = angle[:, k] - (0.0 if bone.parent is None else angle[:, bone.parent])
+        turned[bone.name] = np.rad2deg(own - 2.0 * np.pi * np.round(own[0] / (2.0 * np.pi)))
+        there = moved[:, k, :2, :2] @ head + moved[:, k, :2, 3] / unit
+        local = np.linalg.solve(above[:, :2, :2], (there - above[:, :2, 3] / unit)[..., None])[..., 0] - head
+        if np.abs(local).max() > NO_SHIFT:
+            shifted[bone.name] = local
+    turned = {name: keys_ for name, keys_ in turned.items() if np.abs(keys_).max() > NO_TURN}
+    return game.Animation(name, times, turned, shifted)
