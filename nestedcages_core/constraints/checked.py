@@ -86,9 +86,9 @@ class Checked(Constraint):
         return _instance(self.given, "outline", Outline, self.given.outline, outline, side)
 
     def count(self, outline: Mesh, count: int) -> int:
-        """A whole number from the least one to that asked for, or to that of the outline."""
+        """A whole number, at least that asked for or three a loop, at most that asked for or that of the outline."""
         found = _asked(self.given, "count", self.given.count, outline, count)
-        least, most = LEAST_PER_LOOP * len(outline.loops), max(count, len(outline.vertices))
+        least, most = min(count, LEAST_PER_LOOP * len(outline.loops)), max(count, len(outline.vertices))
         if isinstance(found, bool | np.bool_) or not isinstance(found, int | np.integer) or not least <= found <= most:
             raise _wrong(self.given, "count", f"must return a whole number from {least} to {most}, not {found!r}")
         return int(found)

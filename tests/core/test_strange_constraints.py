@@ -14,7 +14,7 @@ from nestedcages_core.constraints import Bound, Box, Constraint, Rows, Terms, Un
 from nestedcages_core.decimation.line_cycles.chain import Lines
 from nestedcages_core.errors import Fault
 from nestedcages_core.geometry.arrays import FloatArray, IntArray
-from shapes import star
+from shapes import ring, star
 
 
 class Odd(Constraint):
@@ -192,6 +192,14 @@ def test_a_constraint_written_elsewhere_is_kept_by_all_kinds_of_cages() -> None:
     moving = animated_cages(fine, poses, 20, constraints=[kept]).levels[0]
     for cage in (*(level.cage for level in levels), *map(moving.cage.moved, moving.cage_steps)):
         assert cage.edge_lengths.max() <= kept.length
+
+
+def test_a_constraint_written_elsewhere_lets_loops_be_joined() -> None:
+    fine = Mesh.from_loops([ring(40), np.array([2.2, 0.0]) + ring(40), 0.3 * ring(20)])
+    for count in (8, 30):
+        level = nested_cages(fine, count, constraints=[LongestEdge(4.0)])[0]
+        assert len(level.cage.vertices) <= count and verify(level.cage, fine, same_loops=False)
+        assert level.cage.edge_lengths.max() <= 4.0
 
 
 def test_on_a_grid_the_sentence_is_that_of_the_constraint() -> None:
