@@ -17,7 +17,19 @@ import bpy
 from bpy.types import Object
 
 from .certificates import Certificate
-from .helpers import CAGE, FINE, drop, exists, has_node, new_node, node_of, objects_in, refer, shown_in
+from .helpers import (
+    CAGE,
+    FINE,
+    drop,
+    exists,
+    forget_collections,
+    has_node,
+    new_node,
+    node_of,
+    objects_in,
+    refer,
+    shown_in,
+)
 
 if TYPE_CHECKING:
     Cages = Sequence[Object]
@@ -61,9 +73,13 @@ class CageSet(Cages):
                 elif obj in shown_in(each):
                     found += cls.all_of(each)
         found = [each for each in dict.fromkeys(found) if each.counts]
-        if not found and (obj.type in MOVERS):
+        if not found and obj.type in MOVERS:
             return [each for each in cls.everywhere() if obj in each.movers]
-        return sorted(found, key=lambda each: (each.inside, objects_in(each.record.parts)[:1] != [obj]))
+        return (
+            found
+            if len(found) < 2
+            else sorted(found, key=lambda each: (each.inside, objects_in(each.record.parts)[:1] != [obj]))
+        )
 
     @classmethod
     def of(cls, obj: Object) -> CageSet | None:
@@ -89,7 +105,7 @@ class CageSet(Cages):
     def counts(self) -> bool:
         """Whether it is a set: with a drawing or a fine mesh of its own, and a cage that was not deleted."""
         inner = node_of(self.finest).inner
-        mutual = bool(self.references) or (inner is not None and node_of(inner).outer == self.finest)
+        mutual = (inner is not None and node_of(inner).outer == self.finest) or any(True for _ in self._mutual())
         return mutual and any(map(exists, self.chain()))
 
     # Reading
@@ -102,8 +118,13 @@ class CageSet(Cages):
     @property
     def references(self) -> list[Any]:
         """The items of the record for its drawings, deleted or not."""
-        items = [item for item in self.record.parts if item.object is not None]
-        return [i for i in items if i.object.library is not None or self.finest in objects_in(node_of(i.object).sets)]
+        return list(self._mutual())
+
+    def _mutual(self) -> Iterator[Any]:
+        for item in self.record.parts:
+            obj = item.object
+            if obj is not None and (obj.library is not None or self.finest in objects_in(node_of(obj).sets)):
+                yield item
 
     @property
     def parts(self) -> list[Object]:
@@ -113,7 +134,7 @@ class CageSet(Cages):
     @property
     def source(self) -> Object | None:
         """The drawing that it is named after; None if all were deleted."""
-        return next((item.object for item in self.references if exists(item.object)), None)
+        return next((item.object for item in self._mutual() if exists(item.object)), None)
 
     @property
     def originals(self) -> list[Object]:
@@ -278,6 +299,7 @@ _known: dict[str, Any] = {}
 def forget_sets(*_: Any) -> None:
     """Other objects may be the finest cages."""
     _known.clear()
+    forget_collections()
 
 
 def _handlers() -> tuple[list[Any], ...]:
@@ -288,9 +310,11 @@ def _handlers() -> tuple[list[Any], ...]:
 def register() -> None:
     for handlers in _handlers():
         handlers.append(forget_sets)
+    bpy.app.handlers.depsgraph_update_post.append(forget_collections)
 
 
 def unregister() -> None:
     for handlers in _handlers():
         handlers.remove(forget_sets)
-    _known.clear()
+    bpy.app.handlers.depsgraph_update_post.remove(forget_collections)
+    forget_sets()

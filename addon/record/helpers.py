@@ -71,8 +71,22 @@ def drop(items: Any, gone: Sequence[Object]) -> None:
 
 def exists(obj: Object | None) -> bool:
     """Whether an object is in a collection or a view: deleted ones may still be referred to."""
-    # Blender knows at once whether a view has an object, but goes through all of a collection to find one.
-    return obj is not None and (obj.visible_get() or obj.hide_get() or bool(obj.users_collection))
+    if obj is None or obj.visible_get() or obj.hide_get():
+        return obj is not None
+    # Blender knows at once whether a view shows an object, but goes through all of a collection to find one.
+    if obj.session_uid not in _in_collections:
+        _in_collections[obj.session_uid] = bool(obj.users_collection)
+    return _in_collections[obj.session_uid]
+
+
+# Whether objects that no view shows are in a collection, by session ID, until something changes.
+_in_collections: dict[int, bool] = {}
+
+
+@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
+def forget_collections(*_: Any) -> None:
+    """Objects may be in other collections."""
+    _in_collections.clear()
 
 
 def make_helper(obj: Object, role: str, shows: Object, thickness: float = 0.0) -> None:
