@@ -177,6 +177,8 @@ def why_not(cage_set: CageSet) -> str:
     """Why the cages of an output cannot follow edits; empty if they can."""
     if cage_set.inside:
         return "Only cages around a drawing follow its edits: make inner cages again with Generate"
+    if cage_set.bound:
+        return "Unbind the drawing from its cages first"
     if not cage_set.record.known:
         return "These cages have no settings that they could be made again with: make them with Generate"
     if len(cage_set.parts) > 1:
@@ -184,8 +186,6 @@ def why_not(cage_set: CageSet) -> str:
     kinds = cage_set.record.kinds
     if kinds:
         return f"These cages are {kinds}, which following edits would undo: make them again with Generate"
-    if cage_set.bound:
-        return "Unbind the drawing from its cages first"
     if cage_set.record.moving:
         return "The cages follow an animation: remove that first"
     return ""

@@ -241,7 +241,7 @@ def scaled(scale):
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({"levels": "12", "clearance": 1000.0}, "larger than the drawing, since the clearance is 3"),
+        ({"levels": "12", "clearance": 1000.0}, "larger than the drawing, since the gap is 3"),
         ({"levels": "8%, 20%"}, "2 certified cages; excess "),
         ({"levels": "12"}, "3 certified cages for 3 drawings; excess "),
     ],
