@@ -19,6 +19,7 @@ from ..generation.job import running
 from ..generation.levels import lengths, loop_sizes, meanings, parse_levels
 from ..io.pictures import image_on
 from ..operators.base import Operator, last_fault
+from ..operators.views import redraw
 from ..properties import groups
 from ..properties.kinds import choice, registration
 from ..properties.settings import copy_values, settings_of
@@ -187,6 +188,7 @@ class SCENE_OT_nested_cages_door(Operator, bpy.types.Operator):
 
     def run(self, context: Context) -> None:
         _by_hand.update(door=self.door, fits=fitting(context))
+        redraw(context)
 
 
 @bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
