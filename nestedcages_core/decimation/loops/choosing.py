@@ -159,8 +159,11 @@ class LoopChoice:
         self.missing: NestedCagesError | None = None
         """The error that shapely is missing, without which parts are not joined."""
 
-    def look(self, most: float) -> Stage[float, None]:
-        """Learn what outlines cost, if some may be worth it: most is the area that a cage with all loops adds."""
+    def look(self, most: float, at: int | None = None) -> Stage[float, None]:
+        """Learn what outlines cost, if some may be worth it: most is the area that a cage with all loops adds.
+
+        at: number of vertices for which they are, if fewer than the count.
+        """
         if most < np.inf and min((move.added for move in self._moves()), default=np.inf) >= most:
             return
         self._reduce()
@@ -168,7 +171,8 @@ class LoopChoice:
         for _ in range(MOST_JOINS):
             sunk = self.filled + sum(each.added for each in outlines(self.parts))
             move = min(self._joining(), key=lambda move: move.added, default=None)
-            if move is None or move.made is None or sunk + move.added >= min(most, self._best()[0]):
+            least = min(most, float(self.costs()[: (self.count if at is None else at) + 1].min()))
+            if move is None or move.made is None or sunk + move.added >= least:
                 break
             move.apply()
             yield from self._search([move.made])

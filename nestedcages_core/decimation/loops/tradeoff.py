@@ -43,7 +43,7 @@ class Tradeoff(Mapping[int, float]):
         most = min(count + max(FEW_MORE, count // PART_MORE) if most is None else most, len(fine.vertices))
         choice = LoopChoice(fine, max(most, LEAST_PER_LOOP), NOTHING_KEPT, clearance)
         try:
-            drain(choice.look(np.inf))
+            drain(choice.look(np.inf, count))
         except NestedCagesError:  # also of loops that are as small as round-off
             return cls({}, count)
         least = np.minimum.accumulate(choice.costs())
