@@ -17,6 +17,7 @@ from .. import record
 from ..errors import UserError, counted
 from ..generation.job import running
 from ..generation.levels import lengths, loop_sizes, meanings, parse_levels
+from ..generation.rules import KEEP
 from ..io.pictures import image_on
 from ..operators.base import Operator, last_fault
 from ..operators.views import redraw
@@ -168,7 +169,8 @@ def counts(context: Context) -> str:
     except UserError:
         return ""
     size = max((obj.dimensions.length for obj in drawings), default=0.0)
-    return meanings(levels, sizes, size, next(iter(known.items()))) if levels else ""
+    keeps = settings.inside or settings.loops == KEEP
+    return meanings(levels, sizes, size, next(iter(known.items())), keeps=keeps) if levels else ""
 
 
 class SCENE_OT_nested_cages_door(Operator, bpy.types.Operator):

@@ -17,6 +17,8 @@ from ..record import CageSet
 NOTE_WIDTH = 36
 # Codes of notes on how a cage was made, which are in the report alone.
 ON_METHODS = ("note.start", "note.energy", "note.untightened", "note.outline", "note.pose", "note.text")
+# Code of the note on a few vertices more that would halve the excess, which is on a button.
+KNEE = "note.knee"
 # A size from which on it is told in times.
 MANY_TIMES = 10.0
 HOLDS, BROKEN, EDITED, ADVICE, MADE = "CHECKMARK", "ERROR", "QUESTION", "INFO", "MOD_MESHDEFORM"
@@ -35,6 +37,11 @@ def draw_set(layout: Any, context: Context, cage_set: CageSet) -> None:
             column.label(text=line, translate=False)
         if state == BROKEN:
             column.operator("object.nested_cages_select_fault", icon="VIEWZOOM").cage = cage.name
+        for code, data in record.notes(record.node_of(cage)):
+            if code == KNEE:  # a button that takes the better count
+                counts = [data["better"] if each is cage else len(each.data.vertices) for each in cage_set.cages]
+                button = column.operator("object.nested_cages_generate", text=notes.sentence(code, data), icon="ADD")
+                button.levels = ", ".join(map(str, counts))
 
 
 def larger(size: float) -> str:
@@ -55,7 +62,7 @@ def health(context: Context, cage: Object) -> tuple[str, str]:
     bound = cage_set is not None and bool(cage_set.bound)
     if not bound and record.is_edited(cage):
         return (HOLDS, "") if stands and record.is_judged(cage) else (EDITED, record.EDITED)
-    advice = [_in_words(*each) for each in record.notes(node) if not each[0].startswith((record.CHECK, *ON_METHODS))]
+    advice = [_in_words(*each) for each in record.notes(node) if not each[0].startswith((record.CHECK, *ON_METHODS, KNEE))]
     if advice:
         return ADVICE, advice[0]
     return (HOLDS if stands or not bound else MADE), ""

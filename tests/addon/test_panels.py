@@ -7,6 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import bpy
+import numpy as np
 import pytest
 
 from drawings import bezier_circle, choose, circle, facts, grid_face, poly_curve, star, text, wire
@@ -233,6 +234,21 @@ def test_results_are_short_and_the_numbers_are_in_a_report(draw) -> None:
     report = bpy.data.texts["Nested Cages Report"].as_string()
     for words in ("Drawing Cage 1", "clearance: ", "at rest", "Certified as stored"):
         assert words in report
+
+
+def test_a_button_takes_the_better_count(draw, monkeypatch) -> None:
+    """Thirteen vertices cannot follow the sixteen corners of four squares."""
+    squares = [np.array([[0, 0], [2, 0], [2, 2], [0, 2]]) + np.array([3.0 * x, 3.0 * y]) for x, y in np.ndindex(2, 2)]
+    poly_curve("Drawing", squares)
+    bpy.ops.object.nested_cages_generate(levels="13")
+    buttons: list[str] = []
+    monkeypatch.setattr(Layout, "__setattr__", lambda _self, name, value: name == "levels" and buttons.append(value))
+    drawn = draw("VIEW3D_PT_nested_cages_result")
+    assert buttons == ["16"] and "object.nested_cages_generate" in drawn
+    bpy.ops.object.nested_cages_generate(levels=buttons[0])
+    buttons.clear()
+    draw("VIEW3D_PT_nested_cages_result")
+    assert not buttons and len(bpy.data.objects["Drawing Cage 1"].data.vertices) == 16
 
 
 def test_a_fault_is_offered_in_the_panel(draw, addon) -> None:
