@@ -62,7 +62,9 @@ def health(context: Context, cage: Object) -> tuple[str, str]:
     bound = cage_set is not None and bool(cage_set.bound)
     if not bound and record.is_edited(cage):
         return (HOLDS, "") if stands and record.is_judged(cage) else (EDITED, record.EDITED)
-    advice = [_in_words(*each) for each in record.notes(node) if not each[0].startswith((record.CHECK, *ON_METHODS, KNEE))]
+    advice = [
+        _in_words(*each) for each in record.notes(node) if not each[0].startswith((record.CHECK, *ON_METHODS, KNEE))
+    ]
     if advice:
         return ADVICE, advice[0]
     return (HOLDS if stands or not bound else MADE), ""

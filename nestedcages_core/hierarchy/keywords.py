@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, DTypeLike
@@ -31,6 +31,7 @@ class SettingsKeywords(TypedDict, total=False):
     tightening: Tightening
     grid: float | None
     stored: DTypeLike | None
+    loops: Literal["auto", "keep", "one"]
     merge: float | None
     convex: bool
     symmetry: Symmetry | Found | None

@@ -157,7 +157,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
             from ..decimation.loops import advice
 
             advised += advice(inner, done.cage)
-        if side > 0 and plan.is_free and isinstance(level, int):
+        if side > 0 and plan.kept().is_free and isinstance(level, int) and not settings.convex:
             from ..decimation.loops import knee_note
 
             advised += knee_note(inner, done.cage, clearances[0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
-from typing import TYPE_CHECKING, Unpack
+from typing import TYPE_CHECKING, Literal, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -46,7 +46,7 @@ class Settings(LevelSettings):
     stored: DTypeLike | None = None
     """The type that will hold the coordinates, such as np.float32: cage and motion are certified on its numbers,
     which all steps have, but for the fine mesh as it is given. None: doubles."""
-    loops: str = "auto"
+    loops: Literal["auto", "keep", "one"] = "auto"
     """Which loops cages keep. "auto": those worth their vertices: holes are filled and parts share a loop where that
     is tighter, so that no cage has more vertices than asked for; joining needs shapely. "keep": all; counts below three
     for each are an error. "one": one loop around all. Cages inside, moving ones, those from meshes of one's own and

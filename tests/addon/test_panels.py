@@ -238,7 +238,10 @@ def test_results_are_short_and_the_numbers_are_in_a_report(draw) -> None:
 
 def test_a_button_takes_the_better_count(draw, monkeypatch) -> None:
     """Thirteen vertices cannot follow the sixteen corners of four squares."""
-    squares = [np.array([[0, 0], [2, 0], [2, 2], [0, 2]]) + np.array([3.0 * x, 3.0 * y]) for x, y in np.ndindex(2, 2)]
+    squares = [
+        np.array([[0.0, 0.0], [1.4, 0.0], [1.4, 1.4], [0.0, 1.4]]) + np.array([3.0 * x, 3.0 * y])
+        for x, y in np.ndindex(2, 2)
+    ]
     poly_curve("Drawing", squares)
     bpy.ops.object.nested_cages_generate(levels="13")
     buttons: list[str] = []
