@@ -26,7 +26,7 @@ MOST_SAID = 20
 DESCRIPTION = """\
 Checks cages that this program has written: without rounding, on the coordinates in the files, by code that shares
 nothing with the method. RESULT is the .svg, .geojson or .json that was written, DRAWING what it was made from. Both are
-read as viewers show them: what is hidden does not count, and what cannot be judged is refused.
+read as viewers show them: what is hidden does not count, and what cannot be judged is rejected.
 Two .json with frames are checked at each frame, and on the straight lines in between."""
 
 EPILOG = "exit status: 0 everything holds, 1 something does not or a file cannot be read, 2 wrong use of the options"

@@ -1,4 +1,4 @@
-"""Drawings and the cages that were written for them, read to be judged: what cannot be judged is refused."""
+"""Drawings and the cages that were written for them, read to be judged: what cannot be judged is rejected."""
 
 from __future__ import annotations
 

@@ -182,7 +182,7 @@ def _contact(lines: Lines) -> FloatArray:
 def _touching(chain: Chain, lines: Lines, shift: float) -> tuple[BoolArray, BoolArray]:
     """(K,) whether the chain before, and behind, the contact of each line lies to its left.
 
-    shift: by which the lines lie beside the chain. Lines that touch it elsewhere, next to both sides of it, do.
+    shift: of the lines from the chain. Lines that touch it elsewhere, next to both sides of it, do.
     """
     contact = _contact(lines)
     ahead, vertex = np.ceil(contact).astype(np.int64), np.floor(contact).astype(np.int64) % chain.size

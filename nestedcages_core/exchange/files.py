@@ -76,7 +76,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
 
 
 def _locked(target: Path) -> tuple[int, str]:
-    """A new file beside a target, open and locked, and its path."""
+    """A new file next to a target, open and locked, and its path."""
     while True:
         handle, beside = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=UNFINISHED, dir=target.parent)
         if LOCKS:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..errors import NestedCagesError, invalid_setting
+from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray
 from ..libraries import load_shapely
 from .arborescence import best_parents
@@ -224,7 +224,7 @@ class _Tree:
         while part in found and found[part].parent is not None:
             part = found[part].parent  # type: ignore[assignment]
             if part in seen:
-                raise NestedCagesError("Details lie on each other in a circle; choose the parent of one of them.")
+                raise invalid_setting("Details lie on each other in a circle; choose the parent of one of them.")
             seen.add(part)
         return part
 

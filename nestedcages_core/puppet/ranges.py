@@ -24,10 +24,10 @@ class JointRange:
 
     low: float = -180.0
     high: float = 180.0
-    """TwoJoints these no triangle flips, whatever the other joints do within their own ranges."""
+    """Between these no triangle flips, whatever the other joints do within their own ranges."""
     simple_low: float = -180.0
     simple_high: float = 180.0
-    """TwoJoints these the part's cage does not touch itself either, while the part's other joints are at rest."""
+    """Between these the part's cage does not touch itself either, while the part's other joints are at rest."""
 
     def holds(self, angle: float) -> bool:
         """Whether an angle is within the range without folds."""

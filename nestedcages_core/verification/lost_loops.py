@@ -18,7 +18,7 @@ class LostLoops(NamedTuple):
     """Holes that the cage's solid covers; what lies in them is not named."""
     joined: tuple[tuple[int, ...], ...] = ()
     """Groups of loops that share one of the cage: outer loops in one outer loop, or a hole and the outer loops in it
-    that lie beside the cage's hole there."""
+    that lie next to the cage's hole there."""
 
     def __str__(self) -> str:
         filled, shared = len(self.filled), sum(map(len, self.joined))

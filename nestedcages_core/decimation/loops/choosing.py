@@ -40,7 +40,7 @@ LOST_AT_ONCE = 4
 
 PRICES = (0.0, 0.1, 1.0)
 """Of each loop, in parts of the least excess, at which loops are chosen again where the first choice has no cage: loops
-close to each other get in each other's way, which their costs do not show."""
+close to each other cross, which their costs do not show."""
 
 WORTHWHILE = 0.5
 """Part of the excess below which a choice of loops is named in a note."""

@@ -15,7 +15,7 @@ from ..budget import LEAST_PER_LOOP
 from .choosing import LoopChoice
 
 FEW_MORE, PART_MORE = 4, 4
-"""A few vertices more: this many, or 1 in so many of those there are."""
+"""A few vertices more: this many, or 1 for this many of those there are."""
 
 HALF = 0.5
 """Part of the excess that is left where a few vertices more are told."""
