@@ -3,8 +3,12 @@
 - `PuppetPart`: a painted solid of the drawing; `draft_puppet`: which part hangs on which, with bones.
 - `PuppetDraft`: parts, links and bones; `PartChoice`: what a user decides about a part instead.
 - `puppet_of`: the draft's `Puppet`: a `BendField` for each part that bends, weights, and a `JointRange` for each bone.
+- `redrafted`: the draft of a changed drawing, in which the rest stays.
+- `walk`, `wave`, `idle`: a `Clip` for any puppet that has the limbs for it, within the proved ranges.
 """
 
+from .changes import Redraft, redrafted
+from .clips import Clip, idle, walk, wave
 from .draft import PuppetDraft, draft_puppet
 from .fields import BendField
 from .links import Hold, Link, PartChoice
@@ -15,6 +19,7 @@ from .sides import Side
 
 __all__ = [
     "BendField",
+    "Clip",
     "Hold",
     "JointRange",
     "Link",
@@ -22,7 +27,12 @@ __all__ = [
     "Puppet",
     "PuppetDraft",
     "PuppetPart",
+    "Redraft",
     "Side",
     "draft_puppet",
+    "idle",
     "puppet_of",
+    "redrafted",
+    "walk",
+    "wave",
 ]

@@ -32,11 +32,13 @@ KNEE, KNEE_PLACE = 0.35, (0.4, 0.6)
 the length."""
 
 
-def chain_of(part: PuppetPart, joint: tuple[float, float] | None, *, carries: bool, bones: int | None) -> FloatArray:
+def chain_of(
+    part: PuppetPart, joint: tuple[float, float] | None, *, carries: bool, bones: int | None, most: int
+) -> FloatArray:
     """(K + 1, 2) the heads of K bones along a part, and the tip of the last one.
 
     joint: where the part turns; None for a root, whose chain runs from tip to tip. carries: whether limbs hang on it.
-    bones: number of bones, if a user chose it.
+    bones: number of bones, if a user chose it; most: of others at most so many.
     """
     path = _middle(part, joint)
     if path is None:
@@ -46,6 +48,7 @@ def chain_of(part: PuppetPart, joint: tuple[float, float] | None, *, carries: bo
     if bones is None:
         bends = along[-1] >= (CARRIER_BENDS if carries else LEAF_BENDS) * radius
         bones = int(np.clip(along[-1] / (BONE_LENGTH * radius), 2, MOST_BONES)) if bends else 1
+        bones = min(bones, most)
     if bones == 1:
         return _straight(part, joint) if joint is None else points[[0, -1]]
     places = np.linspace(0.0, along[-1], bones + 1)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..character import Bone
 from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray
-from .chains import chain_of, nearest_bone
+from .chains import MOST_BONES, chain_of, nearest_bone
 from .graph import links_of
 from .links import Hold, Link, PartChoice
 from .parts import PuppetPart, with_unique_names
@@ -102,12 +102,22 @@ def draft_puppet(parts: Iterable[PuppetPart], choices: Mapping[str, PartChoice] 
     chosen = dict(choices or {})
     links = links_of(named, chosen)
     sides = sides_of(named, links)
-    bones, bone_of = _bones(named, links, sides, chosen)
+    bones, bone_of = _bones(named, links, sides, chosen, {})
     return PuppetDraft(named, links, sides, bones, bone_of, chosen)
 
 
+def stiffened(draft: PuppetDraft, most: Mapping[str, int]) -> PuppetDraft:
+    """A draft with at most so many bones in some parts, by their names, unless a user chose how many."""
+    bones, bone_of = _bones(draft.parts, draft.links, draft.sides, draft.choices, most)
+    return replace(draft, bones=bones, bone_of=bone_of)
+
+
 def _bones(
-    parts: Sequence[PuppetPart], links: Sequence[Link], sides: Sequence[Side], choices: Mapping[str, PartChoice]
+    parts: Sequence[PuppetPart],
+    links: Sequence[Link],
+    sides: Sequence[Side],
+    choices: Mapping[str, PartChoice],
+    most: Mapping[str, int],
 ) -> tuple[tuple[Bone, ...], tuple[int, ...]]:
     """Bones from the root outwards, and the bone of each part."""
     bones: list[Bone] = []
@@ -130,6 +140,7 @@ def _bones(
             None if link.parent is None else link.joint,
             carries=bool(limbs),
             bones=choices.get(parts[part].name, PartChoice()).bones,
+            most=most.get(parts[part].name, MOST_BONES),
         )
         if len(chain) == 2 and len(limbs) == 1 and link.parent is not None:
             chain = _towards(chain, np.array(links[limbs[0]].joint))

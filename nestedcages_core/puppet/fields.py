@@ -28,14 +28,14 @@ CLEARANCE = 0.01
 CAGE_VERTICES, VERTICES_PER_JOINT = 24, 4
 """Vertices of a part's cage, and how many more for each joint in it."""
 
-DENSITY = 5.0
-"""Triangles from a joint to the outline."""
+DENSITIES = 5.0, 8.0
+"""Triangles from a joint to the outline, at first, and where a joint then turns too little."""
 
 LEAST_RING = 6
 """Points on the innermost circle around a joint."""
 
-SPREAD = 1.35
-"""How much farther apart points are from ring to ring, beyond the limb's width around a joint."""
+SPREAD = 1.75
+"""How much farther apart points are from ring to ring, beyond the limb's width around a joint, over the density."""
 
 CLEAR_OF_RIM, CLEAR_OF_RING = 0.4, 0.6
 """Least distance of points inside from the outline, where thin triangles would be the first to flip, and of other
@@ -83,7 +83,9 @@ class BendField:
         return np.asarray(self.grid.interpolation(points) @ self.weights)
 
 
-def bend_field(solids: Sequence[Any], chain: FloatArray, first_bone: int, kept: float, skin: Skin) -> BendField:
+def bend_field(
+    solids: Sequence[Any], chain: FloatArray, first_bone: int, kept: float, skin: Skin, density: float
+) -> BendField:
     """The field of a part and what rides on it.
 
     solids: polygons of shapely, of the part first; chain: (K + 2, 2) heads of its bones, and the tip of the last; kept:
@@ -96,7 +98,7 @@ def bend_field(solids: Sequence[Any], chain: FloatArray, first_bone: int, kept: 
     (level,) = nested_cages(shape, wanted, clearance=CLEARANCE * shape.diagonal)
     cage = level.cage
     bends = bends_of(cage, chain, kept)
-    grid = _grid(cage, bends)
+    grid = _grid(cage, bends, density)
     shares = shares_of(grid, chain, bends, cage)
     blended = (shares > 0.0) & (shares < 1.0)
     shares = np.where(blended, skin.weight(shares), shares)
@@ -113,11 +115,11 @@ def _united(solids: Sequence[Any]) -> Mesh:
     return largest_component(Mesh.of(biggest))
 
 
-def _grid(cage: Mesh, bends: Sequence[Bend]) -> Triangulation:
+def _grid(cage: Mesh, bends: Sequence[Bend], density: float) -> Triangulation:
     """The inside of a cage: joints, rings around them, and graded points elsewhere; rounded to float32."""
     shapely = load_shapely(NEEDED_FOR)
     cage = cage.moved(_stored(cage.vertices)).validated()
-    spacing = float(np.mean([bend.width for bend in bends])) / DENSITY
+    spacing = float(np.mean([bend.width for bend in bends])) / density
     rim = sample(cage, Sampling(spacing, 1.0))
     on_rim, inner = rim.points[: len(rim.edge)], rim.points[len(rim.edge) :]
     inside = shapely.geometry.shape(cage.__geo_interface__)
@@ -130,21 +132,21 @@ def _grid(cage: Mesh, bends: Sequence[Bend]) -> Triangulation:
 
     rings = np.array([bend.joint for bend in bends])
     for bend in bends:
-        rings = np.concatenate((rings, _off(clear(_joint_rings(bend)), rings, spacing)))
+        rings = np.concatenate((rings, _off(clear(_joint_rings(bend, density)), rings, spacing)))
     vertices = _stored(np.concatenate((on_rim, rings, _off(clear(inner), rings, spacing))))
     triangles = constrained_delaunay(vertices, rim.segments)
     return Triangulation(vertices, triangles, rim.edge, cage.successor[rim.edge], rim.parameter)
 
 
-def _joint_rings(bend: Bend) -> FloatArray:
+def _joint_rings(bend: Bend, density: float) -> FloatArray:
     """(P, 2) points on circles around a joint: evenly apart within the limb's width, then wider and wider."""
     found: list[FloatArray] = []
-    radius = step = bend.width / DENSITY
+    radius = step = bend.width / density
     while radius < bend.reach:
         count = max(LEAST_RING, round(2.0 * np.pi * radius / step))
         angles = (np.arange(count) + 0.5 * (len(found) % 2)) * 2.0 * np.pi / count
         found.append(bend.joint + radius * np.stack((np.cos(angles), np.sin(angles)), axis=1))
-        step *= 1.0 if radius < bend.width else SPREAD
+        step *= 1.0 if radius < bend.width else 1.0 + SPREAD / density
         radius += step
     return np.concatenate(found)
 

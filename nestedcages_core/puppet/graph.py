@@ -13,7 +13,7 @@ from ..libraries import load_shapely
 from .arborescence import best_parents
 from .links import Hold, Link, PartChoice, depth_of, hangs_on
 from .parts import NEEDED_FOR, PuppetPart
-from .scores import CONTAINED, Scores
+from .scores import CONTAINED, STUBBY, Scores
 from .words import MISNAMED, NAMED, PARENTS, TRUNKS, TURNING, agreement
 
 DETAIL, MOSTLY = 0.6, 0.7
@@ -75,6 +75,9 @@ class _Tree:
         self._limbs(limbs, found)
         for part in sorted(limbs, key=lambda part: depth_of(found, part)):
             found[part] = self._held(part, found)
+        for part in limbs:
+            if found[part].hold is Hold.JOINT and self.scores.share(part, found[part].parent or 0) >= MOSTLY:
+                found[part] = replace(found[part], joint=self._upper_end(part, found))
         for (part, other), pin in self.scores.pins.items():
             if found[part].parent == other and found[part].hold is Hold.JOINT:
                 found[part] = replace(found[part], joint=_as_place(self.parts[pin].disc[0]))
@@ -266,9 +269,23 @@ class _Tree:
         is_leaf = not any(other.parent == part and other.hold is not Hold.RIDES for other in found.values())
         is_line = is_leaf and scores.radii[part] < THIN * scores.radii[base]
         is_small = scores.areas[part] < SMALL * scores.areas[base]
+        if scores.words[part].noun in TURNING:
+            return link
         if is_line or (is_leaf and (is_small or scores.share(part, link.parent) > CLINGS)):
             return replace(link, hold=Hold.RIDES)
         return link
+
+    def _upper_end(self, part: int, found: Mapping[int, Link]) -> tuple[float, float]:
+        """Where a limb that lies on its parent turns: at the end away from what hangs on it, else at the upper one."""
+        limb = self.parts[part]
+        if limb.slenderness < STUBBY:
+            return found[part].joint
+        middle = np.stack((0.5 * (limb.box[0] + limb.box[3]), 0.5 * (limb.box[1] + limb.box[2])))
+        inset = min(0.5 / limb.slenderness, 0.5) * (middle[1] - middle[0])
+        ends = middle + np.stack((inset, -inset))
+        below = [link.joint for link in found.values() if link.parent == part and link.hold is Hold.JOINT]
+        away = np.hypot(*(ends[:, None] - np.array(below)).T).min(axis=0) if below else ends[:, 1]
+        return _as_place(ends[int(away.argmax())])
 
 
 def _as_place(point: FloatArray) -> tuple[float, float]:

@@ -26,8 +26,8 @@ Blender was seen to be."""
 ANGLE_STEP = 1e-3
 """Least width of an interval, in radians: where one so narrow does not decide, the range ends."""
 
-Test = Callable[[IntArray, FloatArray, FloatArray], BoolArray]
-"""Which of items (M,) are certain in boxes of angles from (M, A) to (M, A), in radians."""
+Test = Callable[[IntArray, FloatArray, FloatArray], tuple[BoolArray, BoolArray]]
+"""Which of items (M,) are certain in boxes of angles from (M, A) to (M, A), and which fail at their middle."""
 
 
 def safe_part(test: Test, count: int, extent: FloatArray) -> float:
@@ -40,7 +40,9 @@ def safe_part(test: Test, count: int, extent: FloatArray) -> float:
     limit = 1.0
     while len(item):
         one, other = low * extent, high * extent
-        open_ = ~test(item, np.minimum(one, other), np.maximum(one, other))
+        certain, fails = test(item, np.minimum(one, other), np.maximum(one, other))
+        limit = min(limit, float((0.5 * (low + high))[fails].max(axis=1).min(initial=1.0)))
+        open_ = ~certain
         item, low, high = item[open_], low[open_], high[open_]
         width = (high - low) * np.abs(extent)
         tiny = (width < ANGLE_STEP).all(axis=1)
@@ -110,7 +112,7 @@ def unfolded(triples: OneJoint | TwoJoints) -> Test:
         edge = np.roll(p, 1, axis=1) - np.roll(p, -1, axis=1)
         doubled = np.imag(np.conj(p[:, 1] - p[:, 0]) * (p[:, 2] - p[:, 0]))
         change = (d * np.abs(edge)).sum(axis=1) + (d * np.roll(d, -1, axis=1)).sum(axis=1)
-        return np.asarray(doubled > change * (1.0 + ROUND_OFF))
+        return doubled > change * (1.0 + ROUND_OFF), doubled <= 0.0
 
     return test
 
@@ -122,6 +124,6 @@ def apart(triples: OneJoint) -> Test:
         p, d = triples.moved(item, low, high)
         points = np.stack((p.real, p.imag), axis=2)
         gap = point_edge(points[:, 0], points[:, 1], points[:, 2]).distance
-        return np.asarray(gap > (d[:, 0] + d[:, 1:].max(axis=1)) * (1.0 + ROUND_OFF))
+        return gap > (d[:, 0] + d[:, 1:].max(axis=1)) * (1.0 + ROUND_OFF), gap <= 0.0
 
     return test

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,14 +11,14 @@ from ..character import Bone, PreserveVolume, Skin, skinned
 from ..character.bones import ends_of
 from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray, IntArray
-from .draft import PuppetDraft
-from .fields import BendField, bend_field
-from .links import Hold
+from .draft import PuppetDraft, stiffened
+from .fields import DENSITIES, BendField, bend_field
+from .links import Hold, PartChoice
 from .ranges import FREE, JointRange, ranges_of
 from .scores import CONTAINED
 
-KEPT_RADIUS = 1.0
-"""Radius around a part's own joint that its bends leave alone, in radii of the disc there."""
+LEAST_TURN = 90.0
+"""Angle in degrees that every joint of a draft turns at least, either way, without a fold."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,27 +91,57 @@ class Puppet:
 
 
 def puppet_of(draft: PuppetDraft, skin: Skin | None = None) -> Puppet:
-    """Fields, weights and ranges for a draft. Raises NestedCagesError where a part that bends has no cage."""
+    """Fields, weights and ranges for a draft.
+
+    A part with a joint that turns less than `LEAST_TURN` gets fewer bones, unless a user chose how many: the own
+    draft of the puppet has these. Raises NestedCagesError where a part that bends has no cage.
+    """
     chosen = skin or PreserveVolume()
     ends_of(draft.bones)
+    known: dict[tuple[int, int], tuple[BendField, list[JointRange]]] = {}
+    most: dict[str, int] = {}
+    while True:
+        bending = [part for part in range(len(draft.parts)) if len(draft.chain(part)) > 1]
+        for part in bending:
+            count = len(draft.chain(part))
+            if (part, count) not in known:
+                known[part, count] = _field_of(draft, part, chosen)
+            name = draft.parts[part].name
+            is_free = draft.choices.get(name, PartChoice()).bones is None
+            if is_free and _least_turn(known[part, count][1]) < LEAST_TURN:
+                most[name] = count - 1
+        stiffer = stiffened(draft, most)
+        if len(stiffer.bones) == len(draft.bones):
+            break
+        draft = stiffer
     fields: dict[int, BendField] = {}
     ranges = [FREE] * len(draft.bones)
-    for part in range(len(draft.parts)):
+    for part in bending:
         chain = draft.chain(part)
-        if len(chain) < 2:
-            continue
-        riders = _riders(draft, part)
-        places = np.array([draft.bones[chain[0]].head, *(draft.bones[bone].tail for bone in chain)])
-        own = bend_field(
-            [draft.parts[k].solid for k in (part, *riders)],
-            places,
-            chain[0],
-            KEPT_RADIUS * draft.links[part].radius if draft.links[part].parent is not None else 0.0,
-            chosen,
-        )
-        ranges[chain[1] : chain[-1] + 1] = ranges_of(own, chosen)
-        fields.update(dict.fromkeys((part, *riders), own))
+        own, turns = known[part, len(chain)]
+        ranges[chain[1] : chain[-1] + 1] = turns
+        fields.update(dict.fromkeys((part, *_riders(draft, part)), replace(own, first_bone=chain[0])))
     return Puppet(draft, tuple(fields.get(k) for k in range(len(draft.parts))), tuple(ranges), chosen)
+
+
+def _field_of(draft: PuppetDraft, part: int, skin: Skin) -> tuple[BendField, list[JointRange]]:
+    """The field of a part and the ranges of its joints, with denser triangles where these are too narrow."""
+    chain, link = draft.chain(part), draft.links[part]
+    places = np.array([draft.bones[chain[0]].head, *(draft.bones[bone].tail for bone in chain)])
+    solids = [draft.parts[k].solid for k in (part, *_riders(draft, part))]
+    found: list[tuple[BendField, list[JointRange]]] = []
+    for density in DENSITIES:
+        kept = 0.0 if link.parent is None else link.radius
+        own = bend_field(solids, places, chain[0], kept, skin, density)
+        found.append((own, ranges_of(own, skin)))
+        if _least_turn(found[-1][1]) >= LEAST_TURN:
+            break
+    return max(found, key=lambda each: _least_turn(each[1]))
+
+
+def _least_turn(ranges: list[JointRange]) -> float:
+    """The least angle that any of some joints turns without a fold, either way."""
+    return min(min(-each.low, each.high) for each in ranges)
 
 
 def _riders(draft: PuppetDraft, part: int) -> list[int]:

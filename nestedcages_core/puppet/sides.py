@@ -11,7 +11,7 @@ import numpy as np
 from ..geometry.vectors import norm
 from .links import Hold, Link, hangs_on
 from .parts import PuppetPart
-from .words import DEPTHS, SIDES, name_without, name_words, side_of
+from .words import DEPTHS, SIDES, name_without, name_words, side_of, words_of
 
 MIRRORED = 0.12
 """Two parts are left and right if their mirrored middles are this near, in their length plus their distance."""
@@ -44,21 +44,25 @@ def sides_of(parts: Sequence[PuppetPart], links: Sequence[Link]) -> tuple[Side, 
     taken = {root} | {k for k, side in enumerate(found) if side.side}
     near_side = _near_side(parts, links, root)
     linked = dict(enumerate(links))
-    for far, near in _alike(parts):
-        if far in taken or near in taken or hangs_on(linked, far, near) or hangs_on(linked, near, far):
+    ends = [words_of(part.name).labels[2] for part in parts]
+    pairs = sorted(_alike(parts), key=lambda pair: float(norm(parts[pair[0]].disc[0] - parts[pair[1]].disc[0])))
+    for is_front, (one, other) in ((view, pair) for view in (False, True) for pair in pairs):
+        if one in taken or other in taken or hangs_on(linked, one, other) or hangs_on(linked, other, one):
             continue
-        stems = _stems(parts[far].name, parts[near].name)
-        if _are_mirrored(parts[far], parts[near], middle):
-            sides = ("L", "R") if parts[far].disc[0][0] > middle else ("R", "L")
+        if ends[one] and ends[other] and ends[one] != ends[other]:
+            continue
+        if is_front and _are_mirrored(parts[one], parts[other], middle):
+            sides = ("L", "R") if parts[one].disc[0][0] > middle else ("R", "L")
             depths = ("", "")
-        elif far < root < near:
+        elif not is_front and _are_near_and_far(parts, one, root, other):
             sides = ("R", "L") if near_side == "L" else ("L", "R")
             depths = ("far", "near")
         else:
             continue
-        for part, side, depth, stem in zip((far, near), sides, depths, stems, strict=True):
+        stems = _stems(parts[one].name, parts[other].name)
+        for part, side, depth, stem in zip((one, other), sides, depths, stems, strict=True):
             found[part] = Side(side, depth, stem)
-        taken |= {far, near}
+        taken |= {one, other}
     return tuple(found)
 
 
@@ -86,6 +90,12 @@ def _are_mirrored(one: PuppetPart, other: PuppetPart, middle: float) -> bool:
     return bool(norm(off) < MIRRORED * size and (a[0] - middle) * (b[0] - middle) < 0.0)
 
 
+def _are_near_and_far(parts: Sequence[PuppetPart], one: int, trunk: int, other: int) -> bool:
+    """Whether the trunk lies between two parts in the stack that are less than half of its length apart."""
+    away, length = parts[one].disc[0] - parts[other].disc[0], parts[trunk].box[1] - parts[trunk].box[0]
+    return one < trunk < other and bool(norm(away) < 0.5 * norm(length))
+
+
 def _near_side(parts: Sequence[PuppetPart], links: Sequence[Link], root: int) -> str:
     """The side that is seen of a figure from the side: L if it looks towards smaller x.
 
@@ -97,7 +107,7 @@ def _near_side(parts: Sequence[PuppetPart], links: Sequence[Link], root: int) ->
 
 
 def _alike(parts: Sequence[PuppetPart]) -> Iterator[tuple[int, int]]:
-    """Pairs of parts of the same shape, whatever their direction."""
+    """Pairs of parts of the same shape, whatever their direction, or whose names say that they are near and far."""
     figures = np.array(
         [
             (
@@ -111,5 +121,8 @@ def _alike(parts: Sequence[PuppetPart]) -> Iterator[tuple[int, int]]:
     )
     for i in range(len(parts)):
         for j in range(i):
-            if (np.abs(np.log(figures[i] / figures[j])) < ALIKE).all():
+            one, other = parts[j].name, parts[i].name
+            are_named = {"near", "far"} == {_by_name(one).depth, _by_name(other).depth}
+            are_named = are_named and name_without(one, DEPTHS) == name_without(other, DEPTHS)
+            if are_named or (np.abs(np.log(figures[i] / figures[j])) < ALIKE).all():
                 yield j, i

@@ -84,11 +84,10 @@ def side_of(name: str) -> str:
     """L or R if a name says so; a single letter counts at the start and at the end."""
     words = [word.lower() for word in name_words(name)]
     sides = [
-        SIDES[word]
-        for k, word in enumerate(words)
-        if word in SIDES and len(words) > 1 and (len(word) > 1 or k in (0, len(words) - 1))
+        SIDES[word] for k, word in enumerate(words) if word in SIDES and (len(word) > 1 or k in (0, len(words) - 1))
     ]
-    return sides[-1] if sides else ""
+    has_more = any(word.isalpha() and len(word) > 1 and word not in SIDES for word in words)
+    return sides[-1] if sides and has_more else ""
 
 
 def words_of(name: str) -> Words:

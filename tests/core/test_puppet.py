@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from itertools import product
 
 import numpy as np
 import pytest
@@ -11,7 +12,23 @@ import shapely
 from nestedcages_core import Mesh, NestedCagesError
 from nestedcages_core.character import Linear, PreserveVolume, Skin, skinned
 from nestedcages_core.coordinates import folded
-from nestedcages_core.puppet import Hold, PartChoice, PuppetDraft, PuppetPart, draft_puppet, puppet_of
+from nestedcages_core.puppet import (
+    Clip,
+    Hold,
+    PartChoice,
+    Puppet,
+    PuppetDraft,
+    PuppetPart,
+    draft_puppet,
+    idle,
+    puppet_of,
+    redrafted,
+    walk,
+    wave,
+)
+from nestedcages_core.puppet.arborescence import best_parents
+from nestedcages_core.puppet.puppet import LEAST_TURN
+from nestedcages_core.puppet.words import agreement, side_of, words_of
 
 
 def solid(name: str, area: shapely.Geometry) -> PuppetPart:
@@ -205,3 +222,141 @@ def test_a_pose_beyond_a_range_names_its_bones() -> None:
     assert puppet.beyond({"tail.001": 172.0}) == ("tail.001",)
     with pytest.raises(NestedCagesError, match="no bone 'wing'"):
         puppet.posed({"wing": 1.0})
+
+
+def test_a_part_whose_joints_would_turn_too_little_has_fewer_bones() -> None:
+    """A wedge folds early; a user may still ask for its bones."""
+    wedge = solid("fin", shapely.Polygon([(0.0, -3.0), (0.0, 3.0), (5.0, 0.6), (9.0, 2.5), (9.0, -2.5), (5.0, -0.6)]))
+    parts = [wedge, ball("body", -2.0, 0.0, 4.0)]
+    asked = {"fin": PartChoice(hold=Hold.JOINT, bones=2)}
+    ranges = puppet_of(draft_puppet(parts, asked)).ranges
+    free = puppet_of(draft_puppet(parts, {"fin": PartChoice(hold=Hold.JOINT)}))
+    assert all(each.low <= -LEAST_TURN and each.high >= LEAST_TURN for each in free.ranges)
+    assert len(ranges) == 3
+
+
+@pytest.mark.parametrize(
+    ("name", "noun", "side"),
+    [
+        ("eye_l", "eye", "L"),
+        ("leftArm", "arm", "L"),
+        ("hind_lower_far", "lower_leg", ""),
+        ("r2d2", "", ""),
+        ("Füße", "", ""),
+    ],
+)
+def test_names_say_what_a_part_is(name: str, noun: str, side: str) -> None:
+    assert (words_of(name).noun, side_of(name)) == (noun, side)
+
+
+def test_left_does_not_hang_on_right_and_feet_hang_on_legs() -> None:
+    assert agreement(words_of("foot_l"), words_of("leg_l")) > 1.0
+    assert agreement(words_of("foot_l"), words_of("leg_r")) < agreement(words_of("foot_l"), words_of("leg"))
+    assert agreement(words_of("hind_foot_far"), words_of("hind_leg_near")) < 1.0
+    assert agreement(words_of("path12"), words_of("leg_r")) == 1.0
+
+
+def test_every_part_gets_the_parent_of_the_best_tree() -> None:
+    """Against all trees of five nodes; among them are ones in which the best parents of all make a circle."""
+    random = np.random.default_rng(3)
+    for _ in range(40):
+        gain = random.normal(size=(5, 5))
+        best = -np.inf
+        for choice in product(range(5), repeat=4):
+            parent = [-1, *choice]
+            depth = [sum(1 for _ in up(parent, node)) for node in range(5)]
+            if max(depth) < 5:
+                best = max(best, sum(gain[node, parent[node]] for node in range(1, 5)))
+        found = best_parents(gain, 0)
+        assert found[0] == -1 and sum(gain[node, found[node]] for node in range(1, 5)) == pytest.approx(best)
+
+
+def up(parent: list[int], node: int) -> Iterator[int]:
+    """The nodes above a node, at most five of them."""
+    for _ in range(5):
+        node = parent[node]
+        if node < 0:
+            return
+        yield node
+
+
+def strider() -> list[PuppetPart]:
+    """A figure from the side that looks to the right: one arm and one leg behind the body, one of each before it."""
+    far = [limb("leg_far", (0.2, -1.0), (0.2, -5.0), width=0.9), limb("arm_far", (0.2, 2.6), (0.2, -0.4), width=0.7)]
+    near = [limb("leg", (-0.2, -1.0), (-0.2, -5.0), width=0.9), limb("arm", (-0.2, 2.6), (-0.2, -0.4), width=0.7)]
+    body = [solid("body", shapely.box(-1.0, -1.6, 1.0, 3.0).buffer(0.3)), ball("head", 0.2, 4.2, 1.2)]
+    return [*far, *body, ball("eye", 0.9, 4.4, 0.2), ball("ear", 0.3, 4.2, 0.25), *near]
+
+
+def test_near_and_far_are_told_and_named_as_left_and_right() -> None:
+    draft = draft_puppet(strider())
+    sides = {part.name: (side.side, side.depth) for part, side in zip(draft.parts, draft.sides, strict=True)}
+    assert sides["leg"] == sides["arm"] == ("R", "near") and sides["leg_far"] == sides["arm_far"] == ("L", "far")
+    assert {bone.name for bone in draft.bones} >= {"leg.L", "leg.R", "arm.L", "arm.R"}
+
+
+@pytest.mark.parametrize("parts", [figure, strider], ids=["front", "side"])
+@pytest.mark.parametrize("clip", [walk, wave, idle])
+def test_clips_stay_within_the_ranges_and_repeat(
+    clip: Callable[[Puppet], Clip], parts: Callable[[], list[PuppetPart]]
+) -> None:
+    puppet = puppet_of(draft_puppet(parts()))
+    made = clip(puppet)
+    assert all(puppet.beyond(frame) == () for frame in made.frames)
+    moved = {bone for frame in made.frames for bone, angle in frame.items() if abs(angle) > 1.0}
+    assert moved
+    steps = [
+        max(abs(a[bone] - b[bone]) for bone in a)
+        for a, b in zip(made.frames, made.frames[1:] + made.frames[:1], strict=True)
+    ]
+    assert max(steps) < 15.0
+
+
+def test_legs_of_a_walk_take_turns() -> None:
+    frames = walk(puppet_of(draft_puppet(strider()))).frames
+    left, right = (np.array([frame[name] for frame in frames]) for name in ("leg.L", "leg.R"))
+    assert np.ptp(left) > 30.0 and np.allclose(left, np.roll(right, len(frames) // 2))
+
+
+def test_clips_without_the_limbs_for_them_are_told() -> None:
+    puppet = puppet_of(draft_puppet([ball("body", 0.0, 0.0, 2.0)]))
+    assert idle(puppet).frames
+    for clip, said in ((walk, "needs two legs"), (wave, "needs an arm")):
+        with pytest.raises(NestedCagesError, match=said):
+            clip(puppet)
+
+
+def test_a_changed_drawing_keeps_what_is_still_there() -> None:
+    """A hand redrawn, a hat added, an eye removed, the legs moved up in the stack, and a part renamed."""
+    old = draft_puppet(figure()).edited("head", PartChoice(parent="torso", joint=(0.0, 4.0)))
+    parts = {part.name: part for part in figure()}
+    parts["hand_l"] = ball("hand_l", 3.5, -0.6, 0.8)
+    del parts["pupil_r"]
+    hat = solid("hat", shapely.box(-1.0, 6.4, 1.0, 8.0))
+    first = parts.pop("thigh_l")
+    new = [*parts.values(), first, hat]
+    renamed = [
+        PuppetPart(*(("brain", part.outline) if part.name == "head" else (part.name, part.outline, (), part.name)))
+        for part in new
+    ]
+    changed = redrafted(old, renamed)
+    assert changed.added == ("hat",) and changed.removed == ("pupil_r",)
+    assert changed.old_names["brain"] == "head"
+    found = parents(changed.draft)
+    assert found["brain"] == "torso" and found["hand_l"] == "arm_l" and found["hat"] == "brain"
+    before = {bone.name: (bone.head, bone.tail) for bone in old.bones}
+    after = {bone.name: (bone.head, bone.tail) for bone in changed.draft.bones}
+    kept = set(before) & set(after) - {"hand.L", "arm.L"}
+    assert len(kept) >= 8 and all(before[name] == after[name] for name in kept)
+
+
+def test_skins_differ_little_where_bones_turn_little() -> None:
+    """Linear blending thins a limb at its joint by cos θ/2 at most, as for engines."""
+    parts = [limb("tail", (2.0, 0.0), (12.0, 0.0), width=1.2), ball("body", 0.0, 0.0, 2.6)]
+    gaps = []
+    for angle in (30.0, 60.0):
+        volume, linear = (puppet_of(draft_puppet(parts, {"tail": PartChoice(bones=2)}), skin) for skin in SKINS)
+        points = np.stack((np.linspace(2.0, 12.0, 99), np.full(99, 0.55)), axis=1)
+        apart = [each.moved(0, points, {"tail.001": angle}) for each in (volume, linear)]
+        gaps.append(float(np.hypot(*(apart[0] - apart[1]).T).max()))
+    assert 0.0 < gaps[0] < gaps[1] < 1.2 * (1.0 - np.cos(np.deg2rad(30.0)))

@@ -1,0 +1,198 @@
+"""Puppets of layered characters: parents that are right, ranges of joints, folds, gaps, and skins, measured.
+
+    python benchmarks/puppets.py                 # all tables
+    python benchmarks/puppets.py graph --svg DIR # one table; and the characters as files
+    python benchmarks/puppets.py --write         # puts them into docs/puppets.md
+
+`cast` has the characters and says what a rigger would hang each part on.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+import cast
+from clone import ROOT
+from needed.table import Table
+from nestedcages_core.character import Linear, PreserveVolume, skinned
+from nestedcages_core.coordinates import folded
+from nestedcages_core.exchange import puppet_parts
+from nestedcages_core.puppet import BendField, Hold, Puppet, PuppetDraft, PuppetPart, draft_puppet, puppet_of
+from page import measured
+
+CHARACTERS = cast.FIRST | cast.SECOND
+POSES = 40
+"""Random poses of each character and each largest angle."""
+
+
+def parts_of(name: str) -> tuple[PuppetPart, ...]:
+    return puppet_parts(CHARACTERS[name]().svg())[0]
+
+
+def wrong(draft: PuppetDraft, on: dict[str, str | None], names: list[str]) -> int:
+    """Parts whose parent is not the one that a rigger would choose; names: of the drawing, in stacking order."""
+    found = [None if link.parent is None else names[link.parent] for link in draft.links]
+    return sum(parent != on[name] for name, parent in zip(names, found, strict=True))
+
+
+def graph() -> Table:
+    """Parents that are right, with the names of the drawing and without any."""
+    rows, sums = [], np.zeros((2, 3), dtype=int)
+    seconds = 0.0
+    for name, draw in CHARACTERS.items():
+        sheet, parts = draw(), parts_of(name)
+        names = [part.name for part in parts]
+        start = time.process_time()
+        own = wrong(draft_puppet(parts), sheet.on, names)
+        seconds += time.process_time() - start
+        bare = [replace(part, name=f"path{k}", identity="") for k, part in enumerate(parts)]
+        without = wrong(draft_puppet(bare), sheet.on, names)
+        sums[int(name in cast.SECOND)] += len(parts), own, without
+        rows.append((name, str(len(parts)), str(len(parts) - own), str(len(parts) - without)))
+    for label, (count, own, without) in zip(("first twelve", "second ten"), sums.tolist(), strict=True):
+        rows.append((label, str(count), *(f"{100.0 * (1.0 - bad / count):.1f} %" for bad in (own, without))))
+    return Table(
+        ("character", "parts", "parents right", "without names"),
+        rows,
+        after=f"A draft took {20.0 * seconds / sums[:, 0].sum():.2f} s of CPU for twenty parts.",
+    )
+
+
+def ranges() -> Table:
+    """Ranges in which no triangle flips, proved, and those in which cages stay simple."""
+    rows, turns = [], []
+    seconds, count = 0.0, 0
+    for name in CHARACTERS:
+        draft = draft_puppet(parts_of(name))
+        start = time.process_time()
+        puppet = puppet_of(draft)
+        seconds, count = seconds + time.process_time() - start, count + len(draft.parts)
+        own = [each for each in puppet.ranges if each.low > -180.0]
+        turns += [min(-each.low, each.high) for each in own]
+        if own:
+            least = [
+                min(min(-each.low, each.high) for each in own),
+                min(min(-e.simple_low, e.simple_high) for e in own),
+            ]
+            rows.append((name, str(len(puppet.bones)), str(len(own)), *(f"{each:.0f}°" for each in least)))
+    return Table(
+        ("character", "bones", "joints that bend", "least range without folds", "least with a simple cage"),
+        rows,
+        after=(
+            f"Of {len(turns)} joints that bend, the least turns ±{min(turns):.0f}°, half of them at least "
+            f"±{np.median(turns):.0f}°. Fields and proofs took {20.0 * seconds / count:.2f} s of CPU for twenty parts."
+        ),
+    )
+
+
+def folds() -> Table:
+    """Random poses of the characters with parts that bend."""
+    rows = []
+    puppets = [puppet_of(draft_puppet(parts_of(name))) for name in CHARACTERS]
+    fields = [(puppet, list({id(each): each for each in puppet.fields if each}.values())) for puppet in puppets]
+    for largest in (30.0, 60.0, 90.0, 120.0):
+        random = np.random.default_rng(0)
+        poses, flipped = 0, 0
+        for puppet, own in fields:
+            for _ in range(POSES if own else 0):
+                turned = {k: random.uniform(-largest, largest) for k, bone in enumerate(puppet.bones) if bone.parent}
+                poses += 1
+                flipped += any(folded(posed(puppet, each, turned), each.grid.triangles).any() for each in own)
+        rows.append((f"±{largest:.0f}°", str(poses), f"{100.0 * flipped / poses:.1f} %"))
+    return Table(("all joints at random within", "poses", "with a triangle that flips"), rows)
+
+
+def posed(puppet: Puppet, field: BendField, turned: dict[int, float]) -> np.ndarray:
+    """Vertices of a field under a pose."""
+    weights = np.zeros((len(field.grid.vertices), len(puppet.bones)))
+    weights[:, field.first_bone : field.first_bone + len(field.bends) + 1] = field.weights
+    return skinned(field.grid.vertices, weights, puppet.bones, turned, puppet.skin)
+
+
+def gaps() -> Table:
+    """Paint that opens around joints between parts: of what is painted in the limb's disc at rest."""
+    rows = []
+    for angle in (45.0, 90.0):
+        lost = []
+        for name in CHARACTERS:
+            draft = draft_puppet(parts_of(name))
+            for part, link in zip(draft.parts, draft.links, strict=True):
+                if link.hold is Hold.JOINT and link.parent is not None:
+                    lost.append(
+                        max(opened(part.solid, draft.parts[link.parent], link.joint, way * angle) for way in (1, -1))
+                    )
+        some = np.array(lost)
+        rows.append(
+            (f"±{angle:.0f}°", str(len(some)), *(f"{100.0 * each:.1f} %" for each in (np.median(some), some.max())),
+             f"{100.0 * (some <= 0.02).mean():.0f} %")
+        )  # fmt: skip
+    return Table(("turned by", "joints", "median", "most", "at most 2 %"), rows)
+
+
+def opened(limb: shapely.Geometry, parent: PuppetPart, joint: tuple[float, float], angle: float) -> float:
+    """The part of the paint in a disc around a joint, as wide as the thinner part there, that a turn takes away."""
+    place = shapely.Point(joint)
+    reach = min(limb.boundary.distance(place), parent.solid.boundary.distance(place))
+    rest = place.buffer(reach).intersection(limb.union(parent.solid))
+    turned = shapely.affinity.rotate(limb, angle, origin=joint)
+    return 1.0 - rest.intersection(turned.union(parent.solid)).area / rest.area if rest.area > 0.0 else 1.0
+
+
+def skins() -> Table:
+    """How far linear blending is from keeping the volume, in widths of the limb, and what ranges it has."""
+    rows = []
+    for name in ("cat", "snake", "octopus", "elephant"):
+        draft = draft_puppet(parts_of(name))
+        volume, linear = puppet_of(draft, PreserveVolume()), puppet_of(draft, Linear())
+        turns = [min(-each.low, each.high) for each in linear.ranges if each.low > -180.0]
+        cells = []
+        for angle in (60.0, 120.0):
+            apart = []
+            for field in {id(each): each for each in volume.fields if each}.values():
+                for k, bend in enumerate(field.bends):
+                    turned = {field.first_bone + k + 1: angle}
+                    one, other = (
+                        posed(replace(volume, skin=skin), field, turned) for skin in (PreserveVolume(), Linear())
+                    )
+                    apart.append(float(np.hypot(*(one - other).T).max()) / (2.0 * bend.width))
+            cells.append(f"{np.median(apart):.2f}")
+        rows.append((name, *cells, f"{min(turns):.0f}°"))
+    return Table(("character", "apart at 60°", "apart at 120°", "least range, linear"), rows)
+
+
+TABLES: dict[str, Callable[[], Table]] = {
+    "graph": graph, "ranges": ranges, "folds": folds, "gaps": gaps, "skins": skins,
+}  # fmt: skip
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("tables", nargs="*", metavar="TABLE", help=f"only these: {', '.join(TABLES)}")
+    parser.add_argument("--svg", type=Path, help="write the characters into this folder")
+    parser.add_argument("--write", action="store_true", help="put the tables into docs/puppets.md")
+    options = parser.parse_args()
+    unknown = [name for name in options.tables if name not in TABLES]
+    if unknown:
+        parser.error(f"there is no table {unknown[0]!r}; there are {', '.join(TABLES)}")
+    for name, draw in CHARACTERS.items() if options.svg else ():
+        options.svg.mkdir(parents=True, exist_ok=True)
+        (options.svg / f"{name}.svg").write_text(draw().svg(), encoding="utf-8")
+    for name in options.tables or TABLES:
+        made = TABLES[name]()
+        print(f"{name}\n{made}\n", flush=True)
+        if options.write:
+            page = ROOT / "docs" / "puppets.md"
+            measured(page, f"puppet_{name}", f"python benchmarks/puppets.py {name}", str(made), str(made))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
