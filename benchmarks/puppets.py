@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import shapely
+import shapely.affinity
 
 import cast
 from clone import ROOT
@@ -126,9 +127,8 @@ def gaps() -> Table:
             draft = draft_puppet(parts_of(name))
             for part, link in zip(draft.parts, draft.links, strict=True):
                 if link.hold is Hold.JOINT and link.parent is not None:
-                    lost.append(
-                        max(opened(part.solid, draft.parts[link.parent], link.joint, way * angle) for way in (1, -1))
-                    )
+                    on = draft.parts[link.parent]
+                    lost.append(max(opened(part, on, link.joint, link.radius, turn) for turn in (angle, -angle)))
         some = np.array(lost)
         rows.append(
             (f"±{angle:.0f}°", str(len(some)), *(f"{100.0 * each:.1f} %" for each in (np.median(some), some.max())),
@@ -137,13 +137,12 @@ def gaps() -> Table:
     return Table(("turned by", "joints", "median", "most", "at most 2 %"), rows)
 
 
-def opened(limb: shapely.Geometry, parent: PuppetPart, joint: tuple[float, float], angle: float) -> float:
-    """The part of the paint in a disc around a joint, as wide as the thinner part there, that a turn takes away."""
-    place = shapely.Point(joint)
-    reach = min(limb.boundary.distance(place), parent.solid.boundary.distance(place))
-    rest = place.buffer(reach).intersection(limb.union(parent.solid))
-    turned = shapely.affinity.rotate(limb, angle, origin=joint)
-    return 1.0 - rest.intersection(turned.union(parent.solid)).area / rest.area if rest.area > 0.0 else 1.0
+def opened(limb: PuppetPart, on: PuppetPart, joint: tuple[float, float], radius: float, angle: float) -> float:
+    """The part of the paint in a disc around a joint, as wide as the thinner part, that a turn takes away."""
+    reach = max(radius, min(limb.disc[1], on.disc[1]))
+    rest = shapely.Point(joint).buffer(reach).intersection(limb.solid.union(on.solid))
+    turned = shapely.affinity.rotate(limb.solid, angle, origin=joint)
+    return 1.0 - rest.intersection(turned.union(on.solid)).area / rest.area if rest.area > 0.0 else 0.0
 
 
 def skins() -> Table:
