@@ -38,7 +38,7 @@ def chain_of(
     """(K + 1, 2) the heads of K bones along a part, and the tip of the last one.
 
     joint: where the part turns; None for a root, whose chain runs from tip to tip. carries: whether limbs hang on it.
-    bones: number of bones, if a user chose it; most: of others at most so many.
+    bones: number of bones, if a user chose it; most: the maximum otherwise.
     """
     path = _middle(part, joint)
     if path is None:

@@ -42,7 +42,7 @@ def walk(puppet: Puppet, *, seconds: float = 1.0, frames: int = 24) -> Clip:
 
     Raises NestedCagesError for a puppet with fewer than two legs.
     """
-    limbs, ahead, turn = _limbs(puppet), forwards(puppet.draft), _turn(frames)
+    limbs, ahead, turn = _limbs(puppet), forwards(puppet.draft), _full_turn(frames)
     if len(limbs.legs) < 2:
         raise NestedCagesError(f"A walk needs two legs that reach the ground; this puppet has {len(limbs.legs)}.")
     tracks: dict[str, FloatArray] = {}
@@ -59,7 +59,7 @@ def walk(puppet: Puppet, *, seconds: float = 1.0, frames: int = 24) -> Clip:
 
 def wave(puppet: Puppet, *, seconds: float = 1.0, frames: int = 24) -> Clip:
     """One arm up, and its outer part to and fro. Raises NestedCagesError for a puppet without arms."""
-    limbs, turn = _limbs(puppet), _turn(frames)
+    limbs, turn = _limbs(puppet), _full_turn(frames)
     if not limbs.arms:
         raise NestedCagesError("A wave needs an arm; this puppet has none.")
     arm = limbs.arms[-1]  # drawn last, the nearest
@@ -80,7 +80,7 @@ def idle(puppet: Puppet, *, seconds: float = 3.0, frames: int = 48) -> Clip:
     limbs = _limbs(puppet)
     swaying = [*limbs.tails, *((*head[:1],) for head in limbs.heads), *(arm[:1] for arm in limbs.arms)]
     swaying = swaying or [tuple(puppet.draft.bones[bone].name for bone in puppet.draft.chain(_root(puppet)))]
-    return _clip("idle", puppet, _swaying(swaying, _turn(frames)), seconds, frames)
+    return _clip("idle", puppet, _swaying(swaying, _full_turn(frames)), seconds, frames)
 
 
 def _limbs(puppet: Puppet) -> Limbs:
@@ -91,7 +91,7 @@ def _root(puppet: Puppet) -> int:
     return next(k for k, link in enumerate(puppet.draft.links) if link.parent is None)
 
 
-def _turn(frames: int) -> FloatArray:
+def _full_turn(frames: int) -> FloatArray:
     """(frames,) angles of a full turn. Raises NestedCagesError for no frames."""
     if frames < 1:
         raise invalid_setting(f"A clip has at least one frame, not {frames}.")

@@ -107,7 +107,7 @@ def draft_puppet(parts: Iterable[PuppetPart], choices: Mapping[str, PartChoice] 
 
 
 def stiffened(draft: PuppetDraft, most: Mapping[str, int]) -> PuppetDraft:
-    """A draft with at most so many bones in some parts, by their names, unless a user chose how many."""
+    """A draft with a maximum number of bones in some parts, by their names, unless a user chose how many."""
     bones, bone_of = _bones(draft.parts, draft.links, draft.sides, draft.choices, most)
     return replace(draft, bones=bones, bone_of=bone_of)
 

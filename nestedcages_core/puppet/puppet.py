@@ -105,7 +105,7 @@ def puppet_of(draft: PuppetDraft, skin: Skin | None = None) -> Puppet:
         for part in bending:
             count = len(draft.chain(part))
             if (part, count) not in known:
-                known[part, count] = _field_of(draft, part, chosen)
+                known[part, count] = _best_field(draft, part, chosen)
             name = draft.parts[part].name
             is_free = draft.choices.get(name, PartChoice()).bones is None
             if is_free and _least_turn(known[part, count][1]) < LEAST_TURN:
@@ -124,7 +124,7 @@ def puppet_of(draft: PuppetDraft, skin: Skin | None = None) -> Puppet:
     return Puppet(draft, tuple(fields.get(k) for k in range(len(draft.parts))), tuple(ranges), chosen)
 
 
-def _field_of(draft: PuppetDraft, part: int, skin: Skin) -> tuple[BendField, list[JointRange]]:
+def _best_field(draft: PuppetDraft, part: int, skin: Skin) -> tuple[BendField, list[JointRange]]:
     """The field of a part and the ranges of its joints, with denser triangles where these are too narrow."""
     chain, link = draft.chain(part), draft.links[part]
     places = np.array([draft.bones[chain[0]].head, *(draft.bones[bone].tail for bone in chain)])
