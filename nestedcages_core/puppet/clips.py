@@ -13,7 +13,7 @@ from .limbs import Limbs, forwards, limbs_of
 from .puppet import Puppet
 from .words import words_of
 
-STRIDE, KNEE, ARM_SWING = 22.0, 32.0, 18.0
+STRIDE, KNEE_LIFT, ARM_SWING = 22.0, 32.0, 18.0
 """Degrees of a walk: of a thigh forwards and back, of a knee while the leg swings, of an arm."""
 
 WAVE_UP, WAVE_SWAY = 55.0, 22.0
@@ -48,7 +48,7 @@ def walk(puppet: Puppet, *, seconds: float = 1.0, frames: int = 24) -> Clip:
     tracks: dict[str, FloatArray] = {}
     for leg, phase in zip(limbs.legs, _phases(puppet, limbs.legs), strict=True):
         at = turn + phase
-        swing, lift = ahead * STRIDE * np.sin(at), ahead * KNEE * np.maximum(np.cos(at), 0.0)
+        swing, lift = ahead * STRIDE * np.sin(at), ahead * KNEE_LIFT * np.maximum(np.cos(at), 0.0)
         tracks |= dict(zip(leg, (swing, -lift, 0.7 * lift - 0.5 * swing), strict=False))
     for arm, phase in zip(limbs.arms, _phases(puppet, limbs.arms), strict=True):
         swing = ahead * ARM_SWING * np.sin(turn + phase + np.pi)
