@@ -17,6 +17,8 @@ class Fault(NamedTuple):
 CORE = "nestedcages_core/"
 TESTS = "tests/core/test_deliberate_faults.py::test_"
 MOTION = CORE + "verification/motion.py"
+CYCLES = CORE + "decimation/line_cycles/"
+ORACLE = "tests/core/test_line_cycles_oracle.py::test_"
 TRUST = CORE + "tightening/trust_region.py"
 
 FAULTS = (
@@ -87,4 +89,33 @@ FAULTS = (
           "tests/addon/test_live.py::test_a_step_is_certified_as_it_is_stored"),
     Fault(CORE + "constraints/numbers.py", "return as_stored(self.exact(points), self.stored)", "return points",
           "tests/core/test_needs_together.py::test_a_cage_follows_on_the_numbers_that_are_stored"),
+    Fault(CYCLES + "turns.py", "(self.forth > free[0][self.source]) | (self.back > free[1][self.target])",
+          "self.forth > free[0][self.source]", ORACLE + "what_is_free_of_either_line_bounds_a_turn"),
+    Fault(CYCLES + "turns.py", "(forth >= -SLACK) & (back >= -SLACK)", "(forth >= SLACK) & (back >= -SLACK)",
+          ORACLE + "turns_are_the_pairs_of_lines_that_meet_where_both_are_free"),
+    Fault(CYCLES + "crossings.py", "(gap > 1) & (gap < size[i] - 1)", "gap > 1",
+          ORACLE + "crossings_are_those_of_all_pairs"),
+    Fault(CYCLES + "crossings.py", "apart = (self.loop[i] != self.loop[j])", "apart = (self.loop[i] == self.loop[j])",
+          ORACLE + "crossings_are_those_of_all_pairs"),
+    Fault(CYCLES + "giving_way.py", "if abs(s) * bias > abs(t):", "if abs(s) * bias < abs(t):",
+          ORACLE + "the_line_whose_contact_is_farther_gives_way"),
+    Fault(CYCLES + "giving_way.py", "np.abs(along[some]) - SLACK", "np.abs(along[some]) + SLACK",
+          ORACLE + "the_line_whose_contact_is_farther_gives_way"),
+    Fault(CYCLES + "method.py", "request.side * hull.area < request.side * mesh.area", "False",
+          ORACLE + "where_cycles_crossed_the_smaller_of_them_and_the_hull_is_taken"),
+    Fault(CYCLES + "method.py", "shift[blocked if len(blocked) else far] = HULL_OFFSET", "shift[far] = HULL_OFFSET",
+          ORACLE + "only_blocked_loops_lose_their_shift"),
+    Fault(CORE + "motion/level.py", "wanted = 0.0 if self.settings.clearance is None else self.clearance",
+          "wanted = 0.0",
+          "tests/core/test_gate.py::test_keys_keep_the_clearance"),
+    Fault(CORE + "motion/between.py", "[other for other in (begin.before, end, begin) if other is not None]",
+          "[end, begin]", "tests/core/test_gate.py::test_neighbours_of_a_pushed_key_are_judged_again"),
+    Fault(CORE + "geometry/smallest_gap.py", "if slack <= ACCURATE * best:", "if slack >= 0.0:",
+          "tests/core/test_smallest_gap.py::test_certificate_and_checker_agree_to_the_last_digits"),
+    Fault(CORE + "command/written.py", "            if missing:", "            if False:",
+          "tests/core/test_check_command.py::test_what_a_viewer_does_not_show_so_is_refused"),
+    Fault(CORE + "exchange/svg/levels.py", "points = moved(path.points, shape.matrix)", "points = path.points",
+          "tests/core/test_check_command.py::test_what_a_viewer_does_not_show_so_is_refused"),
+    Fault(CORE + "exchange/svg/selectors.py", "self.left -= visits * self.weight", "self.left -= 1",
+          "tests/core/test_limits.py::test_small_drawings_take_bounded_work"),
 )  # fmt: skip

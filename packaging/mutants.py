@@ -42,6 +42,10 @@ TESTS = {
     "verification/certificate.py": "test_verification.py",
     "verification/motion.py": "test_motion.py test_deliberate_faults.py",
     "tolerance/": "test_tolerance.py",
+    "decimation/line_cycles/": "test_line_cycles_oracle.py test_line_cycles.py",
+    "level/": "test_gate.py test_attempts.py test_guarantees.py test_stages.py",
+    "motion/": "test_gate.py test_animated_cages.py test_sequence.py",
+    "constraints/": "test_constraints.py test_needs_together.py test_grid.py test_convex_cages.py test_symmetry.py",
     "checker.py": "test_checker.py",
     "checker_distance.py": "test_checker.py",
 }
