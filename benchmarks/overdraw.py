@@ -1,11 +1,11 @@
 """Transparent pixels that sprites draw: rectangle, convex hull, and the certified hulls of game puppets.
 
-    python benchmarks/overdraw.py FOLDER ... [--sprites 40] [--seed 1] [--write]
+    python benchmarks/overdraw.py FOLDER ... [--sprites 40] [--seed 1]
 
 Takes sprites with an alpha channel and a longer side of 96 to 800 pixels at random from each folder, such as those of
 Debian's packages ardentryst, endless-sky-data and fillets-ng-data (`apt-get download`, `dpkg -x`). Overdraw: the area
 that is drawn beyond opaque pixels, in parts of these. All hulls keep a pixel of distance from opaque pixels, except the
-rectangle. --write puts the table into docs/guide/godot.md.
+rectangle.
 """
 
 from __future__ import annotations
@@ -18,13 +18,11 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from clone import ROOT
+import clone  # noqa: F401 - puts the core on the path
 from nestedcages_core import NestedCagesError
 from nestedcages_core.exchange.pictures import read_png
 from nestedcages_core.game.islands import MARGIN, islands_of
-from page import measured
 
-PAGE = ROOT / "docs" / "guide" / "godot.md"
 COUNTS = (8, 12, 16, 24)
 LEAST_SIDE, MOST_SIDE = 96, 800
 
@@ -71,7 +69,6 @@ def main() -> None:
     options.add_argument("folders", nargs="+", type=Path)
     options.add_argument("--sprites", type=int, default=40, help="of each folder")
     options.add_argument("--seed", type=int, default=1)
-    options.add_argument("--write", action="store_true")
     given = options.parse_args()
     lines = []
     everything, failed, outside, seconds = [], 0, 0, []
@@ -104,9 +101,6 @@ def main() -> None:
     shown = "\n".join(("| around the sprite | median | mean | worst tenth |", "|---|---|---|---|", *rows, "", said))
     lines += [shown, f"CPU of the slowest count: median {np.median(seconds):.2f} s, worst {max(seconds):.2f} s"]
     print("\n".join(lines))
-    if given.write:
-        command = f"python benchmarks/overdraw.py {' '.join(folder.name for folder in given.folders)}"
-        measured(PAGE, "overdraw", command, "\n".join(lines), shown)
 
 
 if __name__ == "__main__":
