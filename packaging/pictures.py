@@ -26,7 +26,7 @@ CLIPS = {"demo": ("build/demo/letter_a.png", "demo.png"), "clip": ("build/clip/l
 TEXTS = (b"tEXt", b"zTXt", b"iTXt")
 """Chunks of a PNG that hold texts."""
 
-PLACES = {"character.gif": DOCS, "waving.gif": DOCS}
+PLACES = {"character.gif": DOCS, "fox_walk.gif": DOCS, "waving.gif": DOCS}
 """Folders of pictures that are not in docs/gallery."""
 
 

@@ -31,6 +31,7 @@ STORIES = (
     "coast",
     "cut_or_held",
     "five_levels",
+    "fox_walk",
     "glyphs",
     "logo",
     "needs",
@@ -48,7 +49,7 @@ NESTED = {
     "five_levels": ("five_levels.svg", "shape", "cage-1", "cage-2", "cage-3"),
 }
 """The drawing that a story writes, and what lies in each other there."""
-NEED_BLENDER = ("character", "waving")
+NEED_BLENDER = ("character", "fox_walk", "waving")
 
 
 @pytest.mark.slow

@@ -24,13 +24,14 @@ from ..operators.views import redraw
 from ..properties import groups
 from ..properties.kinds import choice, registration
 from ..properties.settings import copy_values, settings_of
+from ..puppets import is_puppet
 from ..scene.areas import paints
 from ..scene.ownership import chosen, scene_of, sets_of_chosen
 
 RIG, PICTURE, CAGES = "RIG", "PICTURE", "CAGES"
 TITLES = {RIG: "Rig a Character", PICTURE: "Cut Out a Picture", CAGES: "Cages around Drawings"}
 SAYS = {
-    RIG: "Bend a drawing of one or many parts with bones, in one cage around all of them",
+    RIG: "Move a drawing with bones: its parts by themselves, or all of it in one cage",
     PICTURE: "Make pictures with a transparent background parts to pose",
     CAGES: "Wrap drawings in coarse outlines that strictly enclose them, and move them by these",
 }
@@ -120,8 +121,11 @@ def _first(layout: Any, name: str, **options: Any) -> Any:
 
 
 def _rig_door(layout: Any, context: Context) -> None:
-    _first(layout, "rig", icon="ARMATURE_DATA")
+    given = any(obj.type == "ARMATURE" and not is_puppet(obj) for obj in context.selected_objects)
+    first, second = ("rig", "puppet") if given else ("puppet", "rig")
+    _first(layout, first, icon="ARMATURE_DATA")
     column = layout.column(align=True)
+    column.operator(f"object.nested_cages_{second}", icon="MOD_ARMATURE")
     column.operator("object.nested_cages_suggest_bones", icon="GROUP_BONE")
     column.operator("object.nested_cages_bind", text="Bind New Parts", icon="LINKED")
     layout.operator("object.nested_cages_import", text="Import Parts", icon="IMPORT")

@@ -14,7 +14,13 @@ from ..properties.settings import copy_values, settings_of
 # Operators of the menu by their names, with their icons: groups after Generate, and what comes last.
 ENTRIES: tuple[dict[str, Any], ...] = (
     {"select_fault": "VIEWZOOM", "verify": "CHECKMARK"},
-    {"bind": "LINKED", "add_handles": "BONE_DATA", "suggest_bones": "GROUP_BONE", "rig": "ARMATURE_DATA"}
+    {
+        "bind": "LINKED",
+        "add_handles": "BONE_DATA",
+        "suggest_bones": "GROUP_BONE",
+        "rig": "ARMATURE_DATA",
+        "puppet": "OUTLINER_OB_ARMATURE",
+    }
     | {
         "follow": "CON_FOLLOWTRACK",
         "live": "REC",

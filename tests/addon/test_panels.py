@@ -115,7 +115,7 @@ FITTING = {
     "a camera": (bpy.ops.object.camera_add, "", ""),
     "a drawing": (lambda: poly_curve("Drawing", [star()]), "CAGES", "generate"),
     "drawings side by side": (lambda: squares(0.0, 2.0, 4.0), "CAGES", "generate"),
-    "overlapping parts": (lambda: squares(0.0, 0.5, 1.0), "RIG", "rig"),
+    "overlapping parts": (lambda: squares(0.0, 0.5, 1.0), "RIG", "puppet"),
     "an armature": (bpy.ops.object.armature_add, "RIG", "rig"),
     "a rig in Pose Mode": (rigged, "RIG", "rig"),
     "a picture": (image_empty, "PICTURE", "cutout"),

@@ -1,0 +1,60 @@
+"""Make Puppet: an armature that moves the parts of a layered drawing by themselves."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.types import Context, Object
+
+from .. import puppets, record
+from ..errors import UserError, counted
+from ..generation.job import Work
+from ..properties.kinds import flag
+from ..scene.areas import paints
+from .base import JobOperator, pose
+from .views import OUTLINES
+
+
+class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
+    """Give the selected drawings bones, so that each part moves by itself: those that overlap hang on each other, and
+    long ones bend. Hang a bone on another one and press again, and the puppet follows
+    """
+
+    bl_label = "Make Puppet"
+    modes = ("OBJECT", "POSE")
+    exclusive = True
+
+    limits: flag("Limit Turns", "Limit each joint to the range in which nothing folds over itself", default=True)
+
+    needs = staticmethod(lambda context: _parts(context)[0])
+    missing = "Select the parts of a drawing: meshes, curves, texts, pictures or Grease Pencil"
+    shown_by = (OUTLINES,)
+
+    def work(self, context: Context) -> Work[None]:
+        objects, old = _parts(context)
+        if old is not None and not old.is_editable:
+            raise UserError(f"'{old.name}' is linked from another file: make it local first")
+        if context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        self.tell_hidden(context, objects)
+        with puppets.at_rest(context, objects, old):
+            given = yield from puppets.drawn(context, objects)
+            armature, puppet = yield from puppets.make(context, given, old, limits=self.limits)
+        pose(context, armature)
+        self.tell_skipped(list(given.problems))
+        for note in puppet.draft.notes:
+            self.report({"WARNING"}, note)
+        ranges = [each for each in puppet.ranges if each != puppets.free()]
+        proved = min((min(-each.low, each.high) for each in ranges), default=0.0)
+        folds = f"; nothing folds within {proved:.0f}° of any joint that bends" if ranges else ""
+        count = counted(len(given.parts), "part")
+        self.report({"INFO"}, f"{count} on {counted(len(puppet.bones), 'bone')}: pose '{armature.name}'{folds}")
+
+
+def _parts(context: Context) -> tuple[list[Object], Object | None]:
+    """The drawings of a puppet, and its armature if there is one: what is selected, with all that moves with it."""
+    selected = list(context.selected_objects)
+    drawings = [obj for obj in selected if paints(obj) and record.level_of(obj) is None]
+    armatures = [obj for obj in selected if puppets.is_puppet(obj)]
+    old = next(iter(armatures), None) or puppets.puppet_of(drawings)
+    known = puppets.parts_of(old) if old is not None else []
+    return [*known, *(obj for obj in drawings if obj not in known)], old
