@@ -5,10 +5,11 @@ from __future__ import annotations
 import bpy
 from bpy.types import Context, Object
 
-from .. import puppets, record
+from .. import record
 from ..errors import UserError, counted
 from ..generation.job import Work
 from ..properties.kinds import flag
+from ..puppets import moving
 from ..scene.areas import paints
 from .base import JobOperator, pose
 from .views import OUTLINES
@@ -36,14 +37,14 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         self.tell_hidden(context, objects)
-        with puppets.at_rest(context, objects, old):
-            given = yield from puppets.drawn(context, objects)
-            armature, puppet = yield from puppets.make(context, given, old, limits=self.limits)
+        with moving.at_rest(context, objects, old):
+            given = yield from moving.drawn(context, objects)
+            armature, puppet = yield from moving.make(context, given, old, limits=self.limits)
         pose(context, armature)
         self.tell_skipped(list(given.problems))
         for note in puppet.draft.notes:
             self.report({"WARNING"}, note)
-        ranges = [each for each in puppet.ranges if each != puppets.free()]
+        ranges = [each for each in puppet.ranges if each != moving.free()]
         proved = min((min(-each.low, each.high) for each in ranges), default=0.0)
         folds = f"; nothing folds within {proved:.0f}° of any joint that bends" if ranges else ""
         count = counted(len(given.parts), "part")
@@ -54,7 +55,7 @@ def _parts(context: Context) -> tuple[list[Object], Object | None]:
     """The drawings of a puppet, and its armature if there is one: what is selected, with all that moves with it."""
     selected = list(context.selected_objects)
     drawings = [obj for obj in selected if paints(obj) and record.level_of(obj) is None]
-    armatures = [obj for obj in selected if puppets.is_puppet(obj)]
-    old = next(iter(armatures), None) or puppets.puppet_of(drawings)
-    known = puppets.parts_of(old) if old is not None else []
+    armatures = [obj for obj in selected if moving.is_puppet(obj)]
+    old = next(iter(armatures), None) or moving.puppet_of(drawings)
+    known = moving.parts_of(old) if old is not None else []
     return [*known, *(obj for obj in drawings if obj not in known)], old

@@ -18,17 +18,17 @@ import numpy as np
 from bpy.types import Context, Object
 from mathutils import Matrix
 
-from . import record
-from .binding import field
-from .characters import add_bones, removed_on_failure
-from .core import blamed, core
-from .errors import UserError
-from .generation.job import Progress, Work
-from .io import silhouettes
-from .scene import filling
-from .scene.areas import paints
-from .scene.ownership import select
-from .scene.plane import Frame, world_matrix
+from .. import record
+from ..binding import field
+from ..characters import add_bones, removed_on_failure
+from ..core import blamed, core
+from ..errors import UserError
+from ..generation.job import Progress, Work
+from ..io import silhouettes
+from ..scene import filling
+from ..scene.areas import paints
+from ..scene.ownership import select
+from ..scene.plane import Frame, world_matrix
 
 # Custom property of a bone: the name of the drawing that it was made for.
 PART = "nested_cages_part"
