@@ -26,12 +26,12 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
 
     limits: flag("Limit Turns", "Limit each joint to the range in which nothing folds over itself", default=True)
 
-    needs = staticmethod(lambda context: _parts(context)[0])
+    needs = staticmethod(lambda context: _selected_parts(context)[0])
     missing = "Select the parts of a drawing: meshes, curves, texts, pictures or Grease Pencil"
     shown_by = (OUTLINES,)
 
     def work(self, context: Context) -> Work[None]:
-        objects, old = _parts(context)
+        objects, old = _selected_parts(context)
         if old is not None and not old.is_editable:
             raise UserError(f"'{old.name}' is linked from another file: make it local first")
         if context.mode != "OBJECT":
@@ -39,7 +39,7 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
         self.tell_hidden(context, objects)
         with moving.at_rest(context, objects, old):
             given = yield from moving.drawn(context, objects)
-            armature, puppet = yield from moving.make(context, given, old, limits=self.limits)
+            armature, puppet = yield from moving.articulate(context, given, old, limits=self.limits)
         pose(context, armature)
         self.tell_skipped(list(given.problems))
         for note in puppet.draft.notes:
@@ -51,11 +51,11 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
         self.report({"INFO"}, f"{count} on {counted(len(puppet.bones), 'bone')}: pose '{armature.name}'{folds}")
 
 
-def _parts(context: Context) -> tuple[list[Object], Object | None]:
+def _selected_parts(context: Context) -> tuple[list[Object], Object | None]:
     """The drawings of a puppet, and its armature if there is one: what is selected, with all that moves with it."""
     selected = list(context.selected_objects)
     drawings = [obj for obj in selected if paints(obj) and record.level_of(obj) is None]
     armatures = [obj for obj in selected if moving.is_puppet(obj)]
     old = next(iter(armatures), None) or moving.puppet_of(drawings)
-    known = moving.parts_of(old) if old is not None else []
+    known = moving.drawings_of(old) if old is not None else []
     return [*known, *(obj for obj in drawings if obj not in known)], old

@@ -89,7 +89,7 @@ def _part_name(obj: Object) -> str:
     return stem if stem in layers else obj.name
 
 
-def make(
+def articulate(
     context: Context, given: Drawn, old: Object | None, *, limits: bool = True
 ) -> Work[tuple[Object, core.puppet.Puppet]]:
     """An armature that moves the drawings part by part. Raises: UserError.
@@ -163,7 +163,7 @@ def puppet_of(objects: Sequence[Object]) -> Object | None:
     return next((obj.parent for obj in objects if obj.parent is not None and is_puppet(obj.parent)), None)
 
 
-def parts_of(armature: Object) -> list[Object]:
+def drawings_of(armature: Object) -> list[Object]:
     """The drawings that a puppet moves."""
     return [child for child in armature.children if not _part_of(child) and paints(child)]
 
