@@ -38,48 +38,60 @@ POSITIVE = {
 
 @dataclass(frozen=True)
 class Settings(LevelSettings):
-    """How nested cages are made. Nothing here needs tuning per shape."""
+    """How nested cages are made. Nothing here needs tuning per shape; lengths are in the input's units.
+
+    Attributes:
+        clearance: Smallest distance between cage and fine mesh, a length. Default: 1e-5 of the fine mesh's diagonal,
+            less where its gaps are too narrow.
+        grid: Cage vertices are multiples of this length, certified as the doubles that their decimals read as: 0.01 for
+            two decimals. Default: any number.
+        stored: Type that will hold the coordinates, such as np.float32: cage and motion are certified on its numbers,
+            which all steps have but for the fine mesh. Default: doubles.
+        loops: Which loops cages keep. "auto": those worth their vertices; holes are filled and parts share a loop where
+            that is tighter (joining needs shapely). "keep": all; counts below three for each are an error. "one": one
+            around all. Cages inside, moving, from one's own meshes and by a tolerance keep all. Default: "auto".
+        merge: Parts closer than this length share a loop, and holes of less than its square are filled, as far as that
+            is tighter; inf: one loop around all. Needs shapely. Default: None, only what `loops` says.
+        convex: Around each part the convex polygon of least area found, with holes filled. Not with `merge`, pins,
+            joints and limits; `energy` and `fallback` do not matter then. Default: False.
+        symmetry: A symmetry that the cages have exactly: `Mirror`, `Rotation`, or `Found` for that of the drawing.
+            Needs shapely where the drawing does not have it. Default: None.
+        weights: (n,) how much each fine vertex matters, at least 0: less excess where weights are high. Default: alike.
+        pins: Corners that keep a cage vertex: fine vertices by number, or places (x, y) on the outline. Default: none.
+        joints: Places (x, y) of bones' ends: the outline keeps a cage vertex on both sides of each. Default: none.
+        min_edge: No cage edge is shorter than this length, where there is room. Default: None.
+        min_angle: No angle between cage edges is sharper than this, in degrees below 60, where there is room. Default:
+            None.
+        constraints: What cages keep in addition, such as `Box` or `LoopClearance`; anyone can write others, see
+            `nestedcages_core.constraints`. Default: none.
+        seconds: Wall-clock time in seconds for all levels; then the best certified cage is taken, or an error has the
+            finished levels as its `partial`. Default: no limit.
+        about: The mesh that distances, excesses, weights, pins and a symmetry are about when levels are made one by
+            one: a drawing inside the fine mesh, or around it for inner cages. Default: the fine mesh.
+        decimation: Turns a vertex count into a coarse mesh. Default: `LineCycles()`.
+        fallback: Decimation to start from if flow or reinflation fail (docs/ablation.md: the hull as fallback); None
+            raises an error. Default: `OuterHull()`.
+        flow: Brings the fine mesh inside the coarse one. Default: `TwoSidedFlow()`.
+        energy: What the cage minimises during tightening. Default: `Area()`.
+        contact: Resolves contact during reinflation; of several, each starts over where the one before is blocked.
+            Default: sequential QPs, then IPC from a coarse mesh of one's own.
+        tightening: Brings the cage to its optimum once the fine mesh is back. Default: `Tightening()`.
+    """
 
     grid: float | None = None
-    """Cage vertices are multiples of this length, each the double that its decimals read as: 0.01 for two decimals, 1
-    for whole numbers. The cage is certified on these numbers, at the least excess found. None: any number."""
     stored: DTypeLike | None = None
-    """The type that will hold the coordinates, such as np.float32: cage and motion are certified on its numbers,
-    which all steps have, but for the fine mesh as it is given. None: doubles."""
     loops: Literal["auto", "keep", "one"] = "auto"
-    """Which loops cages keep. "auto": those worth their vertices: holes are filled and parts share a loop where that
-    is tighter, so that no cage has more vertices than asked for; joining needs shapely. "keep": all; counts below three
-    for each are an error. "one": one loop around all. Cages inside, moving ones, those from meshes of one's own and
-    those by a tolerance keep all loops."""
     merge: float | None = None
-    """Parts closer than this length share a loop of the cage, and holes of less than its square are filled, as far as
-    that makes the cage tighter; infinite: one loop around all. Needs shapely. None: a loop for each
-    loop of the fine mesh."""
     convex: bool = False
-    """Convex cages: around each part of the mesh the convex polygon of least area with as many vertices as the level
-    says; holes are filled. Not with `merge`, pins, joints and limits; `energy` and `fallback` do not matter then."""
     symmetry: Symmetry | Found | None = None
-    """A symmetry that the cages have exactly: `Mirror`, `Rotation`, or `Found` for that of the drawing. Needs shapely
-    where the drawing does not have it."""
     weights: ArrayLike | None = field(default=None, repr=False)
-    """(n,) how much each fine vertex matters, at least 0: more vertices and less excess where weights are high."""
     pins: Sequence[int | Sequence[float]] = ()
-    """Corners that keep a cage vertex: fine vertices by number, or places (x, y) on the outline."""
     joints: Sequence[Sequence[float]] = ()
-    """Places (x, y) of bones' ends in the shape: the outline keeps a cage vertex on both sides of each."""
     min_edge: float | None = None
-    """No cage edge is shorter than this length, where there is room."""
     min_angle: float | None = None
-    """No angle between cage edges is sharper than this, in degrees below 60, where there is room."""
     constraints: Sequence[Constraint] = ()
-    """What the cages keep in addition, such as `Box` or `LoopClearance`; anyone can write others, see
-    `nestedcages_core.constraints`."""
     seconds: float | None = None
-    """Wall-clock time that all levels together may take; after it an error says what was reached, and has the levels
-    made so far as its `partial`. None: no limit."""
     about: Mesh | None = None
-    """The mesh that distances, excesses, weights, pins and a symmetry to be found are about, if not the fine one: a
-    drawing inside of it, or around it for inner cages, when levels are made one by one."""
 
     @classmethod
     def of(cls, settings: Settings | None, **options: Unpack[SettingsKeywords]) -> Settings:

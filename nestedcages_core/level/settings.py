@@ -30,25 +30,15 @@ METHODS = {
 
 @dataclass(frozen=True)
 class LevelSettings:
-    """The settings that the builder of a level works with; `Settings` adds what runs and needs are told."""
+    """The settings that the builder of a level works with. `Settings` describes them, and adds what runs are told."""
 
     clearance: float | None = None
-    """Smallest allowed distance between cage and fine mesh, in the input's units. None: 1e-5 of the fine mesh's
-    bounding-box diagonal, reduced where gaps of the fine mesh are too narrow for it."""
     decimation: Decimation = field(default_factory=LineCycles)
-    """Turns a vertex count into a coarse mesh."""
     fallback: Decimation | None = field(default_factory=OuterHull)
-    """Decimation to start from if the flow or the reinflation fails; None: raise an error (docs/ablation.md: the hull
-    as fallback)."""
     flow: FlowMethod = field(default_factory=TwoSidedFlow)
-    """Brings the fine mesh inside the coarse one."""
     energy: Energy = field(default_factory=Area)
-    """What the cage minimises during tightening."""
     contact: Contact | Sequence[Contact] | None = None
-    """Resolves contact during reinflation; of several, each starts over where the one before is blocked. None:
-    sequential QPs; then IPC, where the coarse mesh is the user's own."""
     tightening: Tightening = field(default_factory=Tightening)
-    """Brings the cage to its optimum once the fine mesh is back."""
 
     def __post_init__(self) -> None:
         if self.clearance is not None and not is_length(self.clearance):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import json
+import re
 import xml.etree.ElementTree as ET
 from dataclasses import fields
 from typing import Any
@@ -112,6 +113,14 @@ def test_settings_can_be_keywords() -> None:
         nested_cages(OUTER, 12, **misspelt)  # type: ignore[arg-type]
     told = {name: hint.__forward_arg__ for name, hint in SettingsKeywords.__annotations__.items()}
     assert told == {each.name: each.type for each in fields(Settings)}
+
+
+def test_help_describes_every_setting() -> None:
+    told = dict(
+        re.findall(r"^ {8}(\w+): (.*?)(?=^ {8}\w+: |\Z)", Settings.__doc__ or "", flags=re.MULTILINE | re.DOTALL)
+    )
+    assert told.keys() == {each.name for each in fields(Settings)}
+    assert [name for name, words in told.items() if "Default:" not in words] == []
 
 
 def test_a_level_is_a_geometry() -> None:
