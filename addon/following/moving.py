@@ -219,4 +219,4 @@ def stand_still(poses: Poses, options: Options) -> Work[Moving]:
 def _with_report(still: core.MovingLevel, level: core.Level) -> core.MovingLevel:
     """A still level with the time and notes of the one that it is."""
     seconds = still.report.seconds + sum(level.report.seconds.values())
-    return replace(still, report=replace(still.report, seconds=seconds, notes=level.report.notes))
+    return replace(still, report=replace(still.report, seconds=seconds, notes=tuple(level.report.notes)))

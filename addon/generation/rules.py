@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -60,7 +60,7 @@ class Rules:
 
     convex: bool = False
     grid: float = 0.0
-    loops: str = AUTO
+    loops: Literal["auto", "keep", "one"] = "auto"
     merge: float = 0.0
     symmetry: str = NONE
     symmetry_order: int = 2

@@ -19,6 +19,7 @@ from ..level.attempts import LOOSE, clearances_for
 from ..level.builder import LevelBuilder
 from ..level.gate import passed
 from ..level.level_cache import whole_level
+from ..level.notes import NotesWhenRead
 from ..level.plan import Plan
 from ..level.report import Hierarchy, Level, LevelProgress, Progress
 from ..tasks import Run, Stage, limited, listened
@@ -157,11 +158,10 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
             from ..decimation.loops import advice
 
             advised += advice(inner, done.cage)
+        notes: Sequence[Fault] = (*remarks, *done.report.notes, *advised, *late)
         if side > 0 and plan.kept().is_free and isinstance(level, int) and not settings.convex:
-            from ..decimation.loops import knee_note
-
-            advised += knee_note(inner, done.cage, clearances[0])
-        return replace(done, report=replace(done.report, notes=(*remarks, *done.report.notes, *advised, *late)))
+            notes = NotesWhenRead(notes, partial(_knee_note, inner, done.cage, clearances[0]))
+        return replace(done, report=replace(done.report, notes=notes))
 
     failure: NestedCagesError | None = None
     while True:
@@ -179,6 +179,13 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
             if error.code != "clearance.no_room" or not finished or not isinstance(settings.tightening, Tightening):
                 raise
             failure = error  # the levels before may have taken the room between their loops
+
+
+def _knee_note(fine: Mesh, cage: Mesh, clearance: float) -> tuple[Fault, ...]:
+    """The note on a few vertices more, which takes a search of its own."""
+    from ..decimation.loops import knee_note
+
+    return knee_note(fine, cage, clearance)
 
 
 def _with_room(settings: Settings, levels: int) -> Settings:

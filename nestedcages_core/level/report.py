@@ -58,8 +58,9 @@ class NestingReport:
     """Iterations per phase."""
     seconds: Mapping[str, float]
     """Wall-clock seconds per phase."""
-    notes: tuple[Fault, ...] = ()
-    """Deviations from the request, for instance why the fallback was used: sentences with a code and data."""
+    notes: Sequence[Fault] = ()
+    """Deviations from the request, such as the use of the fallback, and what a few vertices more would give, found
+    when notes are first read: sentences with a code and data."""
     fewest: int | None = None
     """No cage within the distance asked for has fewer vertices; None where none was asked for."""
     grid: float | None = None

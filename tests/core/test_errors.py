@@ -94,7 +94,7 @@ SQUARE = Mesh.from_loops([[(-1, -1), (1, -1), (1, 1), (-1, 1)]])
     [
         (lambda: Mesh.from_loops([BOWTIE]), "mesh.crossing", {"loops": (0,), "place": (1.0, 1.0)}),
         (lambda: Mesh([(0, 0), (1, 0), (0, 1)], [(0, 1), (1, 2)]), "mesh.open", {"vertices": (0,)}),
-        (lambda: nested_cages(annulus(8), [5]), "count.too_small", {"total": 5, "least": 6}),
+        (lambda: nested_cages(annulus(8), [5], loops="keep"), "count.too_small", {"total": 5, "least": 6}),
         (
             lambda: nested_cages(Mesh.from_loops(APART), [8], Settings(clearance=0.1)),
             "clearance.no_room",

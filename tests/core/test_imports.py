@@ -14,7 +14,7 @@ from nestedcages_core import lapack
 
 ROOT = Path(__file__).resolve().parents[2]
 
-MAX_LINES_LOADED = 12_300
+MAX_LINES_LOADED = 12_650
 """Lines of the core that a default cage imports; a reader of the method has to know no more."""
 
 METHOD = (
@@ -32,7 +32,7 @@ METHOD = (
 )
 """Rooms of the method."""
 
-MAX_NAMED_NUMBERS = 248
+MAX_NAMED_NUMBERS = 269
 """Constants and default parameters of the method with numbers in them: lower it whenever one goes."""
 
 PROGRAM = """
@@ -104,6 +104,7 @@ def test_a_default_cage_loads_a_part_of_the_core(imported: list[set[str]]) -> No
     assert lines <= MAX_LINES_LOADED
     unused = (
         "decimation.choices",
+        "decimation.loops",
         "energies.choices",
         "contact.ipc",
         "geometry.triangulation",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import sys
 from itertools import product
 from typing import Any
@@ -248,7 +249,8 @@ def test_the_knee_is_told() -> None:
     """Fifteen vertices cannot follow sixteen corners."""
     fine = Mesh.from_loops([ring(4, 1.0, angle=np.pi / 4) + np.array([3.0 * x, 3.0 * y]) for x, y in np.ndindex(2, 2)])
     level = nested_cages(fine, 13)[0]
-    found = level.tradeoff
+    found, notes = level.tradeoff, level.report.notes
+    assert pickle.loads(pickle.dumps(notes)) == notes == tuple(notes) and hash(notes) == hash(tuple(notes))
     (said,) = (note for note in level.report.notes if note.code == "note.knee")
     assert said.data["better"] == found.knee and said.data["given"] == 13
     assert f"{found.knee} vertices would make it" in said and found[found.knee] <= 0.5 * level.excess
