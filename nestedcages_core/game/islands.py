@@ -50,7 +50,7 @@ def certify(loop: FloatArray, pixels: Pixels, left: int, top: int) -> None:
     certificate = verify(Mesh.from_loops([loop]), placed, same_loops=False)
     if not certificate:
         problem = f"A hull does not enclose its pixels: {certificate.problems[0]}"
-        raise NestedCagesError(problem, code="cage.uncertified")
+        raise NestedCagesError(problem, code="certificate.failed", problems=certificate.problems)
 
 
 def islands_of(pixels: Pixels, left: int, top: int, vertices: int) -> list[Island]:
