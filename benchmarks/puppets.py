@@ -104,7 +104,11 @@ def folds() -> Table:
         poses, flipped = 0, 0
         for puppet, own in fields:
             for _ in range(POSES if own else 0):
-                turned = {k: random.uniform(-largest, largest) for k, bone in enumerate(puppet.bones) if bone.parent}
+                turned = {
+                    k: random.uniform(-largest, largest)
+                    for k, bone in enumerate(puppet.bones)
+                    if bone.parent is not None
+                }
                 poses += 1
                 flipped += any(folded(posed(puppet, each, turned), each.grid.triangles).any() for each in own)
         rows.append((f"±{largest:.0f}°", str(poses), f"{100.0 * flipped / poses:.1f} %"))
