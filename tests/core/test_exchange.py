@@ -454,7 +454,7 @@ def test_slivers_that_closed_gaps_leave_go() -> None:
 def test_narrow_parts_and_necks_stay() -> None:
     """So do sharp corners, and everything else to the last bit."""
     for points in (
-        [[(0, 0), (8, 0), (8, 10), (0, 10)], [(9, 0), (9.5, 0), (9.5, 4e-4), (9, 4e-4)]],
+        [[(0, 0), (8, 0), (8, 10), (0, 10)], [(9, 0), (9.5, 0), (9.5, 4e-3), (9, 4e-3)]],
         [[(0, 0), (4, 0), (4, 5), (6, 5), (6, 0), (10, 0), (10, 9), (6, 9), (6, 5.0001), (4, 5.0001), (4, 9), (0, 9)]],
         [[(0, 0), (10, 0), (0, 1)]],
     ):

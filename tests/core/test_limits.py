@@ -18,6 +18,7 @@ from benchmarks.hostile.attacks import star_polygon, svg
 from nestedcages_core import (
     Mesh,
     NestedCagesError,
+    Settings,
     boundary_of_pixels,
     collision_outline,
     features_from_geojson,
@@ -73,6 +74,7 @@ DRAWING = svg("".join(f'<path d="{path(square)}"/>' for square in SQUARES))
 PICTURE = encoded(np.full((4, 4, 4), 255), 8, 6, [0])
 CHESS = np.indices((6, 6)).sum(axis=0) % 2 == 0
 
+KEEP = Settings(loops="keep")
 Reader = Callable[[Any, Limits], Any]
 CASES: list[tuple[Reader, Any, dict[str, int]]] = [
     (lambda given, limits: from_svg(given, limits=limits), DRAWING,
@@ -92,7 +94,7 @@ CASES: list[tuple[Reader, Any, dict[str, int]]] = [
     (lambda given, limits: decode_png(given, limits=limits), PICTURE, {"bytes": len(PICTURE), "pixels": 16}),
     (lambda given, limits: boundary_of_pixels(given, limits=limits), CHESS, {"points": 72}),
     (lambda given, limits: collision_outline(given, 12, limits=limits), CHESS.astype(float), {"points": 40}),
-    (lambda given, limits: collision_outline(given, 4, padding=90.0, limits=limits), np.eye(6)[[0, 5]],
+    (lambda given, limits: collision_outline(given, 6, padding=90.0, limits=limits, settings=KEEP), np.eye(6)[[0, 5]],
      {"pixels": 184 * 188}),
 ]  # fmt: skip
 

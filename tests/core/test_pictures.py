@@ -17,7 +17,7 @@ from scipy.ndimage import distance_transform_edt, label
 
 from nestedcages_core import InvalidMeshError, Mesh, NestedCagesError, Settings, collision_outline
 from nestedcages_core.exchange import Limits
-from nestedcages_core.exchange.pictures import alpha_channel, boundary_of_pixels, decode_png, read_png
+from nestedcages_core.exchange.pictures import HALF, alpha_channel, boundary_of_pixels, decode_png, read_png
 from shapes import polygon
 
 # PNG: an encoder that filters pixel by pixel, as the standard words it
@@ -299,4 +299,4 @@ def test_settings_are_passed_on_and_bad_padding_is_refused() -> None:
     assert len(collision_outline(sprite(), 4).vertices) == 4
     with pytest.raises(NestedCagesError, match="at least"):
         collision_outline(sprite(), 2)
-    assert_wrapped(sprite(), collision_outline(sprite(), 12, settings=Settings(clearance=2.0)), 2.0)
+    assert_wrapped(sprite(), collision_outline(sprite(), 12, settings=Settings(clearance=2.0)), 2.0, HALF)
