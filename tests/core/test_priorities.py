@@ -105,7 +105,7 @@ def test_a_pin_on_an_edge_and_a_joint_get_vertices() -> None:
 def test_more_pins_than_vertices_are_reported() -> None:
     fine = letter_a(6)
     pins = [int(k) for k in np.linspace(0, 400, 9)]
-    level = nested_cages(fine, [8], Settings(pins=pins)).levels[0]
+    level = nested_cages(fine, [8], Settings(pins=pins, loops="keep")).levels[0]
     check(level)
     assert any("The closest cage vertex to the pin" in note for note in level.report.notes)
 
