@@ -107,7 +107,7 @@ class TwoJoints:
 def unfolded(triples: OneJoint | TwoJoints) -> Test:
     """Certain where triangles keep their orientation."""
 
-    def test(item: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
+    def test(item: IntArray, low: FloatArray, high: FloatArray) -> tuple[BoolArray, BoolArray]:
         p, d = triples.moved(item, low, high)
         edge = np.roll(p, 1, axis=1) - np.roll(p, -1, axis=1)
         doubled = np.imag(np.conj(p[:, 1] - p[:, 0]) * (p[:, 2] - p[:, 0]))
@@ -120,7 +120,7 @@ def unfolded(triples: OneJoint | TwoJoints) -> Test:
 def apart(triples: OneJoint) -> Test:
     """Certain where the first point of each triple stays off the edge between the two others."""
 
-    def test(item: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
+    def test(item: IntArray, low: FloatArray, high: FloatArray) -> tuple[BoolArray, BoolArray]:
         p, d = triples.moved(item, low, high)
         points = np.stack((p.real, p.imag), axis=2)
         gap = point_edge(points[:, 0], points[:, 1], points[:, 2]).distance

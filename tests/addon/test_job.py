@@ -110,8 +110,13 @@ class Event(SimpleNamespace):
 
 
 # A 3D view beside a text editor.
+VIEW = SimpleNamespace(
+    shading=SimpleNamespace(light="FLAT", color_type="TEXTURE", wireframe_color_type="OBJECT"),
+    overlay=SimpleNamespace(wireframe_threshold=0.5),
+)
 AREAS = [
-    SimpleNamespace(type=kind, x=x, y=100, width=300, height=200) for kind, x in (("VIEW_3D", 0), ("TEXT_EDITOR", 300))
+    SimpleNamespace(type=kind, x=x, y=100, width=300, height=200, spaces=SimpleNamespace(active=VIEW))
+    for kind, x in (("VIEW_3D", 0), ("TEXT_EDITOR", 300))
 ]
 
 

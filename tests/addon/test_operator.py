@@ -408,12 +408,14 @@ REFUSALS = {
     ),
     "loops a rounding apart": (
         lambda: poly_curve("Touch", [circle(4), circle(4, 1.0, (2.0, 0.0))]),
-        {},
+        {"loops": "keep"},
         "'Touch, level 1': There is no room for a cage near (1, ",
     ),
     "no numbers": (not_a_number, {}, "'Broken'"),
     "no room": (
-        lambda: poly_curve("Drawing", [star(), circle(12, 0.1)]), {"clearance": 0.2}, "0.2 on 2 levels in a hole"
+        lambda: poly_curve("Drawing", [star(), circle(12, 0.1)]),
+        {"clearance": 0.2, "loops": "keep"},
+        "0.2 on 2 levels in a hole",
     ),
     "closed surface": (lambda: bpy.ops.mesh.primitive_cube_add(), {}, "'Cube' is a solid"),
     "crossing loops": (lambda: poly_curve("Two", [circle(20), circle(20, 1.0, (1.0, 0.0))]), {}, "of 'Two' cross"),
@@ -422,7 +424,9 @@ REFUSALS = {
     ),
     "level out of plane": (levels_out_of_plane, {"use_selected_as_levels": True}, "'Tilted' does not lie in one plane"),
     "impossible clearance": (
-        lambda: poly_curve("Drawing", [star(), circle(12, 0.1)]), {"clearance": 5.0}, "'Drawing': No cage keeps"
+        lambda: poly_curve("Drawing", [star(), circle(12, 0.1)]),
+        {"clearance": 5.0, "loops": "keep"},
+        "'Drawing': No cage keeps",
     ),
 }  # fmt: skip
 
