@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import NestedCagesError, invalid_setting
+from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray
 from .limbs import Limbs, forwards, limbs_of
 from .puppet import Puppet
@@ -44,7 +44,7 @@ def walk(puppet: Puppet, *, seconds: float = 1.0, frames: int = 24) -> Clip:
     """
     limbs, ahead, turn = _limbs(puppet), forwards(puppet.draft), _full_turn(frames)
     if len(limbs.legs) < 2:
-        raise NestedCagesError(f"A walk needs two legs that reach the ground; this puppet has {len(limbs.legs)}.")
+        raise invalid_setting(f"A walk needs two legs that reach the ground; this puppet has {len(limbs.legs)}.")
     tracks: dict[str, FloatArray] = {}
     for leg, phase in zip(limbs.legs, _phases(puppet, limbs.legs), strict=True):
         at = turn + phase
@@ -61,7 +61,7 @@ def wave(puppet: Puppet, *, seconds: float = 1.0, frames: int = 24) -> Clip:
     """One arm up, and its outer part to and fro. Raises NestedCagesError for a puppet without arms."""
     limbs, turn = _limbs(puppet), _full_turn(frames)
     if not limbs.arms:
-        raise NestedCagesError("A wave needs an arm; this puppet has none.")
+        raise invalid_setting("A wave needs an arm; this puppet has none.")
     arm = limbs.arms[-1]  # drawn last, the nearest
     bone = next(each for each in puppet.bones if each.name == arm[0])
     along = np.array(bone.tail) - bone.head

@@ -287,7 +287,8 @@ def import_of(tmp_path):
     ]
     path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
     options = {"directory": "", "files": [], "y": "AUTO", "scale": 1.0, "outlines": "AUTO", "answered": True}
-    return {"filepath": str(path), **options}
+    placing = {"plane": "AUTO", "centre": True, "hidden": False}
+    return {"filepath": str(path), **options, **placing}
 
 
 def image_of():

@@ -205,7 +205,7 @@ def test_levels_are_told_in_vertices_beside_them(draw, addon, name) -> None:
         count = len(addon.scene.convert.read(bpy.context, obj).points)
     bpy.context.scene.nested_cages.levels = "20%, 50%"
     drawn = draw("VIEW3D_PT_nested_cages")
-    assert f"50 % = {round(0.5 * count)}, 20 % = {max(4, round(0.2 * count))} vertices" in drawn
+    assert f"50 % = {round(0.5 * count)}, 20 % = {max(3, round(0.2 * count))} vertices" in drawn
 
 
 def test_levels_are_told_for_all_selected_drawings(draw) -> None:

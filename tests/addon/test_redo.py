@@ -72,7 +72,7 @@ def test_another_count_makes_its_level_and_those_around_it(runs) -> None:
 
 def test_another_energy_needs_the_same_coarse_meshes(core, watch) -> None:
     poly_curve("Drawing", [star()])
-    searches = watch(core.LineCycles, "starts")
+    searches = watch(core.LineCycles, "starts_keeping")
     cycles = watch(core.decimation.line_cycles.method, "cycles_around")
     redo(bpy.ops.object.nested_cages_generate, {"levels": "20"}, {"energy": "SHAPE_KEEPING"})
     assert len(searches) == 2

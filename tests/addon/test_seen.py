@@ -39,7 +39,7 @@ def test_while_it_plays_a_filled_copy_moves_in_place_of_the_original(addon, heig
     source.location.z = height
     bpy.context.view_layer.update()
     generate()
-    copy, frames = bpy.data.objects["Drawing Moving"], bpy.data.collections["Drawing Cages"].nested_cages.frames
+    copy, frames = bpy.data.objects["Drawing Moving"], addon.record.CageSet.of(source).record.frames
     first, result, _ = frames
     for frame, playing in ((first - 1, False), (first, True), (result - 1, True), (result, False), (result + 9, False)):
         at_frame(frame)
@@ -195,7 +195,7 @@ def test_the_largest_clearance_is_known_before_the_work_begins(addon, core, monk
     monkeypatch.setattr(core, "NestedCagesRun", None)
     poly_curve("Drawing", [star(), circle(12, 0.1)])
     with pytest.raises(RuntimeError, match=r"on 2 levels in a hole.*ask for less than 0.0482963"):
-        generate(clearance=0.06)
+        generate(clearance=0.06, loops="keep")
     monkeypatch.undo()
     assert generate(clearance=0.02) == {"FINISHED"}
 
