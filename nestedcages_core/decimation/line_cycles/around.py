@@ -245,6 +245,8 @@ class Around:
         if count * expected**2 > FULL_SEARCH and not self.few_turns:
             width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
         sizes = self._sizes(k, deserved, count, self._copies(k), parts)
+        if not sizes:  # a symmetry of more parts than there are vertices
+            raise NoCyclesError.around([k])
         if halves is not None:
             from .images import MirrorSearch
 
