@@ -29,10 +29,11 @@ def test_a_cage_stays_home_until_its_own_flow_begins_out_of_sight() -> None:
 @pytest.mark.slow
 def test_the_length_is_known_for_other_timings(addon) -> None:
     poly_curve("Drawing", [star()])
-    collection, _, _ = generate()
+    generate()
+    cage_set = addon.record.CageSet.of(bpy.data.objects["Drawing"])
     for timing, show_flow in itertools.product((1, 3), (True, False)):
         wanted = addon.animation.timeline.Timing(5, timing, show_flow)
-        told = addon.generation.output.duration(collection, wanted)
+        told = addon.generation.output.duration(cage_set, wanted)
         bpy.context.scene.frame_end = 6
         generate(start_frame=5, frames_per_step=timing, show_flow=show_flow)
         assert bpy.context.scene.frame_end == 5 + told - 1

@@ -52,7 +52,7 @@ def test_the_largest_circle_is_that_of_shapely(seed: int) -> None:
 @pytest.mark.parametrize("share", [0.7, 0.94, NEARLY_ALL])
 def test_a_clearance_may_fill_a_hole_nearly(fine: Mesh, share: float) -> None:
     clearance = share * inradius(fine)
-    level = nested_cages(fine, [10], Settings(clearance=clearance)).levels[0]
+    level = nested_cages(fine, [10], Settings(clearance=clearance, loops="keep")).levels[0]
     assert verify(level.cage, fine, clearance)
 
 
@@ -60,7 +60,7 @@ def test_a_clearance_may_fill_a_hole_nearly(fine: Mesh, share: float) -> None:
 @pytest.mark.parametrize("fine", [annulus(32, 0.22), l_shaped_hole(), star_with_hole(0)])
 def test_a_clearance_that_a_hole_has_no_room_for_is_refused_with_the_hole_and_the_largest_possible(fine: Mesh) -> None:
     with pytest.raises(NestingError, match=r"in loop 1 of the mesh inside it, a hole: the largest circle") as caught:
-        nested_cages(fine, [10], Settings(clearance=1.05 * inradius(fine)))
+        nested_cages(fine, [10], Settings(clearance=1.05 * inradius(fine), loops="keep"))
     named = re.search(r"around \((.*), (.*)\), has the radius .*; ask for less than (.*), or", str(caught.value))
     assert named
     x, y, largest = map(float, named.groups())
@@ -76,10 +76,10 @@ def test_a_clearance_that_a_hole_has_no_room_for_is_refused_with_the_hole_and_th
 def test_two_components_share_the_gap_between_them(gap: float, part: np.ndarray) -> None:
     fine = Mesh.from_loops([part, part + np.array([np.ptp(part[:, 0]) + gap, 0.0])])
     clearance = NEARLY_ALL * 0.5 * gap
-    assert verify(nested_cages(fine, [8], Settings(clearance=clearance)).cages[0], fine, clearance)
+    assert verify(nested_cages(fine, [8], Settings(clearance=clearance, loops="keep")).cages[0], fine, clearance)
     for wanted in (0.5 * gap, 0.6 * gap):
         with pytest.raises(NestingError, match=r"between loops 0 and 1 of the mesh inside it: they are") as caught:
-            nested_cages(fine, [8], Settings(clearance=wanted))
+            nested_cages(fine, [8], Settings(clearance=wanted, loops="keep"))
         assert f"ask for less than {0.5 * gap:.6g}," in str(caught.value)
 
 
@@ -87,13 +87,13 @@ def test_two_components_share_the_gap_between_them(gap: float, part: np.ndarray)
 def test_an_island_shares_its_hole() -> None:
     fine = Mesh.from_loops([ring(40), ring(40, 0.6), ring(40, 0.3)])
     with pytest.raises(NestingError, match=r"between loops 1 and 2 of the mesh inside it: they are 0\.299"):
-        nested_cages(fine, [24], Settings(clearance=0.2))
+        nested_cages(fine, [24], Settings(clearance=0.2, loops="keep"))
 
 
 @pytest.mark.parametrize("width", [0.05, 0.01, 1e-4, 1e-6])
 def test_a_slit_within_one_loop_is_filled(width: float) -> None:
     fine = comb(1, width)
-    assert verify(nested_cages(fine, [16], Settings(clearance=0.02)).cages[0], fine, 0.02)
+    assert verify(nested_cages(fine, [16], Settings(clearance=0.02, loops="keep")).cages[0], fine, 0.02)
 
 
 @pytest.mark.slow
@@ -101,8 +101,8 @@ def test_too_few_vertices_are_told_from_too_little_room() -> None:
     """Between the island and its hole there is room for the clearance, but not for loops of eight vertices."""
     fine = Mesh.from_loops([ring(40), ring(40, 0.6), ring(40, 0.3)])
     with pytest.raises(NestingError, match=r"^No cage with this few vertices was found that keeps the clearance"):
-        nested_cages(fine, [24], Settings(clearance=0.14))
-    assert verify(nested_cages(fine, [60], Settings(clearance=0.14)).cages[0], fine, 0.14)
+        nested_cages(fine, [24], Settings(clearance=0.14, loops="keep"))
+    assert verify(nested_cages(fine, [60], Settings(clearance=0.14, loops="keep")).cages[0], fine, 0.14)
 
 
 @pytest.mark.parametrize(("gap", "clearance"), slow_after(1, [(0.05, 0.005), (0.1, 0.01)]))

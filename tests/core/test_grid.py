@@ -126,8 +126,8 @@ def test_as_small_as_the_smallest_triangle_on_a_grid(seed: int) -> None:
 )
 def test_levels_on_a_grid(fine: Mesh, grid: float) -> None:
     counts = [8 * len(fine.loops), 5 * len(fine.loops)]
-    hierarchy = nested_cages(fine, counts, Settings(grid=grid))
-    free = nested_cages(fine, counts[:1]).levels[0]
+    hierarchy = nested_cages(fine, counts, Settings(grid=grid, loops="keep"))
+    free = nested_cages(fine, counts[:1], loops="keep").levels[0]
     for level, count in zip(hierarchy.levels, counts, strict=True):
         assert len(level.cage.vertices) == count
         assert_on_grid(level, grid)
@@ -181,9 +181,9 @@ def test_where_there_is_no_cage_a_grid_is_named_that_works() -> None:
     with pytest.raises(
         NestingError, match=r"No cage with 12 vertices on the grid of 0\.5 .* a grid of (\S+) works"
     ) as e:
-        nested_cages(fine, [12], Settings(grid=0.5))
+        nested_cages(fine, [12], Settings(grid=0.5, loops="keep"))
     works = float(str(e.value).split("a grid of ")[1].split()[0])
-    assert_on_grid(nested_cages(fine, [12], Settings(grid=works)).levels[0], works)
+    assert_on_grid(nested_cages(fine, [12], Settings(grid=works, loops="keep")).levels[0], works)
     with pytest.raises(NestingError, match="finer than floating-point numbers"):
         nested_cages(fine, [12], Settings(grid=1e-20))
     with pytest.raises(NestingError, match="larger than the drawing, which is 2 wide"):
