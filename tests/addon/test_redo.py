@@ -83,7 +83,8 @@ def test_another_energy_needs_the_same_coarse_meshes(core, watch) -> None:
 def test_advice_on_a_loose_cage_and_on_room_is_found_once(core, watch) -> None:
     poly_curve("Drawing", [star(120, 0.7, 9), circle(30, 0.1)])
     hulls, bounds = watch(core.OuterHull, "decimate"), watch(core.hierarchy, "tightest_place")
-    redo(bpy.ops.object.nested_cages_generate, {"levels": "8", "clearance": 1e-3, "loops": "keep"}, {"frames_per_step": 9})
+    first = {"levels": "8", "clearance": 1e-3, "loops": "keep"}
+    redo(bpy.ops.object.nested_cages_generate, first, {"frames_per_step": 9})
     report = facts(bpy.data.objects["Drawing Cage 1"])["notes"]
     assert "larger than the drawing: " in str(report)
     assert len({arguments[2] for arguments in hulls}) == len(hulls) > 0
