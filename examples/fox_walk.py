@@ -150,7 +150,7 @@ def main() -> None:
     )
     print("The walk stays within what is proved" if not beyond else f"Beyond what is proved: {', '.join(beyond)}")
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "fox_walk.blend"), compress=True)
-    stage(folder / "fox_walk.png", 260 if given.small else 2 * PIXELS, 2 if given.small else 24)
+    stage(folder / "fox_walk.png", 340 if given.small else 2 * PIXELS, 2 if given.small else 24)
     bpy.context.scene.frame_set(SHOWN)
     shown = drawn_bones(armature)
     bpy.ops.render.render(write_still=True)

@@ -266,7 +266,8 @@ def _json_value(value: Any) -> Any:
 
 def _seen(mesh: Mesh, repairs: list[str], tolerance: float | None) -> tuple[Mesh, list[str]]:
     """A mesh without what is as small as hairlines in both directions, with what was done."""
-    mesh, small = without_specks(mesh, 0.0 if tolerance is None else (HAIRLINE_PART * tolerance) ** 2)
+    side = 0.0 if tolerance is None else HAIRLINE_PART * tolerance
+    mesh, small = without_specks(mesh, side * side)
     return mesh, [*repairs, *small]
 
 

@@ -230,7 +230,7 @@ def test_hard_inputs_get_certified_cages(fine: Mesh, levels: list[int | Mesh]) -
     assert len(hierarchy.levels) == len(levels)
     inner = fine
     for level in hierarchy.levels:
-        assert verify(level.cage, inner, level.report.wanted_clearance)
+        assert verify(level.cage, inner, level.report.wanted_clearance, same_loops=not level.report.lost)
         inner = level.cage
 
 

@@ -149,8 +149,8 @@ class Reading:
         width = HAIRLINE_PART * reading.tolerance if self.document.strokes_count else 0.0  # ours are read as written
         mesh = solid(areas, seam=width, spike=width, quota=reading.quota, notes=narrow)
         if width > 0.0:
-            pixel = min(self.document.pixel, mesh.extent / DISPLAYED)
-            mesh, small = without_specks(mesh, max(width, pixel) ** 2)
+            side = max(width, min(self.document.pixel, mesh.extent / DISPLAYED))
+            mesh, small = without_specks(mesh, side * side)  # infinite where a power would overflow
             narrow += small
         new = [*cut_off, *(f"{note.capitalize()}." for note in narrow)]
         self.notes += [note for note in new if note not in self.notes]
