@@ -14,7 +14,7 @@ from typing import Any
 
 from nestedcages_core import NestedCagesError
 
-SECONDS = 10.0
+SECONDS = 30.0
 """Processor time that a call may take."""
 
 MEGABYTES = 700
