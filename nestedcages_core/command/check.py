@@ -15,7 +15,7 @@ from ..exchange.pictures import HALF
 from ..hierarchy import Share, Within, level_words, parse_level
 from .options import decimals, length, symmetry
 from .progress import tell
-from .written import Levels, Loops, Shapes, pages_differ, read_cages, read_drawings
+from .written import Levels, Loops, Shapes, pages_differ, read_cages, read_frames
 
 HOLDS, WRONG = 0, 1
 """Exit statuses; wrong use ends with 2, by argparse."""
@@ -27,7 +27,8 @@ DESCRIPTION = """\
 Checks cages that this program has written: without rounding, on the coordinates in the files, by code that shares
 nothing with the method. RESULT is the .svg, .geojson or .json that was written, DRAWING what it was made from. Both are
 read as viewers show them: what is hidden does not count, and what cannot be judged is rejected.
-Two .json with frames are checked at each frame, and on the straight lines in between."""
+Two .json with frames are checked at each frame, and on the straight lines in between; frames made from several
+pictures are checked around each of these."""
 
 EPILOG = "exit status: 0 everything holds, 1 something does not or a file cannot be read, 2 wrong use of the options"
 
@@ -42,8 +43,13 @@ def check_files(arguments: Sequence[str]) -> int:
         options.error(f"argument --levels: {error}")
     kind, judged, lost = "error", "", list[str]()
     try:
-        drawings = read_drawings(given.drawing, given.tolerance, together=given.borders, threshold=given.threshold)
+        drawings = read_frames(given.drawing, given.tolerance, together=given.borders, threshold=given.threshold)
         results = read_cages(given.result, together=given.borders)
+        if given.flip_y:
+            turned = [
+                {level: loops.flipped(drawings.height) for level, loops in each.items()} for each in results.shapes
+            ]
+            results = results._replace(shapes=turned)
         kind, judged = "wrong", _judged(results)
         problems = list(_problems(given, drawings, results, lost))
     except OSError as error:
@@ -61,17 +67,17 @@ def check_files(arguments: Sequence[str]) -> int:
 
 def _problems(given: argparse.Namespace, drawings: Shapes, results: Shapes, lost: list[str]) -> Iterator[str]:
     """What is wrong; lost: gets what is said of loops that have none of their own."""
+    drawn = ", ".join(given.drawing)
     if len(drawings.shapes) != len(results.shapes):
-        yield f"{given.drawing} has {len(drawings.shapes)} shapes, {given.result} cages of {len(results.shapes)}"
+        yield f"{drawn} has {len(drawings.shapes)} shapes, {given.result} cages of {len(results.shapes)}"
         return
     if drawings.moves != results.moves:
         yield "only one of the files has the frames of a motion"
         return
     if drawings.y_up and results.frame is not None:
-        turned = [Loops([ring * (1.0, -1.0) for ring in levels[0].rings]) for levels in drawings.shapes]
-        drawings = drawings._replace(shapes=[{0: loops} for loops in turned])
+        drawings = drawings._replace(shapes=[{0: levels[0].flipped(0.0)} for levels in drawings.shapes])
     yield from _faults_of_page(given, drawings, results)
-    is_picture = Path(given.drawing).suffix.lower() == ".png"  # whose holes are closed and whose parts may be joined
+    is_picture = Path(given.drawing[0]).suffix.lower() == ".png"  # whose holes are closed and whose parts may be joined
     options = {
         "grid": given.grid if given.decimals is None else float(f"1e-{given.decimals}"),
         "symmetry": given.symmetry,
@@ -90,7 +96,7 @@ def _problems(given: argparse.Namespace, drawings: Shapes, results: Shapes, lost
                 yield from (f"{of_shape}{problem}" for problem in verdict.problems)
             lost += [f"{of_shape}{sentence}" for sentence in verdict.lost]
             yield from (f"{of_shape}{problem}" for problem in _faults_of_levels(given, drawing[0], cages, inside))
-    if results.moves:
+    if results.moves and len(given.drawing) == 1:
         yield from _faults_between([levels[1] for levels in results.shapes], [each[0] for each in drawings.shapes])
 
 
@@ -118,12 +124,12 @@ def _faults_of_page(given: argparse.Namespace, drawings: Shapes, results: Shapes
         return
     if drawings.frame is not None and drawings.frame.page is not None:
         if pages_differ(drawings.frame, results.frame):
-            yield f"{given.result} is drawn on another page, or in another view box, than {given.drawing}"
+            yield f"{given.result} is drawn on another page, or in another view box, than {given.drawing[0]}"
         return
     box = results.frame.page
     points = np.concatenate([ring for levels in drawings.shapes for ring in levels[0].rings])
     if box is None or not ((points >= box[:2]) & (points <= np.add(box[:2], box[2:]))).all():
-        yield f"the page of {given.result} does not show all of {given.drawing}"
+        yield f"the page of {given.result} does not show all of {given.drawing[0]}"
 
 
 def _faults_of_levels(given: argparse.Namespace, drawing: Loops, cages: Sequence[Loops], inside: bool) -> Iterator[str]:
@@ -171,10 +177,11 @@ def _faults_between(cages: Sequence[Loops], drawings: Sequence[Loops]) -> list[s
 
 def _parser() -> argparse.ArgumentParser:
     options = argparse.ArgumentParser(prog="nested-cages check", description=DESCRIPTION, epilog=EPILOG)
-    options.add_argument("drawing", metavar="DRAWING")
+    options.add_argument("drawing", metavar="DRAWING", nargs="+", help="several: pictures of the frames of a motion")
     options.add_argument("result", metavar="RESULT")
     options.add_argument("--levels", nargs="+", metavar="N", help="what each cage must have at most, none left out")
     options.add_argument("--clearance", type=length, metavar="LENGTH", help="smallest distance (default: above 0)")
+    options.add_argument("--flip-y", action="store_true", help="the result was written with this option")
     options.add_argument("--inside", action="store_true", help="the cages lie inside the drawing")
     loops = options.add_mutually_exclusive_group()
     loops.add_argument(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,6 +13,7 @@ import numpy as np
 from ..checker import rings_of
 from ..errors import invalid_file
 from ..exchange import DRAWING_LIMITS, Frame, Limits, levels_in_svg, outlines_from_engine_json, read_map, read_whole
+from ..exchange.engine_json import flipped
 from ..exchange.fill import united
 from ..exchange.pictures import HALF, alpha_channel, boundary_of_pixels
 from ..geometry.arrays import IntArray
@@ -46,6 +48,10 @@ class Loops:
         loops = np.split(np.arange(self.count), np.cumsum([len(ring) for ring in self.rings])[:-1])
         return np.concatenate([np.stack([loop, np.roll(loop, -1)], axis=1) for loop in loops])
 
+    def flipped(self, height: float) -> Loops:
+        """Turned over at half a height, as outlines are written."""
+        return Loops([flipped(ring, height) for ring in self.rings])
+
     @property
     def area(self) -> float:
         """That of the solid between the loops."""
@@ -72,6 +78,19 @@ class Shapes(NamedTuple):
     """Whether the shapes are frames of a motion."""
     y_up: bool = False
     """Whether y points up, as in maps; in pictures it points down."""
+    height: float = 0.0
+    """Of a picture in pixels."""
+
+
+def read_frames(paths: Sequence[str], *options: Any, **more: Any) -> Shapes:
+    """The drawings of a file, see `read_drawings`; those of several files are the frames of a motion, one each."""
+    files = [read_drawings(path, *options, **more) for path in paths]
+    if len(files) == 1:
+        return files[0]
+    for path, each in zip(paths, files, strict=True):
+        if len(each.shapes) != 1:
+            raise invalid_file(f"{path} has {len(each.shapes)} shapes; a frame of a motion is one.")
+    return files[0]._replace(shapes=[each.shapes[0] for each in files], moves=True)
 
 
 def read_drawings(path: str, tolerance: float | None, *, together: bool = False, threshold: float = HALF) -> Shapes:
@@ -98,7 +117,8 @@ def read_drawings(path: str, tolerance: float | None, *, together: bool = False,
     ]
     if together:
         meshes = [_together(meshes)]
-    return Shapes([{0: _loops(mesh)} for mesh in meshes], source.frame, y_up=source.kind == "map")
+    shapes = [{0: _loops(mesh)} for mesh in meshes]
+    return Shapes(shapes, source.frame, y_up=source.kind == "map", height=source.height)
 
 
 def read_cages(path: str, *, together: bool = False) -> Shapes:

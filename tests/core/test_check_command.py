@@ -266,6 +266,17 @@ def test_pictures_and_motions(tmp_path: Path, capsys: pytest.CaptureFixture) -> 
     picture.write_bytes(png(np.abs(np.hypot(rows - 9.5, columns - 11.5) - 6.0) < 2.0))
     assert main([str(picture), "--levels", "10", "-o", str(result)]) == 0
     assert checked(capsys, picture, result)[0] == 0
+    other = picture.with_name("other.png")
+    other.write_bytes(png(np.abs(np.hypot(rows - 8.5, columns - 9.5) - 5.0) < 2.0))
+    for flip in ([], ["--flip-y"]):
+        assert main([str(picture), "--levels", "10", *flip, "-o", str(result)]) == 0
+        assert checked(capsys, picture, result, *flip)[0] == 0
+        assert checked(capsys, other, result, *flip)[0] == 1
+        assert main([str(picture), str(other), "--levels", "10", *flip, "-o", str(frames)]) == 0
+        assert checked(capsys, picture, other, frames, *flip)[0] == 0
+        assert "shape 1: " in checked(capsys, other, picture, frames, *flip)[1]
+        assert "has 3 shapes" in checked(capsys, picture, other, other, frames, *flip)[1]
+    assert "shape 2: " in checked(capsys, picture, other, frames)[1]
 
     fine, moves = star(5, 40), np.linspace(0.0, 0.4, 4)
     poses = [fine.vertices + np.array([x, 0.0]) for x in moves]
