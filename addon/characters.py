@@ -13,14 +13,14 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.types import Context, Object
+from bpy.types import Collection, Context, Object
 from mathutils import Matrix, Vector
 
 from .animation.timeline import Timing
 from .binding import binding, field
 from .binding.copies import complete
 from .core import blamed, core, gate, triangulation
-from .errors import UserError
+from .errors import FloatArray, UserError
 from .generation import output
 from .generation.generate import STORED, Generation, Options, Request, Result
 from .generation.job import Work
@@ -97,11 +97,13 @@ def bones_of(armature: Object, frame: Frame) -> tuple[core.Bone, ...]:
     return tuple(bones)
 
 
-def add_bones(context: Context, name: str, frame: Frame, bones: Sequence[core.Bone]) -> Object:
-    """A new armature in the plane of a drawing, selected and active."""
+def add_bones(
+    context: Context, home: Collection | None, frame: Frame, bones: Sequence[core.Bone], *, name: str
+) -> Object:
+    """A new armature in the plane of a drawing, in a collection or that of the context; selected and active."""
     armature = bpy.data.armatures.new(name)
     made = bpy.data.objects.new(name, armature)
-    context.collection.objects.link(made)
+    (home or context.collection).objects.link(made)
     made.matrix_world = Matrix(frame.matrix.tolist())
     made.show_in_front = True
     select(context, made)
@@ -133,7 +135,8 @@ def add_skeleton(context: Context, drawing: Drawing, skeleton: core.character.Sk
     bones = core.suggest_bones(drawing.mesh(), skeleton)
     if not bones:
         raise UserError(f"'{drawing.name}' has no limbs: it is round; draw a bone yourself")
-    return add_bones(context, f"{drawing.name} Bones", drawing.frame, bones), len(bones)
+    made = add_bones(context, None, drawing.frame, bones, name=f"{drawing.name} Bones")
+    return made, len(bones)
 
 
 def make(context: Context, drawing: Drawing, armature: Object, vertices: int) -> Work[CageSet]:
@@ -174,19 +177,29 @@ def _jointed(result: Result, bones: Sequence[core.Bone]) -> Result:
 
 
 def _weigh(cage: Object, armature: Object, bones: Sequence[core.Bone]) -> None:
-    """Gives a cage the weights of bones in its plane, in place of earlier ones, and the modifier. Raises: UserError."""
+    """Lets bones in its plane move a cage. Raises: UserError."""
     with blamed(f"'{cage.name}'"):
         weights = core.bone_weights(filling.shape_of(cage), bones)
+    skin(cage, armature, bones, np.where(weights > SMALLEST_WEIGHT, weights, 0.0))
+
+
+def skin(
+    obj: Object, armature: Object, bones: Sequence[core.Bone], weights: FloatArray, *, keeps_volume: bool = True
+) -> None:
+    """Gives a mesh the weights (n, B) of bones, in place of earlier ones, and a modifier of the armature."""
     for bone, column in zip(bones, weights.T, strict=True):
-        group = cage.vertex_groups.get(bone.name) or cage.vertex_groups.new(name=bone.name)
-        group.remove(range(len(column)))
-        for vertex in np.flatnonzero(column > SMALLEST_WEIGHT).tolist():
+        group, moved = obj.vertex_groups.get(bone.name), np.flatnonzero(column).tolist()
+        if group is not None:
+            group.remove(range(len(column)))
+        elif moved:
+            group = obj.vertex_groups.new(name=bone.name)
+        for vertex in moved:
             group.add([vertex], float(column[vertex]), "REPLACE")
-    known = [each for each in cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)]
+    known = [each for each in obj.modifiers if isinstance(each, bpy.types.ArmatureModifier)]
     if all(each.object != armature for each in known):
-        modifier: Any = cage.modifiers.new("Armature", "ARMATURE")
-        modifier.object, modifier.use_deform_preserve_volume = armature, True
-        cage.modifiers.move(len(cage.modifiers) - 1, 0)
+        modifier: Any = obj.modifiers.new("Armature", "ARMATURE")
+        modifier.object, modifier.use_deform_preserve_volume = armature, keeps_volume
+        obj.modifiers.move(len(obj.modifiers) - 1, 0)
 
 
 def json_of(context: Context, cage_set: CageSet, *, flip_y: bool, frames: bool) -> str:

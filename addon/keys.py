@@ -20,9 +20,10 @@ def _names(words: str) -> list[str]:
 # vertex of the cage. A vertex of a bound cage that is evaluated: where it is in the space of the drawing.
 REST, WEIGHT, POSE = _names("rest weight_ pose")
 
-# Of an armature of a painting: width and height of the canvas in pixels, and metres per pixel; of its bones: the angles
-# within which nothing folds. Of its meshes: path and id of the layer, and how it blends.
-CANVAS, PROVED, LAYER, LAYER_ID, BLEND = _names("canvas proved layer layer_id blend")
+# Of bones of puppets, and of the hidden meshes that these bend: the name of the part; of the bones: the angles within
+# which nothing folds. Of an armature of a painting: width and height of the canvas in pixels, and metres per pixel; of
+# its meshes: path and id of the layer, and how it blends.
+PART, PROVED, CANVAS, LAYER, LAYER_ID, BLEND = _names("part proved canvas layer layer_id blend")
 
 # Property of GeoJSON features with y pointing down.
 (Y_DOWN,) = _names("y_down")

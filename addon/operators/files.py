@@ -132,7 +132,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         self.shown_by = (TEXTURES, FLAT_LIGHT) if puppets else (FLAT_LIGHT,) if layered_files else ()
         select(context, *made)
         if puppets and not (placed or drawn):
-            layers, bones = (sum(len(getattr(each, kind)) for each in puppets) for kind in ("parts", "bones"))
+            layers, bones = (sum(len(getattr(each.meshed, kind)) for each in puppets) for kind in ("parts", "bones"))
             self.report({"INFO"}, f"{counted(layers, 'part')}, {counted(bones, 'bone')}")
             return
         made = [obj for obj in made if obj.type == "MESH"]

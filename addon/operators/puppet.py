@@ -6,10 +6,11 @@ import bpy
 from bpy.types import Context, Object
 
 from .. import record
+from ..core import core
 from ..errors import UserError, counted
 from ..generation.job import Work
 from ..properties.kinds import flag
-from ..puppets import moving
+from ..puppets import armatures, moving
 from ..scene.areas import paints
 from .base import JobOperator, pose
 from .views import OUTLINES
@@ -44,7 +45,7 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
         self.tell_skipped(list(given.problems))
         for note in puppet.draft.notes:
             self.report({"WARNING"}, note)
-        ranges = [each for each in puppet.ranges if each != moving.free()]
+        ranges = [each for each in puppet.ranges if each != core.puppet.JointRange()]
         proved = min((min(-each.low, each.high) for each in ranges), default=0.0)
         folds = f"; nothing folds within {proved:.0f}° of any joint that bends" if ranges else ""
         count = counted(len(given.parts), "part")
@@ -55,7 +56,6 @@ def _selected_parts(context: Context) -> tuple[list[Object], Object | None]:
     """The drawings of a puppet, and its armature if there is one: what is selected, with all that moves with it."""
     selected = list(context.selected_objects)
     drawings = [obj for obj in selected if paints(obj) and record.level_of(obj) is None]
-    armatures = [obj for obj in selected if moving.is_puppet(obj)]
-    old = next(iter(armatures), None) or moving.puppet_of(drawings)
-    known = moving.drawings_of(old) if old is not None else []
+    old = armatures.puppet_of(sorted(selected, key=lambda obj: obj.type != "ARMATURE"))
+    known = armatures.drawings_of(old) if old is not None else []
     return [*known, *(obj for obj in drawings if obj not in known)], old

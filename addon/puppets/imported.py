@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import bpy
 import numpy as np
 from bpy.types import Context, Object
-from mathutils import Vector
 from numpy.typing import NDArray
 
 from .. import keys
-from ..core import blamed, game, layers
+from ..characters import skin
+from ..core import blamed, core, game, layers
 from ..errors import FloatArray
 from ..scene import display, filling
-from ..scene.ownership import select
-from ..scene.plane import size
+from ..scene.plane import Frame, size
+from . import armatures
 
 # Metres per pixel, as of other drawings.
 PIXEL = 0.01
@@ -26,13 +27,20 @@ DEPTH = 1e-3
 ENDINGS = (".psd", ".psb", ".ora", ".kra")
 
 
-def read(path: Path, *, hidden: bool) -> tuple[game.GamePuppet, tuple[str, ...]]:
+class Painted(NamedTuple):
+    """The puppet of a painting, in pixels, and its textured meshes."""
+
+    puppet: core.puppet.Puppet
+    meshed: game.GamePuppet
+
+
+def read(path: Path, *, hidden: bool) -> tuple[Painted, tuple[str, ...]]:
     """The puppet of a layered painting, and notes on what was left out. Raises: UserError."""
     with blamed(f"'{path.name}' cannot be read"):
         picture = layers.read_layers(path, decode=decoded)
         parts, notes = layers.parts_of(picture, hidden=hidden)
-        puppet = game.game_puppet(parts, (picture.width, picture.height), name=path.stem)
-    return puppet, (*notes, *puppet.notes)
+        puppet, meshed = game.painted_puppet(parts, (picture.width, picture.height), name=path.stem)
+    return Painted(puppet, meshed), (*notes, *meshed.notes)
 
 
 def decoded(data: bytes) -> NDArray[np.uint8]:
@@ -60,16 +68,19 @@ def pixels_of(image: bpy.types.Image) -> NDArray[np.uint8]:
 
 
 def place(
-    context: Context, puppet: game.GamePuppet, *, scale: float, is_upright: bool, is_centred: bool
+    context: Context, painted: Painted, *, scale: float, is_upright: bool, is_centred: bool, limits: bool = True
 ) -> list[Object]:
     """New objects in a collection of their own, the armature last. Bones blend as in engines: without Preserve Volume.
 
     scale: metres per pixel, 0 for the default.
     """
-    unit = scale or PIXEL
+    unit, puppet = scale or PIXEL, painted.meshed
     home = bpy.data.collections.new(puppet.name)
     context.collection.children.link(home)
-    rig = _armature(context, home, puppet, unit)
+    whole = replace(painted.puppet.scaled(unit), ranges=puppet.ranges)
+    floor = Frame(np.eye(4), 0.0, 1.0, own=True)
+    rig = armatures.add_armature(context, home, floor, whole, name=puppet.name, limits=limits)
+    keys.store(rig, {keys.CANVAS: [puppet.place.width, puppet.place.height, unit]})
     points = np.concatenate([mesh.points for mesh in puppet.meshes]) * unit
     step = DEPTH * size(points)
     made = [_mesh_object(home, rig, puppet, mesh, unit, step * number) for number, mesh in enumerate(puppet.meshes)]
@@ -79,33 +90,10 @@ def place(
     return [*made, rig]
 
 
-def _armature(context: Context, home: bpy.types.Collection, puppet: game.GamePuppet, unit: float) -> Object:
-    """An armature on the floor whose bones turn about the normal of the painting."""
-    data = bpy.data.armatures.new(puppet.name)
-    rig = bpy.data.objects.new(f"{puppet.name} Armature", data)
-    home.objects.link(rig)
-    rig.show_in_front = True
-    data.display_type = "STICK"
-    keys.store(rig, {keys.CANVAS: [puppet.place.width, puppet.place.height, unit]})
-    select(context, rig)
-    bpy.ops.object.mode_set(mode="EDIT")
-    for bone in puppet.bones:
-        new = data.edit_bones.new(bone.name)
-        new.head, new.tail = ((*(unit * value for value in end), 0.0) for end in (bone.head, bone.tail))
-        new.align_roll(Vector((0.0, 0.0, 1.0)))
-        if bone.parent is not None:
-            new.parent = data.edit_bones[puppet.bones[bone.parent].name]
-    bpy.ops.object.mode_set(mode="OBJECT")
-    for bone, proved in zip(puppet.bones, puppet.ranges, strict=True):
-        rig.pose.bones[bone.name].rotation_mode = "XYZ"
-        data.bones[bone.name][keys.PROVED] = [proved.low, proved.high]
-    return rig
-
-
 def _mesh_object(
     home: bpy.types.Collection, rig: Object, puppet: game.GamePuppet, mesh: game.PartMesh, unit: float, height: float
 ) -> Object:
-    """A mesh with its texture, the weights of its bones and an Armature modifier."""
+    """A mesh with its texture, and the weights of its bones."""
     texture, left, top = game.texture_of(mesh, puppet.place)
     data = filling.new_mesh(mesh.name, unit * mesh.points, faces=mesh.triangles)
     obj = bpy.data.objects.new(mesh.name, data)
@@ -114,12 +102,7 @@ def _mesh_object(
     obj.parent = rig
     places = (puppet.place.down(mesh.points) - (left, top)) / (texture.shape[1], texture.shape[0])
     _paint(data, mesh.name, texture, places * (1.0, -1.0) + (0.0, 1.0))
-    for bone in np.flatnonzero(mesh.weights.any(axis=0)).tolist():
-        group = obj.vertex_groups.new(name=puppet.bones[bone].name)
-        for vertex in np.flatnonzero(mesh.weights[:, bone]).tolist():
-            group.add([vertex], float(mesh.weights[vertex, bone]), "REPLACE")
-    modifier: Any = obj.modifiers.new("Armature", "ARMATURE")
-    modifier.object, modifier.use_deform_preserve_volume = rig, False
+    skin(obj, rig, puppet.bones, mesh.weights, keeps_volume=False)
     obj.hide_render = obj.hide_viewport = not mesh.is_visible
     keys.store(obj, {keys.LAYER: mesh.part, keys.LAYER_ID: mesh.identity, keys.BLEND: mesh.blend})
     return obj

@@ -10,32 +10,25 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from math import radians
 from typing import Any
 
 import bpy
 import numpy as np
-from bpy.types import Context, Object
-from mathutils import Matrix
+from bpy.types import Collection, Context, Object
 
-from .. import record
+from .. import keys, record
 from ..binding import field
-from ..characters import add_bones, removed_on_failure
+from ..characters import removed_on_failure, skin
 from ..core import blamed, core
 from ..errors import UserError
 from ..generation.job import Progress, Work
 from ..io import silhouettes
 from ..scene import filling
-from ..scene.areas import paints
 from ..scene.ownership import select
 from ..scene.plane import Frame, world_matrix
+from . import armatures
+from .armatures import part_of
 
-# Custom property of a bone: the name of the drawing that it was made for.
-PART = "nested_cages_part"
-# Name of the constraint with the proved range of a bone.
-RANGE = "Proved Range"
-# Colour of the bones of parts that may hang on another one.
-DOUBTFUL = "THEME01"
 # Joints that were moved by less than this fraction of the bone's length were not moved by hand.
 MOVED = 1e-3
 # What the import adds to the name of a layer for a shape without a name.
@@ -109,9 +102,10 @@ def articulate(
     yield Progress(0.9, "making bones")
     new: list[Object] = []
     with removed_on_failure(new):
-        armature = add_bones(context, f"{_title(given)} Puppet", given.frame, puppet.bones)
+        home = _home(given)
+        name = home.name if home is not None else given.parts[0].name
+        armature = armatures.add_armature(context, home, given.frame, puppet, name=name, limits=limits)
         new.append(armature)
-        _mark(armature, puppet, limits=limits)
         context.view_layer.update()
         carriers: dict[int, Object] = {}
         for number, objects in enumerate(given.objects):
@@ -121,10 +115,8 @@ def articulate(
                 new += [made, *record.helpers_of(made, record.FIELD)]
             for obj in objects:
                 field.release(obj)
-                if carrier is None:
-                    _hang(obj, armature, puppet.bones[draft.bone_of[number]].name)
-                else:
-                    _stand(obj, armature)
+                armatures.hang(obj, armature, "" if carrier else puppet.bones[draft.bone_of[number]].name)
+                if carrier is not None:
                     field.follow(obj, carriers[id(carrier)], carriers[id(carrier)])
     if old is not None:
         _replace(old, armature)
@@ -132,40 +124,11 @@ def articulate(
     return armature, puppet
 
 
-def _title(given: Drawn) -> str:
-    """The name of the collection that all drawings are in, or of the lowest drawing."""
-    homes = [
-        {home.name for home in bpy.data.collections if obj.name in home.all_objects}
-        for own in given.objects
-        for obj in own
-    ]
-    common = sorted(set.intersection(*homes), key=lambda name: len(bpy.data.collections[name].all_objects))
-    return common[0] if common else given.parts[0].name
-
-
-def free() -> core.puppet.JointRange:
-    """The range of a joint that bends nothing."""
-    return core.puppet.JointRange()
-
-
-def _part_of(block: Any) -> str:
-    """The name of the part that a bone or a hidden mesh of a puppet was made for; empty for others."""
-    return str(block.get(PART, ""))
-
-
-def is_puppet(obj: Object) -> bool:
-    """Whether an object is the armature of a puppet."""
-    return obj.type == "ARMATURE" and any(map(_part_of, obj.data.bones))
-
-
-def puppet_of(objects: Sequence[Object]) -> Object | None:
-    """The armature of the puppet whose parts some objects are."""
-    return next((obj.parent for obj in objects if obj.parent is not None and is_puppet(obj.parent)), None)
-
-
-def drawings_of(armature: Object) -> list[Object]:
-    """The drawings that a puppet moves."""
-    return [child for child in armature.children if not _part_of(child) and paints(child)]
+def _home(given: Drawn) -> Collection | None:
+    """The smallest collection that all drawings are in."""
+    everyone = {obj for own in given.objects for obj in own}
+    common = [home for home in bpy.data.collections if home.is_editable and everyone.issubset(home.all_objects)]
+    return min(common, key=lambda home: len(home.all_objects), default=None)
 
 
 @contextmanager
@@ -186,42 +149,6 @@ def at_rest(context: Context, objects: Sequence[Object], armature: Object | None
             raise
 
 
-def _mark(armature: Object, puppet: core.puppet.Puppet, *, limits: bool) -> None:
-    """Notes the parts of bones, colours those in doubt, and on request limits turns to what is proved."""
-    draft = puppet.draft
-    doubtful = set(draft.doubtful)
-    for number, (bone, owner) in enumerate(zip(puppet.bones, draft.part_of, strict=True)):
-        name = draft.parts[owner].name
-        made: Any = armature.data.bones[bone.name]
-        made[PART] = name
-        if name in doubtful:
-            made.color.palette = DOUBTFUL
-        posed: Any = armature.pose.bones[bone.name]
-        posed.rotation_mode = "XYZ"
-        allowed = puppet.ranges[number]
-        if limits and allowed != free():
-            limit: Any = posed.constraints.new("LIMIT_ROTATION")
-            limit.name, limit.owner_space, limit.use_limit_z = RANGE, "LOCAL", True
-            limit.min_z, limit.max_z = radians(allowed.low), radians(allowed.high)
-            limit.use_transform_limit = True
-
-
-def _hang(obj: Object, armature: Object, bone: str) -> None:
-    """Makes a bone move an object, whose own transform and keys stay."""
-    above = obj.matrix_world @ obj.matrix_basis.inverted_safe()
-    posed: Any = armature.pose.bones[bone]
-    tail = armature.matrix_world @ posed.matrix @ Matrix.Translation((0.0, posed.bone.length, 0.0))
-    obj.parent, obj.parent_type, obj.parent_bone = armature, "BONE", bone
-    obj.matrix_parent_inverse = tail.inverted_safe() @ above
-
-
-def _stand(obj: Object, armature: Object) -> None:
-    """Makes an armature move an object as a whole, whose own transform and keys stay."""
-    above = obj.matrix_world @ obj.matrix_basis.inverted_safe()
-    obj.parent, obj.parent_type = armature, "OBJECT"
-    obj.matrix_parent_inverse = armature.matrix_world.inverted_safe() @ above
-
-
 def _carrier(
     context: Context, obj: Object, armature: Object, frame: Frame, puppet: core.puppet.Puppet, number: int
 ) -> Object:
@@ -230,23 +157,21 @@ def _carrier(
     assert bent is not None
     grid = bent.grid
     points = np.column_stack([grid.vertices, np.full(len(grid.vertices), frame.height)])
-    name = f"{obj.name} Bend"
-    made = bpy.data.objects.new(name, filling.new_mesh(name, points, faces=grid.triangles))
-    still = bpy.data.objects.new(f"{name} Field", filling.new_mesh(f"{name} Field", points, faces=grid.triangles))
+    name = puppet.draft.parts[number].name
+    made, still = (
+        bpy.data.objects.new(title, filling.new_mesh(title, points, faces=grid.triangles))
+        for title in (f"{name} Bend", f"{name} Bend Field")
+    )
     for new in (made, still):
         obj.users_collection[0].objects.link(new)
         new.matrix_world = armature.matrix_world
         new.parent, new.matrix_parent_inverse = armature, armature.matrix_world.inverted_safe()
         new.display_type = "WIRE"
         new.hide_viewport = new.hide_render = new.hide_select = True
-        new[PART] = obj.name
+        new[keys.PART] = name
     record.make_helper(still, record.FIELD, made)
-    for share, bone in zip(bent.weights.T, puppet.bones[bent.first_bone :], strict=False):
-        group = made.vertex_groups.new(name=bone.name)
-        for vertex in np.flatnonzero(share).tolist():
-            group.add([vertex], float(share[vertex]), "REPLACE")
-    modifier: Any = made.modifiers.new("Armature", "ARMATURE")
-    modifier.object, modifier.use_deform_preserve_volume = armature, True
+    bones = puppet.bones[bent.first_bone : bent.first_bone + len(bent.bends) + 1]
+    skin(made, armature, bones, bent.weights)
     context.view_layer.update()
     field.pose(made, made)
     return made
@@ -257,13 +182,13 @@ def _choices(armature: Object, draft: core.puppet.PuppetDraft, frame: Frame) -> 
     matrix = world_matrix(armature)
     first: dict[str, Any] = {}
     for bone in armature.data.bones:  # parents first
-        first.setdefault(_part_of(bone), bone)
+        first.setdefault(part_of(bone), bone)
     changed = {}
     for number, part in enumerate(draft.parts):
         bone, link = first.get(part.name), draft.links[number]
         if bone is None or link.hold is core.puppet.Hold.RIDES:
             continue
-        above = _part_of(bone.parent) if bone.parent is not None else None
+        above = part_of(bone.parent) if bone.parent is not None else None
         derived = draft.parts[link.parent].name if link.parent is not None else None
         head = frame.from_world((matrix @ np.append(bone.head_local, 1.0))[None, :3])[0][0]
         far = float(np.hypot(*(head - draft.bones[draft.bone_of[number]].head))) > MOVED * bone.length
@@ -280,7 +205,7 @@ def _replace(old: Object, new: Object) -> None:
         if now is not None:
             now.rotation_mode, now.matrix_basis = posed.rotation_mode, posed.matrix_basis
             for constraint in posed.constraints:
-                if constraint.name != RANGE:
+                if constraint.name != armatures.RANGE:
                     now.constraints.copy(constraint)
     new.matrix_basis, new.parent = old.matrix_basis, old.parent
     if old.parent is not None:
@@ -291,7 +216,7 @@ def _replace(old: Object, new: Object) -> None:
         if hasattr(data, "action_slot"):
             data.action_slot = old.animation_data.action_slot
     name, data_name = old.name, old.data.name
-    bones, gone = old.data, [child for child in old.children if _part_of(child)]
+    bones, gone = old.data, [child for child in old.children if part_of(child)]
     meshes = [child.data for child in gone]
     bpy.data.batch_remove([*gone, *meshes, old, bones])
     new.name, new.data.name = name, data_name

@@ -24,7 +24,7 @@ from ..operators.views import redraw
 from ..properties import groups
 from ..properties.kinds import choice, registration
 from ..properties.settings import copy_values, settings_of
-from ..puppets.moving import is_puppet
+from ..puppets.armatures import is_puppet
 from ..scene.areas import paints
 from ..scene.ownership import chosen, scene_of, sets_of_chosen
 

@@ -1,6 +1,7 @@
 """Puppets for game engines: meshes with textures and bones, written for Godot, Spine and DragonBones.
 
-- `game_puppet`: a `GamePuppet` from the painted parts of a picture; `meshed` from a puppet that was drafted before.
+- `game_puppet`: a `GamePuppet` from the painted parts of a picture; `painted_puppet` with the puppet that it was made
+  from; `meshed` from a puppet that was drafted before.
 - `write_puppet`: its files for one of the `ENGINES`.
 - `Animation`: keys of its bones.
 - `texture_of`, `certify`, `engine_weights`, `proved_ranges`: for meshes that were edited elsewhere.
@@ -15,7 +16,7 @@ from .islands import certify, stored
 from .kept import from_puppet_json, to_puppet_json
 from .mesh import PartMesh, Placement, engine_weights
 from .proved import proved_ranges
-from .puppet import HULL_VERTICES, GamePuppet, game_puppet, meshed
+from .puppet import HULL_VERTICES, GamePuppet, game_puppet, meshed, painted_puppet
 from .repainted import Changes, repainted, with_hand_weights
 
 __all__ = [
@@ -33,6 +34,7 @@ __all__ = [
     "from_puppet_json",
     "game_puppet",
     "meshed",
+    "painted_puppet",
     "proved_ranges",
     "repainted",
     "stored",

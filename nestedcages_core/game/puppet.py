@@ -95,11 +95,23 @@ def game_puppet(
     size: width and height of the canvas; vertices: of the largest hull of each part; choices: of `draft_puppet`. Raises
     NestedCagesError.
     """
+    return painted_puppet(parts, size, name=name, vertices=vertices, choices=choices)[1]
+
+
+def painted_puppet(
+    parts: Sequence[PicturePart],
+    size: tuple[int, int],
+    *,
+    name: str = "puppet",
+    vertices: int = HULL_VERTICES,
+    choices: Mapping[str, PartChoice] | None = None,
+) -> tuple[Puppet, GamePuppet]:
+    """The same, with the puppet that it was made from."""
     if not parts:
         raise invalid_setting("The picture has no visible layer with pixels; show one, or include hidden layers.")
     place = Placement(*size)
-    drafted = draft_puppet([puppet_part(part, place) for part in parts], choices)
-    return meshed(puppet_of(drafted, SKIN), parts, place, name=name, vertices=vertices)
+    puppet = puppet_of(draft_puppet([puppet_part(part, place) for part in parts], choices), SKIN)
+    return puppet, meshed(puppet, parts, place, name=name, vertices=vertices)
 
 
 def puppet_part(part: PicturePart, place: Placement) -> PuppetPart:

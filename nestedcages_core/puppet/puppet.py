@@ -77,6 +77,15 @@ class Puppet:
         """(n, 2) vertices of each part's outline under a pose; see `moved`."""
         return [self.moved(k, part.outline.vertices, turned) for k, part in enumerate(self.draft.parts)]
 
+    def scaled(self, unit: float) -> Puppet:
+        """The puppet with bones in other units; fields stay as they are."""
+
+        def end(place: tuple[float, float]) -> tuple[float, float]:
+            return unit * place[0], unit * place[1]
+
+        bones = tuple(replace(bone, head=end(bone.head), tail=end(bone.tail)) for bone in self.bones)
+        return replace(self, draft=replace(self.draft, bones=bones))
+
     def beyond(self, turned: Mapping[str, float]) -> tuple[str, ...]:
         """Names of the bones that a pose turns out of the ranges without folds; with none, the pose is proved."""
         degrees = self._numbered(turned)
