@@ -21,10 +21,10 @@ from .binding.copies import complete
 from .errors import UserError, counted
 from .following import claims
 from .generation import output
-from .generation.generate import Generation, Request, Result, percentage
+from .generation.generate import Generation, Request, Result
 from .generation.job import Progress, Work
 from .generation.rules import Places
-from .notes import in_scene, note
+from .notes import in_scene, larger, note
 from .properties.settings import GenerationProperties, all_values, filled, options_of
 from .record import CageSet
 from .rigging.pose import Pose, unmoved
@@ -99,13 +99,12 @@ def _put(
     scale = results[0].drawing.frame.scale
     for said in dict.fromkeys(said for level in cages for said in level.report.notes):
         tell("INFO" if said.code == record.TOLERANCE else "WARNING", in_scene(said, scale))
-    sizes = [abs(level.excess) for level in cages]
-    around, shown = "", ", ".join(map(percentage, sizes))
+    sizes = np.concatenate([np.cumprod([1.0 + level.excess for level in result.levels]) for result in results])
+    around, shown = "", ", ".join(map(larger, sizes))
     if len(results) > 1:
-        around = f" for {len(results)} drawings"
-        shown = f"{percentage(min(sizes))} to {percentage(max(sizes))}"
-    kind, measure = ("certified inner cage", "less area") if results[0].inside else ("certified cage", "excess")
-    tell("INFO", f"{counted(len(cages), kind)}{around}; {measure} {shown}")
+        around, shown = f" for {len(results)} drawings", f"{larger(sizes.min())} to {larger(sizes.max())}"
+    kind = "certified inner cage" if results[0].inside else "certified cage"
+    tell("INFO", f"{counted(len(cages), kind)}{around}: {shown}")
     return sets
 
 

@@ -35,6 +35,11 @@ SENTENCES: Mapping[str, str] = {
 """Of the add-on's own codes: a format for their data; those of the core are in its `notes`."""
 
 
+# Code of the note on loops that a cage lacks.
+LOOPS = "note.loops"
+# A size from which on it is told in times.
+MANY_TIMES = 10.0
+
 # Problems of certificates as an artist says them.
 BROKEN: Mapping[str, str] = {
     "cage.invalid": "the cage crosses or touches itself",
@@ -58,5 +63,17 @@ def in_scene(given: core.Fault, scale: float) -> core.Fault:
 
 
 def sentence(code: str, data: Mapping[str, Any]) -> str:
-    """What a note says; the plain text, if there is any, for what this version does not know."""
-    return str(errors.sentence(code, data, SENTENCES))
+    """What a note says: of loops, which holes are filled, not how many there are; the plain text, if there is any, for
+    what this version does not know.
+    """
+    lost = str(data.get("lost", "")).strip(": ")
+    return f"{lost[:1].upper()}{lost[1:]}" if code == LOOPS and lost else str(errors.sentence(code, data, SENTENCES))
+
+
+def larger(size: float) -> str:
+    """How much larger than the drawing something is, given its area by that of the drawing."""
+    if size >= MANY_TIMES:
+        return f"{size:,.0f} times as large"
+    percent = 100.0 * abs(size - 1.0)
+    shown = f"{percent:.0f}" if percent >= MANY_TIMES else f"{percent:.2g}"
+    return f"{shown} % {'smaller' if size < 1.0 else 'larger'}"

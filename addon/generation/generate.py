@@ -21,9 +21,9 @@ from .rules import KEEP, Places, Rules
 
 # Excess over the drawing above which a cage is called loose, and the excess that the advice aims at.
 LOOSE, GOOD = 0.5, 0.25
-# Excess from which on it is said in times, and the part of a cage's that a clearance takes alone, to be called its
-# cause; one that is loose by itself always is, since no number of vertices helps.
-MANY_TIMES, CLEARANCE_PART = 10.0, 0.25
+# The part of a cage's excess that a clearance takes alone, to be called its cause; one that is loose by itself always
+# is, since no number of vertices helps.
+CLEARANCE_PART = 0.25
 # Factor from one tested vertex count to the next; drawings with more vertices than this are not tested.
 COUNT_GROWTH, LARGEST_TRIED = 1.3, 5000
 # Size in bytes of a bound, for the memory.
@@ -59,11 +59,6 @@ def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: flo
     better, loops = _enough(fine, count, clearance), counted(len(fine.loops), "loop")
     facts = {"count": count, "loops": loops, "excess": float(excess)}
     return (note("loose.enough", **facts, better=better, good=GOOD) if better else note("loose.count", **facts),)
-
-
-def percentage(excess: float) -> str:
-    """An excess in percent or, from `MANY_TIMES` on, in times."""
-    return f"{100.0 * excess:.2f} %" if excess < MANY_TIMES else f"{excess:,.0f} times"
 
 
 def _enough(fine: core.Mesh, count: int, clearance: float) -> int | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import bpy
+import numpy as np
 from bpy.types import Context, Scene
 
 from ..animation import visibility
@@ -13,6 +14,7 @@ from ..errors import UserError, counted
 from ..following import live, moving, writing
 from ..generation.job import Work, share
 from ..generation.levels import OWN, are_counts, lengths, parse_levels
+from ..notes import larger
 from ..properties import groups
 from ..properties.kinds import flag, whole
 from ..properties.settings import all_values, filled, options_of
@@ -108,16 +110,21 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
         cages = [cage for result in results for cage in result.cages]
         for note in dict.fromkeys(note for cage in cages for note in cage.report.notes):
             self.report({"WARNING"}, note)
-        means = [sum(each.excess for each in c.report.certificates) / len(c.report.certificates) for c in cages]
-        shown = ", ".join(f"{100.0 * mean:.2f} %" for mean in means)
+        shown = ", ".join(larger(size) for result in results for size in _mean_sizes(result))
         certified = f"certified on {counted(len(results[0].poses.frames), 'frame')} and between them"
-        self.report({"INFO"}, f"{counted(len(cages), 'cage')} {certified}; mean excess {shown}")
+        self.report({"INFO"}, f"{counted(len(cages), 'cage')} {certified}; on average {shown}")
 
     def _set_range(self, scene: Scene) -> None:
         """Takes the frames that are not set from the scene."""
         for name in ("frame_start", "frame_end"):
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(scene, name))
+
+
+def _mean_sizes(result: moving.Moving) -> np.ndarray:
+    """Mean area of each cage over its keys, by the drawing's."""
+    excess = [np.mean([each.excess for each in cage.report.certificates]) for cage in result.cages]
+    return np.cumprod(1.0 + np.array(excess))
 
 
 class OBJECT_OT_nested_cages_live(Operator, bpy.types.Operator):

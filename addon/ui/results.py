@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
 from typing import Any
 
 import bpy
@@ -19,8 +18,6 @@ NOTE_WIDTH = 36
 ON_METHODS = ("note.start", "note.energy", "note.untightened", "note.outline", "note.pose", "note.text")
 # Code of the note on a few vertices more that would halve the excess, which is on a button.
 KNEE = "note.knee"
-# A size from which on it is told in times.
-MANY_TIMES = 10.0
 HOLDS, BROKEN, EDITED, ADVICE, MADE = "CHECKMARK", "ERROR", "QUESTION", "INFO", "MOD_MESHDEFORM"
 
 
@@ -32,7 +29,9 @@ def draw_set(layout: Any, context: Context, cage_set: CageSet) -> None:
         state, sentence = health(context, cage)
         size *= 1.0 + record.node_of(cage).excess
         name = cage.name.removeprefix(f"{cage_set.record.title} ")
-        column.label(text=f"{name}: {len(cage.data.vertices)} vertices, {larger(size)}", icon=state, translate=False)
+        column.label(
+            text=f"{name}: {len(cage.data.vertices)} vertices, {notes.larger(size)}", icon=state, translate=False
+        )
         for line in textwrap.wrap(sentence, NOTE_WIDTH):
             column.label(text=line, translate=False)
         if state == BROKEN:
@@ -42,15 +41,6 @@ def draw_set(layout: Any, context: Context, cage_set: CageSet) -> None:
                 counts = [data["better"] if each is cage else len(each.data.vertices) for each in cage_set.cages]
                 button = column.operator("object.nested_cages_generate", text=notes.sentence(code, data), icon="ADD")
                 button.levels = ", ".join(map(str, counts))
-
-
-def larger(size: float) -> str:
-    """How much larger than the drawing something is, given its area by that of the drawing."""
-    if size >= MANY_TIMES:
-        return f"{size:,.0f} times as large"
-    percent = 100.0 * abs(size - 1.0)
-    shown = f"{percent:.0f}" if percent >= MANY_TIMES else f"{percent:.2g}"
-    return f"{shown} % {'smaller' if size < 1.0 else 'larger'}"
 
 
 def health(context: Context, cage: Object) -> tuple[str, str]:
@@ -63,17 +53,13 @@ def health(context: Context, cage: Object) -> tuple[str, str]:
     if not bound and record.is_edited(cage):
         return (HOLDS, "") if stands and record.is_judged(cage) else (EDITED, record.EDITED)
     advice = [
-        _in_words(*each) for each in record.notes(node) if not each[0].startswith((record.CHECK, *ON_METHODS, KNEE))
+        notes.sentence(*each)
+        for each in record.notes(node)
+        if not each[0].startswith((record.CHECK, *ON_METHODS, KNEE))
     ]
     if advice:
         return ADVICE, advice[0]
     return (HOLDS if stands or not bound else MADE), ""
-
-
-def _in_words(code: str, data: Mapping[str, Any]) -> str:
-    """A note as an artist reads it: which holes are filled, not the numbers of loops."""
-    lost = str(data.get("lost", "")).strip(": ")
-    return f"{lost[:1].upper()}{lost[1:]}" if code == "note.loops" and lost else notes.sentence(code, data)
 
 
 def draw_live(layout: bpy.types.UILayout) -> None:

@@ -242,8 +242,8 @@ def scaled(scale):
     ("options", "sentence"),
     [
         ({"levels": "12", "clearance": 1000.0}, "larger than the drawing, since the gap is 3"),
-        ({"levels": "8%, 20%"}, "2 certified cages; excess "),
-        ({"levels": "12"}, "3 certified cages for 3 drawings; excess "),
+        ({"levels": "8%, 20%"}, "2 certified cages: "),
+        ({"levels": "12"}, "3 certified cages for 3 drawings: "),
     ],
 )
 def test_what_was_made_is_said_in_words(capfd, options, sentence) -> None:
