@@ -10,7 +10,7 @@ from bpy.types import Context, Scene
 
 from ..animation import visibility
 from ..binding.copies import complete
-from ..errors import UserError, counted
+from ..errors import FloatArray, UserError, counted
 from ..following import live, moving, writing
 from ..generation.job import Work, share
 from ..generation.levels import OWN, are_counts, lengths, parse_levels
@@ -121,7 +121,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
                 setattr(self, name, getattr(scene, name))
 
 
-def _mean_sizes(result: moving.Moving) -> np.ndarray:
+def _mean_sizes(result: moving.Moving) -> FloatArray:
     """Mean area of each cage over its keys, by the drawing's."""
     excess = [np.mean([each.excess for each in cage.report.certificates]) for cage in result.cages]
     return np.cumprod(1.0 + np.array(excess))
