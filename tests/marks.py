@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import inf
 from typing import Any
 
 import pytest
 
 
-def slow_after(fast: int, values: Iterable[Any]) -> list[Any]:
-    """Values, or tuples of values: the first few for all tests, the others for slow ones only."""
+def slow_after(fast: int, values: Iterable[Any], *, thorough_after: float = inf) -> list[Any]:
+    """Values, or tuples of values: some for all tests, the next for slow ones, the last for thorough ones."""
     return [
         pytest.param(
-            *(value if isinstance(value, tuple) else (value,)), marks=[pytest.mark.slow] if place >= fast else []
+            *(value if isinstance(value, tuple) else (value,)),
+            marks=pytest.mark.thorough if place >= thorough_after else pytest.mark.slow if place >= fast else (),
         )
         for place, value in enumerate(values)
     ]

@@ -26,6 +26,7 @@ def level(addon):
     )
 
 
+@pytest.mark.slow
 def test_levels_play_one_after_the_other(addon, level) -> None:
     timing = addon.animation.timeline.Timing(start_frame=10, frames_per_step=PER_STEP)
     first, second = addon.animation.timeline.spans([level.phases] * 2, timing)

@@ -21,6 +21,7 @@ def drawings() -> list[bpy.types.Object]:
     return [one, two]
 
 
+@pytest.mark.slow
 def test_the_cages_of_each_object_come_back(extension: ModuleType) -> None:
     one, two = drawings()
     bpy.context.view_layer.objects.active = two

@@ -70,6 +70,7 @@ def turned(points):
 EXACT = ("AUTO", "LINEAR")
 
 
+@pytest.mark.slow
 def test_a_cage_that_fills_a_hole_moves_what_is_in_it(addon) -> None:
     source = poly_curve("Drawing", [star(120), circle(40, 0.35), circle(24, 0.1, (0.55, 0.0))])
     assert bpy.ops.object.nested_cages_generate(levels="48, 12") == {"FINISHED"}
@@ -107,6 +108,7 @@ def test_a_moved_cage_object_takes_the_drawing_along(method) -> None:
     assert np.abs(in_world(fine, evaluated(fine)) - expected).max() < 2e-5
 
 
+@pytest.mark.slow
 def test_a_cage_of_very_many_vertices_moves_its_own_triangles(addon, monkeypatch) -> None:
     monkeypatch.setattr(addon.binding.field, "MAX_WEIGHTS", 1000)
     _, _, fine, cages = bound(levels="12")
@@ -116,6 +118,7 @@ def test_a_cage_of_very_many_vertices_moves_its_own_triangles(addon, monkeypatch
     assert np.abs(evaluated(fine) - turned(base(fine))).max() <= 2e-5
 
 
+@pytest.mark.slow
 def test_a_drawing_that_leaves_its_posed_cage_is_found() -> None:
     _, _, _, (cage,) = bound(levels="12")
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
@@ -174,6 +177,7 @@ def test_the_original_follows(draw) -> None:
     assert distance.min(axis=0).max() < 1e-4
 
 
+@pytest.mark.slow
 def test_an_original_whose_modifiers_make_vertices_follows() -> None:
     source = wire("Drawing", [circle(40)[:20] + np.array((0.0, 0.3))])
     source.modifiers.new("Subdivision", "SUBSURF").subdivision_type = "SIMPLE"
@@ -189,6 +193,7 @@ def test_an_original_whose_modifiers_make_vertices_follows() -> None:
     assert [m.name for m in source.modifiers] == ["Subdivision"]
 
 
+@pytest.mark.slow
 def test_a_thick_curve_follows() -> None:
     source = bezier_circle("Drawing")
     source.data.bevel_depth = 0.05
@@ -206,6 +211,7 @@ def stroke_points(obj, layer=0):
     return np.array([point.position for point in data.layers[layer].current_frame().drawing.strokes[0].points])
 
 
+@pytest.mark.slow
 def test_a_grease_pencil_follows_by_its_strokes() -> None:
     source = grease_pencil("Drawing", [star()])
     source.location, source.rotation_euler = (1.0, 2.0, 0.5), (0.3, 0.2, 0.1)
@@ -231,6 +237,7 @@ def test_a_grease_pencil_follows_by_its_strokes() -> None:
     assert not [name for name in names if name.startswith("nested_cages")]
 
 
+@pytest.mark.slow
 def test_a_grease_pencil_layer_with_a_transform_leaves_it_to_the_fine_mesh() -> None:
     source = grease_pencil("Drawing", [star()])
     source.data.layers[0].translation = (1.0, 0.0, 0.0)
@@ -306,6 +313,7 @@ def test_a_cage_that_no_longer_encloses_is_refused() -> None:
     np.testing.assert_array_equal(evaluated(fine), shape)
 
 
+@pytest.mark.slow
 def test_a_binding_that_fails_half_way_changes_nothing(addon, monkeypatch) -> None:
     poly_curve("Drawing", [star() * 2.0])
     assert bpy.ops.object.nested_cages_generate(levels="24, 12", thickness=0.02) == {"FINISHED"}
@@ -464,6 +472,7 @@ def body(source):
     source.data.body = "Hello"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edit", slow_after(2, [shape_key, simple_deform, doubled_vertex, size, body]))
 def test_a_bound_drawing_plays_its_own_changes_before_the_bend(edit) -> None:
     source = text("Drawing", "Hi") if edit in (size, body) else wire("Drawing", [star()])

@@ -46,6 +46,7 @@ def save(path: Any, *, again: bool = False) -> None:
         bpy.ops.wm.open_mainfile(filepath=str(path))
 
 
+@pytest.mark.slow
 def test_a_set_is_found_from_each_of_its_objects_and_knows_all_of_them(addon) -> None:
     made = figure()
     found = addon.record.CageSet.of
@@ -59,6 +60,7 @@ def test_a_set_is_found_from_each_of_its_objects_and_knows_all_of_them(addon) ->
     assert addon.record.CageSet.everywhere() == [made]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("linked", slow_after(1, [False, True]))
 def test_a_copy_of_what_is_seen_is_a_character_at_once_and_gets_its_own_when_it_is_changed(addon, linked) -> None:
     made = figure()
@@ -84,6 +86,7 @@ def test_a_copy_of_what_is_seen_is_a_character_at_once_and_gets_its_own_when_it_
         np.testing.assert_allclose(displayed(bpy.data.objects[name]), before[name], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_partial_copies_are_no_more_than_what_was_copied(addon) -> None:
     made, found = figure(), addon.record.CageSet.of
     made.cages[-1].location.x += 0.5
@@ -121,6 +124,7 @@ def test_deleted_objects_are_told_and_swept(addon, tmp_path) -> None:
     assert made.source.name == "Hat"
 
 
+@pytest.mark.slow
 def test_undo_and_redo_bring_sets_back(addon) -> None:
     parts = [wire(name, [circle(24, 1.0, (0.0, 3.0 * k))]) for k, name in enumerate(PARTS)]
     choose(*parts)
@@ -201,8 +205,7 @@ class Flock:
         assert len(cages) == len(set(cages))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", slow_after(0, range(6), thorough_after=2))
 def test_random_edits_of_a_flock(addon, tmp_path, seed) -> None:
     flock = Flock(addon, tmp_path / "flock.blend", seed)
     edits = (flock.copy, flock.copy_some, flock.delete, flock.operate, flock.operate, flock.generate, flock.reload)

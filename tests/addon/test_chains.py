@@ -7,7 +7,7 @@ import pytest
 
 from drawings import circle
 
-SHUFFLES = 100
+SHUFFLES = 20
 
 
 @pytest.mark.parametrize("seed", range(SHUFFLES))

@@ -233,6 +233,7 @@ def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
 PARTS = ("Torso", "Hand.L", "Badge")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", slow_after(1, PARTS))
 def test_what_acts_on_a_part_acts_on_its_character(addon, name, capfd) -> None:
     """Generating, rigging and following: no other part is let go or left behind."""
@@ -258,6 +259,7 @@ def test_what_acts_on_a_part_acts_on_its_character(addon, name, capfd) -> None:
     assert np.abs(points(parts["Hand.L"]) - before["Hand.L"]).max() > 0.3
 
 
+@pytest.mark.slow
 def test_a_part_of_a_copy_stands_for_the_copied_character(addon) -> None:
     parts = [face(name, capsule(*LIMBS[name])) for name in ("Torso", "Arm.L", "Hand.L")]
     choose(*parts)
@@ -292,6 +294,7 @@ def test_rigging_again_fits_the_cage_to_new_parts(height) -> None:
     assert facts(cage)["check"].startswith("Holds"), facts(cage)["finding"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chosen", slow_after(1, ["a part and the cage", "two parts", "the cage and a part"]))
 def test_verification_of_some_parts_is_that_of_their_character(chosen) -> None:
     made = figure()
@@ -325,6 +328,7 @@ def test_verification_says_where_a_limb_folds_over_itself(capfd) -> None:
     assert 0.1 < float(found[1]) < 20.0
 
 
+@pytest.mark.slow
 def test_a_limb_that_passes_over_the_body_is_not_broken(addon) -> None:
     armature, cage = rigged(figure())
     record, results = addon.record, addon.ui.results
@@ -513,6 +517,7 @@ ODD = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 200"><defs>
 <text x="20" y="190">Hello</text></svg>"""
 
 
+@pytest.mark.slow
 def test_gradients_patterns_uses_and_lines_become_parts_and_the_rest_is_told(tmp_path, capfd) -> None:
     file = tmp_path / "odd.svg"
     file.write_text(ODD)

@@ -182,9 +182,9 @@ class Animator:
             np.testing.assert_allclose(points(part), posed[part.name], atol=1e-5)
 
 
-MANY = [pytest.param(seed, marks=pytest.mark.thorough) for seed in range(100, 120)]
+MANY = [pytest.param(seed, marks=pytest.mark.thorough) for seed in (1, 2, *range(100, 120))]
 
 
-@pytest.mark.parametrize("seed", [*range(3), *MANY])
+@pytest.mark.parametrize("seed", [0, *MANY])
 def test_a_character_outlives_random_edits(seed, tmp_path) -> None:
     outlive(Animator(Random(seed), str(tmp_path / "character")), Animator.EDITS, 10 if seed < 100 else 30, seed)

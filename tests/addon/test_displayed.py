@@ -82,6 +82,7 @@ def test_cages_lie_and_stay_around_what_is_displayed(kind) -> None:
     assert facts(cage)["check"].startswith("Holds")
 
 
+@pytest.mark.slow
 def test_path_animation_switched_on_later_moves_no_cage() -> None:
     bezier()
     source = bpy.context.object
@@ -109,6 +110,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("changed", "left"), [(0.0, False), (np.inf, True)])
 def test_new_cages_are_checked_at_once_only_if_their_drawing_has_changed_since(
     addon, changed, left, monkeypatch
@@ -123,7 +125,8 @@ def test_new_cages_are_checked_at_once_only_if_their_drawing_has_changed_since(
     assert bool(noted) is left
 
 
-@pytest.mark.parametrize("bound", slow_after(1, [True, False]))
+@pytest.mark.slow
+@pytest.mark.parametrize("bound", [True, False])
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_change_that_cages_cannot_follow_is_said_at_once(addon, change, bound) -> None:
     claims, source = addon.following.claims, text("Word", "Hi")
@@ -147,7 +150,8 @@ def test_a_change_that_cages_cannot_follow_is_said_at_once(addon, change, bound)
     assert facts(cage)["check"].startswith("Holds")
 
 
-@pytest.mark.parametrize("bound", slow_after(1, [True, False]))
+@pytest.mark.slow
+@pytest.mark.parametrize("bound", [True, False])
 @pytest.mark.parametrize("add", [bezier, lambda: wire("Drawing", [star()])])
 def test_a_transform_that_is_applied_moves_no_cage(add, bound) -> None:
     add()
@@ -252,8 +256,7 @@ def carried(random, source):
     choose(source)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", slow_after(0, range(3), thorough_after=1))
 @pytest.mark.parametrize("kind", ADD)
 def test_what_users_add_and_place_stays_in_its_displayed_cage(kind, seed, tmp_path) -> None:
     random = Random(f"{kind} {seed}")
@@ -316,6 +319,7 @@ def word(obj, fill):
     bpy.context.view_layer.update()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fill", slow_after(1, [True, False]))
 @pytest.mark.parametrize("kind", slow_after(1, ["wire", "text", "bezier"]))
 def test_instances_of_nodes_are_read_as_displayed(addon, kind, fill) -> None:
@@ -341,6 +345,7 @@ def transparent(drawn):
         point.opacity = 0.0
 
 
+@pytest.mark.slow
 def test_the_silhouette_of_an_instance_leaves_cages_out() -> None:
     wire("Drawing", [star()])
     home = bpy.data.collections.new("Home")

@@ -44,6 +44,7 @@ def frames_to_compare():
     return np.linspace(1, bpy.context.scene.frame_end, 30).round().astype(int)
 
 
+@pytest.mark.slow
 def test_animated_faces_move_as_the_cages_do(cages) -> None:
     made = animated_faces(cages)
     for frame in frames_to_compare():
@@ -80,6 +81,7 @@ def test_alembic_carries_the_animation(cages, tmp_path) -> None:
         np.testing.assert_allclose(found, points, rtol=0.0, atol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("faces", slow_after(1, [False, True]))
 def test_gltf_carries_the_animation_as_morph_targets(cages, tmp_path, faces) -> None:
     """Lone edges become lines, and faces triangles; either has a morph target for each step. What is hidden on the

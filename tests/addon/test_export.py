@@ -29,6 +29,7 @@ def cages():
     return source, fine, found
 
 
+@pytest.mark.slow
 def test_faces_fill_the_cage(cages) -> None:
     _, _, (inner, _) = cages
     choose(inner)
@@ -40,6 +41,7 @@ def test_faces_fill_the_cage(cages) -> None:
     assert all(face.normal.z > 0.999 for face in made.data.polygons)
 
 
+@pytest.mark.slow
 def test_prisms_are_closed_and_point_out(cages) -> None:
     _, _, both = cages
     choose(*both)
@@ -56,6 +58,7 @@ def test_prisms_are_closed_and_point_out(cages) -> None:
         assert volume == pytest.approx(4.0 * solid(obj).area * 1.0, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_curves_have_the_cage_s_points(cages) -> None:
     _, _, (inner, _) = cages
     choose(inner)
@@ -70,6 +73,7 @@ def test_curves_have_the_cage_s_points(cages) -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "told"), [("SVG", "3 outlines"), ("GEOJSON", "3 outlines"), ("ENGINE", "1 outline")])
 def test_it_says_how_many_outlines_were_written(cages, tmp_path, capfd, kind, told) -> None:
     choose(cages[0])
@@ -77,6 +81,7 @@ def test_it_says_how_many_outlines_were_written(cages, tmp_path, capfd, kind, to
     assert f"{told} written to file" in capfd.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_drawing_goes_to_svg_with_all_its_cages(cages, core, tmp_path) -> None:
     source, fine, both = cages
     choose(source)
@@ -87,6 +92,7 @@ def test_a_drawing_goes_to_svg_with_all_its_cages(cages, core, tmp_path) -> None
         assert shapely.equals(shapely.normalize(shapely.geometry.shape(back)), shapely.normalize(solid(obj)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("unit", "scale_length", "per_metre"),
     [("METERS", 1.0, 1e3), ("MILLIMETERS", 0.001, 1e3), ("CENTIMETERS", 1.0, 1e2), ("INCHES", 1.0, 1 / 0.0254)],
@@ -108,6 +114,7 @@ def test_an_svg_has_its_size_in_the_unit_of_the_scene(cages, tmp_path, unit, sca
     assert "width" not in ET.fromstring(path.read_text()).attrib
 
 
+@pytest.mark.slow
 def test_the_engine_gets_the_outermost(cages, core, tmp_path) -> None:
     source, _, both = cages
     choose(source)
@@ -119,6 +126,7 @@ def test_the_engine_gets_the_outermost(cages, core, tmp_path) -> None:
     assert shapely.geometry.shape(back).area == pytest.approx(solid(both[-1]).area)
 
 
+@pytest.mark.slow
 def test_a_file_that_cannot_be_written_is_a_sentence(cages, tmp_path) -> None:
     choose(cages[0])
     with pytest.raises(RuntimeError, match="cannot be written"):

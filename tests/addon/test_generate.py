@@ -79,6 +79,7 @@ def test_levels_are_clamped_to_what_is_possible_with_a_note(addon, levels, count
     assert note in [(each.code, each.data) for each in result.levels[-1].report.notes]
 
 
+@pytest.mark.slow
 def test_a_count_holds_where_loops_are_in_each_others_way_unless_all_are_kept(addon) -> None:
     generate, levels = addon.generation.generate, addon.generation.levels.parse_levels("12", UNITS)
     fine = [request(addon, [circle(40, size) for size in (4.0, 3.9, 3.8)])]

@@ -117,6 +117,7 @@ def expected(obj: Any) -> Shape:
     return shapely.union_all(shapes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["STROKE", "MONKEY"])
 def test_blenders_own_drawings_are_caged_as_they_are_painted(kind: str) -> None:
     source = drawn(kind)
@@ -133,6 +134,7 @@ def test_blenders_own_drawings_are_caged_as_they_are_painted(kind: str) -> None:
     assert solid(bpy.context.object).area == pytest.approx(paint.area, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["STROKE", "MONKEY"])
 def test_blenders_own_drawings_are_rigged_and_follow(kind: str) -> None:
     source = drawn(kind)
@@ -351,6 +353,7 @@ def converted(obj: Any) -> Loop:
     return np.array([tuple(vertex.co) for vertex in mesh.vertices])
 
 
+@pytest.mark.slow
 def test_a_straight_stroke_and_a_dot_stand_upright() -> None:
     for loop in (np.array([[-1.0, 0.0], [1.0, 0.0]]), np.array([[0.0, -1.0], [0.0, 1.0]]), np.zeros((1, 2))):
         obj = pen()
@@ -369,6 +372,7 @@ def keyed() -> Any:
     return obj
 
 
+@pytest.mark.slow
 def test_a_keyed_drawing_is_read_on_the_current_frame_and_bends_on_each() -> None:
     obj = keyed()
     bpy.context.scene.frame_set(10)
@@ -394,6 +398,7 @@ def test_a_keyed_drawing_is_read_on_the_current_frame_and_bends_on_each() -> Non
     assert [frame.frame_number for frame in obj.data.layers[0].frames] == [1, 10]
 
 
+@pytest.mark.slow
 def test_a_cutout_makes_each_layer_a_part_to_pose() -> None:
     obj = keyed()
     head, mask = obj.data.layers.new("Head"), obj.data.layers.new("Mask")
@@ -441,6 +446,7 @@ def test_a_cutout_that_fails_leaves_nothing() -> None:
     assert (len(bpy.data.objects), len(bpy.data.collections)) == before and not obj.hide_get()
 
 
+@pytest.mark.slow
 def test_a_drawing_keeps_its_shape_and_live_is_offered(addon) -> None:
     source = drawn("MONKEY")
     before, keys = places(source), [[f.frame_number for f in layer.frames] for layer in source.data.layers]

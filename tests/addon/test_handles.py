@@ -48,6 +48,7 @@ def test_bound_cages_show_their_outline_alone(addon, cage) -> None:
     assert len(list(addon.ui.overlay.strokes(bpy.context))) == 1
 
 
+@pytest.mark.slow
 def test_each_handle_moves_its_corner_and_the_drawing_follows(addon, cage) -> None:
     fine = bpy.data.objects["Drawing Fine"]
     before, drawing = evaluated(cage), evaluated(fine)
@@ -71,6 +72,7 @@ def test_each_handle_moves_its_corner_and_the_drawing_follows(addon, cage) -> No
     assert np.abs(evaluated(fine) - drawing).max() > 0.01
 
 
+@pytest.mark.slow
 def test_handles_are_for_bound_cages_and_added_once(cage) -> None:
     assert bpy.ops.object.nested_cages_add_handles() == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")

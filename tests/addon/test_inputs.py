@@ -238,6 +238,7 @@ def scaled(scale):
     return obj
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from drawings import poly_curve, set_in, snapshot, star
-from marks import slow_after
 
 
 def job(addon):
@@ -230,6 +229,7 @@ def test_in_a_window_cancelling_leaves_the_scene(addon, modal, monkeypatch, tick
     assert snapshot() == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cancel", [False, True])
 def test_several_drawings_are_written_at_once(addon, modal, monkeypatch, cancel) -> None:
     """No slice shows a scene that is half written, so there is nothing to take back."""
@@ -319,6 +319,7 @@ def other(request, addon, modal, tmp_path):
     return modal.other(request.param, **values), request.param in {"import", "from_image"}
 
 
+@pytest.mark.slow
 def test_every_job_works_on_ticks_to_its_end(addon, modal, other) -> None:
     operator, shared = other
     onward = {"PASS_THROUGH"} if shared else {"RUNNING_MODAL"}
@@ -352,7 +353,8 @@ def test_a_dialog_is_followed_by_the_job(addon, modal, monkeypatch, tmp_path, na
     assert kind.bl_rna == registered.bl_rna
 
 
-@pytest.mark.parametrize("ticks", slow_after(2, [0, 1, 2]))
+@pytest.mark.slow
+@pytest.mark.parametrize("ticks", [0, 1, 2])
 def test_every_job_can_be_cancelled_and_leaves_the_scene(addon, modal, other, ticks) -> None:
     operator, _ = other
     before = snapshot()

@@ -89,6 +89,7 @@ def move_points(obj, factor: float) -> None:
     obj.data.update_tag()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", slow_after(1, [star_curve, star_mesh]))
 def test_an_edit_is_followed_by_a_step(addon, core, live, tick, make) -> None:
     obj, collection = switched_on(make)
@@ -210,6 +211,7 @@ def test_nothing_is_left_behind_by_the_add_on(extension, live) -> None:
     assert found == (None, [])
 
 
+@pytest.mark.slow
 def test_it_ends_with_its_drawing_and_with_animation(live, job) -> None:
     obj, _ = switched_on(star_curve)
     bpy.data.objects.remove(obj)
@@ -261,6 +263,7 @@ def test_undo_is_followed(addon, core, live, tick) -> None:
     assert not live.current().behind and holds(core, addon, collection, obj)
 
 
+@pytest.mark.slow
 def test_bound_and_moving_cages_are_refused(live) -> None:
     wire("Drawing", [star()])
     bpy.ops.object.nested_cages_generate(levels="20")
@@ -285,6 +288,7 @@ def test_the_panel_says_whether_the_cages_are_behind(addon, live, tick) -> None:
     assert said == ["Up to date", "Out of date", "Up to date"]
 
 
+@pytest.mark.slow
 def test_a_modifiers_slider_is_followed(addon, core, live, tick) -> None:
     obj, collection = switched_on(star_mesh)
     tick()

@@ -58,6 +58,7 @@ def bone(armature: Object, part: str) -> Any:
     return next(each for each in armature.data.bones if each["nested_cages_part"] == part)
 
 
+@pytest.mark.slow
 def test_a_leg_moves_alone_and_the_drawing_is_as_before(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
     armature, before = fox
     assert moved(before, shapes()) == set()
@@ -78,6 +79,7 @@ def test_a_leg_moves_alone_and_the_drawing_is_as_before(fox: tuple[Object, dict[
     assert root.min() < 1e-4 < root.max()  # its root stays on the body
 
 
+@pytest.mark.slow
 def test_turns_are_limited_to_what_is_proved(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
     armature, _ = fox
     limits = [limit for each in armature.pose.bones for limit in each.constraints]
@@ -92,6 +94,7 @@ def test_turns_are_limited_to_what_is_proved(fox: tuple[Object, dict[str, np.nda
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_bone_hung_elsewhere_takes_its_part_along(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
     armature, before = fox
     bpy.ops.object.mode_set(mode="EDIT")
@@ -107,6 +110,7 @@ def test_a_bone_hung_elsewhere_takes_its_part_along(fox: tuple[Object, dict[str,
     assert len([obj for obj in bpy.data.objects if obj.type == "ARMATURE"]) == 1
 
 
+@pytest.mark.slow
 def test_the_file_moves_without_the_extension(fox: tuple[Object, dict[str, np.ndarray]], tmp_path: Path) -> None:
     armature, before = fox
     path, part = str(tmp_path / "fox.blend"), bone(armature, "tail").name

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from drawings import evaluated, in_world, poly_curve, star
+from marks import slow_after
 from test_panels import Layout
 
 
@@ -54,7 +55,7 @@ def test_shapes_of_any_svg_can_be_read_one_by_one(addon, tmp_path) -> None:
     assert bpy.data.objects["rect 1"].dimensions.x == pytest.approx(0.1)
 
 
-@pytest.mark.parametrize("shapes", [1, 2])
+@pytest.mark.parametrize("shapes", slow_after(1, [1, 2]))
 @pytest.mark.parametrize(("plane", "up"), [("AUTO", 2), ("XZ", 2), ("XY", 1)])
 def test_a_drawing_stands_in_its_middle_and_several_shapes_are_parts(tmp_path, shapes, plane, up) -> None:
     drawn = ('<rect id="low" x="10" width="10" height="40" fill="red"/>', '<circle id="high" cx="30" cy="35" r="5"/>')

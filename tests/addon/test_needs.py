@@ -32,6 +32,7 @@ def farthest(cage, fine):
     return shapely.hausdorff_distance(cage, fine, densify=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [1.0, *(pytest.param(scale, marks=pytest.mark.slow) for scale in (1000.0, 0.001))])
 def test_a_distance_is_kept_in_units_of_the_scene(addon, scale) -> None:
     obj = poly_curve("Drawing", [circle(90)])
@@ -50,6 +51,7 @@ def test_a_distance_is_kept_in_units_of_the_scene(addon, scale) -> None:
     assert len(coarser.data.vertices) < len(finer.data.vertices)
 
 
+@pytest.mark.slow
 def test_units_of_the_scene_are_understood() -> None:
     bpy.context.scene.unit_settings.scale_length = 0.01
     poly_curve("Drawing", [circle(60, 100.0)])
@@ -58,6 +60,7 @@ def test_units_of_the_scene_are_understood() -> None:
     assert "within 5 of the shape" in facts(cage)["need"]
 
 
+@pytest.mark.slow
 def test_an_excess_is_of_the_drawing_on_every_level(addon) -> None:
     poly_curve("Drawing", [star()])
     assert bpy.ops.object.nested_cages_generate(levels="40, +20%, +50 %") == {"FINISHED"}
@@ -71,6 +74,7 @@ def test_an_excess_is_of_the_drawing_on_every_level(addon) -> None:
     assert not taken(addon, cages[0]) and taken(addon, cages[2])["limit"] == 0.5
 
 
+@pytest.mark.slow
 def test_an_excess_that_cannot_be_is_refused() -> None:
     poly_curve("Drawing", [star()])
     for levels, sentence in (("+0.00001%", "ask for more"), ("1e-9u", "No cage within a distance of 1e-09")):
@@ -103,6 +107,7 @@ def test_the_panel_says_what_levels_come_to(addon) -> None:
     assert addon.ui.doors.counts(bpy.context) == ""
 
 
+@pytest.mark.slow
 def test_inner_cages_lie_inside_and_play(core) -> None:
     obj = poly_curve("Drawing", [star(80)])
     assert bpy.ops.object.nested_cages_generate(levels="24, 10", inside=True) == {"FINISHED"}
@@ -157,6 +162,7 @@ def test_cages_around_and_inside_are_kept_side_by_side_and_replaced_each_by_its_
     assert [facts(o)["inside"] for o in addon.record.CageSet.all_of(obj)] == [False, True]
 
 
+@pytest.mark.slow
 def test_inner_cages_are_verified(addon) -> None:
     obj = poly_curve("Drawing", [star()])
     bpy.ops.object.nested_cages_generate(levels="20")
@@ -180,6 +186,7 @@ def test_inner_cages_are_verified(addon) -> None:
     assert first.select_get()
 
 
+@pytest.mark.slow
 def test_selected_cages_of_both_sides_are_one_chain() -> None:
     poly_curve("Drawing", [star()])
     bpy.ops.object.nested_cages_generate(levels="20")
@@ -195,6 +202,7 @@ def test_selected_cages_of_both_sides_are_one_chain() -> None:
     assert "'Drawing Inner Cage 1' encloses 'Drawing Inner Cage 2'" in facts(second)["finding"]
 
 
+@pytest.mark.slow
 def test_inner_cages_move_nothing_and_say_so(addon) -> None:
     poly_curve("Drawing", [star()])
     bpy.ops.object.nested_cages_generate(levels="16", inside=True)
@@ -210,6 +218,7 @@ def test_inner_cages_move_nothing_and_say_so(addon) -> None:
         bpy.ops.object.nested_cages_generate(levels="20, +5%", inside=True)
 
 
+@pytest.mark.slow
 def test_scripts_get_inner_cages_and_needs(addon, core) -> None:
     obj = poly_curve("Drawing", [star()])
     ((first, second),) = addon.api.cages([obj], [20, 0.15], inside=True)

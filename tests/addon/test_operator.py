@@ -52,6 +52,7 @@ def letter():
     return [outer, circle(12, 0.2, (0.5, 2.0)), star(40) * 0.5 + (5.5, 1.0)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("decimation", slow_after(1, ["ON_CURVE", "OUTER_HULL", "ARC_LENGTH"]))
 def test_no_cage_crosses_what_it_encloses_on_any_frame(addon, decimation) -> None:
     poly_curve("Drawing", letter())
@@ -162,6 +163,7 @@ def test_selected_objects_become_the_levels(addon) -> None:
     assert len(bpy.data.collections) == 1
 
 
+@pytest.mark.slow
 def test_all_selected_drawings_in_common_cages(addon, core) -> None:
     """Two drawings in objects of their own, each with its transform, and a hole that is an object too."""
     one, two, hole = poly_curve("One", [star()]), wire("Two", [circle(40)]), wire("Hole", [circle(12, 0.3)])
@@ -208,6 +210,7 @@ def test_drawings_in_common_cages_must_be_parallel(addon) -> None:
         generate(together=True)
 
 
+@pytest.mark.slow
 def test_output_that_is_selected_with_its_drawing_is_replaced_not_caged(addon) -> None:
     poly_curve("Drawing", [star()])
     generate()
@@ -222,6 +225,7 @@ def test_output_that_is_selected_with_its_drawing_is_replaced_not_caged(addon) -
     assert "Drawing Cage 1 Cages" in bpy.data.collections
 
 
+@pytest.mark.slow
 def test_a_second_run_replaces_what_the_first_made(addon) -> None:
     poly_curve("Drawing", [star()])
     generate()

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from drawings import bezier_circle, choose, circle, facts, grid_face, poly_curve, star, text, wire
+from marks import slow_after
 
 
 class Layout:
@@ -117,13 +118,13 @@ FITTING = {
     "drawings side by side": (lambda: squares(0.0, 2.0, 4.0), "CAGES", "generate"),
     "overlapping parts": (lambda: squares(0.0, 0.5, 1.0), "RIG", "puppet"),
     "an armature": (bpy.ops.object.armature_add, "RIG", "rig"),
-    "a rig in Pose Mode": (rigged, "RIG", "rig"),
     "a picture": (image_empty, "PICTURE", "cutout"),
+    "a rig in Pose Mode": (rigged, "RIG", "rig"),
     "a cutout in Pose Mode": (cut_out, "PICTURE", "cutout"),
 }
 
 
-@pytest.mark.parametrize("name", FITTING)
+@pytest.mark.parametrize("name", slow_after(7, FITTING))
 def test_the_door_that_fits_is_open_and_its_first_button_is_the_one_to_press(draw, addon, name) -> None:
     select, door, button = FITTING[name]
     select()
@@ -147,6 +148,7 @@ def test_a_door_opened_by_hand_stays_until_another_one_fits(addon) -> None:
     assert doors.opened(bpy.context) == "PICTURE"
 
 
+@pytest.mark.slow
 def test_buttons_stay_in_their_places_whatever_is_selected(draw, addon) -> None:
     """What is drawn above and between the buttons of an open door does not depend on the selection."""
     places = set()
@@ -218,6 +220,7 @@ def test_levels_are_told_for_all_selected_drawings(draw) -> None:
     assert "of 40 to 300 vertices" in draw("VIEW3D_PT_nested_cages")
 
 
+@pytest.mark.slow
 def test_results_are_short_and_the_numbers_are_in_a_report(draw) -> None:
     poly_curve("Drawing", [star()])
     bpy.ops.object.nested_cages_generate(levels="20, 8")
@@ -236,6 +239,7 @@ def test_results_are_short_and_the_numbers_are_in_a_report(draw) -> None:
         assert words in report
 
 
+@pytest.mark.slow
 def test_a_button_takes_the_better_count(draw, monkeypatch) -> None:
     """Thirteen vertices cannot follow the sixteen corners of four squares."""
     squares = [

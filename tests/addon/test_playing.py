@@ -20,6 +20,7 @@ def cages():
     return collection, *sorted(collection.objects, key=lambda obj: facts(obj)["level"])
 
 
+@pytest.mark.slow
 def test_the_drawing_is_hidden_as_long_as_the_new_animation_plays(cages) -> None:
     collection, *_ = cages
     end = facts(collection)["end"]

@@ -23,7 +23,7 @@ STEPS = 40
 SECONDS = 60.0
 """Time after which a sequence takes no further step."""
 
-FEW, MANY = 6, 100
+FEW, MANY = 3, 100
 """Sequences in every run of the tests, and in the thorough one."""
 
 CRASHED = 41

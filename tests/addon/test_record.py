@@ -52,6 +52,7 @@ def moved_by(source, cage) -> float:
     return float(np.abs(evaluated(source) - before).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bound", slow_after(1, [False, True]), ids=["free", "bound"])
 def test_a_saved_file_works_as_before(addon, bound, tmp_path) -> None:
     record = addon.record
@@ -93,6 +94,7 @@ def test_a_saved_file_works_as_before(addon, bound, tmp_path) -> None:
     assert scene.frame_end == 20 and record.range_of(scene) is None
 
 
+@pytest.mark.slow
 def test_a_set_is_known_by_its_objects_wherever_they_are(addon) -> None:
     """Moved to other collections and scenes, renamed, with another parent, and with the collection removed."""
     source, collection = caged(bind=True)
@@ -130,6 +132,7 @@ def test_a_set_is_known_by_its_objects_wherever_they_are(addon) -> None:
     assert set_in(found).record.settings.levels == "20, 10" and set(controls.objects) >= {fine, finer, coarsest}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", slow_after(1, MAKE))
 @pytest.mark.parametrize("how", ["duplicated", "instanced", "scene copied", "appended"])
 def test_a_copy_is_a_character_of_its_own(addon, kind, how, tmp_path) -> None:
@@ -194,6 +197,7 @@ def test_append_makes_no_objects_of_kept_meshes_and_removes_none_of_before(addon
     assert sorted(obj.name for obj in bpy.data.objects) == names
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bound", [False, True])
 def test_buttons_look_at_what_is_chosen_alone(addon, monkeypatch, bound) -> None:
     """Of 300 objects; a pass over all takes milliseconds, for each button, each time the panel is drawn."""
@@ -212,6 +216,7 @@ def test_buttons_look_at_what_is_chosen_alone(addon, monkeypatch, bound) -> None
     assert len(asked) < 1000
 
 
+@pytest.mark.slow
 def test_many_drawings_are_bound_in_as_many_passes_over_the_scene_as_one(addon) -> None:
     binding, counts = addon.binding.binding, []
     for many in (1, 4):
@@ -261,6 +266,7 @@ def test_several_drawings_are_rigged_in_three_actions(addon) -> None:
     assert not any(output.bound for output in outputs) and not any(map(addon.animation.visibility.is_animated, outputs))
 
 
+@pytest.mark.slow
 def test_files_of_several_drawings_hold_their_cages(tmp_path) -> None:
     for k in range(3):
         poly_curve(f"Part {k}", [circle(40, 0.5, (2.0 * k, 0.0))])
@@ -285,6 +291,7 @@ def test_files_of_several_drawings_hold_their_cages(tmp_path) -> None:
     assert sum(obj.name.startswith("Part") and "Piece" in obj.name for obj in bpy.data.objects) == 3
 
 
+@pytest.mark.slow
 def test_what_an_edit_makes_untrue_is_not_said(addon) -> None:
     source = MAKE["curve"]()
     bpy.ops.object.nested_cages_generate(levels="0.05u")
@@ -320,6 +327,7 @@ def test_generate_after_bind_makes_the_drawings_cages_again(addon) -> None:
     assert len(bpy.data.collections) == 1 and bool(set_in(collection).bound)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", slow_after(1, ["driven", "keyed"]))
 def test_a_pose_by_animation_is_there_after_generate(addon, how) -> None:
     source, collection = caged(bind=True)
@@ -353,6 +361,7 @@ def test_a_shortcut_uses_the_values_of_the_panel(addon) -> None:
     assert (operator.levels, operator.clearance, operator.inside) == ("18", 0.5, False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bound", [False, True])
 def test_what_was_deleted_is_not_saved(bound, tmp_path) -> None:
     """Hidden objects and pointers keep nothing in the file, and what is left or was copied stays as it is."""

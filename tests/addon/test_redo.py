@@ -55,6 +55,7 @@ NO_INPUT = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", slow_after(3, NO_INPUT), ids=lambda change: next(iter(change)))
 def test_animation_and_appearance_compute_nothing(runs, change) -> None:
     poly_curve("Drawing", [star(), circle(30, 0.3)])
@@ -125,6 +126,7 @@ def test_what_is_bound_again_keeps_its_weights(core, watch) -> None:
     assert len(solved) == 0
 
 
+@pytest.mark.slow
 def test_a_picture_is_traced_once(core, watch) -> None:
     image = bpy.data.images.new("Disc", 48, 48, alpha=True)
     y, x = np.mgrid[:48, :48] - 23.5

@@ -87,6 +87,7 @@ def test_the_operator_and_the_scene_have_the_same_settings(extension, addon) -> 
 PRESETS = ("Collision", "Outline", "Rig", "Tight", pytest.param("IPC 2022 Repaired", marks=pytest.mark.slow))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS)
 def test_a_preset_sets_all_that_makes_a_cage_relative_to_the_drawing(addon, name) -> None:
     """Whatever was chosen before; cages are equally tight around a drawing of any size."""
@@ -166,6 +167,7 @@ os._exit(0)
 """
 
 
+@pytest.mark.slow
 def test_registration_imports_neither_the_core_nor_scipy() -> None:
     done = subprocess.run(
         [sys.executable, "-c", REGISTER], cwd=ROOT, capture_output=True, text=True, check=False, timeout=120

@@ -150,6 +150,7 @@ def test_work_on_a_cage_outlives_new_cages_binding_and_unbinding() -> None:
     assert [key.name for key in cage.data.shape_keys.key_blocks] == ["Basis", "Wide"]
 
 
+@pytest.mark.slow
 def test_what_was_made_while_bound_stays_when_unbound(addon) -> None:
     source = poly_curve("Drawing", [star() * 2.0])
     cage = generate(source)[-1]
@@ -185,6 +186,7 @@ def test_a_posed_drawing_is_still_posed_with_new_cages() -> None:
     assert np.abs(evaluated(source) - again).max() < 1e-5
 
 
+@pytest.mark.slow
 def test_a_level_that_is_no_more_is_kept_if_an_artist_worked_on_it() -> None:
     source = poly_curve("Drawing", [star() * 2.0])
     _, _, cage = generate(source)
@@ -197,6 +199,7 @@ def test_a_level_that_is_no_more_is_kept_if_an_artist_worked_on_it() -> None:
     assert len(levels_of(source)) == 2
 
 
+@pytest.mark.slow
 def test_hooks_and_vertex_parents_name_the_nearest_new_vertices() -> None:
     source = poly_curve("Drawing", [circle(60) * 2.0])
     cage = generate(source, "12")[-1]
@@ -229,6 +232,7 @@ def test_what_cannot_be_carried_over_is_named(addon, monkeypatch) -> None:
     assert said == [f"'{cage.name}': the attribute 'crease' could not be kept"]
 
 
+@pytest.mark.slow
 def test_undo_brings_work_back_after_a_failure(addon, monkeypatch) -> None:
     source = poly_curve("Drawing", [star() * 2.0])
     cage = rigged(generate(source)[-1])
@@ -282,6 +286,7 @@ def world(obj):
     return in_world(obj, evaluated(obj))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", slow_after(2, DRAWINGS))
 def test_a_bound_drawing_goes_with_its_cages(kind) -> None:
     source = DRAWINGS[kind]()
@@ -310,6 +315,7 @@ def test_a_bound_drawing_goes_with_its_cages(kind) -> None:
     assert facts(cage)["check"].startswith("Holds")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("linked", [False, True])
 @pytest.mark.parametrize("kind", slow_after(2, DRAWINGS))
 def test_a_copy_of_a_bound_drawing_shows_the_same_where_it_is(kind, linked) -> None:
@@ -329,6 +335,7 @@ def test_a_copy_of_a_bound_drawing_shows_the_same_where_it_is(kind, linked) -> N
     assert np.abs(world(copy) - world(source) - (0.0, 4.0, 0.0)).max() < 1e-5
 
 
+@pytest.mark.slow
 def test_an_instance_shows_the_pose_where_it_is() -> None:
     source = wire("Drawing", [star() * 2.0])
     character = in_collection(source)
@@ -408,6 +415,7 @@ def brought(path, link):
     return wanted.collections[0]
 
 
+@pytest.mark.slow
 def test_an_appended_rig_can_be_worked_on(saved) -> None:
     path, shown = saved
     brought(path, link=False)
@@ -419,6 +427,7 @@ def test_an_appended_rig_can_be_worked_on(saved) -> None:
     assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reloaded", slow_after(1, [True, False]))
 def test_an_override_is_posed_and_moved_and_says_what_it_cannot(addon, saved, reloaded) -> None:
     path, shown = saved

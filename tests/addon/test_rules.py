@@ -45,6 +45,7 @@ def assert_nested(name="Drawing"):
     return shapes
 
 
+@pytest.mark.slow
 def test_every_level_is_on_the_grid() -> None:
     poly_curve("Drawing", [star(60, 0.3)])
     assert bpy.ops.object.nested_cages_generate(levels="24, 12", grid=0.125) == {"FINISHED"}
@@ -74,6 +75,7 @@ def test_convex_cages_have_so_many_vertices_around_each_part() -> None:
         bpy.ops.object.nested_cages_generate(levels="6", convex=True, inside=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("symmetry", ["MIRROR_X", "FOUND"])
 def test_mirrored_vertices_are_mirrored_to_the_last_bit(symmetry, addon) -> None:
     loop = star(61, 0.2, 3)[:, ::-1]  # symmetric about the y axis only
@@ -92,6 +94,7 @@ def test_mirrored_vertices_are_mirrored_to_the_last_bit(symmetry, addon) -> None
         assert ("note.symmetry", "found") in noted(addon)
 
 
+@pytest.mark.slow
 def test_rotations_and_mirrors_of_a_drawing_away_from_the_origin() -> None:
     poly_curve("Drawing", [star(60, 0.25, 5) + np.array([7.0, 3.0])])
     assert bpy.ops.object.nested_cages_generate(levels="15", symmetry="ROTATION", symmetry_order=5) == {"FINISHED"}
@@ -138,6 +141,7 @@ def test_painted_weights_draw_vertices(runs) -> None:
     assert len(runs) == 4
 
 
+@pytest.mark.slow
 def test_pins_of_a_vertex_group_are_kept_on_every_level(addon) -> None:
     loop = star(120, 0.25, 5)
     obj = wire("Drawing", [loop])
@@ -191,6 +195,7 @@ def test_edges_have_few_directions(directions: str, turns: float) -> None:
     assert np.abs((angle + 0.5 * turns) % turns - 0.5 * turns).max() < 1e-3
 
 
+@pytest.mark.slow
 def test_close_parts_are_merged(addon) -> None:
     poly_curve("Drawing", [circle(40), circle(40) + np.array([2.1, 0.0])])
     bpy.ops.object.nested_cages_generate(levels="5", merge=0.5)
@@ -206,6 +211,7 @@ def test_a_group_that_is_not_there_is_named(addon) -> None:
     assert ("places.empty", "") in noted(addon)
 
 
+@pytest.mark.slow
 def test_cages_with_rules_do_not_follow() -> None:
     poly_curve("Drawing", [star()])
     bpy.ops.object.nested_cages_generate(levels="16", grid=0.1)

@@ -33,6 +33,7 @@ def area(obj, depsgraph) -> float:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("height", [0.0, 0.5])
 def test_while_it_plays_a_filled_copy_moves_in_place_of_the_original(addon, height) -> None:
     source, red = coloured("Drawing", [star(), circle(12, 0.3)])
@@ -55,6 +56,7 @@ def test_while_it_plays_a_filled_copy_moves_in_place_of_the_original(addon, heig
     assert corner.z == pytest.approx(height, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_original_is_back_when_the_animation_goes_and_while_it_is_bound(addon) -> None:
     source, _ = coloured("Drawing", [star()])
     actions = len(bpy.data.actions)
@@ -159,6 +161,7 @@ def test_the_scene_s_range_is_put_back_by_whichever_goes_last(addon) -> None:
     assert not scene.nested_cages_playing.known
 
 
+@pytest.mark.slow
 def test_a_level_that_has_not_changed_is_not_made_again(runs) -> None:
     poly_curve("Drawing", [star()])
     for levels, made in (("20, 10", [20, 10]), ("20, 12", [12]), ("20, 10", []), ("20", []), ("18, 10", [18, 10])):
@@ -191,6 +194,7 @@ def test_in_a_batch_what_cannot_be_done_is_skipped_and_listed(addon, capfd) -> N
         assert words in told
 
 
+@pytest.mark.slow
 def test_the_largest_clearance_is_known_before_the_work_begins(addon, core, monkeypatch) -> None:
     monkeypatch.setattr(core, "NestedCagesRun", None)
     poly_curve("Drawing", [star(), circle(12, 0.1)])
@@ -262,6 +266,7 @@ def test_loops_are_told_by_the_names_of_their_objects(addon, core) -> None:
     assert convert.in_words(spike, "One", [one, two]) == "'Two' has a line that goes back on itself: delete its tip"
 
 
+@pytest.mark.slow
 def test_drawings_of_one_run_share_a_collection_within_their_own(addon) -> None:
     scene = bpy.context.scene
     face, character = bpy.data.collections.new("Face"), bpy.data.collections.new("Character")

@@ -38,6 +38,9 @@ def waving(frames: int = 9, loops: list[np.ndarray] | None = None) -> tuple[Mesh
     return fine, np.array(poses)
 
 
+SMALL = [star(5, 30).vertices]
+
+
 def check(level, fine: Mesh, poses: np.ndarray, clearance: float) -> None:
     assert np.array_equal(level.fine_steps[level.report.given], poses)
     assert (np.diff(level.times) > 0.0).all()
@@ -47,12 +50,12 @@ def check(level, fine: Mesh, poses: np.ndarray, clearance: float) -> None:
 
 
 def test_every_pose_and_every_instant_is_certified() -> None:
-    fine, poses = waving(5, [star(7, 56).vertices])
-    moving = animated_cages(fine, poses, [16, 8], Settings(clearance=1e-3))
+    fine, poses = waving(4, SMALL)
+    moving = animated_cages(fine, poses, [12, 6], Settings(clearance=1e-3))
     inner, outer = moving.levels
     check(inner, fine, poses, 1e-3)
     check(outer, inner.cage, inner.cage_steps, 1e-3)
-    assert len(inner.cage.vertices) == 16 and len(outer.cage.vertices) == 8
+    assert len(inner.cage.vertices) == 12 and len(outer.cage.vertices) == 6
     assert np.array_equal(inner.report.excess, [inner.report.certificates[k].excess for k in inner.report.given])
 
 
@@ -71,20 +74,21 @@ def test_holes_and_several_parts_are_followed() -> None:
     check(animated_cages(fine, poses, [24]).levels[0], fine, poses, 0.0)
 
 
+@pytest.mark.slow
 def test_a_cyclic_motion_closes() -> None:
-    fine, poses = waving(5, [star(5, 40).vertices])
-    closed = animated_cages(fine, poses, [12], cyclic=True).levels[0]
+    fine, poses = waving(4, SMALL)
+    closed = animated_cages(fine, poses, [8], cyclic=True).levels[0]
     check(closed, fine, poses, 0.0)
     assert np.array_equal(closed.cage_steps[0], closed.cage_steps[-1])
-    assert str(closed.report).startswith(f"5 poses certified, {len(closed.times) - 5} keys added, excess ")
-    opened = animated_cages(fine, poses[:-1], [12], cyclic=True, times=np.arange(4) / 24.0).levels[0]
+    assert str(closed.report).startswith(f"4 poses certified, {len(closed.times) - 4} keys added, excess ")
+    opened = animated_cages(fine, poses[:-1], [8], cyclic=True, times=np.arange(3) / 24.0).levels[0]
     assert np.array_equal(opened.cage_steps[0], opened.cage_steps[-1])
     assert np.array_equal(opened.fine_steps[-1], poses[0])
-    assert opened.times[-1] == pytest.approx(4.0 / 24.0)
+    assert opened.times[-1] == pytest.approx(3.0 / 24.0)
 
 
 def test_a_pose_that_no_step_reaches_gets_a_cage_anew_or_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    fine, poses = waving(5, [star(5, 40).vertices])
+    fine, poses = waving(3, SMALL)
     monkeypatch.setattr(Follower, "next", lambda *_: None)
     level = animated_cages(fine, poses[:2], [12]).levels[0]
     check(level, fine, poses[:2], 0.0)
@@ -94,6 +98,7 @@ def test_a_pose_that_no_step_reaches_gets_a_cage_anew_or_is_named(monkeypatch: p
     assert caught.value.data["pose"] == 1
 
 
+@pytest.mark.slow
 def test_pins_and_weights_go_with_the_drawing_and_from_level_to_level() -> None:
     fine, poses = waving(3)
     spike = int(np.hypot(*fine.vertices.T).argmax())
@@ -109,6 +114,7 @@ def test_pins_and_weights_go_with_the_drawing_and_from_level_to_level() -> None:
                 assert np.hypot(*(level.cage_steps[given] - pose[pin]).T).min() < reach * fine.diagonal
 
 
+@pytest.mark.slow
 def test_a_rigid_motion_takes_the_cage_along() -> None:
     fine = star()
     poses = np.array([turned(fine.vertices, 0.3 * k) + np.array([2.0 * k, 0.0]) for k in range(5)])
@@ -126,21 +132,20 @@ def test_an_own_coarse_mesh_keeps_its_edges() -> None:
     check(level, fine, poses, 0.0)
 
 
-@pytest.mark.parametrize(("angle", "least"), [(0.0, 0), (1.5, 1)])
-def test_fast_turns_get_keys_or_room(angle: float, least: int) -> None:
+def test_fast_turns_get_keys_or_room() -> None:
     """Half-way between poses a quarter turn apart, straight lines cut a thin shape's way short."""
     bar = np.array([(-1.0, -0.03), (1.0, -0.03), (1.0, 0.03), (-1.0, 0.03)])
     ends = np.linspace(0.0, 1.0, 12)[:, None]
     outline = np.concatenate([a + ends[:-1] * (b - a) for a, b in zip(bar, np.roll(bar, -1, axis=0), strict=True)])
     bent = [outline + np.outer(outline[:, 0] ** 2, [0.0, 0.4 * np.sin(1.5 * k)]) for k in range(3)]
-    fine, poses = Mesh.from_loops([outline]), np.array([turned(points, angle * k) for k, points in enumerate(bent)])
+    fine, poses = Mesh.from_loops([outline]), np.array([turned(points, 1.5 * k) for k, points in enumerate(bent)])
     level = animated_cages(fine, poses, [10]).levels[0]
     check(level, fine, poses, 0.0)
-    assert level.report.keys_added >= least
+    assert level.report.keys_added > 0
 
 
 def test_a_stream_is_read_as_it_is_needed() -> None:
-    fine, poses = waving(40, [star(5, 40).vertices])
+    fine, poses = waving(40, SMALL)
     read = []
 
     def source():
@@ -149,7 +154,7 @@ def test_a_stream_is_read_as_it_is_needed() -> None:
             yield poses[number % 39]
 
     keys = stream_cages(fine, source(), 8)
-    taken = [next(keys) for _ in range(12)]
+    taken = [next(keys) for _ in range(6)]
     assert [key.number for key in taken if key.given] == sorted(key.number for key in taken if key.given)
     assert len(read) < 100
     assert all(key.certificate for key in taken)
@@ -166,32 +171,32 @@ def test_times_and_progress() -> None:
 
 
 def test_a_pose_that_crosses_itself_is_named_and_those_before_it_are_kept() -> None:
-    fine, poses = waving()
-    poses[6, 0] = -2.0 * poses[6, 0]
-    with pytest.raises(InvalidMeshError, match=r"^Pose 6: ") as caught:
-        animated_cages(fine, iter(poses), [12])
+    fine, poses = waving(4, SMALL)
+    poses[2, 0] = -2.0 * poses[2, 0]
+    with pytest.raises(InvalidMeshError, match=r"^Pose 2: ") as caught:
+        animated_cages(fine, iter(poses), [8])
     (level,) = caught.value.partial.levels
-    assert np.array_equal(level.fine_steps[level.report.given], poses[:6])
+    assert np.array_equal(level.fine_steps[level.report.given], poses[:2])
 
 
 @pytest.mark.parametrize(
     ("poses", "times", "sentence"),
     [
         (np.zeros((3, 4, 2)), None, "Pose 0: The moved vertices have shape"),
-        (waving()[1][:1], None, "at least two poses, not 1"),
+        (waving(4, SMALL)[1][:1], None, "at least two poses, not 1"),
         (5, None, "The poses must be an array"),
-        (waving()[1], [0.0, 1.0], "9 finite numbers, one per pose"),
-        (waving()[1], [0, 1, 2, 3, 3, 4, 5, 6, 7], "must increase, but that of pose 4 is 3 after 3"),
-        (waving()[1] * [-1.0, 1.0], None, "Pose 0 is turned inside out"),
+        (waving(4, SMALL)[1], [0.0, 1.0], "4 finite numbers, one per pose"),
+        (waving(4, SMALL)[1], [0, 1, 1, 3], "must increase, but that of pose 2 is 1 after 1"),
+        (waving(4, SMALL)[1] * [-1.0, 1.0], None, "Pose 0 is turned inside out"),
     ],
 )
 def test_bad_input_is_named(poses, times, sentence) -> None:
     with pytest.raises(NestedCagesError, match=sentence):
-        animated_cages(waving()[0], poses, [12], times=times)
+        animated_cages(waving(4, SMALL)[0], poses, [8], times=times)
 
 
 def test_no_levels() -> None:
-    fine, poses = waving(3)
+    fine, poses = waving(3, SMALL)
     with pytest.raises(NestingError, match="There are no levels"):
         animated_cages(fine, poses, [])
 
