@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from marks import slow_after
 from nestedcages_core import (
     AxisAligned,
     LoopClearance,
@@ -29,7 +30,7 @@ def off_axes(cage: Mesh) -> float:
     return float(np.abs(cage.edge_ends - cage.vertices).min(axis=1).max())
 
 
-@pytest.mark.parametrize("count", [4, 12, 28, 40])
+@pytest.mark.parametrize("count", slow_after(1, [12, 4, 28, 40]))
 @pytest.mark.parametrize("fine", [FLOWER, letter_a(), annulus(60)], ids=["flower", "letter", "ring"])
 def test_edges_are_exactly_along_the_axes(fine: Mesh, count: int) -> None:
     level = nested_cages(fine, max(count, 4 * len(fine.loops)), constraints=[AxisAligned()])[0]
@@ -40,6 +41,7 @@ def test_edges_are_exactly_along_the_axes(fine: Mesh, count: int) -> None:
         assert off_axes(level.cage.moved(steps)) == 0.0
 
 
+@pytest.mark.slow
 def test_more_vertices_make_them_tighter() -> None:
     excess = [nested_cages(FLOWER, count, constraints=[AxisAligned()])[0].excess for count in (4, 12, 20, 28, 40)]
     assert excess == sorted(excess, reverse=True) and excess[-1] < 0.15
@@ -70,6 +72,7 @@ def test_symmetric_cages_keep_directions(symmetry: Mirror | Rotation, exact: boo
     assert (np.abs(image[:, None] - cage.vertices).max(axis=2).min(axis=1) == 0.0).all()
 
 
+@pytest.mark.slow
 def test_each_level_and_the_side_within_keep_directions() -> None:
     for level in nested_cages(FLOWER, [40, 16], constraints=[AxisAligned(TRANSIT), LoopClearance(outer=0.02)]):
         assert AxisAligned(TRANSIT).fault(level.cage, FLOWER) is None
@@ -78,6 +81,7 @@ def test_each_level_and_the_side_within_keep_directions() -> None:
     assert verify(FLOWER, inner.cage) and off_axes(inner.cage) == 0.0
 
 
+@pytest.mark.slow
 def test_moving_cages_keep_directions_at_every_key() -> None:
     poses = np.stack([FLOWER.vertices * (1.0 + 0.05 * t) + [0.03 * t * t, 0.1 * t] for t in range(4)])
     level = animated_cages(FLOWER, poses, 16, constraints=[AxisAligned()]).levels[0]

@@ -133,6 +133,7 @@ def test_a_cancelled_batch_leaves_the_other_shapes_of_an_executor() -> None:
     assert len(kept) < 60
 
 
+@pytest.mark.slow
 def test_a_generator_of_levels_serves_every_shape(executor: Executor | None) -> None:
     outcomes = nested_cages_many(glyphs(3), (level for level in [20, 12]), executor=executor)
     assert [[len(cage.vertices) for cage in outcome.unwrap().cages] for outcome in outcomes] == [[20, 12]] * 3
@@ -219,6 +220,7 @@ def test_dask_makes_cages_too() -> None:
 # What travels between processes
 
 
+@pytest.mark.slow
 def test_meshes_settings_and_results_travel() -> None:
     for mesh in (annulus(12), islands(), Mesh.from_loops([ring(5)]).moved(2.0 * ring(5))):
         copy = pickle.loads(pickle.dumps(mesh))

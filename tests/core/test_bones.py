@@ -144,6 +144,7 @@ def test_bones_that_make_no_sense_are_rejected(bones: list[Bone], sentence: str)
         bone_weights(Mesh.of(ring(8)), bones)
 
 
+@pytest.mark.slow
 def test_a_rigid_turn_of_the_root_turns_everything(character: Character) -> None:
     shape, cage = character.posed({"body": 30.0})
     centre = np.array(character.bones[0].head)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from marks import slow_after
 from nestedcages_core import (
     Feature,
     Mesh,
@@ -149,13 +150,15 @@ def test_what_a_viewer_does_not_show_so_is_refused(forged: str, tmp_path: Path, 
 
 @pytest.mark.parametrize(
     "picture",
-    [
-        PICTURE,
-        OTHER,
-        PICTURE.replace(BOTH, f'<g transform="scale(2)"><g transform="scale(.5)">{BOTH}</g></g>'),
-        PICTURE.replace(BOTH, f'<defs><g id="g">{BOTH}</g></defs><use href="#g"/>'),
-        styled("stroke:red;-inkscape-stroke:none"),
-    ],
+    slow_after(
+        2,
+        [
+            OTHER,
+            PICTURE.replace(BOTH, f'<g transform="scale(2)"><g transform="scale(.5)">{BOTH}</g></g>'),
+            PICTURE.replace(BOTH, f'<defs><g id="g">{BOTH}</g></defs><use href="#g"/>'),
+            styled("stroke:red;-inkscape-stroke:none"),
+        ],
+    ),
 )
 def test_what_a_viewer_shows_holds(picture: str, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     drawing, result = tmp_path / "in.svg", tmp_path / "out.svg"

@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from marks import slow_after
 from nestedcages_core import (
     Hierarchy,
     LineCycles,
@@ -116,7 +117,7 @@ def test_the_distance_is_exact() -> None:
         assert not check(fine, SQUARE, wrong)
 
 
-@pytest.mark.parametrize("shape", [letter_a, star, lambda: comb(5, 0.05, per_unit=20), islands])
+@pytest.mark.parametrize("shape", slow_after(1, [islands, letter_a, star, lambda: comb(5, 0.05, per_unit=20)]))
 def test_the_largest_distance_agrees_with_its_certificate(shape: Any) -> None:
     fine = shape()
     level = nested_cages(fine, [20], FAST)[0]
@@ -156,6 +157,7 @@ def test_images_are_exact_anywhere() -> None:
         assert "no image" in check(rest, half, symmetry=symmetry).problems[0]
 
 
+@pytest.mark.slow
 def test_needs_are_checked() -> None:
     for symmetry in (Mirror(None), Mirror((0.0, 0.0), (1.0, 0.3)), Rotation(None, 5)):
         chosen = replace(FAST, symmetry=symmetry, decimation=LineCycles())
@@ -168,6 +170,7 @@ def test_needs_are_checked() -> None:
     assert "not multiples of 0.05" in check(letter_a(), wrong).problems[0]
 
 
+@pytest.mark.slow
 def test_inner_cages_and_cages_that_move_are_checked() -> None:
     assert check(letter_a(), inner_cages(letter_a(), [24, 12], FAST))
     fine = star()

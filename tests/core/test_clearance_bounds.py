@@ -105,6 +105,7 @@ def test_too_few_vertices_are_told_from_too_little_room() -> None:
     assert verify(nested_cages(fine, [60], Settings(clearance=0.14, loops="keep")).cages[0], fine, 0.14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("gap", "clearance"), slow_after(1, [(0.05, 0.005), (0.1, 0.01)]))
 def test_a_level_leaves_room_for_the_next(gap: float, clearance: float) -> None:
     """Two letters with serifs; alone, the first cage would have its two loops next to each other."""

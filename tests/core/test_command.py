@@ -176,6 +176,7 @@ def test_a_feature_that_is_no_shape_does_not_lose_the_others(tmp_path: Path, cap
     assert [feature.id for feature in features_from_geojson(out.read_bytes())] == ["Crossed", "East"]
 
 
+@pytest.mark.slow
 def test_several_files_patterns_and_percentages(drawing: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     (drawing.parent / "star.svg").write_text(to_svg(star(5, 60)))
     (drawing.parent / "broken.svg").write_text("<svg")
@@ -208,6 +209,7 @@ def test_several_files_patterns_and_percentages(drawing: Path, tmp_path: Path, c
     assert verify(read, star(5, 60))
 
 
+@pytest.mark.slow
 def test_a_count_is_a_promise(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     rings = [ring(20) + np.array([3.0 * k, 0.0]) for k in range(8)]
     (tmp_path / "a.svg").write_text(to_svg(Mesh.from_loops(rings)))
@@ -261,6 +263,7 @@ def test_a_closed_output_loses_no_work(drawing: Path, tmp_path: Path) -> None:
         assert (tmp_path / "out.svg").is_file()
 
 
+@pytest.mark.slow
 def test_streams_in_and_out(
     drawing: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsysbinary: pytest.CaptureFixture[bytes]
 ) -> None:
@@ -301,6 +304,7 @@ def test_a_reader_that_goes_away_loses_no_file(drawing: Path, tmp_path: Path) ->
     assert json.loads((tmp_path / "report.json").read_text())["inputs"][0]["written"] == ["out.svg"]
 
 
+@pytest.mark.slow
 def test_names_that_the_console_cannot_write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     names = ["Łódź", "half \ud83d a character", "two\nlines", "East"]
     members = [region(3.0 * place, name) for place, name in enumerate(names)]
@@ -507,6 +511,7 @@ def test_a_terminal_gets_a_bar(drawing: Path, monkeypatch: pytest.MonkeyPatch, c
     assert said.endswith("\n")
 
 
+@pytest.mark.slow
 def test_symmetric_cages_and_limits(drawing: Path, tmp_path: Path) -> None:
     for what, note in (("x", None), ("found", "Found a mirror"), ("2", "cover")):
         report = tmp_path / "report.json"

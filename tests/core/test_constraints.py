@@ -86,8 +86,12 @@ SHAPES = {"star": star(5, 90), "letter": letter_a(), "ring": annulus(60)}
 
 
 @pytest.mark.parametrize("inside", [False, True])
-@pytest.mark.parametrize("shape", slow_after(1, list(SHAPES)))
-@pytest.mark.parametrize("names", [*((name,) for name in MAKERS), *combinations(MAKERS, 2)], ids="+".join)
+@pytest.mark.parametrize("shape", slow_after(1, SHAPES, thorough_after=1))
+@pytest.mark.parametrize(
+    "names",
+    slow_after(len(MAKERS), [((name,),) for name in MAKERS] + [(pair,) for pair in combinations(MAKERS, 2)]),
+    ids="+".join,
+)
 def test_constraints_are_kept(names: tuple[str, ...], shape: str, inside: bool) -> None:
     fine = SHAPES[shape]
     constraints = [MAKERS[name](fine) for name in names]
@@ -141,6 +145,7 @@ def test_the_next_level_keeps_them_too() -> None:
         assert level.report.clearance >= 0.01 * (1.0 - 1e-9)
 
 
+@pytest.mark.slow
 def test_symmetric_and_gridded_cages_keep_a_box() -> None:
     fine = star(5, 90)
     box = box_around(fine, 0.02)
@@ -228,7 +233,7 @@ def test_bad_constraints_are_rejected() -> None:
         nested_cages(fine, 12, constraints=[Box((-9.0, -9.0), (0.5, 9.0))])
 
 
-@pytest.mark.parametrize("name", MAKERS)
+@pytest.mark.parametrize("name", slow_after(1, MAKERS))
 def test_moving_cages_keep_constraints_at_every_key(name: str) -> None:
     fine = star(5, 60)
     poses = [fine.vertices + 0.1 * step * fine.vertices[:, 1:] * [1.0, 0.0] for step in range(3)]
@@ -317,6 +322,7 @@ def test_rows_of_an_obstacle_are_derivatives() -> None:
     assert (inside.short(cage.vertices) >= 1.0).all()
 
 
+@pytest.mark.slow
 def test_promised_limits_without_room_are_errors() -> None:
     fine = Mesh.from_loops([ring(64)])
     for constraint, code in ((LeastEdge(20.0), "edge.short"), (LeastAngle(59.9), "angle.sharp")):

@@ -115,7 +115,7 @@ def test_every_part_gets_its_own() -> None:
     assert hierarchy.levels[1].fine is hierarchy.levels[0].cage
 
 
-@pytest.mark.parametrize(("count", "angle"), slow_after(2, [(3, 0.0), (4, 0.0), (4, 0.5), (5, 1.0), (6, 0.8)]))
+@pytest.mark.parametrize(("count", "angle"), slow_after(0, [(3, 0.0), (4, 0.0), (4, 0.5), (5, 1.0), (6, 0.8)]))
 def test_parts_close_to_each_other_keep_apart(count: int, angle: float) -> None:
     """Turned, some pairs overlap only once there are walls between others."""
     c, s = np.cos(angle), np.sin(angle)
@@ -188,6 +188,7 @@ def test_symmetric_polygons_are_the_least_where_these_are_symmetric() -> None:
     assert [len(loop) for loop in pair.cage.loops] == [6, 6]
 
 
+@pytest.mark.slow
 def test_triangles_that_a_grid_turns_over_are_mended_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two needles on a coarse grid: hulls of three corners have none to drop, which went on for ever."""
     fine = Mesh.from_loops([[(0, y), (500, y + 0.5), (0, y + 1)] for y in (0, 20)])

@@ -63,6 +63,7 @@ def test_weights_that_promise_it_are_never_negative(
     assert weights.max() <= 1.0 + 1e-12
 
 
+@pytest.mark.slow
 def test_each_component_follows_its_own_loops(nested: dict[str, tuple[Mesh, Mesh]]) -> None:
     fine, cage = nested["islands"]
     weights = cage_coordinates(fine, cage, QUICK)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
+from marks import slow_after
 from nestedcages_core import Mesh, NestedCagesError, NestingError, Within, check, verify
 from nestedcages_core.command import main
 from nestedcages_core.exchange import Feature, coverage, coverage_cages, features_from_geojson, to_geojson
@@ -57,6 +58,7 @@ def test_regions_fill_the_cage_of_their_land(seed: int, turn: float) -> None:
         assert cage.covers(land)
 
 
+@pytest.mark.slow
 def test_borders_stay_within_the_width() -> None:
     regions = crooked(7)
     counts = []
@@ -95,7 +97,7 @@ def test_what_does_not_hold_the_land_is_refused(monkeypatch: pytest.MonkeyPatch)
         coverage_cages(regions, 12, width=0.0)
 
 
-@pytest.mark.parametrize("option", [["--borders"], ["--borders", "0.02"]])
+@pytest.mark.parametrize("option", slow_after(1, [["--borders"], ["--borders", "0.02"]]))
 def test_the_command_writes_regions_with_their_properties(
     option: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:

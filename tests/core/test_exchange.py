@@ -391,6 +391,7 @@ def test_overlapping_shapes_are_united(seeds: list[int]) -> None:
     assert len(shapely.get_parts(found)) == len(shapely.get_parts(expected))
 
 
+@pytest.mark.slow
 @settings(max_examples=50, deadline=None)
 @given(st.lists(st.integers(0, 10_000), min_size=3, max_size=5, unique=True), st.booleans())
 def test_areas_are_clipped_by_others(seeds: list[int], inside: bool) -> None:

@@ -89,6 +89,7 @@ files.write_whole(sys.argv[1], "x" * 100_000)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="locks and kills of POSIX")
 def test_what_a_killed_writer_leaves_is_cleaned_and_what_is_being_written_is_not(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

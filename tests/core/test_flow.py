@@ -237,6 +237,7 @@ def test_too_few_fine_vertices() -> None:
 # Invariance
 
 
+@pytest.mark.slow
 def test_random_shapes() -> None:
     rng, tried = np.random.default_rng(11), 0
     while tried < 60:

@@ -82,6 +82,7 @@ def puppet(parts: list[PicturePart]) -> GamePuppet:
     return game_puppet(parts, SIZE, name="puppet", vertices=12)
 
 
+@pytest.mark.slow
 def test_hulls_hold_every_opaque_pixel(puppet: GamePuppet, parts: list[PicturePart]) -> None:
     """The independent checker judges the numbers as they are written, and islands share out the pixels."""
     assert [mesh.name for mesh in puppet.meshes] == [
@@ -166,6 +167,7 @@ def test_the_atlas_has_each_picture_once(puppet: GamePuppet) -> None:
     assert set(np.unique(atlas.page[1:-1, 1:-1][owner[1:-1, 1:-1] > 0][:, 2])) <= blue | {0}
 
 
+@pytest.mark.slow
 def test_a_part_is_told_where_to_hang(parts: list[PicturePart]) -> None:
     made = game_puppet(parts, SIZE, choices={"tail": PartChoice(parent='arm "R".001', bones=1)})
     tail = next(k for k, bone in enumerate(made.bones) if bone.name == "tail")
@@ -252,6 +254,7 @@ def test_layers_of_svg_become_pictures() -> None:
     assert [each.path for each in parts_of_svg(grouped, 260)[0]] == ["whole", "limb0", "limb1", "limb2"]
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path: Path, parts: list[PicturePart], capsys: pytest.CaptureFixture[str]) -> None:
     painting = tmp_path / "cat"
     painting.mkdir()
@@ -303,6 +306,7 @@ def painted_again(parts: list[PicturePart]) -> list[PicturePart]:
     return [thick, body, ring, shine, replace(arm, name="left arm"), part("hat", limb((120, 90), (160, 140), width=40))]
 
 
+@pytest.mark.slow
 def test_a_repainted_puppet_keeps_its_bones(parts: list[PicturePart], puppet: GamePuppet) -> None:
     times = np.array([0.0, 1.0])
     first = [replace(each, identity=str(k)) for k, each in enumerate(parts)]
@@ -335,6 +339,7 @@ def test_a_repainted_puppet_keeps_its_bones(parts: list[PicturePart], puppet: Ga
     assert again.ranges == old.ranges
 
 
+@pytest.mark.slow
 def test_weights_painted_by_hand_are_carried_by_place(parts: list[PicturePart]) -> None:
     first = [replace(each, identity=str(k)) for k, each in enumerate(parts)]
     old = game_puppet(first, SIZE, vertices=12)

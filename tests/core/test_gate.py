@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from marks import slow_after
 from nestedcages_core import (
     Level,
     Mesh,
@@ -116,6 +117,7 @@ def test_what_the_solvers_hand_over_is_judged(fault: str, work: Any, options: An
     assert is_refused(work, star(5, 40), 10, clearance=1e-3, fallback=None, **options)
 
 
+@pytest.mark.slow
 def test_motion_to_a_grid_is_judged(monkeypatch: pytest.MonkeyPatch) -> None:
     """On the way, the cage is where another vertex ends: across the teeth."""
     true = settling._paths
@@ -130,7 +132,7 @@ def test_motion_to_a_grid_is_judged(monkeypatch: pytest.MonkeyPatch) -> None:
         nested_cages(TEETH, 12, grid=0.25)
 
 
-@pytest.mark.parametrize("fine", [TEETH, star(7, 56)], ids=["teeth", "star"])
+@pytest.mark.parametrize("fine", slow_after(1, [star(7, 56), TEETH]), ids=["star", "teeth"])
 def test_settling_obeys_needs_and_certificates(fine: Mesh, monkeypatch: pytest.MonkeyPatch) -> None:
     true = settling.placements
 
@@ -297,7 +299,7 @@ def test_keys_keep_the_clearance(monkeypatch: pytest.MonkeyPatch) -> None:
         animated_cages(fine, poses, 12, clearance=2e-2)
 
 
-@pytest.mark.parametrize("options", [{"grid": 0.02}, {"stored": np.float16}], ids=str)
+@pytest.mark.parametrize("options", slow_after(1, [{"stored": np.float16}, {"grid": 0.02}]), ids=str)
 def test_keys_keep_needs(options: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
     fine, poses = waving(3, [star(7, 56).vertices])
     monkeypatch.setattr(Follower, "stored", lambda self, cage: self.units.to_input(cage))

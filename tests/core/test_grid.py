@@ -91,7 +91,7 @@ def test_the_shortest_cycle_is_the_shortest_of_all() -> None:
     assert shortest_cycle(costs) is None
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", slow_after(1, range(2)))
 def test_as_small_as_the_smallest_triangle_on_a_grid(seed: int) -> None:
     """Every triangle with corners on a coarse grid around the shape, one by one."""
     rng = np.random.default_rng(seed)
@@ -122,7 +122,7 @@ def test_as_small_as_the_smallest_triangle_on_a_grid(seed: int) -> None:
 
 @pytest.mark.parametrize(
     ("fine", "grid"),
-    slow_after(2, [(star(), 0.05), (letter_a(), 0.05), (annulus(40), 1e-6), (islands(), 0.02)]),
+    slow_after(1, [(star(), 0.05), (letter_a(), 0.05), (annulus(40), 1e-6), (islands(), 0.02)]),
 )
 def test_levels_on_a_grid(fine: Mesh, grid: float) -> None:
     counts = [8 * len(fine.loops), 5 * len(fine.loops)]
@@ -233,6 +233,7 @@ def test_writers_do_not_round() -> None:
     assert subtracted(10.0, np.array([9.9, 0.1, 0.0])).tolist() == [0.1, 9.9, 10.0]
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     source = tmp_path / "star.geojson"
     source.write_text(to_geojson(star()))
