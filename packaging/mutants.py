@@ -1,13 +1,13 @@
 """Mutation tests of the exact parts: every small change of their code must make a test fail.
 
-Run as ``python packaging/mutants.py``: all files of `TESTS`. Names of files try only these, ``--changed main`` only
-files that differ from a commit, and ``--most 20`` so many changes of each, spread evenly. ``--by-hand`` puts in the
-faults of `by_hand.py`, which went unnoticed once. Exit status 1 if a change survives that is not in `survivors.json`,
-which says of each why no test can see it. Needs fork, so Linux or macOS.
+Run as ``python packaging/mutants.py``: all files of `TESTS`. Names of files or folders try only these, ``--changed
+main`` only files that differ from a commit, and ``--most 20`` so many changes of each line of `TESTS`, spread evenly.
+``--by-hand`` puts in the faults of `by_hand.py`, which went unnoticed once. Exit status 1 if a change survives that is
+not in `survivors.json`, which says of each why no test can see it. Needs fork, so Linux or macOS.
 
-Tests run once with the code as it is, to learn which of them pass which line. A change in a function gets a fork of a
-process that has read the tests, in which these run, fastest first, until one fails. What is decided on import is tried
-in a process that has imported nothing.
+The tests of a line run once with the code as it is, to learn which of them pass which line of code. A change in a
+function gets a fork of a process that has read the tests, in which these run, fastest first, until one fails. What is
+decided on import is tried in a process that has imported nothing.
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ TESTS = {
     "geometry/mesh/nesting.py": "test_nesting.py test_verification.py",
     "verification/certificate.py": "test_verification.py",
     "verification/motion.py": "test_motion.py test_deliberate_faults.py",
-    "tolerance/": "test_tolerance.py",
+    "tolerance/": "test_tolerance.py test_deliberate_faults.py",
+    "decimation/merging.py": "test_merging.py",
     "decimation/line_cycles/": "test_line_cycles_oracle.py test_line_cycles.py",
     "level/": "test_gate.py test_attempts.py test_guarantees.py test_stages.py",
     "motion/": "test_gate.py test_animated_cages.py test_sequence.py",
@@ -114,12 +115,16 @@ def _pytest(words: list[str], *plugins: object) -> int:
     return int(pytest.main([*options, *words], plugins=list(plugins)))
 
 
+Functions = dict[tuple[str, str], CodeType]
+"""Those of files, by file and name."""
+
+
 class Session:
-    """A plugin of pytest that tries changes of one file in forks, by the tests that pass their lines."""
+    """A plugin of pytest that tries changes of files in forks, by the tests that pass their lines."""
 
     def __init__(self, mutants: list[Mutant], jobs: int) -> None:
         self.mutants, self.jobs = mutants, jobs
-        self.target = str(ROOT / mutants[0].path)
+        self.targets = {str(ROOT / mutant.path) for mutant in mutants}
         self.failed = False
         self.survivors: list[int] = []
         self.on_import: list[int] = []
@@ -132,15 +137,21 @@ class Session:
         with tempfile.NamedTemporaryFile() as file:
             self._require(lambda: self._observed(session, file.name))
             passed, seconds = pickle.loads(Path(file.name).read_bytes())
-        before, rest = _taken_apart(self._compiled(plain((ROOT / self.mutants[0].path).read_text(encoding="utf-8"))))
+        before: Functions = {}
+        rest: dict[str, list[Any]] = {}
+        for target in self.targets:
+            functions, rest[target] = _taken_apart(plain(Path(target).read_text(encoding="utf-8")), target)
+            before |= functions
         self._require(lambda: self._caught(session, range(len(seconds)), before))
         trials = []
         for number, mutant in enumerate(self.mutants):
-            after, other = _taken_apart(self._compiled(mutant.source))
-            if rest != other:
+            target = str(ROOT / mutant.path)
+            after, other = _taken_apart(mutant.source, target)
+            if rest[target] != other:
                 self.on_import.append(number)
                 continue
-            order = sorted(set().union(*(passed.get(line, ()) for line in mutant.lines)), key=seconds.__getitem__)
+            found = (passed.get((target, line), ()) for line in mutant.lines)
+            order = sorted(set().union(*found), key=seconds.__getitem__)
             limit = FACTOR * sum(seconds[test] for test in order) + SECONDS
             trials.append(Trial(number, limit, functools.partial(self._caught, session, order, after)))
         self.survivors = [number for number, survives in tried(trials, self.jobs) if survives]
@@ -158,10 +169,10 @@ class Session:
         passed, seconds = defaultdict(set), []
 
         def called(frame: FrameType, event: str, _: object) -> Any:
-            return at_line if frame.f_code.co_filename == self.target else None
+            return at_line if frame.f_code.co_filename in self.targets else None
 
         def at_line(frame: FrameType, event: str, _: object) -> Any:
-            passed[frame.f_lineno].add(len(seconds))
+            passed[frame.f_code.co_filename, frame.f_lineno].add(len(seconds))
             return at_line
 
         for number in range(len(session.items)):
@@ -173,14 +184,12 @@ class Session:
         Path(path).write_bytes(pickle.dumps((dict(passed), seconds)))
         return int(self.failed)
 
-    def _compiled(self, source: str) -> CodeType:
-        return compile(source, self.target, "exec")
-
-    def _caught(self, session: Any, order: Iterable[int], functions: dict[str, CodeType]) -> int:
+    def _caught(self, session: Any, order: Iterable[int], functions: Functions) -> int:
         """1 if one of the tests fails with these functions, else 0."""
         for each in gc.get_objects():
-            if isinstance(each, FunctionType) and each.__code__.co_filename == self.target:
-                each.__code__ = functions.get(each.__code__.co_qualname, each.__code__)
+            if isinstance(each, FunctionType):
+                code = each.__code__
+                each.__code__ = functions.get((code.co_filename, code.co_qualname), code)
         for number in order:
             self._run(session, number)
             if self.failed:
@@ -188,24 +197,25 @@ class Session:
         return SURVIVED
 
 
-def _taken_apart(code: CodeType) -> tuple[dict[str, CodeType], list[Any]]:
-    """The functions of a module or class by name, and all that is decided on import."""
-    functions, rest = {}, [code.co_code, code.co_names]
+def _taken_apart(source: str | CodeType, file: str) -> tuple[Functions, list[Any]]:
+    """The functions of a module or class, and all that is decided on import."""
+    code = compile(source, file, "exec") if isinstance(source, str) else source
+    functions: Functions = {}
+    rest: list[Any] = [code.co_code, code.co_names]
     for constant in code.co_consts:
         if not isinstance(constant, CodeType):
             rest.append(repr(constant))
         elif constant.co_flags & inspect.CO_OPTIMIZED:
-            functions[constant.co_qualname] = constant
+            functions[file, constant.co_qualname] = constant
         else:
-            inner, others = _taken_apart(constant)
+            inner, others = _taken_apart(constant, file)
             functions |= inner
             rest += others
     return functions, rest
 
 
-def survivors(path: str, each: list[Mutant], jobs: int) -> Iterator[Mutant]:
-    """The changes of a file that survive. Raises SystemExit if the tests fail without a change."""
-    tests = tests_of(path)
+def survivors(tests: list[str], each: list[Mutant], jobs: int) -> Iterator[Mutant]:
+    """The changes that survive tests. Raises SystemExit if these fail without a change."""
     with tempfile.NamedTemporaryFile() as file:
 
         def run() -> int:
@@ -229,10 +239,9 @@ def require(trials: list[Trial]) -> None:
         raise SystemExit("The tests fail without any change.")
 
 
-def tests_of(path: str) -> list[str]:
-    """The tests of a file of the core."""
-    names = next((tests for part, tests in TESTS.items() if path.removeprefix(CORE).startswith(part)), "")
-    return [str(ROOT / "tests" / "core" / name) for name in names.split()]
+def part_of(path: str) -> str | None:
+    """The line of `TESTS` that a file of the core belongs to."""
+    return next((part for part in TESTS if path.removeprefix(CORE).startswith(part)), None)
 
 
 def by_hand(jobs: int) -> int:
@@ -257,9 +266,9 @@ def by_hand(jobs: int) -> int:
 def main() -> int:
     """Run the command; the exit status."""
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("files", nargs="*", help="files of the core, from the project's root")
+    options.add_argument("files", nargs="*", help="files or folders of the core, from the project's root")
     options.add_argument("--changed", metavar="COMMIT", help="only files that differ from this commit")
-    options.add_argument("--most", type=int, metavar="N", help="try at most so many changes of each file")
+    options.add_argument("--most", type=int, metavar="N", help="try at most so many changes of each line of TESTS")
     options.add_argument("--jobs", type=int, default=2, metavar="N", help="processes (default: 2)")
     options.add_argument("--by-hand", action="store_true", help="put in the faults of by_hand.py instead")
     given = options.parse_args()
@@ -274,30 +283,36 @@ def main() -> int:
     assert all((hypothesis, pytest, scipy, shapely))  # imported once, before the forks
     if given.by_hand:
         return int(by_hand(given.jobs) > 0)
-    files = given.files or [path.as_posix() for path in sorted(Path(CORE).rglob("*.py"))]
+    files = [path.as_posix() for path in sorted(Path(CORE).rglob("*.py"))]
+    if given.files:
+        files = [path for path in files if any(path.startswith(name) for name in given.files)]
     if given.changed:
         command = ["git", "diff", "--name-only", given.changed, "--", CORE]
         differing = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
         files = [path for path in files if path in differing]
     explained = json.loads(SURVIVORS.read_text(encoding="utf-8"))
     new = total = 0
-    for path in (path for path in files if tests_of(path)):
-        began = time.monotonic()
-        known = {change for changes in explained.get(path, {}).values() for change in changes}
-        every = list(mutants(path, Path(path).read_text(encoding="utf-8")))
-        for change in known - {str(mutant) for mutant in every}:
-            print(f"NO LONGER A CHANGE: {path}: {change}", flush=True)
-            new += 1
-        each = [mutant for mutant in every if str(mutant) not in known]
+    for part, names in TESTS.items():
+        began, each, known = time.monotonic(), list[Mutant](), 0
+        for path in (path for path in files if part_of(path) == part):
+            reasons = {change for changes in explained.get(path, {}).values() for change in changes}
+            every = list(mutants(path, Path(path).read_text(encoding="utf-8")))
+            for change in reasons - {str(mutant) for mutant in every}:
+                print(f"NO LONGER A CHANGE: {path}: {change}", flush=True)
+                new += 1
+            each += [mutant for mutant in every if str(mutant) not in reasons]
+            known += len(reasons)
         each = each[:: max(1, -(-len(each) // given.most))] if given.most else each
+        if not each:
+            continue
         found = 0
-        for mutant in survivors(path, each, given.jobs) if each else ():
-            print(f"SURVIVES: {path}:{mutant.lines.start}: {mutant}", flush=True)
+        for mutant in survivors([str(ROOT / "tests" / "core" / name) for name in names.split()], each, given.jobs):
+            print(f"SURVIVES: {mutant.path}:{mutant.lines.start}: {mutant}", flush=True)
             found += 1
         new += found
         total += len(each)
         seconds = time.monotonic() - began
-        print(f"{path}: {len(each) - found} of {len(each)} caught, {len(known)} explained, {seconds:.0f} s", flush=True)
+        print(f"{part}: {len(each) - found} of {len(each)} caught, {known} explained, {seconds:.0f} s", flush=True)
     print(f"{total} changes tried, {new} survive unexplained.")
     return int(bool(new))
 
