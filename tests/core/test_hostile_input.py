@@ -33,7 +33,7 @@ from nestedcages_core.command import main
 from nestedcages_core.published.gurditta_jacobson_2022 import PaperFlow, SignedDistanceFlow
 from shapes import letter_a, letter_a_coarse
 
-FAST, FEW, MANY = 4, 16, 3000
+FAST, FEW, MANY = 2, 12, 3000
 """Examples of each grammar in fast, slow and thorough tests."""
 
 SEED = 20_260_101

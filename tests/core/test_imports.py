@@ -67,6 +67,7 @@ def parts(modules: set[str], package: str) -> set[str]:
     return {name for name in names if not name.startswith("_")}
 
 
+@pytest.mark.slow
 def test_the_core_starts_without_the_parts_of_scipy(imported: list[set[str]]) -> None:
     rooms = {"batch", "command", "coordinates", "exchange", "motion", "published"}
     assert parts(imported[0], "nestedcages_core").isdisjoint(rooms)
@@ -77,6 +78,7 @@ def test_the_first_cage_needs_nothing_of_scipy_but_lapack(imported: list[set[str
     assert {name for name in imported[1] if name.partition(".")[0] == "scipy"} == {lapack.NAME}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("found", [True, False])
 def test_lapack_is_that_of_scipy_whether_its_module_is_found_or_not(found: bool) -> None:
     program = f"""

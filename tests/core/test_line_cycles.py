@@ -230,6 +230,7 @@ def test_parameters_and_impossible_counts_are_told() -> None:
     assert Chain(ring(6)).size == 6
 
 
+@pytest.mark.slow
 def test_inner_cages_start_from_cycles_too() -> None:
     for fine in (letter_a(), star(), annulus(60)):
         cycles, greedy = drain(LineCycles().inside.starts(fine, 16))
@@ -247,6 +248,7 @@ def test_an_inner_hull_that_beats_crossing_cycles_is_named_so() -> None:
     assert inner_cages(drawn[1], 38).levels[0].report.start == "inner hull"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "count"), [(None, 15), (78, 44)])
 def test_the_least_count_that_is_named_has_a_cage(seed: int | None, count: int) -> None:
     from benchmarks.random_shapes import random_shape
@@ -260,7 +262,7 @@ def test_the_least_count_that_is_named_has_a_cage(seed: int | None, count: int) 
     assert least > count and len(nested_cages(fine, least, loops="keep").cages[0].vertices) == least
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", slow_after(1, range(5)))
 @pytest.mark.parametrize("spikes", [9, 40])
 def test_no_vertex_of_a_small_cage_runs_away_from_spikes(seed: int, spikes: int) -> None:
     random = np.random.default_rng(seed)
@@ -274,7 +276,7 @@ def test_no_vertex_of_a_small_cage_runs_away_from_spikes(seed: int, spikes: int)
         assert np.hypot(*beyond.T).max() < 0.6 * fine.diagonal
 
 
-@pytest.mark.parametrize("turns", [7.0, 10.0, 13.0])
+@pytest.mark.parametrize("turns", slow_after(1, [7.0, 10.0, 13.0]))
 def test_more_vertices_around_a_spiral_are_never_worse(turns: float) -> None:
     turn = np.linspace(0.6, turns, 30)
     band = shapely.LineString(turn[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)).buffer(1.2, quad_segs=3)
@@ -282,7 +284,7 @@ def test_more_vertices_around_a_spiral_are_never_worse(turns: float) -> None:
     assert all(after <= (1.0 + 1e-3) * before for before, after in pairwise(areas))
 
 
-@pytest.mark.parametrize("gap", [0.1, 0.5, 1.5])
+@pytest.mark.parametrize("gap", slow_after(0, [0.1, 0.5, 1.5]))
 def test_more_vertices_around_a_comb_with_a_clearance_are_never_worse(gap: float) -> None:
     teeth = [shapely.affinity.rotate(box(k, -0.1, k + 1.0 / (1.0 + gap), 3.0 - 0.2 * k), 0.3, (0, 0)) for k in range(6)]
     fine = shapely.union_all([shapely.affinity.rotate(box(0.0, -1.0, 6.0, 0.0), 0.3, (0, 0)), *teeth])
@@ -290,7 +292,7 @@ def test_more_vertices_around_a_comb_with_a_clearance_are_never_worse(gap: float
     assert all(after <= (1.0 + 1e-6) * before for before, after in pairwise(areas))
 
 
-@pytest.mark.parametrize("sides", [5, 7, 12])
+@pytest.mark.parametrize("sides", slow_after(1, [5, 7, 12]))
 def test_one_vertex_less_than_the_least_is_refused_too(sides: int) -> None:
     fine = Mesh.from_loops([radius * ring(sides) for radius in (1.0, 0.9, 0.8, 0.7)])
     with pytest.raises(NestedCagesError) as caught:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from marks import slow_after
 from nestedcages_core import (
     Mesh,
     NestedCagesError,
@@ -54,7 +55,7 @@ def cloud() -> Mesh:
 SHAPES = [bell, target, cloud, islands]
 
 
-@pytest.mark.parametrize("count", [3, 5, 8, 12, 17])
+@pytest.mark.parametrize("count", slow_after(1, [5, 8, 3, 12, 17]))
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.__name__)
 def test_no_cage_has_more_vertices_than_asked_for(shape: Any, count: int) -> None:
     fine = shape()
@@ -70,6 +71,7 @@ def test_loops_are_kept_where_the_count_suffices() -> None:
         assert auto.cage == keep.cage and auto.report.notes == keep.report.notes
 
 
+@pytest.mark.slow
 def test_the_choice_is_that_of_least_area() -> None:
     """Around specks one loop, around a frame with something in it a middle, around a cheap hole nothing of it."""
     specks = nested_cages(cloud(), 24)[0]
@@ -127,6 +129,7 @@ def test_parts_join_the_outline_of_the_hole_that_they_are_in() -> None:
     assert made.open_area == pytest.approx(outermost_parts(target())[0].holes[0].open_area)
 
 
+@pytest.mark.slow
 def test_what_is_lost_is_named() -> None:
     fine = target()
     level = nested_cages(fine, 5)[0]
@@ -158,6 +161,7 @@ def test_a_filled_hole_must_be_covered() -> None:
         assert not verify(cage, fine, same_loops=False) and not check(fine, cage, same_loops=False)
 
 
+@pytest.mark.slow
 def test_keep_is_the_promise_of_each_loop() -> None:
     with pytest.raises(NestedCagesError, match="5 loops need at least 15, 3 each"):
         nested_cages(bell(), 14, loops="keep")
@@ -182,7 +186,7 @@ def test_holes_are_filled_without_shapely(monkeypatch: pytest.MonkeyPatch) -> No
         nested_cages(bell(), 12)
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.3, 1.0, 1.9, 2.8, 4.4])
+@pytest.mark.parametrize("angle", slow_after(0, [1.0, 0.3, 0.0, 1.9, 2.8, 4.4], thorough_after=2))
 def test_the_same_loops_are_chosen_at_any_angle(angle: float) -> None:
     turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     for shape, count in ((bell, 16), (target, 14)):
@@ -212,7 +216,7 @@ WITH: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("name", WITH)
+@pytest.mark.parametrize("name", slow_after(2, WITH))
 def test_the_count_holds_together_with(name: str) -> None:
     fine = bell()
     for count in (6, 12):
