@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 
 from nestedcages_core import (
     Mesh,
     NestedCagesError,
+    NestingError,
     OuterHull,
     Settings,
     inner_cages,
@@ -45,11 +47,54 @@ def test_merged_shapes_contain_the_shape_and_have_no_more_loops(distance: float)
         assert polygon(whole).buffer(1e-9).contains(polygon(fine)) and len(whole.loops) <= len(fine.loops)
 
 
-def test_the_distance_of_least_area_is_used() -> None:
-    fine = islands()
-    assert Merging(3.0).decimate(fine, 24).area <= 1.01 * min(
-        Merging(part).decimate(fine, 24).area for part in (0.01, 1.5, 3.0)
-    )
+def three() -> Mesh:
+    """A square with a large and a small hole, a disc 0.4 away from it, and a disc 0.9 away from that."""
+    holes = [np.array([(1, 1), (1, 3), (3, 3), (3, 1)]), np.array([(3.4, 3.4), (3.4, 3.7), (3.7, 3.7), (3.7, 3.4)])]
+    square = np.array([(0, 0), (4, 0), (4, 4), (0, 4)])
+    return Mesh.from_loops([square, *holes, ring(24, centre=(5.4, 2.0)), ring(24, centre=(8.3, 2.0))])
+
+
+@pytest.mark.parametrize(
+    ("distance", "outer", "holes"), [(0.1, 3, 2), (0.35, 3, 1), (0.45, 2, 1), (0.95, 1, 1), (2.1, 1, 0), (np.inf, 1, 0)]
+)
+def test_parts_closer_than_the_distance_are_joined_and_holes_below_its_square_filled(
+    distance: float, outer: int, holes: int
+) -> None:
+    fine = three()
+    solid, bridged = polygon(fine), Bridged.of(fine, distance)
+    for part in (0.0, 0.5, 1.0):
+        whole = bridged.closed(part)
+        assert (sum(whole.loop_signs > 0), sum(whole.loop_signs < 0)) == (outer, holes)
+        assert polygon(whole).contains(solid.buffer(-1e-9))
+        reach = 0.5 * part * (distance if np.isfinite(distance) else 0.9)
+        closed = parts(solid.buffer(reach, quad_segs=4).buffer(-reach, quad_segs=4))
+        large = [[hole for hole in each.interiors if shapely.Polygon(hole).area >= distance**2] for each in closed]
+        filled = [shapely.Polygon(each.exterior, kept) for each, kept in zip(closed, large, strict=True)]
+        bridges = sum(0.02 * gap**2 for gap in (0.4, 0.9) if gap < distance)
+        assert whole.area == pytest.approx(shapely.union_all(filled).area, abs=1.2 * bridges + 2e-3)
+
+
+def parts(solid: shapely.Geometry) -> list[shapely.Polygon]:
+    return list(getattr(solid, "geoms", [solid]))
+
+
+def test_the_shape_of_least_area_is_used() -> None:
+    """Of the shape itself, its bridges, and gaps closed over half and all of the distance."""
+    fine, made = three(), list[Mesh]()
+
+    class Noted:
+        def decimate(self, shape: Mesh, count: Any, *, clearance: float | None = None) -> Mesh:
+            made.append(OuterHull().decimate(shape, count, clearance=clearance))
+            return made[-1]
+
+    found = Merging(1.0, Noted()).decimate(fine, 24)
+    assert len(made) == 4 and [len(mesh.loops) for mesh in made] == [5, 2, 2, 2]
+    assert found is min(made, key=lambda mesh: mesh.area) and len(found.vertices) == 24
+    made.clear()
+    assert len(Merging(1.0, Noted()).decimate(fine, 14).loops) == 2 and len(made) == 3
+    with pytest.raises(NestingError, match="5 vertices are too few") as caught:
+        Merging(1.0).decimate(fine, 5)
+    assert caught.value.data["least"] == 6
 
 
 def test_all_parts_share_one_loop() -> None:

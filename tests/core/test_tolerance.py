@@ -15,6 +15,7 @@ from nestedcages_core import Mesh, NestedCagesError, NestingError, Settings, Wit
 from nestedcages_core.hierarchy import Share, level_words, parse_level, wanted_levels
 from nestedcages_core.tolerance.minimal_nested import Band
 from nestedcages_core.tolerance.reach import REACH_PRECISION, beyond, reach, stays_within
+from marks import slow_after
 from shapes import annulus, letter_a, polygon, ring, star
 
 slow = pytest.mark.slow
@@ -152,6 +153,36 @@ def test_what_is_measured_is_compared_with_the_limit() -> None:
     assert [each.data["on"] for each in notes] == ["excess", "distance", "bounded"]
     assert str(Within(distance=0.5)) == "within a distance of 0.5"
     assert str(Within(excess=0.25)) == "within an excess of 25 %"
+
+
+def polygons_around(count: int) -> float:
+    """Area of the least polygon of so many edges around the unit circle."""
+    return count * np.tan(np.pi / count)
+
+
+def polygons_within(count: int) -> float:
+    """Area of the largest polygon of so many corners in the unit circle."""
+    return 0.5 * count * np.sin(2.0 * np.pi / count)
+
+
+@pytest.mark.parametrize("count", slow_after(1, [5, 4, 7, 11]))
+def test_the_fewest_vertices_around_and_within_a_disc_are_those_of_the_regular_polygons(count: int) -> None:
+    """By an excess and a distance that this many vertices keep, and one less don't."""
+    fine = Mesh.from_loops([ring(120)])
+    around, within = ([area(n) / fine.area for n in (count - 1, count)] for area in (polygons_around, polygons_within))
+    far = [1.0 / np.cos(np.pi / n) - 1.0 for n in (count - 1, count)]
+    deep = [1.0 - np.cos(np.pi / n) for n in (count - 1, count)]
+    for make, given in (
+        (nested_cages, {"excess": np.mean(around) - 1.0}),
+        (nested_cages, {"distance": np.mean(far)}),
+        (inner_cages, {"excess": 1.0 - np.mean(within)}),
+        (inner_cages, {"distance": np.mean(deep)}),
+    ):
+        level = make(fine, Within(**given))[0]
+        more = make is inner_cages and "distance" in given  # the largest area does not reach the least distance
+        assert count <= len(level.cage.vertices) <= count + more, (make, given)
+        if "excess" in given:
+            assert level.excess == pytest.approx((around if make is nested_cages else within)[1] - 1.0, abs=1e-2)
 
 
 WRONG = [{}, {"distance": 1.0, "excess": 1.0}]
