@@ -216,7 +216,7 @@ WITH: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("name", slow_after(2, WITH))
+@pytest.mark.parametrize("name", slow_after(1, WITH))
 def test_the_count_holds_together_with(name: str) -> None:
     fine = bell()
     for count in (6, 12):
@@ -225,12 +225,14 @@ def test_the_count_holds_together_with(name: str) -> None:
         assert check(fine, level, symmetry=WITH[name].get("symmetry"))
 
 
+@pytest.mark.slow
 def test_the_count_holds_on_every_level() -> None:
     levels = nested_cages(bell(), [24, 10, 5])
     assert [len(level.cage.vertices) for level in levels] == [24, 10, 5]
     assert check(bell(), levels)
 
 
+@pytest.mark.slow
 def test_loops_are_kept_inside_by_tolerances_and_around_own_meshes() -> None:
     fine = bell()
     with pytest.raises(NestedCagesError, match="at least 15"):
@@ -241,6 +243,7 @@ def test_loops_are_kept_inside_by_tolerances_and_around_own_meshes() -> None:
     assert len(nested_cages(Mesh.from_loops(fine.rings[:2]), own)[0].cage.loops) == 2
 
 
+@pytest.mark.slow
 def test_starts_enclose_and_are_no_looser_than_those_with_all_loops() -> None:
     method = LineCycles(on_curve=False)
     for fine, count in ((bell(), 18), (target(), 16), (islands(), 20)):
@@ -265,6 +268,7 @@ def test_the_knee_is_told() -> None:
     assert not any(note.code == "note.knee" for note in better.report.notes)
 
 
+@pytest.mark.slow
 def test_counts_against_excess_are_drawn() -> None:
     plt = pytest.importorskip("matplotlib.pyplot")
     found = nested_cages(bell(), 9)[0].tradeoff

@@ -230,6 +230,7 @@ def test_the_users_arrays_are_not_shared_with_later_results() -> None:
     assert (again.flow.steps[0] == fine.vertices).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options", slow_after(2, [{}, {"grid": 0.01}, {"symmetry": Found()}, {"energy": InteriorARAP()}])
 )

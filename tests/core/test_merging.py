@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
+from marks import slow_after
 from nestedcages_core import (
     Mesh,
     NestedCagesError,
@@ -103,6 +104,7 @@ def test_all_parts_share_one_loop() -> None:
         assert len(level.cage.loops) == 1 and verify(level.cage, fine, level.report.clearance, same_loops=False)
 
 
+@pytest.mark.slow
 def test_parts_further_apart_share_a_loop_where_the_count_needs_it() -> None:
     level = nested_cages(islands(), Share(0.01), merge=1e-6).levels[0]
     assert len(level.cage.vertices) == 3 and any("closer than 1e-06 merged" in note for note in level.report.notes)
@@ -143,7 +145,7 @@ def test_a_note_says_when_there_are_fewer_vertices_than_asked_for() -> None:
     assert not nested_cages(ring(20), 8, decimation=OuterHull())[0].report.notes
 
 
-@pytest.mark.parametrize("size", [1e-155, 1e-165, 1e-170])
+@pytest.mark.parametrize("size", slow_after(0, [1e-170, 1e-155, 1e-165], thorough_after=1))
 def test_parts_too_small_to_tell_apart_are_told_as_such(size: float) -> None:
     tiny = [ring(6, size), ring(6, size, 0.0, (4.0 * size, 0.0)), ring(12, 1.0, 0.0, (3.0, 0.0))]
     for options in ({}, {"pins": [0]}, {"weights": np.arange(24) + 1.0}):

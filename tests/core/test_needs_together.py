@@ -127,7 +127,7 @@ def made(pair: tuple[str, ...], seed: int) -> str:
     return ""
 
 
-@pytest.mark.parametrize("pair", slow_after(14, [(pair,) for pair in sorted(PAIRS, key=len)]), ids=" and ".join)
+@pytest.mark.parametrize("pair", slow_after(7, [(pair,) for pair in sorted(PAIRS, key=len)]), ids=" and ".join)
 def test_a_pair_of_needs_is_kept_or_has_a_code(pair: tuple[str, ...]) -> None:
     assert (code := IMPOSSIBLE.get(frozenset(pair), "")) is None or made(pair, 0) == code
 
@@ -147,6 +147,7 @@ def test_a_pair_of_needs_on_thirty_shapes(pair: tuple[str, ...]) -> None:
     assert codes.count("") >= 0.9 * len(codes) > 20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "needs",
     [

@@ -94,6 +94,7 @@ def test_newton_needs_few_iterations_on_the_papers_energy() -> None:
     assert run(fine, coarse, repaired=True, contact=contact, solver=ProjectedNewton()).iterations < 50
 
 
+@pytest.mark.slow
 def test_an_infinite_start_energy_throws_the_mesh_unless_refused() -> None:
     """Parity mistakes a contained vertex on the height of a coarse one for outside, so the energy starts infinite."""
     diamond = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])

@@ -205,6 +205,7 @@ def assert_boundary(opaque: np.ndarray, mesh: Mesh) -> None:
     assert (mesh.loop_signs < 0).sum() == label(~padded)[1] - 1
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None)
 @given(arrays(bool, st.tuples(st.integers(1, 9), st.integers(1, 9))).filter(np.any))
 def test_the_boundary_follows_the_pixels(opaque: np.ndarray) -> None:

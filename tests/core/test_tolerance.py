@@ -11,11 +11,11 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from marks import slow_after
 from nestedcages_core import Mesh, NestedCagesError, NestingError, Settings, Within, inner_cages, nested_cages, verify
 from nestedcages_core.hierarchy import Share, level_words, parse_level, wanted_levels
 from nestedcages_core.tolerance.minimal_nested import Band
 from nestedcages_core.tolerance.reach import REACH_PRECISION, beyond, reach, stays_within
-from marks import slow_after
 from shapes import annulus, letter_a, polygon, ring, star
 
 slow = pytest.mark.slow
