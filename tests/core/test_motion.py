@@ -18,15 +18,15 @@ from shapes import ring
 def test_pairs_are_certified_only_where_exact_arithmetic_finds_no_contact(scale: float, shift: float) -> None:
     """Points and edges that move between points of a small lattice, where contacts are common: as they are, rounded,
     and so small that products leave the range of normal numbers."""
-    lattice = scale * np.random.default_rng(1).integers(-4, 5, (2, 3, 2, 4000)) + shift
+    lattice = scale * np.random.default_rng(1).integers(-4, 5, (2, 3, 2, 1200)) + shift
     before, after = whole_numbers(lattice)[0]
     meets = np.array([exactly_meet(before[:, :, k], after[:, :, k]) for k in range(before.shape[2])])
     free = never_meet(*lattice)
-    assert 400 < meets.sum() < 3600
+    assert 120 < meets.sum() < 1080
     assert not (free & meets).any()
     if scale == 1.0:
         assert np.array_equal(free, ~meets)
-        assert [bool(never_meet(*lattice[..., k : k + 1])[0]) for k in range(400)] == free[:400].tolist()
+        assert [bool(never_meet(*lattice[..., k : k + 1])[0]) for k in range(100)] == free[:100].tolist()
 
 
 @pytest.mark.parametrize("cross", [True, False])

@@ -172,16 +172,16 @@ def test_the_fewest_vertices_around_and_within_a_disc_are_those_of_the_regular_p
     around, within = ([area(n) / fine.area for n in (count - 1, count)] for area in (polygons_around, polygons_within))
     far = [1.0 / np.cos(np.pi / n) - 1.0 for n in (count - 1, count)]
     deep = [1.0 - np.cos(np.pi / n) for n in (count - 1, count)]
-    for make, given in (
+    for make, limit in (
         (nested_cages, {"excess": np.mean(around) - 1.0}),
         (nested_cages, {"distance": np.mean(far)}),
         (inner_cages, {"excess": 1.0 - np.mean(within)}),
         (inner_cages, {"distance": np.mean(deep)}),
     ):
-        level = make(fine, Within(**given))[0]
-        more = make is inner_cages and "distance" in given  # the largest area does not reach the least distance
-        assert count <= len(level.cage.vertices) <= count + more, (make, given)
-        if "excess" in given:
+        level = make(fine, Within(**limit))[0]
+        more = make is inner_cages and "distance" in limit  # the largest area does not reach the least distance
+        assert count <= len(level.cage.vertices) <= count + more, (make, limit)
+        if "excess" in limit:
             assert level.excess == pytest.approx((around if make is nested_cages else within)[1] - 1.0, abs=1e-2)
 
 
