@@ -17,8 +17,9 @@ def _names(words: str) -> list[str]:
 
 
 # Attributes of meshes. A bound vertex: its position when bound. A vertex of a field: its weights, one attribute per
-# vertex of the cage. A vertex of a bound cage that is evaluated: where it is in the space of the drawing.
-REST, WEIGHT, POSE = _names("rest weight_ pose")
+# vertex of the cage. A vertex of a bound cage that is evaluated: where it is in the space of the drawing. A layer of
+# bound Grease Pencil: the matrix to the space of its object.
+REST, WEIGHT, POSE, SPACE = _names("rest weight_ pose space")
 
 # Of bones of puppets, and of the hidden meshes that these bend: the name of the part; of the bones: the angles within
 # which nothing folds. Of an armature of a painting: width and height of the canvas in pixels, and metres per pixel; of

@@ -54,7 +54,8 @@ def check(
     fine: of moving cages the topology, as they were given; its places are then those at their keys.
     fine, cages: objects with vertices (n, 2) and directed edges (n, 2), rings of points (k, 2), or GeoJSON geometries.
     clearance: smallest distance, in input units; default: what a level was asked for, else anything above 0.
-    same_loops: whether cages keep the loops of what they enclose; default: yes, unless a level's coarse mesh did not.
+    same_loops: whether cages keep the loops of what they enclose; default: yes, unless a level's coarse mesh did not or
+    a moving cage has fewer than three vertices for each.
     Where they need not, it must lie in them all the same, and `Verdict.lost` names filled holes and joined loops.
     inside: whether these are inner cages. grid: coordinates are multiples of this length; default: the level's.
     symmetry: a `Mirror` or `Rotation`; without a place, about the mean of the cage's vertices.
@@ -72,6 +73,8 @@ def check(
         if hasattr(level, "coarse"):
             inner, loops = level.inside, [sorted(Loops(mesh).is_hole) for mesh in (level.coarse, level.fine)]
             alike = loops[0] == loops[1] if same_loops is None else same_loops
+        elif hasattr(level, "cage_steps") and same_loops is None and len(cage.vertices) < 3 * len(rings_of(within)):
+            alike = False
         found = faults_of_cage(*((within, cage) if inner else (cage, within)), wanted, alike is not False)
         if not found:
             lost += Loops(cage, within).lost() if alike is False and not inner else []

@@ -40,7 +40,7 @@ FAULTS = (
           "return self.measured(cage, fine, side) <= 1.01 * self.limit", TESTS + "limits_are_kept_to_the_digit"),
     Fault(CORE + "tolerance/reach.py", "return _reach(cage, fine, limit, slack)[0]",
           "return 1.02 * _reach(cage, fine, limit, slack)[0]", TESTS + "limits_are_kept_to_the_digit"),
-    Fault(CORE + "motion/following.py", " if judged(promises.plan, moved, clearance, same_loops=True) else None", "",
+    Fault(CORE + "motion/following.py", " if judged(promises.plan, moved, clearance, same_loops=follower.same_loops) else None", "",
           TESTS + "a_step_that_leaves_the_drawing_is_no_cage"),
     Fault(CORE + "level/motion_gate.py",
           "if cage.fault is not None:\n            raise NestingError(\n                f",

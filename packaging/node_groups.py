@@ -16,7 +16,8 @@ import bpy
 
 FILE = Path(__file__).resolve().parents[1] / "addon" / "scene" / "nodes.blend"
 # Names of attributes in the files of users, as in addon/keys.py, and of the property with the digest of this script.
-WEIGHT, POSE, DIGEST = "nested_cages_weight_", "nested_cages_pose", "nested_cages_digest"
+WEIGHT, POSE, SPACE = "nested_cages_weight_", "nested_cages_pose", "nested_cages_space"
+DIGEST = "nested_cages_digest"
 # Corners of the cross-section of thick lines.
 TUBE_CORNERS = 8
 # Largest number of halvings of edges, as in addon/binding/field.py.
@@ -94,6 +95,15 @@ def _matrix(tree: Tree, start: Node) -> Socket:
     return _out(matrix)
 
 
+def _of_layer(tree: Tree) -> Socket:
+    """The matrix from the space of a layer to that of its object, which points of Grease Pencil need."""
+    stored = _attribute(tree, SPACE, "FLOAT4X4")
+    known = _node(tree, "FunctionNodeInvertMatrix", {"Matrix": stored}).outputs["Invertible"]
+    nothing = _out(tree.nodes.new("FunctionNodeCombineMatrix"))
+    choice = {"Switch": known, "False": nothing, "True": stored}
+    return _out(_node(tree, "GeometryNodeSwitch", choice, input_type="MATRIX"))
+
+
 def pose(tree: Tree) -> None:
     """Stores where the vertices of a cage are in the space of its drawing, whose matrix drivers give: to refer to the
     drawing, which follows the cage, would be a circle.
@@ -153,7 +163,10 @@ def _follow(tree: Tree, place_of: Callable[[Tree, Node], Socket]) -> None:
     tree.links.new(_matrix(tree, start), away.inputs[0])
     into = _out(_node(tree, "FunctionNodeInvertMatrix", {"Matrix": around.outputs["Transform"]}))
     tree.links.new(into, away.inputs[1])
-    back, there = _out(away), _out(_node(tree, "FunctionNodeInvertMatrix", {"Matrix": _out(away)}))
+    whole = tree.nodes.new("FunctionNodeMatrixMultiply")
+    tree.links.new(_out(away), whole.inputs[0])
+    tree.links.new(_of_layer(tree), whole.inputs[1])
+    back, there = _out(whole), _out(_node(tree, "FunctionNodeInvertMatrix", {"Matrix": _out(whole)}))
     shown = _node(
         tree, "GeometryNodeCollectionInfo", {"Collection": start.outputs["Collection"]}, transform_space="ORIGINAL"
     )

@@ -56,12 +56,13 @@ def add_steps(
     name: str,
     *,
     from_rest: bool = False,
+    held: bool = False,
     action: bpy.types.Action | None = None,
 ) -> None:
     """Adds and animates one shape key per step (S, n, 2) that differs from the object's mesh, at frames (S,).
 
     Consecutive equal steps share a key, which is held. The first step holds before the first frame, the last one after
-    the last; `from_rest`: the mesh itself shows until one frame before the first.
+    the last; `from_rest`: the mesh itself shows until one frame before the first; `held`: no step moves to the next.
     """
     basis = stored(obj.data.vertices, "co", 3)
     coordinates = basis.copy()
@@ -80,7 +81,7 @@ def add_steps(
             points.insert(0, (frames[0] - 1.0, 0.0))
         path = f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].value'
         fcurves.append((path, [number for point in points for number in point]))
-    animate(obj.data.shape_keys, fcurves, LINEAR, f"{obj.name} Steps", action)
+    animate(obj.data.shape_keys, fcurves, CONSTANT if held else LINEAR, f"{obj.name} Steps", action)
 
 
 def is_step(path: str) -> bool:

@@ -19,7 +19,7 @@ from ..core import core, remembered
 from ..errors import FloatArray, UserError
 from ..scene import display, filling, placement
 from ..scene.areas import instances_collection
-from ..scene.grease_pencil import matrix_of
+from ..scene.grease_pencil import KINDS, matrix_of
 from ..scene.plane import size, space_to_space, transform
 
 HARMONIC: Final = "HARMONIC"
@@ -125,6 +125,8 @@ def follow(obj: Object, cage: Object, space: Object, offset: Matrix | None = Non
     shown = record.shown(obj, record.PROXY)
     if shown is not None:
         inputs["Collection"] = shown.instance_collection
+    if obj.type == KINDS[0]:
+        _place_layers(obj)
     modifier = display.add_nodes_modifier(obj, FOLLOW, display.group(kind), inputs)
     if offset is not None:
         display.set_matrix(modifier, offset)
@@ -146,10 +148,20 @@ def why_not(obj: Object) -> str:
         return ""
     if obj.type not in {"MESH", "CURVE", "FONT", "CURVES", "GREASEPENCIL"}:
         return f"'{obj.name}' is of a kind without modifiers: convert it to a mesh or a curve"
-    for layer in obj.data.layers if obj.type == "GREASEPENCIL" else ():
-        if np.abs(matrix_of(obj, layer) - np.eye(4)).max() > UNMOVED:
-            return f"layer '{layer.name}' of '{obj.name}' has a transform of its own: clear it, then bind again"
     return ""
+
+
+def _place_layers(obj: Object) -> None:
+    """Stores where the layers of a Grease Pencil object are: their later motion comes after the bend."""
+    data: Any = obj.data
+    places = np.array([matrix_of(obj, layer).T for layer in data.layers])
+    stored = data.attributes.get(keys.SPACE)
+    if stored is None and np.abs(places - np.eye(4)).max(initial=0.0) <= UNMOVED:
+        return
+    if not data.is_editable:
+        raise UserError(f"Layers of '{obj.name}' have transforms of their own: make its data local first")
+    stored = stored or data.attributes.new(keys.SPACE, "FLOAT4X4", "LAYER")
+    stored.data.foreach_set("value", places.astype(np.float32).ravel())
 
 
 def field_of(cage: Object) -> Object | None:
@@ -188,6 +200,9 @@ def release(obj: Object) -> None:
     modifier = obj.modifiers.get(FOLLOW)
     if modifier is not None:
         display.remove_modifier(obj, modifier)
+    places = obj.data.attributes.get(keys.SPACE) if obj.type == KINDS[0] else None
+    if places is not None and obj.data.is_editable and obj.data.users == 1:
+        obj.data.attributes.remove(places)
 
 
 def unposed(objects: Iterable[Object]) -> AbstractContextManager[None]:

@@ -222,6 +222,7 @@ def _handlers() -> tuple[tuple[Any, Callable[..., None]], ...]:
     app = bpy.app.handlers
     return (
         (app.depsgraph_update_post, _on_update),
+        (app.frame_change_post, _on_update),
         (app.undo_post, _on_undo),
         (app.redo_post, _on_undo),
         (app.load_pre, stop),

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from time import perf_counter
 
 import bpy
 import numpy as np
@@ -20,21 +22,8 @@ from ..generation.verifying import same_frame
 from ..scene.convert import Drawing, Outline, ReadingOptions, drawing_in, fine_drawing, read
 from ..scene.filling import mesh_of
 from ..scene.ownership import scene_of
-
-
-@dataclass(frozen=True)
-class Poses:
-    """The outline of an object on frames (T,): points (T, n, 2), float32 values as float64, in the plane of
-    ``drawing``, the first pose.
-
-    The frame of the drawing is in the object's space, so the object's own transform is not part of the motion.
-    ``scale`` is the world length of its unit on the first frame.
-    """
-
-    drawing: Drawing
-    frames: FloatArray
-    points: FloatArray
-    scale: float
+from . import redrawn
+from .redrawn import Poses
 
 
 def read_poses(context: Context, obj: Object, frames: Sequence[int], options: ReadingOptions) -> Work[Poses]:
@@ -45,7 +34,9 @@ def read_poses(context: Context, obj: Object, frames: Sequence[int], options: Re
     """
     scene, wanted = scene_of(context), set(frames)
     drawings: list[Drawing] = []
-    scale = 1.0
+    scale, anew = 1.0, redrawn.is_redrawn(obj, frames)
+    if anew and len(frames) <= frames[-1] - frames[0]:
+        raise UserError(f"'{obj.name}' is drawn anew from frame to frame: set Step to 1")
     with same_frame(scene):
         for frame in range(frames[0], frames[-1] + 1):
             yield Progress((frame - frames[0]) / (frames[-1] + 1 - frames[0]), f"{obj.name}: reading frame {frame}")
@@ -57,13 +48,16 @@ def read_poses(context: Context, obj: Object, frames: Sequence[int], options: Re
                 if not drawings:
                     scale = float(np.linalg.norm(outline.matrix[:3, :3], axis=0).mean())
                 own = in_own_space(outline)
-                drawing = _posed(drawings[0], own, options) if drawings else fine_drawing(own, options)
+                drawing = drawing_in(drawings[0].frame, own, options) if drawings else fine_drawing(own, options)
                 drawing.mesh()
+                if drawings and not anew:
+                    _check_topology(drawings[0], drawing)
                 drawings.append(drawing)
             except UserError as error:
                 raise UserError(f"Frame {frame}: {error}") from error
-    points = np.stack([np.concatenate(drawing.loops) for drawing in drawings])
-    return Poses(drawings[0], np.array(frames, dtype=np.float64), points, scale)
+    points = np.stack([np.concatenate(drawing.loops) for drawing in drawings[: 1 if anew else None]])
+    times = np.array(frames, dtype=np.float64)
+    return Poses(drawings[0], times, points, scale, tuple(drawings) if anew else ())
 
 
 def in_own_space(outline: Outline) -> Outline:
@@ -71,21 +65,14 @@ def in_own_space(outline: Outline) -> Outline:
     return replace(outline, matrix=np.eye(4))
 
 
-def same_loops(drawing: Drawing, other: Drawing) -> bool:
-    """Whether two drawings have as many loops with as many vertices, in the same order."""
-    return [len(loop) for loop in drawing.loops] == [len(loop) for loop in other.loops]
-
-
-def _posed(first: Drawing, outline: Outline, options: ReadingOptions) -> Drawing:
-    """A later pose in the plane of the first one. Raises: UserError if its topology differs."""
-    drawing = drawing_in(first.frame, outline, options)
-    if not same_loops(first, drawing):
+def _check_topology(first: Drawing, drawing: Drawing) -> None:
+    """Raises: UserError unless two drawings have as many loops with as many vertices, in the same order."""
+    if [len(loop) for loop in first.loops] != [len(loop) for loop in drawing.loops]:
         before, now = (f"{len(d.loops)} loops of {sum(map(len, d.loops))} vertices" for d in (first, drawing))
         raise UserError(
-            f"'{outline.name}' changes its topology: {now} instead of {before} on the first frame; end before that "
+            f"'{drawing.name}' changes its topology: {now} instead of {before} on the first frame; end before that "
             "frame, or turn off what changes it"
         )
-    return drawing
 
 
 def drawing_now(context: Context, obj: Object, options: ReadingOptions) -> Drawing:
@@ -115,12 +102,13 @@ def _outline(context: Context, obj: Object, options: ReadingOptions) -> Outline:
 class Moving:
     """A moving drawing and its cages, each around the one before, in its units; times are frames, and may be fractions.
 
-    Each key is certified against what the cage encloses there, and so is the straight motion between keys. A still cage
-    has one key.
+    Each key is certified against what the cage encloses there, and so is the straight motion between keys, unless they
+    are ``held``. A still cage has one key.
     """
 
     poses: Poses
     cages: tuple[core.MovingLevel, ...]
+    held: bool = False
 
 
 def wanted_cages(levels: Sequence[Level], poses: Poses) -> tuple[Wanted, ...]:
@@ -131,7 +119,7 @@ def wanted_cages(levels: Sequence[Level], poses: Poses) -> tuple[Wanted, ...]:
         raise UserError("Cages that follow have vertex counts: leave distances and excesses out of the levels")
     if not levels:
         raise UserError("Give a vertex count for at least one level, such as 64")
-    return wanted_levels(levels, poses.drawing.mesh(), (), poses.drawing.name)
+    return wanted_levels(levels, poses.drawing.mesh(), (), poses.drawing.name, keeps=False)
 
 
 def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Moving]:
@@ -141,6 +129,8 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
     first is added if necessary.
     """
     fine, wanted, name = poses.drawing.mesh(), wanted_cages(options.levels, poses), poses.drawing.name
+    if poses.redrawn:
+        return (yield from _hold(poses, wanted, options))
     if cyclic and not np.array_equal(poses.points[0], poses.points[-1]):
         frames = poses.frames
         closing = frames[-1] + (frames[-1] - frames[0]) / (len(frames) - 1)
@@ -171,6 +161,22 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
     return Moving(poses, tuple(cages))
 
 
+def _hold(poses: Poses, wanted: Sequence[Wanted], options: Options) -> Work[Moving]:
+    """Cages around each drawing of a redrawn one, held until the next. Raises: UserError, with the frame."""
+    began = perf_counter()
+    shapes = yield from redrawn.rings(poses, wanted, options)
+    numbers = redrawn.runs(poses)
+    times = poses.frames[[*numbers, -1]] if poses.frames[numbers[-1]] < poses.frames[-1] else poses.frames[numbers]
+    steps = [np.stack([mesh.vertices for mesh in (made + made[-1:])[: len(times)]]) for made in shapes]
+    cages = []
+    for each, inner, outer, (fine, cage) in zip(wanted, shapes, shapes[1:], pairwise(steps), strict=False):
+        found = tuple(core.verify(*pair) for pair in zip(outer, inner, strict=True))
+        report = core.motion.MotionReport(found, np.arange(len(found)), 0.0, perf_counter() - began, each.notes)
+        cages.append(core.motion.MovingLevel(outer[0], times, fine, cage, report))
+    ring = replace(poses.drawing, loops=(shapes[0][0].vertices,), united=True)
+    return Moving(replace(poses, drawing=ring, frames=times, points=steps[0]), tuple(cages), held=True)
+
+
 def _said(error: core.NestedCagesError, frames: FloatArray) -> str:
     """An error of the core with its frame, and with advice that Blender has: a smaller Step."""
     pose = error.data.get("pose")
@@ -188,8 +194,9 @@ def stand_still(poses: Poses, options: Options) -> Work[Moving]:
 
     options: its clearance is in the drawing's units.
     """
-    name, fine = poses.drawing.name, poses.drawing.mesh()
-    wanted = wanted_cages(options.levels, poses)
+    name, wanted = poses.drawing.name, wanted_cages(options.levels, poses)
+    given, poses = poses, redrawn.in_one(poses) if poses.redrawn else poses
+    fine = poses.drawing.mesh()
     counts = tuple(each.level for each in wanted if isinstance(each.level, int))
     yield Progress(0.0, f"{name}: uniting all positions")
     try:
@@ -208,6 +215,9 @@ def stand_still(poses: Poses, options: Options) -> Work[Moving]:
                 break
     except core.NestedCagesError as error:
         raise UserError(f"'{name}': {_said(error, poses.frames)}") from error
+    if given.redrawn:
+        found = tuple(redrawn.certificates(first.cage, given))
+        cages = [replace(cages[0], report=replace(cages[0].report, certificates=found))]
     for level in others:
         certificates = (core.verify(level.cage, level.fine),)
         report = core.motion.MotionReport(certificates, np.zeros(1, int), 0.0, 0.0)

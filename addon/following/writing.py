@@ -78,9 +78,12 @@ def _play(cage_set: CageSet, result: Moving) -> None:
     fine, cages = cage_set.fine, cage_set.cages
     assert fine is not None
     action = shape_keys.new_action(cage_set.name)
-    shape_keys.add_steps(fine, poses.points.astype(np.float32), poses.frames, "Level 1", action=action)
+    held = result.held
+    points = poses.points.astype(np.float32)
+    shape_keys.add_steps(fine, points, poses.frames, "Level 1", held=held, action=action)
     for number, (obj, cage) in enumerate(zip(cages, result.cages, strict=True), 1):
-        shape_keys.add_steps(obj, cage.cage_steps.astype(np.float32), cage.times, f"Level {number}", action=action)
+        steps, name = cage.cage_steps.astype(np.float32), f"Level {number}"
+        shape_keys.add_steps(obj, steps, cage.times, name, held=held, action=action)
         noted, (clearance, excess) = record.new_node(obj), _measures(cage)
         noted.clearance, noted.certified = clearance * poses.scale, {"MOTION"}
         noted.excess, noted.most = float(np.median(excess)), float(excess.max())

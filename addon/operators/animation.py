@@ -111,7 +111,8 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
         for note in dict.fromkeys(note for cage in cages for note in cage.report.notes):
             self.report({"WARNING"}, note)
         shown = ", ".join(larger(size) for result in results for size in _mean_sizes(result))
-        certified = f"certified on {counted(len(results[0].poses.frames), 'frame')} and between them"
+        between = "" if any(poses.redrawn for poses in read) else " and between them"
+        certified = f"certified on {counted(len(frames), 'frame')}{between}"
         self.report({"INFO"}, f"{counted(len(cages), 'cage')} {certified}; on average {shown}")
 
     def _set_range(self, scene: Scene) -> None:

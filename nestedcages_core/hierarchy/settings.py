@@ -49,7 +49,8 @@ class Settings(LevelSettings):
             which all steps have but for the fine mesh. Default: doubles.
         loops: Which loops cages keep. "auto": those worth their vertices; holes are filled and parts share a loop where
             that is tighter (joining needs shapely). "keep": all; counts below three for each are an error. "one": one
-            around all. Cages inside, moving, from one's own meshes and by a tolerance keep all. Default: "auto".
+            around all. Cages inside, from one's own meshes and by a tolerance keep all, and so do moving ones with
+            enough vertices. Default: "auto".
         merge: Parts closer than this length share a loop, and holes of less than its square are filled, as far as that
             is tighter; inf: one loop around all. Needs shapely. Default: None, only what `loops` says.
         convex: Around each part the convex polygon of least area found, with holes filled. Not with `merge`, pins,

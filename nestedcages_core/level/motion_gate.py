@@ -64,7 +64,7 @@ class MotionGate:
         """
         number, time, fine, points, given = posed
         plan = replace(self.plan, fine=self.plan.fine.moved(fine))
-        cage = judged(plan, self.topology.moved(points), self.wanted, same_loops=True)
+        cage = judged(plan, self.topology.moved(points), self.wanted)
         if cage.fault is not None:
             raise NestingError(
                 f"The cage of pose {number} could not be certified: {cage.fault}",

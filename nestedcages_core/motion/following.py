@@ -132,7 +132,12 @@ class Follower:
 
     def encloses(self, cage: FloatArray, fine: FloatArray, clearance: float = 0.0) -> bool:
         """Whether a cage (m, 2) strictly encloses a pose (n, 2), by exact predicates, and keeps a clearance."""
-        return verify(self.topology.moved(cage), self.fine.moved(fine), clearance).holds
+        return verify(self.topology.moved(cage), self.fine.moved(fine), clearance, same_loops=self.same_loops).holds
+
+    @property
+    def same_loops(self) -> bool:
+        """Whether the cage has all loops of the drawing."""
+        return self.topology.has_loops_like(self.fine)
 
     def _pose(self, fine: FloatArray) -> Mesh:
         """A pose (n, 2) in the input's units."""
@@ -223,4 +228,4 @@ def followed(cage: Mesh, before: Mesh, after: Mesh, clearance: float, settings: 
     if cages is None:
         return None
     moved = cage.moved(follower.stored(cages[-1]))
-    return moved if judged(promises.plan, moved, clearance, same_loops=True) else None
+    return moved if judged(promises.plan, moved, clearance, same_loops=follower.same_loops) else None

@@ -60,7 +60,7 @@ class LevelMotion:
         first = self.fine.moved(ahead[0].vertices).validated()
         self.clearance = clearances_for(self.settings, first)[self.allowance.reductions]
         self.settings = replace(self.settings, clearance=self.clearance) if self.allowance.reductions else self.settings
-        self.promises = Promises.of(self.settings, first)
+        self.promises = Promises.of(self.settings, first, self.wanted)
         self.notes += self.promises.notes
         self.units = SolverUnits.of(first, self._room(ahead))
 

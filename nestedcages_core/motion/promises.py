@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..decimation.budget import LEAST_PER_LOOP
 from ..errors import Fault
 from ..geometry.mesh import Mesh
 from ..geometry.signed_distance import ClosestEdge, EdgeSearch
@@ -27,9 +28,13 @@ class Promises:
     notes: tuple[Fault, ...] = ()
 
     @classmethod
-    def of(cls, settings: Settings, first: Mesh) -> Promises:
-        """The promises about a drawing, from its first pose. Raises NestingError."""
-        settings = replace(settings, loops="keep")  # which they do at every pose
+    def of(cls, settings: Settings, first: Mesh, wanted: int | Mesh = 0) -> Promises:
+        """The promises about a drawing, from its first pose. Raises NestingError.
+
+        wanted: all loops are kept, unless there are not enough vertices.
+        """
+        few = isinstance(wanted, int) and 0 < wanted < LEAST_PER_LOOP * len(first.loops)
+        settings = settings if few else replace(settings, loops="keep")
         constraints, importance, notes = constraints_of(settings, first, 1)
         plan = Plan.of(first, constraints, importance)
         close = EdgeSearch.of(first).closest(np.empty((0, 2)) if importance is None else importance.pins)

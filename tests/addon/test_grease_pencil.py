@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import Loop, choose, circle, solid
+from drawings import Loop, choose, circle, facts, solid
 
 pytestmark = pytest.mark.skipif(bpy.app.version < (4, 3), reason="another Grease Pencil")
 # Whether each stroke says what shows of it; else its material does.
@@ -398,6 +398,110 @@ def test_a_keyed_drawing_is_read_on_the_current_frame_and_bends_on_each() -> Non
     assert [frame.frame_number for frame in obj.data.layers[0].frames] == [1, 10]
 
 
+def encloses_all_frames(addon: Any, obj: Any, frames: Any) -> list[Shape]:
+    """The finest cage on some frames, which is around what is painted there."""
+    found = []
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        paint, cage = seen(addon, obj), solid_now(cages_of(obj)[0])
+        assert cage.contains(paint), frame
+        found.append(cage)
+    return found
+
+
+def solid_now(obj: Any) -> Shape:
+    """The inside of an object's displayed outline, seen from the front."""
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    lines = [[np.array(obj.matrix_world @ mesh.vertices[i].co)[[0, 2]] for i in e.vertices] for e in mesh.edges]
+    return shapely.union_all(list(shapely.polygonize(shapely.linestrings(lines)).geoms))
+
+
+def redrawn() -> Any:
+    """Frames 1, 4, 7: a fill, two fills far apart, an open stroke with its width; frame 9 as frame 1."""
+    obj = pen()
+    strokes(obj, square(1.0), fill=1)
+    frames = obj.data.layers[0].frames
+    strokes(frames.new(4).drawing, square(0.5, 1.0), square(0.3, -1.5, 0.5), fill=2)
+    strokes(frames.new(7).drawing, circle(7)[:5] * 0.8, cyclic=False, radius=0.2)
+    frames.copy(1, 9)
+    choose(obj)
+    return obj
+
+
+def test_cages_follow_a_drawing_that_is_drawn_anew_and_are_held(addon) -> None:
+    obj = redrawn()
+    keys = {"levels": "12, 8", "frame_start": 1, "frame_end": 10}
+    assert bpy.ops.object.nested_cages_follow(**keys) == {"FINISHED"}
+    cages = encloses_all_frames(addon, obj, range(1, 11))
+    assert [len(cage.data.vertices) for cage in cages_of(obj)] == [12, 8]
+    same = [one.equals(other) for one, other in pairwise(cages)]
+    assert same == [frame + 1 not in (4, 7, 9) for frame in range(1, 10)]
+    assert apart(cages[0], box(1.0)) < 0.05 and cages[-1].equals(cages[0])
+    choose(obj)
+    bpy.context.scene.frame_end = 10
+    assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
+    assert all(facts(cage)["check"].startswith("Holds") for cage in cages_of(obj)), facts(cages_of(obj)[0])
+    with pytest.raises(RuntimeError, match="Step to 1"):
+        bpy.ops.object.nested_cages_follow(**keys, frame_step=2)
+
+
+def test_one_cage_around_all_keys_bends_each_of_them(addon) -> None:
+    obj = redrawn()
+    assert bpy.ops.object.nested_cages_follow(levels="16", frame_start=1, frame_end=10, still=True) == {"FINISHED"}
+    cages = encloses_all_frames(addon, obj, (1, 4, 7, 9))
+    assert all(cage.equals(cages[0]) for cage in cages)
+    choose(obj)
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    still = {}
+    for frame in (1, 4, 7, 9):
+        bpy.context.scene.frame_set(frame)
+        still[frame] = shown(addon, obj)
+    for vertex in cages_of(obj)[0].data.vertices:
+        vertex.co.x += 0.5 * vertex.co.y
+    for frame, before in still.items():
+        bpy.context.scene.frame_set(frame)
+        bent = before + np.column_stack([0.5 * before[:, 2], np.zeros((len(before), 2))])
+        np.testing.assert_allclose(shown(addon, obj), bent, atol=1e-4)
+
+
+def shown(addon: Any, obj: Any) -> Loop:
+    """World points (n, 3) of all layers as they are displayed."""
+    bpy.context.view_layer.update()
+    layers = addon.scene.grease_pencil.Painting.of(bpy.context, obj).layers
+    points = np.concatenate([stroke.points for layer in layers for stroke in layer.strokes])
+    return addon.scene.plane.transform(np.array(obj.matrix_world), points)
+
+
+def test_layers_with_transforms_of_their_own_bend_where_they_are(addon) -> None:
+    obj, carrier = pen(), bpy.data.objects.new("Carrier", None)
+    bpy.context.scene.collection.objects.link(carrier)
+    strokes(obj, square(1.0), fill=1)
+    for name, x in (("Moved", 0.3), ("Carried", -0.2)):
+        layer = obj.data.layers.new(name)
+        strokes(layer.frames.new(1).drawing, square(0.5, x, 1.0), cyclic=False)
+        layer.rotation = (0.0, 0.5, 0.0)
+        layer.translation, layer.scale = (x, 0.0, 0.2), (1.5, 1.0, 0.5)
+    layer.parent, carrier.location, carrier.rotation_euler.y = carrier, (0.1, 0.0, 0.3), 0.4
+    obj.rotation_euler.y, obj.scale = 0.7, (2.0, 2.0, 2.0)
+    choose(obj)
+    assert bpy.ops.object.nested_cages_generate(levels="8") == {"FINISHED"}
+    still, (cage,) = shown(addon, obj), cages_of(obj)
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    np.testing.assert_allclose(shown(addon, obj), still, atol=1e-5)
+    for vertex in cage.data.vertices:
+        vertex.co.x += 2.0
+    across = np.array(cage.matrix_world)[:3, 0] * 2.0
+    np.testing.assert_allclose(shown(addon, obj), still + across, atol=1e-5)
+    count, added = len(still), obj.data.layers.new("Later")
+    strokes(added.frames.new(1).drawing, square(0.2, 0.0, 0.0), fill=1)
+    np.testing.assert_allclose(shown(addon, obj)[:count], still + across, atol=1e-5)
+    assert np.ptp(shown(addon, obj)[count:], axis=0).max() > 0.3
+    choose(obj)
+    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    np.testing.assert_allclose(shown(addon, obj)[:count], still, atol=1e-5)
+    assert not len(obj.data.attributes)
+
+
 @pytest.mark.slow
 def test_a_cutout_makes_each_layer_a_part_to_pose() -> None:
     obj = keyed()
@@ -458,3 +562,63 @@ def test_a_drawing_keeps_its_shape_and_live_is_offered(addon) -> None:
     assert bpy.ops.object.nested_cages_remove_animation() == {"FINISHED"}
     assert not source.hide_viewport and not source.hide_render
     assert source.animation_data is None or source.animation_data.action is None
+
+
+def followed(addon: Any) -> None:
+    """Waits until Live has followed."""
+    bpy.context.view_layer.update()
+    live = addon.following.live.current()
+    while (live.behind or live._dirty) and not live.problem:
+        addon.generation.job._on_timer()
+    assert not live.problem
+
+
+def test_live_goes_along_from_frame_to_frame(addon) -> None:
+    obj, live = redrawn(), addon.following.live
+    assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
+    choose(obj)
+    assert bpy.ops.object.nested_cages_live() == {"FINISHED"}
+    try:
+        for frame in (4, 5, 7, 9):
+            bpy.context.scene.frame_set(frame)
+            followed(addon)
+            assert solid_now(cages_of(obj)[0]).contains(seen(addon, obj)), frame
+        strokes(obj.data.layers[0].current_frame().drawing, square(0.4, 2.0), fill=3)
+        obj.data.update_tag()
+        followed(addon)
+        assert solid_now(cages_of(obj)[0]).contains(box(0.4, 2.0))
+    finally:
+        live.stop()
+
+
+@pytest.mark.parametrize("frame", [4, 7])
+def test_what_is_painted_on_a_later_frame_is_silhouetted_cut_out_and_rigged(addon, frame: int) -> None:
+    obj = redrawn()
+    strokes(obj.data.layers[0].frames[1].drawing, np.array([[-1.5, 0.5], [1.0, 0.0]]), cyclic=False)
+    bpy.context.scene.frame_set(frame)
+    paint = seen(addon, obj)
+    assert bpy.ops.object.nested_cages_silhouette(fill_holes=False) == {"FINISHED"}
+    assert apart(solid_now(bpy.context.object), paint) < 1e-4
+    bpy.data.objects.remove(bpy.context.object)
+    choose(obj)
+    assert bpy.ops.object.nested_cages_suggest_bones() == {"FINISHED"}
+    rig = bpy.context.object
+    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+    assert solid_now(cages_of(obj)[0]).contains(paint)
+    still = {}
+    for each in (1, 4, 7, 9):
+        bpy.context.scene.frame_set(each)
+        still[each] = shown(addon, obj)
+    rig.pose.bones[0].rotation_mode = "XYZ"
+    rig.pose.bones[0].rotation_euler.z = 0.5
+    for each, before in still.items():
+        bpy.context.scene.frame_set(each)
+        after = shown(addon, obj)
+        assert np.abs(after - before).max() > 0.1 and np.abs(after[:, 1]).max() < 1e-4
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.scene.frame_set(1)
+    other = redrawn()
+    bpy.context.scene.frame_set(frame)
+    assert bpy.ops.object.nested_cages_cutout(levels="12") == {"FINISHED"}
+    part = bpy.data.objects[f"{other.name} {other.data.layers[0].name}"]
+    assert solid_now(cages_of(part)[0]).contains(seen(addon, part))

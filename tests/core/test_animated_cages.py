@@ -18,6 +18,7 @@ from nestedcages_core import (
     verify,
     verify_motion,
 )
+from nestedcages_core.checker import check as check_moving
 from nestedcages_core.motion.following import Follower, carried
 from shapes import disc, ring, star
 
@@ -220,3 +221,14 @@ def test_one_step_leads_to_the_cage_of_an_edit() -> None:
     assert found is not None and np.array_equal(found.edges, cage.edges)
     certificate = verify(found, after, clearance)
     assert certificate.holds and certificate.excess < 1.1 * verify(cage, fine).excess + 0.01
+
+
+def test_holes_that_there_are_too_few_vertices_for_are_filled() -> None:
+    fine, poses = waving(3, [ring(40), ring(6, 0.1)])
+    cage = nested_cages(fine, [5]).levels[0].cage
+    moved = followed(cage, fine, fine.moved(poses[1]), 1e-5)
+    assert moved is not None and verify(moved, fine.moved(poses[1]), same_loops=False)
+    moving = animated_cages(fine, poses, [5])
+    assert len(moving.levels[0].cage.loops) == 1 and check_moving(fine, moving)
+    with pytest.raises(NestingError, match="need at least 6"):
+        animated_cages(fine, poses, [5], loops="keep")
