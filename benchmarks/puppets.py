@@ -12,8 +12,9 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,8 @@ from needed.table import Table
 from nestedcages_core.character import Linear, PreserveVolume, skinned
 from nestedcages_core.coordinates import folded
 from nestedcages_core.exchange import puppet_parts
-from nestedcages_core.puppet import BendField, Hold, Puppet, PuppetDraft, PuppetPart, draft_puppet, puppet_of
+from nestedcages_core.puppet import BendField, Cap, Hold, Link, Puppet, PuppetDraft, PuppetPart, draft_puppet, puppet_of
+from nestedcages_core.puppet.caps import caps_of, joint_radius
 from page import measured
 
 CHARACTERS = cast.FIRST | cast.SECOND
@@ -124,29 +126,47 @@ def posed(puppet: Puppet, field: BendField, turned: dict[int, float]) -> np.ndar
 
 def gaps() -> Table:
     """Paint that opens around joints between parts: of what is painted in the limb's disc at rest."""
+    drafts = [draft_puppet(parts_of(name)) for name in CHARACTERS]
+    caps = [caps_of(draft) for draft in drafts]
     rows = []
-    for angle in (45.0, 90.0):
-        lost = []
-        for name in CHARACTERS:
-            draft = draft_puppet(parts_of(name))
-            for part, link in zip(draft.parts, draft.links, strict=True):
-                if link.hold is Hold.JOINT and link.parent is not None:
-                    on = draft.parts[link.parent]
-                    lost.append(max(opened(part, on, link.joint, link.radius, turn) for turn in (angle, -angle)))
-        some = np.array(lost)
-        rows.append(
-            (f"±{angle:.0f}°", str(len(some)), *(f"{100.0 * each:.1f} %" for each in (np.median(some), some.max())),
-             f"{100.0 * (some <= 0.02).mean():.0f} %")
-        )  # fmt: skip
-    return Table(("turned by", "joints", "median", "most", "at most 2 %"), rows)
+    for label, reach in (("as far as outlines cross", joint_radius), ("as wide as the thinner part", _thinner)):
+        for angle in (45.0, 90.0):
+            for with_caps in ("no", "yes"):
+                lost = [
+                    opened(draft, own if with_caps == "yes" else (), reach, angle)
+                    for draft, own in zip(drafts, caps, strict=True)
+                ]
+                some = np.fromiter(chain.from_iterable(lost), dtype=float)
+                shown = (100.0 * np.median(some), 100.0 * some.max())
+                share = f"{100.0 * (some <= 0.02).mean():.0f} %"
+                rows.append((label, f"±{angle:.0f}°", with_caps, *(f"{each:.1f} %" for each in shown), share))
+    count = sum(link.hold is Hold.JOINT for draft in drafts for link in draft.links)
+    capped = sum(len({cap.part for cap in each}) for each in caps)
+    return Table(
+        ("disc", "turned by", "caps", "median", "most", "at most 2 %"),
+        rows,
+        after=f"Of {count} joints, {capped} have caps.",
+    )
 
 
-def opened(limb: PuppetPart, on: PuppetPart, joint: tuple[float, float], radius: float, angle: float) -> float:
-    """The part of the paint in a disc around a joint, as wide as the thinner part, that a turn takes away."""
-    reach = max(radius, min(limb.disc[1], on.disc[1]))
-    rest = shapely.Point(joint).buffer(reach).intersection(limb.solid.union(on.solid))
-    turned = shapely.affinity.rotate(limb.solid, angle, origin=joint)
-    return 1.0 - rest.intersection(turned.union(on.solid)).area / rest.area if rest.area > 0.0 else 0.0
+def _thinner(limb: PuppetPart, on: PuppetPart, link: Link) -> float:
+    return max(link.radius, min(limb.disc[1], on.disc[1]))
+
+
+def opened(
+    draft: PuppetDraft, caps: Sequence[Cap], reach: Callable[[PuppetPart, PuppetPart, Link], float], angle: float
+) -> Iterator[float]:
+    """The part of the paint in a disc around each joint that a turn takes away, one way or the other."""
+    for number, (limb, link) in enumerate(zip(draft.parts, draft.links, strict=True)):
+        if link.hold is not Hold.JOINT or link.parent is None:
+            continue
+        on = draft.parts[link.parent]
+        disc = shapely.Point(link.joint).buffer(reach(limb, on, link))
+        rest = disc.intersection(limb.solid.union(on.solid))
+        own = [shapely.Polygon(cap.outline.vertices).intersection(limb.solid) for cap in caps if cap.part == number]
+        still = shapely.union_all([on.solid, *own])
+        turned = [shapely.affinity.rotate(limb.solid, turn, origin=link.joint) for turn in (angle, -angle)]
+        yield max(1.0 - rest.intersection(each.union(still)).area / rest.area for each in turned)
 
 
 def skins() -> Table:

@@ -3,10 +3,12 @@
 - `PuppetPart`: a painted solid of the drawing; `draft_puppet`: which part hangs on which, with bones.
 - `PuppetDraft`: parts, links and bones; `PartChoice`: what a user decides about a part instead.
 - `puppet_of`: the draft's `Puppet`: a `BendField` for each part that bends, weights, and a `JointRange` for each bone.
+- `Puppet.caps`: each `Cap` is paint that stays behind at a joint, so that nothing opens there.
 - `redrafted`: the draft of a changed drawing, in which the rest stays.
 - `walk`, `wave`, `idle`: a `Clip` for any puppet that has the limbs for it, within the proved ranges.
 """
 
+from .caps import Cap
 from .changes import Redraft, redrafted
 from .clips import Clip, idle, walk, wave
 from .draft import PuppetDraft, draft_puppet
@@ -19,6 +21,7 @@ from .sides import Side
 
 __all__ = [
     "BendField",
+    "Cap",
     "Clip",
     "Hold",
     "JointRange",

@@ -73,8 +73,7 @@ def _straight(part: PuppetPart, joint: tuple[float, float] | None) -> FloatArray
         start = np.array(joint)
         away = part.outline.vertices - start
         return np.stack((start, start + away[int(norm(away).argmax())]))
-    corners = part.box
-    ends = np.stack((0.5 * (corners[0] + corners[3]), 0.5 * (corners[1] + corners[2])))
+    ends = part.ends
     along = ends[1] - ends[0]
     if along[int(np.abs(along).argmax())] < 0.0:
         ends = ends[::-1]

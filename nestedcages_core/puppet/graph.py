@@ -12,8 +12,8 @@ from ..geometry.arrays import FloatArray
 from ..libraries import load_shapely
 from .arborescence import best_parents
 from .links import Hold, Link, PartChoice, depth_of, hangs_on
-from .parts import NEEDED_FOR, PuppetPart
-from .scores import CONTAINED, STUBBY, Scores
+from .parts import NEEDED_FOR, STUBBY, PuppetPart
+from .scores import CONTAINED, Scores
 from .words import MISNAMED, NAMED, PARENTS, TRUNKS, TURNING, agreement
 
 DETAIL, MOSTLY = 0.6, 0.7
@@ -250,7 +250,7 @@ class _Tree:
             line = shapely.shortest_line(self.parts[part].solid, self.parts[parent].solid)
             middle = shapely.get_coordinates(line).mean(axis=0)
             return Link(hold, parent, _as_place(middle), 0.0, np.inf, score, 1.0, is_chosen)
-        middle, radius = met.disc
+        middle, radius = met.pin(self.parts[part])
         return Link(hold, parent, _as_place(middle), radius if met.area else 0.0, met.gap, score, 1.0, is_chosen)
 
     # ---- who rides
@@ -280,9 +280,8 @@ class _Tree:
         limb = self.parts[part]
         if limb.slenderness < STUBBY:
             return found[part].joint
-        middle = np.stack((0.5 * (limb.box[0] + limb.box[3]), 0.5 * (limb.box[1] + limb.box[2])))
-        inset = min(0.5 / limb.slenderness, 0.5) * (middle[1] - middle[0])
-        ends = middle + np.stack((inset, -inset))
+        inset = min(0.5 / limb.slenderness, 0.5) * (limb.ends[1] - limb.ends[0])
+        ends = limb.ends + np.stack((inset, -inset))
         below = [link.joint for link in found.values() if link.parent == part and link.hold is Hold.JOINT]
         away = np.hypot(*(ends[:, None] - np.array(below)).T).min(axis=0) if below else ends[:, 1]
         return _as_place(ends[int(away.argmax())])

@@ -11,10 +11,13 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 from ..libraries import load_shapely
-from .parts import NEEDED_FOR, PuppetPart, largest_disc
+from .parts import AT_END, NEEDED_FOR, STUBBY, PuppetPart, largest_disc
 
 NEAR = 0.2
 """Parts this far apart may still hang together, in radii of the smaller one: drawn apart by a stroke, or cut out."""
+
+NEARLY = 0.9
+"""A joint needs at least this much of the largest disc in an overlap around it."""
 
 WIDENED = 0.25
 """Parts that do not overlap are widened by this much of that distance, beyond half the gap between them."""
@@ -35,6 +38,25 @@ class Meeting:
     def disc(self) -> tuple[FloatArray, float]:
         """Centre (2,) and radius of the largest disc in what they share."""
         return largest_disc(self.shared)
+
+    def pin(self, part: PuppetPart) -> tuple[FloatArray, float]:
+        """Where a part turns (2,), and the radius of the disc there.
+
+        Of all places with nearly the largest disc, the one nearest to the part's end; their middle for a part that has
+        no ends or does not hang by one.
+        """
+        shapely = load_shapely(NEEDED_FOR)
+        middle, radius = self.disc
+        room = [each for each in shapely.get_parts(self.shared.buffer(-NEARLY * radius)) if each.area > 0.0]
+        if not room:
+            return middle, radius
+        places = max(room, key=lambda each: float(each.area))
+        low, high = self.span(part)
+        towards = shapely.centroid(places)
+        if part.slenderness >= STUBBY and min(low, 1.0 - high) < AT_END <= max(low, 1.0 - high):
+            towards = shapely.points(part.ends[0 if low < 1.0 - high else 1])
+        pin = shapely.get_coordinates(shapely.shortest_line(places, towards))[0]
+        return pin, float(shapely.distance(shapely.boundary(self.shared), shapely.points(pin)))
 
     @cached_property
     def length(self) -> float:

@@ -19,6 +19,12 @@ NEEDED_FOR = "A puppet of parts that overlap"
 DISC_TOLERANCE = 0.01
 """Of the largest disc in an area, in square roots of that area."""
 
+STUBBY = 1.4
+"""Slenderness below which a part has no ends."""
+
+AT_END = 0.12
+"""An overlap this near an end of the part, in lengths of the part, is a joint there."""
+
 
 @dataclass(frozen=True, eq=False)
 class PuppetPart:
@@ -50,6 +56,11 @@ class PuppetPart:
         corners = shapely.get_coordinates(shapely.oriented_envelope(self.solid))[:4]
         sides = np.hypot(*(corners[1] - corners[0])), np.hypot(*(corners[2] - corners[1]))
         return corners if sides[0] >= sides[1] else np.roll(corners, -1, axis=0)
+
+    @property
+    def ends(self) -> FloatArray:
+        """(2, 2) middles of the shorter sides of that rectangle."""
+        return np.asarray(0.5 * (self.box[:2] + self.box[[3, 2]]))
 
     @property
     def slenderness(self) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from ..character import Bone, PreserveVolume, Skin, skinned
 from ..character.bones import ends_of
 from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray, IntArray
+from .caps import Cap, caps_of
 from .draft import PuppetDraft, stiffened
 from .fields import DENSITIES, BendField, bend_field
 from .links import Hold, PartChoice
@@ -38,6 +40,11 @@ class Puppet:
     def bones(self) -> tuple[Bone, ...]:
         """The draft's bones: head, tail, parent and name."""
         return self.draft.bones
+
+    @cached_property
+    def caps(self) -> tuple[Cap, ...]:
+        """Paint that stays behind at joints, so that nothing opens there."""
+        return caps_of(self.draft)
 
     def weights_at(self, part: int, points: FloatArray) -> FloatArray:
         """(P, B) weights of all bones at points (P, 2) of a part, rows of sum 1: one not 0 without a field, two at its

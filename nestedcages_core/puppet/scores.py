@@ -10,7 +10,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray
 from ..libraries import load_shapely
 from .overlaps import Meetings
-from .parts import NEEDED_FOR, PuppetPart
+from .parts import AT_END, NEEDED_FOR, STUBBY, PuppetPart
 from .words import agreement, words_of
 
 CONTAINED = 0.8
@@ -25,11 +25,8 @@ PIN_SIZE, PIN_SHARED, PIN_INSIDE = 0.15, 0.3, 0.95
 PIN_CENTRED = 0.5
 """A pin's middle is at least this far from the outline of the limb that it holds, in radii of the limb."""
 
-AT_END, OFF_END = 0.12, 0.4
-"""An overlap this near an end of the part, in lengths of the part, is a joint there; factor of one that is not."""
-
-STUBBY = 1.4
-"""Slenderness below which a part has no ends."""
+OFF_END = 0.4
+"""Factor of an overlap that is at no end of the part."""
 
 SHORT_SPAN, WHOLE_SPAN = 0.3, 0.1
 """A joint takes up this part of a limb's length at most without loss; the factor of one along the whole limb."""

@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 
 from nestedcages_core import Mesh, NestedCagesError
 from nestedcages_core.character import Linear, PreserveVolume, Skin, skinned
@@ -94,6 +95,20 @@ def test_parts_move_and_turn_as_one_drawing() -> None:
         PuppetPart(part.name, Mesh(1e3 * part.outline.vertices @ turn + 5e4, part.outline.edges)) for part in figure()
     ]
     assert parents(draft_puppet(moved)) == PARENTS
+
+
+def test_caps_keep_the_joint_painted_and_show_nothing_at_rest() -> None:
+    """A bar with square ends opens at its joint; one with round ends in the middle of its parent does not."""
+    lower, upper = (solid(name, shapely.box(x, 0.0, x + 5.0, 2.0)) for name, x in (("lower", 4.6), ("upper", 0.0)))
+    round_end = limb("arm", (1.0, 1.0), (1.0, -4.0), width=0.9)
+    draft = draft_puppet([lower, upper, round_end], {"upper": PartChoice(parent="")})
+    (cap,) = puppet_of(draft).caps
+    area, joint = shapely.Polygon(cap.outline.vertices), draft.links[0].joint
+    assert (cap.part, draft.bones[cap.bone].name) == (0, "upper")
+    assert lower.solid.buffer(1e-9).contains(area)
+    kept = shapely.union_all([upper.solid, area, shapely.affinity.rotate(lower.solid, 90.0, origin=joint)])
+    disc = shapely.Point(joint).buffer(1.0)
+    assert disc.difference(kept).area < 0.001 * disc.area < disc.difference(shapely.difference(kept, area)).area
 
 
 def test_a_choice_moves_a_part_to_another_parent_and_can_be_taken_back() -> None:
