@@ -125,9 +125,8 @@ def test_new_cages_are_checked_at_once_only_if_their_drawing_has_changed_since(
     assert bool(noted) is left
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("bound", [True, False])
-@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize("change", slow_after(0, CHANGES, thorough_after=2))
 def test_a_change_that_cages_cannot_follow_is_said_at_once(addon, change, bound) -> None:
     claims, source = addon.following.claims, text("Word", "Hi")
     assert bpy.ops.object.nested_cages_generate(levels="40, 20") == {"FINISHED"}
@@ -319,9 +318,8 @@ def word(obj, fill):
     bpy.context.view_layer.update()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("fill", slow_after(1, [True, False]))
-@pytest.mark.parametrize("kind", slow_after(1, ["wire", "text", "bezier"]))
+@pytest.mark.parametrize("fill", [True, False])
+@pytest.mark.parametrize("kind", slow_after(0, ["wire", "text", "bezier"], thorough_after=1))
 def test_instances_of_nodes_are_read_as_displayed(addon, kind, fill) -> None:
     drawing = {"wire": lambda: wire("Drawing", [star()]), "text": lambda: text("Drawing", "x"), "bezier": bezier}
     drawing[kind]()

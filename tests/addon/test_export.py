@@ -187,8 +187,7 @@ def test_images_without_anything_to_outline_are_refused() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["SVG", "GEOJSON", "ENGINE"])
-@pytest.mark.parametrize("flip_y", [True, False])
+@pytest.mark.parametrize(("kind", "flip_y"), [("SVG", True), ("GEOJSON", False), ("ENGINE", True)])
 def test_what_is_exported_comes_back_the_same(cages, core, tmp_path, kind, flip_y) -> None:
     source, _, _ = cages
     source.matrix_world.identity()

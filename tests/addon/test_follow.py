@@ -26,6 +26,7 @@ from drawings import (
     text,
     wire,
 )
+from marks import slow_after
 
 pytestmark = pytest.mark.slow
 
@@ -142,7 +143,7 @@ def certified(core, addon, collection, obj, frames) -> None:
             assert np.allclose(member.matrix_world, obj.matrix_world, atol=1e-6)
 
 
-@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("motion", slow_after(0, MOTIONS, thorough_after=3))
 def test_cages_follow_a_drawing_that_moves_by_any_means(addon, core, motion) -> None:
     obj = MOTIONS[motion]()
     bpy.context.scene.frame_set(4)
@@ -304,7 +305,7 @@ def follower(addon, **values):
     return kind, operator
 
 
-@pytest.mark.parametrize("steps", [0, 1, 3, 12, 24])
+@pytest.mark.parametrize("steps", slow_after(0, [3, 0, 1, 12, 24], thorough_after=2))
 def test_cancelling_leaves_the_scene(addon, steps) -> None:
     obj = shaped()
     choose(obj)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from drawings import poly_curve, set_in, snapshot, star
+from marks import slow_after
 
 
 def job(addon):
@@ -206,9 +207,8 @@ def test_in_a_window_it_works_on_ticks_and_lets_other_events_through(addon, moda
     assert len(bpy.data.collections["Drawing Cages"].objects) == 3
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("how", ["escape", "button", "Blender"])
-@pytest.mark.parametrize("ticks", [0, 1, 4, 8])
+@pytest.mark.parametrize("ticks", slow_after(0, [4, 0, 1, 8], thorough_after=1))
 def test_in_a_window_cancelling_leaves_the_scene(addon, modal, monkeypatch, ticks, how) -> None:
     monkeypatch.setattr(addon.generation.job, "SLICE", 0.0)
     poly_curve("Drawing", [star()])
@@ -353,8 +353,7 @@ def test_a_dialog_is_followed_by_the_job(addon, modal, monkeypatch, tmp_path, na
     assert kind.bl_rna == registered.bl_rna
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("ticks", [0, 1, 2])
+@pytest.mark.parametrize("ticks", slow_after(0, [1, 0, 2], thorough_after=1))
 def test_every_job_can_be_cancelled_and_leaves_the_scene(addon, modal, other, ticks) -> None:
     operator, _ = other
     before = snapshot()

@@ -272,8 +272,7 @@ def own_properties(owner):
     return {key: str(value) for key, value in owner.items() if not hasattr(value, "to_dict")}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("before", ["plain", "keyed", "thick"])
+@pytest.mark.parametrize("before", slow_after(0, ["keyed", "plain", "thick"], thorough_after=1))
 @pytest.mark.parametrize(
     "place", ["first level", "second level", "second drawing", "markers", "thickness", "moving copy"]
 )

@@ -132,8 +132,7 @@ def test_a_set_is_known_by_its_objects_wherever_they_are(addon) -> None:
     assert set_in(found).record.settings.levels == "20, 10" and set(controls.objects) >= {fine, finer, coarsest}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", slow_after(1, MAKE))
+@pytest.mark.parametrize("kind", slow_after(0, MAKE, thorough_after=1))
 @pytest.mark.parametrize("how", ["duplicated", "instanced", "scene copied", "appended"])
 def test_a_copy_is_a_character_of_its_own(addon, kind, how, tmp_path) -> None:
     source, collection = caged(kind, bind=True)

@@ -315,9 +315,8 @@ def test_a_bound_drawing_goes_with_its_cages(kind) -> None:
     assert facts(cage)["check"].startswith("Holds")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("linked", [False, True])
-@pytest.mark.parametrize("kind", slow_after(2, DRAWINGS))
+@pytest.mark.parametrize("kind", slow_after(0, DRAWINGS, thorough_after=1))
 def test_a_copy_of_a_bound_drawing_shows_the_same_where_it_is(kind, linked) -> None:
     source = DRAWINGS[kind]()
     bpy.context.view_layer.update()

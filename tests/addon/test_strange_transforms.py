@@ -6,12 +6,13 @@ import bpy
 import pytest
 
 from drawings import poly_curve, snapshot, star, text
+from marks import slow_after
 
 KINDS = {
     "curve": lambda: poly_curve("Drawing", [star()]),
     "text": lambda: text("Drawing", "ab"),
 }
-VALUES = [float("nan"), float("inf"), 1e38, 0.0]
+VALUES = [0.0, float("nan"), float("inf"), 1e38]
 OPERATORS = ["generate", "verify", "bind", "silhouette", "live", "remove_animation"]
 
 
@@ -27,8 +28,7 @@ def call(name: str) -> str:
     return ""
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("value", VALUES)
+@pytest.mark.parametrize("value", slow_after(0, VALUES, thorough_after=2))
 @pytest.mark.parametrize("name", ["location", "rotation_euler", "scale"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_transforms_that_are_no_numbers(kind: str, name: str, value: float) -> None:
@@ -44,9 +44,8 @@ def test_transforms_that_are_no_numbers(kind: str, name: str, value: float) -> N
         before = repr(snapshot())
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("which", ["Drawing", "Drawing Cage 1"])
-@pytest.mark.parametrize("value", VALUES)
+@pytest.mark.parametrize("value", slow_after(0, VALUES, thorough_after=2))
 @pytest.mark.parametrize("name", ["location", "scale"])
 def test_outputs_whose_transforms_are_no_numbers(which: str, name: str, value: float) -> None:
     poly_curve("Drawing", [star()])

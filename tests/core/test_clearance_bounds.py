@@ -47,9 +47,8 @@ def test_the_largest_circle_is_that_of_shapely(seed: int) -> None:
     assert hole.exterior.distance(shapely.Point(circle.centre)) == pytest.approx(circle.radius, rel=1e-9)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("fine", [annulus(32, 0.22), l_shaped_hole(), star_with_hole(0), star_with_hole(1)])
-@pytest.mark.parametrize("share", [0.7, 0.94, NEARLY_ALL])
+@pytest.mark.parametrize("share", slow_after(0, [NEARLY_ALL, 0.7, 0.94], thorough_after=1))
 def test_a_clearance_may_fill_a_hole_nearly(fine: Mesh, share: float) -> None:
     clearance = share * inradius(fine)
     level = nested_cages(fine, [10], Settings(clearance=clearance, loops="keep")).levels[0]

@@ -115,7 +115,9 @@ def test_every_part_gets_its_own() -> None:
     assert hierarchy.levels[1].fine is hierarchy.levels[0].cage
 
 
-@pytest.mark.parametrize(("count", "angle"), slow_after(0, [(3, 0.0), (4, 0.0), (4, 0.5), (5, 1.0), (6, 0.8)]))
+@pytest.mark.parametrize(
+    ("count", "angle"), slow_after(0, [(3, 0.0), (4, 0.0), (4, 0.5), (5, 1.0), (6, 0.8)], thorough_after=2)
+)
 def test_parts_close_to_each_other_keep_apart(count: int, angle: float) -> None:
     """Turned, some pairs overlap only once there are walls between others."""
     c, s = np.cos(angle), np.sin(angle)

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from marks import slow_after
 from nestedcages_core import (
     FlowError,
     Mesh,
@@ -64,8 +65,7 @@ ROUND_OFF, AFTER_A_WAY = 1e-10, 1e-8
 """Distances in diagonals; coordinates of 70 alone are rounded by 1e-14, and the way home makes more of that."""
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("scale", "motion"), MOTIONS.values(), ids=MOTIONS.keys())
+@pytest.mark.parametrize(("scale", "motion"), slow_after(0, MOTIONS.values(), thorough_after=3), ids=MOTIONS.keys())
 @pytest.mark.parametrize(("level", "bound"), [(24, ROUND_OFF), (resampled(lopsided(), 30), AFTER_A_WAY)])
 def test_the_cage_moves_with_the_shape(
     level: int | Mesh, bound: float, scale: float, motion: Callable[[np.ndarray], np.ndarray]
@@ -138,8 +138,9 @@ def test_a_cage_may_have_as_many_loops_of_other_kinds() -> None:
     assert polygon(level.cage).contains_properly(polygon(fine))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("angle", np.linspace(0.0, 2.0 * np.pi / 3.0, 12, endpoint=False))
+@pytest.mark.parametrize(
+    "angle", slow_after(0, np.linspace(0.0, 2.0 * np.pi / 3.0, 12, endpoint=False), thorough_after=3)
+)
 def test_a_disc_in_a_triangle_s_ring_in_every_rotation(angle: float) -> None:
     """Figure 5: the coarse mesh is reached by the flow itself, not from the outer hull."""
     level = nested_cages(annulus(64), [annulus(3, 0.4, angle)], Settings(fallback=None)).levels[0]

@@ -86,9 +86,8 @@ def test_letter_with_its_own_coarse_mesh() -> None:
     assert_sound(nested_cages(octagon_with_hole(), [square_with_hole()]))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("decimation", [OuterHull(), OnCurve(), ArcLength()], ids=lambda d: type(d).__name__)
-@pytest.mark.parametrize("shape", [letter_a, star, islands], ids=lambda s: s.__name__)
+@pytest.mark.parametrize("shape", slow_after(0, [islands, letter_a, star], thorough_after=1), ids=lambda s: s.__name__)
 def test_several_levels_by_every_decimation(shape: object, decimation: object) -> None:
     fine = shape()  # type: ignore[operator]
     hierarchy = nested_cages(fine, [48, 24], Settings(decimation=decimation, loops="keep"))  # type: ignore

@@ -185,7 +185,7 @@ def test_a_small_shape_gets_the_best_cage_there_is() -> None:
     assert nested_cages(fine, [6]).levels[0].report.excess < 0.132
 
 
-@pytest.mark.parametrize("seed", slow_after(2, [6, 27, 37, 41, 74, 97, 122, 199]))
+@pytest.mark.parametrize("seed", slow_after(2, [6, 27, 37, 41, 74, 97, 122, 199], thorough_after=4))
 def test_one_more_vertex_is_no_looser(seed: int) -> None:
     """In random shapes of several kinds; cages end in local minima, so a little is allowed."""
     from benchmarks.random_shapes import random_shape

@@ -55,7 +55,7 @@ def cloud() -> Mesh:
 SHAPES = [bell, target, cloud, islands]
 
 
-@pytest.mark.parametrize("count", slow_after(1, [5, 8, 3, 12, 17]))
+@pytest.mark.parametrize("count", slow_after(1, [5, 8, 3, 12, 17], thorough_after=3))
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.__name__)
 def test_no_cage_has_more_vertices_than_asked_for(shape: Any, count: int) -> None:
     fine = shape()

@@ -126,7 +126,9 @@ def test_stiffness_grows_while_close_pairs_come_closer() -> None:
     "contact", [OriginalIPC(Area()), OriginalIPC(StepDisplacement()), ElTopo(NoEnergy()), ElTopo(Area())]
 )
 @pytest.mark.parametrize(
-    ("fine", "coarse"), slow_after(1, [(annulus(96), annulus(16)), (letter_a(), letter_a_coarse())]), ids=["192", "A"]
+    ("fine", "coarse"),
+    slow_after(1, [(annulus(96), annulus(16)), (letter_a(), letter_a_coarse())], thorough_after=1),
+    ids=["192", "A"],
 )
 def test_cages_and_animations_are_certified(fine: Mesh, coarse: Mesh, contact: OriginalIPC | ElTopo) -> None:
     """By each contact of another publication."""

@@ -55,9 +55,8 @@ def solid(outline: Loops) -> shapely.Geometry:
 # The hull
 
 
-@pytest.mark.slow
 @SHAPES
-@pytest.mark.parametrize("part", [0.0, 0.1, 0.4, 1.0])
+@pytest.mark.parametrize("part", slow_after(0, [0.1, 0.4, 0.0, 1.0], thorough_after=2))
 def test_it_encloses_strictly_with_exactly_the_wanted_vertices(shape: object, part: float) -> None:
     fine: Mesh = shape()  # type: ignore[operator]
     least = 3 * len(fine.loops) + 3 * (len(fine.loops) > 2)  # an island keeps the hole around it from being a triangle

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.comparison.as_published import as_published
-from marks import slowly
+from marks import slow_after
 from nestedcages_core import (
     Area,
     FlowError,
@@ -58,8 +58,9 @@ def run(
     return drain(reinflate(fine, coarse, steps, contacts=[contact], clearance=1e-5))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("scale", "excess"), [(1.0, 19.379), *slowly((3.0, 3.771), (0.5, 51.160))])
+@pytest.mark.parametrize(
+    ("scale", "excess"), slow_after(0, [(1.0, 19.379), (3.0, 3.771), (0.5, 51.160)], thorough_after=1)
+)
 def test_absolute_lengths_give_the_excess_of_the_compiled_program(scale: float, excess: float) -> None:
     """A disc of Table 1 at three sizes; the excesses are those of the authors' C++ on the same meshes."""
     fine, coarse = (mesh.moved(scale * mesh.vertices) for mesh in (annulus(16), annulus(16)))
@@ -77,9 +78,8 @@ def test_absolute_lengths_give_the_excess_of_the_compiled_program(scale: float, 
     assert units.method(PaperFlow()) == PaperFlow()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("step_filter", [NoFilter(), SmallestDistance(), TimeOfImpact()])
-@pytest.mark.parametrize("broad_phase", [AllPairs(), UniformGrid()])
+@pytest.mark.parametrize("broad_phase", slow_after(0, [UniformGrid(), AllPairs()], thorough_after=1))
 def test_any_filter_and_broad_phase_serve(step_filter: StepFilter, broad_phase: BroadPhase) -> None:
     fine, coarse = table_1(24)
     contact = PaperContact(repairs=Repairs(True, True), step_filter=step_filter, broad_phase=broad_phase)

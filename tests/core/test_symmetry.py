@@ -80,7 +80,7 @@ def check(level: Level, symmetry: Symmetry) -> None:
         assert_symmetric(step, found)
 
 
-@pytest.mark.parametrize("count", slow_after(1, [9, 16]))
+@pytest.mark.parametrize("count", slow_after(1, [9, 16], thorough_after=1))
 @pytest.mark.parametrize("symmetry", AXES)
 def test_mirrored_vertices_are_mirrored_to_the_last_bit(symmetry: Mirror, count: int) -> None:
     level = nested_cages(blob(3, symmetry), [count], Settings(symmetry=symmetry)).levels[0]

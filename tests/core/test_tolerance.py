@@ -68,8 +68,7 @@ def test_the_bound_undercuts_cages_of_random_shapes(seed: int) -> None:
     assert Band(fine, 0, reach(cage, fine)).fewest_links(0.0) <= len(cage.vertices)
 
 
-@slow
-@pytest.mark.parametrize("distance", [0.3, 0.1, 0.03])
+@pytest.mark.parametrize("distance", slow_after(0, [0.1, 0.3, 0.03], thorough_after=1))
 @pytest.mark.parametrize("fine", [star(5, 200), letter_a(), annulus(60)])
 def test_where_outlines_turn_inwards_too(fine: Mesh, distance: float) -> None:
     """Within one vertex per loop of the bound, and inside of the offset."""
