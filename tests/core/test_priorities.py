@@ -110,6 +110,7 @@ def test_more_pins_than_vertices_are_reported() -> None:
     assert any("The closest cage vertex to the pin" in note for note in level.report.notes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("symmetry", slow_after(1, [None, Mirror()]))
 def test_no_edge_is_shorter_and_no_angle_sharper(symmetry: Mirror | None) -> None:
     level = nested_cages(letter_a(), [32], Settings(min_edge=0.3, symmetry=symmetry)).levels[0]
@@ -121,6 +122,7 @@ def test_no_edge_is_shorter_and_no_angle_sharper(symmetry: Mirror | None) -> Non
     assert angles_of(nested_cages(letter_a(), [20]).cages[0]).min() < 40.0
 
 
+@pytest.mark.slow
 def test_limits_without_room_mean_fewer_vertices_or_are_reported() -> None:
     level = nested_cages(Mesh.from_loops([ring(64)]), [40], Settings(min_edge=0.3)).levels[0]
     check(level)

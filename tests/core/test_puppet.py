@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 import shapely
 import shapely.affinity
 
+from marks import slow_after
 from nestedcages_core import Mesh, NestedCagesError
 from nestedcages_core.character import Linear, PreserveVolume, Skin, skinned
 from nestedcages_core.coordinates import folded
@@ -157,10 +159,20 @@ def tail(count: int | None = None) -> tuple[list[PuppetPart], dict[str, PartChoi
 SKINS = [PreserveVolume(), Linear()]
 
 
+@cache
+def with_tail(count: int | None = None, skin: Skin = SKINS[0]) -> Puppet:
+    return puppet_of(draft_puppet(*tail(count)), skin)
+
+
+@cache
+def puppet_from(parts: Callable[[], list[PuppetPart]]) -> Puppet:
+    return puppet_of(draft_puppet(parts()))
+
+
 @pytest.mark.parametrize("skin", SKINS, ids=["volume", "linear"])
-@pytest.mark.parametrize("count", [None, 8])
+@pytest.mark.parametrize("count", slow_after(1, [None, 8]))
 def test_no_triangle_flips_within_the_ranges_whatever_the_other_joints_do(skin: Skin, count: int | None) -> None:
-    puppet = puppet_of(draft_puppet(*tail(count)), skin)
+    puppet = with_tail(count, skin)
     field = puppet.fields[0]
     assert field is not None
     joints = range(field.first_bone + 1, field.first_bone + 1 + len(field.bends))
@@ -169,7 +181,7 @@ def test_no_triangle_flips_within_the_ranges_whatever_the_other_joints_do(skin: 
     weights = np.zeros((len(vertices), len(puppet.bones)))
     weights[:, field.first_bone : field.first_bone + len(field.bends) + 1] = field.weights
     random = np.random.default_rng(1)
-    for trial in range(60):
+    for trial in range(30):
         pick: Callable[[float, float], float] = random.uniform if trial % 2 else lambda *ends: random.choice(ends)
         turned = {k: pick(puppet.ranges[k].low, puppet.ranges[k].high) for k in joints}
         posed = skinned(vertices, weights, puppet.bones, turned, skin).astype(np.float32).astype(np.float64)
@@ -178,7 +190,7 @@ def test_no_triangle_flips_within_the_ranges_whatever_the_other_joints_do(skin: 
 
 @pytest.mark.parametrize("skin", SKINS, ids=["volume", "linear"])
 def test_ranges_end_near_the_first_fold(skin: Skin) -> None:
-    puppet = puppet_of(draft_puppet(*tail(2)), skin)
+    puppet = with_tail(2, skin)
     field = puppet.fields[0]
     assert field is not None
     joint = field.first_bone + 1
@@ -191,7 +203,7 @@ def test_ranges_end_near_the_first_fold(skin: Skin) -> None:
 
 
 def test_the_cage_stays_simple_in_its_narrower_range() -> None:
-    puppet = puppet_of(draft_puppet(*tail(2)))
+    puppet = with_tail(2)
     field = puppet.fields[0]
     assert field is not None
     joint = field.first_bone + 1
@@ -207,7 +219,7 @@ def test_the_cage_stays_simple_in_its_narrower_range() -> None:
 
 
 def test_weights_suit_engines_and_vertices_are_those_that_float32_stores() -> None:
-    puppet = puppet_of(draft_puppet(*tail()))
+    puppet = with_tail()
     field = puppet.fields[0]
     assert field is not None and puppet.fields[2] is field and puppet.fields[1] is None
     for array in (field.grid.vertices, field.weights):
@@ -219,20 +231,19 @@ def test_weights_suit_engines_and_vertices_are_those_that_float32_stores() -> No
     assert np.allclose(weights.sum(axis=1), 1.0) and (np.diff(weights, axis=1) <= 0.0).all()
 
 
-def moved_by(puppet_parts: Iterable[PuppetPart], turned: dict[str, float]) -> dict[str, float]:
+def moved_by(puppet: Puppet, turned: dict[str, float]) -> dict[str, float]:
     """How far each part moves at most."""
-    puppet = puppet_of(draft_puppet(puppet_parts))
     posed = zip(puppet.draft.parts, puppet.posed(turned), strict=True)
     return {part.name: float(np.abs(points - part.outline.vertices).max()) for part, points in posed}
 
 
 def test_a_limb_turns_alone_with_what_hangs_on_it() -> None:
-    moved = moved_by(figure(), {"arm.L": 40.0})
+    moved = moved_by(puppet_from(figure), {"arm.L": 40.0})
     assert {name for name, by in moved.items() if by > 1e-9} == {"arm_l", "hand_l"}
 
 
 def test_a_pose_beyond_a_range_names_its_bones() -> None:
-    puppet = puppet_of(draft_puppet(*tail(2)))
+    puppet = with_tail(2)
     assert puppet.beyond({"tail.001": 30.0, "tail": 175.0}) == ()
     assert puppet.beyond({"tail.001": 172.0}) == ("tail.001",)
     with pytest.raises(NestedCagesError, match="no bone 'wing'"):
@@ -315,7 +326,7 @@ def test_near_and_far_are_told_and_named_as_left_and_right() -> None:
 def test_clips_stay_within_the_ranges_and_repeat(
     clip: Callable[[Puppet], Clip], parts: Callable[[], list[PuppetPart]]
 ) -> None:
-    puppet = puppet_of(draft_puppet(parts()))
+    puppet = puppet_from(parts)
     made = clip(puppet)
     assert all(puppet.beyond(frame) == () for frame in made.frames)
     moved = {bone for frame in made.frames for bone, angle in frame.items() if abs(angle) > 1.0}
@@ -328,7 +339,7 @@ def test_clips_stay_within_the_ranges_and_repeat(
 
 
 def test_legs_of_a_walk_take_turns() -> None:
-    frames = walk(puppet_of(draft_puppet(strider()))).frames
+    frames = walk(puppet_from(strider)).frames
     left, right = (np.array([frame[name] for frame in frames]) for name in ("leg.L", "leg.R"))
     assert np.ptp(left) > 30.0 and np.allclose(left, np.roll(right, len(frames) // 2))
 
@@ -341,6 +352,7 @@ def test_clips_without_the_limbs_for_them_are_told() -> None:
             clip(puppet)
 
 
+@pytest.mark.slow
 def test_a_changed_drawing_keeps_what_is_still_there() -> None:
     """A hand redrawn, a hat added, an eye removed, the legs moved up in the stack, and a part renamed."""
     old = draft_puppet(figure()).edited("head", PartChoice(parent="torso", joint=(0.0, 4.0)))

@@ -58,6 +58,7 @@ def test_maps_lose_what_is_smaller_than_a_tenth_of_the_tolerance_both_ways() -> 
     assert len(feature.mesh.loops) == 3
 
 
+@pytest.mark.slow
 def test_pixels_count_from_half_opacity(tmp_path: Path) -> None:
     y, x = np.indices((64, 64))
     alpha = np.clip(1.2 - np.hypot(x - 32, y - 32) / 24.0, 0.0, 1.0)  # fades over its whole radius

@@ -82,13 +82,13 @@ class TestTime:
     @pytest.mark.parametrize(
         ("work", "options"),
         [
-            (nested_cages, {}),
             (nested_cages, {"convex": True}),
-            (nested_cages, {"stored": np.float32}),
-            (nested_cages, {"grid": 0.02}),
-            (inner_cages, {}),
+            pytest.param(nested_cages, {}, marks=pytest.mark.slow),
+            pytest.param(nested_cages, {"stored": np.float32}, marks=pytest.mark.thorough),
+            pytest.param(nested_cages, {"grid": 0.02}, marks=pytest.mark.slow),
+            pytest.param(inner_cages, {}, marks=pytest.mark.slow),
         ],
-        ids=["around", "convex", "stored", "grid", "inside"],
+        ids=["convex", "around", "stored", "grid", "inside"],
     )
     def test_the_best_cage_by_then_is_kept(
         self, clock: Callable[[float], None], work: Any, options: dict[str, Any]
@@ -194,6 +194,7 @@ RUNS: dict[str, Callable[[], Run[Any, Any]]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", slow_after(2, RUNS.values()), ids=RUNS.keys())
 def test_a_run_can_be_stopped_at_every_yield(make: Callable[[], Run[Any, Any]]) -> None:
     """At places spread over the whole run; what was yielded before is the same each time."""
