@@ -321,7 +321,7 @@ def test_cancelling_leaves_the_scene(addon, steps) -> None:
 
 
 def test_a_motion_too_fast_for_its_step_names_the_step() -> None:
-    obj = wire("Turned", [star(60)])
+    obj = wire("Turned", [star(30)])
     obj.shape_key_add(name="Basis")
     shape = obj.shape_key_add(name="Round")
     for point in shape.data:
