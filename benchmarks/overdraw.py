@@ -19,6 +19,7 @@ import numpy as np
 import shapely
 
 import clone  # noqa: F401 - puts the core on the path
+from engines.judge import corners_of
 from nestedcages_core import NestedCagesError
 from nestedcages_core.exchange.pictures import read_png
 from nestedcages_core.game.islands import MARGIN, islands_of
@@ -36,12 +37,6 @@ def usable(path: Path) -> np.ndarray | None:
     opaque = pixels[..., 3] > 0
     fits = LEAST_SIDE <= max(opaque.shape) <= MOST_SIDE
     return pixels if fits and opaque.any() and not opaque.all() else None
-
-
-def corners_of(opaque: np.ndarray) -> np.ndarray:
-    """(P, 2) the corners of all opaque pixels."""
-    rows, columns = np.nonzero(opaque)
-    return np.unique(np.concatenate([np.stack((columns + i, rows + j), 1) for i in (0, 1) for j in (0, 1)]), axis=0)
 
 
 def overdraw_of(pixels: np.ndarray) -> tuple[list[float], int, float]:

@@ -1,10 +1,11 @@
-"""What engines make of puppets, next to what we say: vertices of poses and animations, and what Godot draws.
+"""Puppets of layered files, judged: opaque pixels outside, vertices where engines put them, and what Godot draws.
 
     python -m benchmarks.engines.judge FILE ... [--modules FOLDER] [--godot PROGRAM] [--draw] [--poses N]
 
-FILE: layered pictures; random poses with each bone turned by up to ±110°, all in range of a float. Modules: a folder in
-which `npm install @esotericsoftware/spine-core@4.2.100 @cocos/dragonbones-js@1.0.2` was run. Godot: a Godot 4; drawing
-needs a display, such as one by xvfb-run.
+A line for each layered picture: what its puppet has, corners of opaque pixels outside of hulls, and how far engines are
+off in random poses with each bone turned by up to ±110°; or the sentence with which it ends. Modules: a folder in which
+`npm install @esotericsoftware/spine-core@4.2.100 @cocos/dragonbones-js@1.0.2` was run. Godot: a Godot 4; drawing needs
+a display, such as one by xvfb-run.
 """
 
 from __future__ import annotations
@@ -12,17 +13,19 @@ from __future__ import annotations
 import argparse
 import json
 import subprocess
-import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
+from time import process_time
 from typing import Any
 
 import numpy as np
+import shapely
 
-from nestedcages_core.exchange.layers import parts_of, read_layers
+from nestedcages_core import NestedCagesError
 from nestedcages_core.exchange.pictures import read_png
-from nestedcages_core.game import Animation, GamePuppet, game_puppet, write_puppet
+from nestedcages_core.game import Animation, GamePuppet, game_puppet, read_painting, write_puppet
+from nestedcages_core.puppet import JointRange
 
 HERE = Path(__file__).parent
 PACKAGES = ("@esotericsoftware/spine-core@4.2.100", "@cocos/dragonbones-js@1.0.2")
@@ -155,6 +158,56 @@ def _filled(meshes: list[Any], puppet: GamePuppet, window: list[int], origin: in
     return out
 
 
+def outside(puppet: GamePuppet) -> int:
+    """Corners of opaque pixels that are not within the hulls of their meshes."""
+    found = 0
+    for mesh in puppet.meshes:
+        hull = shapely.Polygon(puppet.place.down(mesh.points[: mesh.hull]))
+        shapely.prepare(hull)
+        corners = corners_of(mesh.pixels[..., 3] > 0) + np.array([mesh.left, mesh.top])
+        found += int((~shapely.contains_xy(hull, corners)).sum())
+    return found
+
+
+def corners_of(opaque: np.ndarray) -> np.ndarray:
+    """(P, 2) the corners of all opaque pixels."""
+    rows, columns = np.nonzero(opaque)
+    return np.unique(np.concatenate([np.stack((columns + i, rows + j), 1) for i in (0, 1) for j in (0, 1)]), axis=0)
+
+
+def judged(puppet: GamePuppet, given: argparse.Namespace) -> list[str]:
+    """How far engines are off, in pixels, and the part of pixels that Godot draws otherwise."""
+    with tempfile.TemporaryDirectory() as name:
+        folder, moving = Path(name), swinging(puppet)
+        wanted = written(moving, folder, given.poses)
+        said = []
+        for script in ("spine.mjs", "dragonbones.mjs") if given.modules else ():
+            verdict = by_node(script, folder, given.modules)
+            said.append(f"{script.removesuffix('.mjs')} {verdict['version']} {verdict['worst']:.1e} px")
+        if given.godot:
+            verdict = by_godot(folder, given.godot)
+            said.append(f"Godot {verdict['version']} {verdict['worst']:.1e} px")
+        if given.godot and given.draw:
+            parts = drawn_by_godot(folder, given.godot, wanted, moving)
+            said.append(f"drawing {100 * max(parts):.4f} % of pixels differ at worst")
+        return said
+
+
+def told(file: Path, given: argparse.Namespace) -> str:
+    """What becomes of a layered picture: its puppet with the verdicts on it, or the sentence with which it ends."""
+    start = process_time()
+    try:
+        parts, size, _ = read_painting(file)
+        puppet = game_puppet(parts, size, name="puppet")
+    except NestedCagesError as error:
+        return str(error)
+    seconds = process_time() - start
+    turns = [min(-each.low, each.high) for each in puppet.ranges if each != JointRange()]
+    bends = f"{len(turns)} bends of ±{min(turns):.0f}° or more" if turns else "no bends"
+    counts = f"{len(parts)} layers, {len(puppet.meshes)} meshes, {len(puppet.bones)} bones, {bends}"
+    return ", ".join((counts, f"{outside(puppet)} outside", *judged(puppet, given), f"{seconds:.1f} s of CPU"))
+
+
 def main() -> None:
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("files", nargs="+", type=Path)
@@ -164,24 +217,7 @@ def main() -> None:
     options.add_argument("--poses", type=int, default=8)
     given = options.parse_args()
     for file in given.files:
-        picture = read_layers(file)
-        puppet = swinging(game_puppet(parts_of(picture)[0], (picture.width, picture.height), name="puppet"))
-        with tempfile.TemporaryDirectory() as name:
-            folder = Path(name)
-            wanted = written(puppet, folder, given.poses)
-            said = [f"{len(puppet.bones)} bones, {len(puppet.meshes)} meshes"]
-            if given.modules:
-                for script in ("spine.mjs", "dragonbones.mjs"):
-                    verdict = by_node(script, folder, given.modules)
-                    said.append(f"{script.removesuffix('.mjs')} {verdict['version']}: {verdict['worst']:.1e} px")
-            if given.godot:
-                verdict = by_godot(folder, given.godot)
-                said.append(f"Godot {verdict['version']}: {verdict['worst']:.1e} px")
-            if given.godot and given.draw:
-                parts = drawn_by_godot(folder, given.godot, wanted, puppet)
-                said.append(f"drawing: {100 * max(parts):.4f} % of pixels differ at worst")
-            print(f"{file.name}: {', '.join(said)}")
-            sys.stdout.flush()
+        print(f"{file.name}: {told(file, given)}", flush=True)
 
 
 if __name__ == "__main__":

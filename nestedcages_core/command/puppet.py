@@ -9,8 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..errors import NestedCagesError
-from ..exchange import Limits, read_whole, write_whole
-from ..exchange.layers import LAYERED_LIMITS, PicturePart, parts_of, read_layers
+from ..exchange import read_whole, write_whole
 from ..game import (
     ENGINES,
     HULL_VERTICES,
@@ -18,13 +17,14 @@ from ..game import (
     engine_for,
     from_puppet_json,
     game_puppet,
+    read_painting,
     repainted,
     to_puppet_json,
     undrawn,
     write_puppet,
 )
 from ..game.kept import KEPT_LIMITS
-from ..game.vector import LONGER_SIDE, parts_of_svg
+from ..game.vector import LONGER_SIDE
 from ..puppet import PartChoice
 from .options import at_least
 from .progress import tell
@@ -74,23 +74,13 @@ def make_puppet(arguments: Sequence[str]) -> bool:
 
 def _puppet(given: argparse.Namespace) -> tuple[GamePuppet, tuple[str, ...]]:
     """The puppet of a painting, and what its reader says."""
-    parts, size, notes = _painted_parts(given)
+    parts, size, notes = read_painting(given.painting, hidden=given.hidden, pixels=given.pixels)
     stem = Path(given.painting).resolve().stem
     if given.keep is None or not Path(given.keep).exists():
         return game_puppet(parts, size, name=stem, vertices=given.vertices, choices=_choices(given)), notes
     before = from_puppet_json(read_whole(given.keep, KEPT_LIMITS))
     puppet, changes = repainted(before, parts, size, vertices=given.vertices)
     return puppet, (*notes, *changes.sentences)
-
-
-def _painted_parts(given: argparse.Namespace) -> tuple[tuple[PicturePart, ...], tuple[int, int], tuple[str, ...]]:
-    """The parts of a painting, the size of its canvas, and notes."""
-    path = Path(given.painting)
-    if path.suffix.lower() == ".svg":
-        return parts_of_svg(read_whole(path, Limits()), given.pixels)
-    picture = read_layers(path, limits=LAYERED_LIMITS)
-    parts, notes = parts_of(picture, hidden=given.hidden)
-    return parts, (picture.width, picture.height), notes
 
 
 def _choices(given: argparse.Namespace) -> dict[str, PartChoice]:

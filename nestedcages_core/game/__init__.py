@@ -1,7 +1,8 @@
 """Puppets for game engines: meshes with textures and bones, written for Godot, Spine and DragonBones.
 
-- `game_puppet`: a `GamePuppet` from the painted parts of a picture; `painted_puppet` with the puppet that it was made
-  from; `meshed` from a puppet that was drafted before.
+- `read_painting`: the painted parts of a layered file, a layered SVG or a folder of pictures.
+- `game_puppet`: a `GamePuppet` from the painted parts; `painted_puppet` with the puppet that it was made from; `meshed`
+  from a puppet that was drafted before.
 - `write_puppet`: its files for one of the `ENGINES`.
 - `Animation`: keys of its bones.
 - `texture_of`, `certify`, `engine_weights`, `proved_ranges`: for meshes that were edited elsewhere.
@@ -15,6 +16,7 @@ from .engines import ENGINES, Engine, engine_for, undrawn, write_puppet
 from .islands import certify, stored
 from .kept import from_puppet_json, to_puppet_json
 from .mesh import PartMesh, Placement, engine_weights
+from .paintings import PAINTINGS, Painting, read_painting
 from .proved import proved_ranges
 from .puppet import HULL_VERTICES, GamePuppet, game_puppet, meshed, painted_puppet
 from .repainted import Changes, repainted, with_hand_weights
@@ -22,10 +24,12 @@ from .repainted import Changes, repainted, with_hand_weights
 __all__ = [
     "ENGINES",
     "HULL_VERTICES",
+    "PAINTINGS",
     "Animation",
     "Changes",
     "Engine",
     "GamePuppet",
+    "Painting",
     "PartMesh",
     "Placement",
     "certify",
@@ -36,6 +40,7 @@ __all__ = [
     "meshed",
     "painted_puppet",
     "proved_ranges",
+    "read_painting",
     "repainted",
     "stored",
     "texture_of",

@@ -12,7 +12,8 @@ from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.vectors import norm, rotated_left
-from .parts import PuppetPart
+from ..libraries import load_shapely
+from .parts import NEEDED_FOR, PuppetPart
 
 LEAF_BENDS, CARRIER_BENDS = 4.4, 9.0
 """A part bends if it is at least this long, in radii, from its joint to its tip; one that carries limbs is stiffer."""
@@ -49,12 +50,16 @@ def chain_of(
         bends = along[-1] >= (CARRIER_BENDS if carries else LEAF_BENDS) * radius
         bones = int(np.clip(along[-1] / (BONE_LENGTH * radius), 2, MOST_BONES)) if bends else 1
         bones = min(bones, most)
-    if bones == 1:
-        return _straight(part, joint) if joint is None else points[[0, -1]]
-    places = np.linspace(0.0, along[-1], bones + 1)
-    if bones == 2:
-        places[1] = _knee(points, along, radius)
-    return np.stack([np.interp(places, along, points[:, axis]) for axis in (0, 1)], axis=1)
+    shapely = load_shapely(NEEDED_FOR)
+    solid = shapely.geometry.shape(largest_component(part.outline).__geo_interface__)
+    for count in range(bones, 1, -1):
+        places = np.linspace(0.0, along[-1], count + 1)
+        if count == 2:
+            places[1] = _knee(points, along, radius)
+        chain = np.stack([np.interp(places, along, points[:, axis]) for axis in (0, 1)], axis=1)
+        if shapely.contains_xy(solid, chain[1:-1]).all():  # not where the way to another component lies
+            return chain
+    return _straight(part, joint) if joint is None else points[[0, -1]]
 
 
 def _knee(points: FloatArray, along: FloatArray, radius: float) -> float:

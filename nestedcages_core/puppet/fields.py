@@ -95,7 +95,7 @@ def bend_field(
     shape = _united(solids)
     joints = len(chain) - 2
     wanted = CAGE_VERTICES + VERTICES_PER_JOINT * joints
-    (level,) = nested_cages(shape, wanted, clearance=CLEARANCE * shape.diagonal)
+    (level,) = nested_cages(shape, wanted, clearance=CLEARANCE * shape.diagonal, loops="one")
     cage = level.cage
     bends = bends_of(cage, chain, kept)
     grid = _grid(cage, bends, density)
@@ -107,10 +107,11 @@ def bend_field(
 
 
 def _united(solids: Sequence[Any]) -> Mesh:
-    """The largest component of the union of some areas, as a mesh."""
+    """The component of the union of some areas that has the largest one of the first, as a mesh."""
     shapely = load_shapely(NEEDED_FOR)
+    own = max(shapely.get_parts(solids[0]), key=lambda area: float(area.area))
     whole = shapely.union_all(solids)
-    biggest = max(shapely.get_parts(whole), key=lambda area: float(area.area))
+    biggest = max(shapely.get_parts(whole), key=lambda area: float(area.intersection(own).area))
     biggest = shapely.simplify(biggest, SIMPLIFIED * np.sqrt(biggest.area))
     return largest_component(Mesh.of(biggest))
 

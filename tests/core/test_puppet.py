@@ -261,6 +261,17 @@ def test_a_part_whose_joints_would_turn_too_little_has_fewer_bones() -> None:
     assert len(ranges) == 3
 
 
+def test_parts_of_several_areas_and_with_narrow_holes_have_fields() -> None:
+    """Joints lie in the area that bends, not on the way to it; a hole too narrow for the clearance is filled."""
+    tail = limb("tail", (5.0, 0.0), (12.0, 0.0), width=0.7).solid
+    speck, hole = shapely.Point(2.0, 0.0).buffer(0.4), shapely.Point(9.0, 0.1).buffer(0.06)
+    parts = [solid("tail", shapely.union_all([tail, speck]) - hole), ball("body", 0.0, 0.0, 2.6)]
+    for count in (None, 6):
+        puppet = puppet_of(draft_puppet(parts, {"tail": PartChoice(bones=count)}))
+        joints = [puppet.bones[bone].head for bone in puppet.draft.chain(0)[1:]]
+        assert joints and shapely.contains_xy(tail, *np.array(joints).T).all()
+
+
 @pytest.mark.parametrize(
     ("name", "noun", "side"),
     [

@@ -1,0 +1,46 @@
+"""Paintings from files: what every reader of layers makes of them, and layered SVG."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from ..exchange import Limits, read_whole
+from ..exchange.layers import ENDINGS, PicturePart, parts_of, read_layers
+from ..exchange.pictures.png import Pixels
+from .vector import LONGER_SIDE, parts_of_svg
+
+PAINTINGS = (*ENDINGS, ".svg")
+"""Names of files end like this; folders hold .png."""
+
+
+class Painting(NamedTuple):
+    """A painting in parts."""
+
+    parts: tuple[PicturePart, ...]
+    """The lowest first."""
+    size: tuple[int, int]
+    """Width and height of the canvas."""
+    notes: tuple[str, ...]
+    """Sentences about what was left out."""
+
+
+def read_painting(
+    path: str | os.PathLike[str],
+    *,
+    hidden: bool = False,
+    pixels: int = LONGER_SIDE,
+    decode: Callable[[bytes], Pixels] | None = None,
+) -> Painting:
+    """The parts of a layered file, an SVG, or a folder of PNG pictures by the order of their names.
+
+    hidden: whether hidden layers become hidden parts; pixels: of the longer side of an SVG; decode: (h, w, 4) pixels
+    of a PNG, by Pillow if None. Raises NestedCagesError, OSError.
+    """
+    if Path(path).suffix.lower() == ".svg":
+        return Painting(*parts_of_svg(read_whole(path, Limits()), pixels))
+    picture = read_layers(path, decode=decode)
+    parts, notes = parts_of(picture, hidden=hidden)
+    return Painting(parts, (picture.width, picture.height), notes)
