@@ -14,7 +14,8 @@ from ..geometry.triangulation import Triangulation
 from ..puppet import BendField, JointRange
 from ..puppet.circular import Bend
 from ..puppet.ranges import FREE, ranges_of
-from .mesh import SKIN, PartMesh
+from .bending import SKIN
+from .mesh import PartMesh
 
 UNPROVED = JointRange(0.0, 0.0, 0.0, 0.0)
 """Range of a joint of which nothing is proved."""

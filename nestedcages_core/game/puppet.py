@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,10 +15,14 @@ from ..exchange.pictures import boundary_of_pixels
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..libraries import load_shapely
-from ..puppet import BendField, Hold, JointRange, PartChoice, Puppet, PuppetDraft, PuppetPart, draft_puppet, puppet_of
+from ..puppet import BendField, Hold, JointRange, PartChoice, Puppet, PuppetDraft, PuppetPart, draft_puppet
+from ..puppet.puppet import bent, limb_of, riders_on
+from ..puppet.ranges import FREE
 from .animation import Animation
-from .mesh import SKIN, Bending, PartMesh, Placement, part_meshes
-from .proved import proved_ranges
+from .bending import SKIN, Limb, best_field, counter_clockwise, meshed_loop
+from .islands import certify, islands_of
+from .mesh import PartMesh, Placement
+from .proved import narrower, proved_ranges
 
 HULL_VERTICES = 16
 """Of the largest hull of a part, by default."""
@@ -110,8 +114,8 @@ def painted_puppet(
     if not parts:
         raise invalid_setting("The picture has no visible layer with pixels; show one, or include hidden layers.")
     place = Placement(*size)
-    puppet = puppet_of(draft_puppet([puppet_part(part, place) for part in parts], choices), SKIN)
-    return puppet, meshed(puppet, parts, place, name=name, vertices=vertices)
+    draft = draft_puppet([puppet_part(part, place) for part in parts], choices)
+    return meshed(draft, parts, place, name=name, vertices=vertices)
 
 
 def puppet_part(part: PicturePart, place: Placement) -> PuppetPart:
@@ -126,19 +130,68 @@ def puppet_part(part: PicturePart, place: Placement) -> PuppetPart:
 
 
 def meshed(
-    puppet: Puppet, parts: Sequence[PicturePart], place: Placement, *, name: str, vertices: int = HULL_VERTICES
-) -> GamePuppet:
-    """The meshes of a puppet whose parts have these pictures, in the same order. Raises NestedCagesError."""
-    draft = puppet.draft
+    draft: PuppetDraft, parts: Sequence[PicturePart], place: Placement, *, name: str, vertices: int = HULL_VERTICES
+) -> tuple[Puppet, GamePuppet]:
+    """The puppet of a draft whose parts have these pictures, in the same order, and its meshes: one for each island.
+
+    A part gets fewer bones where a joint of its meshes turns too little, as in `puppet_of`. Raises NestedCagesError.
+    """
+    islands = [islands_of(part.seen, part.left, part.top, vertices) for part in parts]
+    hulls = [[place.up(island.loop) for island in own] for own in islands]
+    draft, made = bent(draft, lambda draft, part: _fields_of(draft, part, hulls))
+    fields = {
+        key: replace(field, first_bone=draft.bone_of[part])
+        for part, (own, _) in made.items()
+        for key, field in own.items()
+    }
     meshes: list[PartMesh] = []
     for k, part in enumerate(parts):
-        carrier = puppet.fields[k]
-        bending = None if carrier is None else Bending(carrier, _chain(puppet, carrier))
-        meshes += part_meshes(part, draft.parts[k].name, place, vertices, len(draft.bones), draft.bone_of[k], bending)
+        for number, island in enumerate(islands[k]):
+            carrier = fields.get((k, number))
+            grid = meshed_loop(counter_clockwise(hulls[k][number])) if carrier is None else carrier.grid
+            weights = np.zeros((len(grid.vertices), len(draft.bones)))
+            if carrier is None:
+                weights[:, draft.bone_of[k]] = 1.0
+            else:
+                weights[:, carrier.first_bone : carrier.first_bone + len(carrier.bends) + 1] = carrier.weights
+            hull = len(grid.edge)
+            certify(place.down(grid.vertices[:hull]), island.pixels, island.left, island.top)
+            mesh = PartMesh(
+                draft.parts[k].name if number == 0 else f"{draft.parts[k].name}.island{number + 1}",
+                part.path,
+                part.identity,
+                grid.vertices,
+                hull,
+                grid.triangles,
+                weights,
+                island.left,
+                island.top,
+                island.pixels,
+                part.blend,
+                part.is_visible,
+            )
+            meshes.append(mesh)
+    ranges = proved_ranges(draft.bones, meshes)
     records = tuple(_record_of(draft, k, part) for k, part in enumerate(parts))
-    return GamePuppet(
-        name, place, draft.bones, tuple(meshes), proved_ranges(draft.bones, meshes), (), draft.notes, records
-    )
+    puppet = Puppet(draft, tuple(fields.get((k, 0)) for k in range(len(parts))), ranges, SKIN)
+    return puppet, GamePuppet(name, place, draft.bones, tuple(meshes), ranges, (), draft.notes, records)
+
+
+def _fields_of(
+    draft: PuppetDraft, part: int, hulls: Sequence[Sequence[FloatArray]]
+) -> tuple[dict[tuple[int, int], BendField], list[JointRange]]:
+    """The fields of a part that bends and of what rides on it, by numbers of part and island, and the ranges of its
+    joints."""
+    chain, kept = limb_of(draft, part)
+    shapely = load_shapely("A puppet of parts that bend")
+    around = next(hull for hull in hulls[part] if shapely.contains_xy(shapely.Polygon(hull), *chain[1]))
+    limb = Limb.of(around, chain, kept)
+    fields, turns = {}, [FREE] * len(limb.bends)
+    for k in (part, *riders_on(draft, part)):
+        for number, hull in enumerate(hulls[k]):
+            fields[k, number], own = best_field(hull, limb, draft.bone_of[part])
+            turns = [narrower(*both) for both in zip(turns, own, strict=True)]
+    return fields, turns
 
 
 def _record_of(draft: PuppetDraft, number: int, part: PicturePart) -> PartRecord:
@@ -155,9 +208,3 @@ def checksum_of(part: PicturePart) -> int:
     """A number that differs where pixels or their place do."""
     seen = np.where(part.pixels[..., 3:] > 0, part.pixels, 0)
     return zlib.crc32(seen.tobytes(), zlib.crc32(f"{part.left} {part.top} {seen.shape}".encode()))
-
-
-def _chain(puppet: Puppet, carrier: BendField) -> FloatArray:
-    """(K + 2, 2) heads of the bones of a field, and the tip of the last."""
-    bones = puppet.bones[carrier.first_bone : carrier.first_bone + len(carrier.bends) + 1]
-    return np.array([bones[0].head, *(bone.tail for bone in bones)])

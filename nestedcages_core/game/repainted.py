@@ -12,10 +12,10 @@ from ..errors import invalid_setting
 from ..exchange.layers import PicturePart
 from ..geometry.arrays import FloatArray
 from ..geometry.triangulation import Triangulation
-from ..puppet import Hold, PartChoice, PuppetDraft, draft_puppet, puppet_of
+from ..puppet import Hold, PartChoice, PuppetDraft, draft_puppet
 from .animation import Animation
 from .local import unique_names
-from .mesh import SKIN, PartMesh, engine_weights
+from .mesh import PartMesh, engine_weights
 from .proved import proved_ranges
 from .puppet import HULL_VERTICES, GamePuppet, PartRecord, checksum_of, meshed, puppet_part
 
@@ -80,7 +80,7 @@ def repainted(
     choices = {record.name: _choice(record, old.parts, set(kept)) for record in records if record is not None}
     outlines = [replace(puppet_part(part, place), name=name) for part, name in zip(parts, names, strict=True)]
     draft = _with_bones(draft_puppet(outlines, choices), old, records)
-    made = meshed(puppet_of(draft, SKIN), parts, place, name=old.name, vertices=vertices)
+    made = meshed(draft, parts, place, name=old.name, vertices=vertices)[1]
     made = replace(made, animations=_kept_animations(old, made.bones))
     changes = Changes(
         tuple(new),

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from .fields import DENSITIES, BendField, bend_field
 from .links import Hold, PartChoice
 from .ranges import FREE, JointRange, ranges_of
 from .scores import CONTAINED
+
+Made = TypeVar("Made")
 
 LEAST_TURN = 90.0
 """Angle in degrees that every joint of a draft turns at least, either way, without a fold."""
@@ -114,59 +117,73 @@ def puppet_of(draft: PuppetDraft, skin: Skin | None = None) -> Puppet:
     """
     chosen = skin or PreserveVolume()
     ends_of(draft.bones)
-    known: dict[tuple[int, int], tuple[BendField, list[JointRange]]] = {}
+    draft, made = bent(draft, lambda draft, part: _best_field(draft, part, chosen))
+    fields: dict[int, BendField] = {}
+    ranges = [FREE] * len(draft.bones)
+    for part, (own, turns) in made.items():
+        chain = draft.chain(part)
+        ranges[chain[1] : chain[-1] + 1] = turns
+        fields.update(dict.fromkeys((part, *riders_on(draft, part)), replace(own, first_bone=chain[0])))
+    return Puppet(draft, tuple(fields.get(k) for k in range(len(draft.parts))), tuple(ranges), chosen)
+
+
+def bent(
+    draft: PuppetDraft, make: Callable[[PuppetDraft, int], tuple[Made, list[JointRange]]]
+) -> tuple[PuppetDraft, dict[int, tuple[Made, list[JointRange]]]]:
+    """What is made for each part that bends, by its number, and the ranges of its joints, by a draft in which parts
+    have fewer bones where one turns less than `LEAST_TURN`, unless a user chose how many. Numbers of bones are those
+    when a part was made."""
+    known: dict[tuple[int, int], tuple[Made, list[JointRange]]] = {}
     most: dict[str, int] = {}
     while True:
-        bending = [part for part in range(len(draft.parts)) if len(draft.chain(part)) > 1]
-        for part in bending:
-            count = len(draft.chain(part))
+        counts = {part: len(draft.chain(part)) for part in range(len(draft.parts))}
+        bending = [(part, count) for part, count in counts.items() if count > 1]
+        for part, count in bending:
             if (part, count) not in known:
-                known[part, count] = _best_field(draft, part, chosen)
+                known[part, count] = make(draft, part)
             name = draft.parts[part].name
             is_free = draft.choices.get(name, PartChoice()).bones is None
-            if is_free and _least_turn(known[part, count][1]) < LEAST_TURN:
+            if is_free and least_turn(known[part, count][1]) < LEAST_TURN:
                 most[name] = count - 1
         stiffer = stiffened(draft, most)
         if len(stiffer.bones) == len(draft.bones):
-            break
+            return draft, {part: known[part, count] for part, count in bending}
         draft = stiffer
-    fields: dict[int, BendField] = {}
-    ranges = [FREE] * len(draft.bones)
-    for part in bending:
-        chain = draft.chain(part)
-        own, turns = known[part, len(chain)]
-        ranges[chain[1] : chain[-1] + 1] = turns
-        fields.update(dict.fromkeys((part, *_riders(draft, part)), replace(own, first_bone=chain[0])))
-    return Puppet(draft, tuple(fields.get(k) for k in range(len(draft.parts))), tuple(ranges), chosen)
+
+
+def limb_of(draft: PuppetDraft, part: int) -> tuple[FloatArray, float]:
+    """(K + 2, 2) the heads of a part's bones and the tip of the last, and the radius around its own joint that no bend
+    reaches, so that no paint opens there."""
+    chain, link = draft.chain(part), draft.links[part]
+    places = np.array([draft.bones[chain[0]].head, *(draft.bones[bone].tail for bone in chain)])
+    return places, 0.0 if link.parent is None else link.radius
 
 
 def _best_field(draft: PuppetDraft, part: int, skin: Skin) -> tuple[BendField, list[JointRange]]:
     """The field of a part and the ranges of its joints, with denser triangles where these are too narrow."""
-    chain, link = draft.chain(part), draft.links[part]
-    places = np.array([draft.bones[chain[0]].head, *(draft.bones[bone].tail for bone in chain)])
-    solids = [draft.parts[k].solid for k in (part, *_riders(draft, part))]
+    places, kept = limb_of(draft, part)
+    solids = [draft.parts[k].solid for k in (part, *riders_on(draft, part))]
     found: list[tuple[BendField, list[JointRange]]] = []
     for density in DENSITIES:
-        kept = 0.0 if link.parent is None else link.radius
-        own = bend_field(solids, places, chain[0], kept, skin, density)
+        own = bend_field(solids, places, draft.bone_of[part], kept, skin, density)
         found.append((own, ranges_of(own, skin)))
-        if _least_turn(found[-1][1]) >= LEAST_TURN:
+        if least_turn(found[-1][1]) >= LEAST_TURN:
             break
-    return max(found, key=lambda each: _least_turn(each[1]))
+    return max(found, key=lambda each: least_turn(each[1]))
 
 
-def _least_turn(ranges: list[JointRange]) -> float:
+def least_turn(ranges: list[JointRange]) -> float:
     """The least angle that any of some joints turns without a fold, either way."""
     return min(min(-each.low, each.high) for each in ranges)
 
 
-def _riders(draft: PuppetDraft, part: int) -> list[int]:
+def riders_on(draft: PuppetDraft, part: int) -> list[int]:
     """What lies on a part and bends with it, riders of riders included."""
     found: list[int] = []
     for k in draft.children(part):
         link = draft.links[k]
         if link.hold is Hold.RIDES and link.radius > 0.0 and _share_on(draft, k, part) >= CONTAINED:
-            found += [k, *_riders(draft, k)]
+            found += [k, *riders_on(draft, k)]
     return found
 
 

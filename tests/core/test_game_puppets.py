@@ -32,6 +32,7 @@ from nestedcages_core.game import (
 from nestedcages_core.game.atlas import atlas_of, region_points
 from nestedcages_core.game.vector import coverage, parts_of_svg
 from nestedcages_core.puppet import PartChoice
+from nestedcages_core.puppet.puppet import LEAST_TURN
 
 SIZE = (420, 300)
 WITHIN = 0.1
@@ -123,6 +124,7 @@ def test_what_bends_has_joints_and_weights(puppet: GamePuppet) -> None:
         near = np.hypot(*(tail.points - joint).T) < 26
         for rows in (slice(0, tail.hull), slice(tail.hull, None)):
             assert {-1.0, 1.0} <= set(side[rows][near[rows]].tolist())
+    assert all(min(-each.low, each.high) >= LEAST_TURN for each in puppet.ranges)
 
 
 @pytest.mark.parametrize("end", ["low", "high"])

@@ -33,6 +33,15 @@ class PicturePart:
     is_visible: bool = True
 
     @property
+    def seen(self) -> Pixels:
+        """(h, w, 4) its pixels with its opacity in them."""
+        if self.opacity == 1.0:
+            return self.pixels
+        pixels = self.pixels.copy()
+        pixels[..., 3] = np.round(pixels[..., 3] * self.opacity)
+        return pixels
+
+    @property
     def path(self) -> str:
         """Groups and name, which tell a part again in files without ids."""
         return "/".join((*self.groups, self.name))
@@ -109,7 +118,8 @@ def _part(layer: Layer, clipped: list[Layer], inherited: _Inherited, notes: Note
         if above.is_visible and above.pixels is not None and above.pixels.size:
             _paint_onto(pixels, layer, above, notes)
             notes.add("Clipped layers are painted onto those below them: {}.", above.name)
-    opaque = pixels[..., 3] > 0
+    opacity = layer.opacity * inherited.opacity
+    opaque = np.round(pixels[..., 3] * opacity) > 0.0
     if not opaque.any():
         notes.add("Layers without pixels are left out: {}.", layer.name)
         return None
@@ -122,7 +132,7 @@ def _part(layer: Layer, clipped: list[Layer], inherited: _Inherited, notes: Note
         layer.left + int(columns[0]),
         layer.top + int(rows[0]),
         np.ascontiguousarray(pixels[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]),
-        layer.opacity * inherited.opacity,
+        opacity,
         blend,
         layer.is_visible and inherited.is_visible,
     )
