@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Generator, Iterable, Iterator
-from time import perf_counter
 from typing import Any, Generic, TypeAlias, TypeVar
 
 from .errors import NestedCagesError
@@ -48,12 +47,12 @@ def drain(stage: Stage[Yielded, Result], listener: Callable[[Yielded], None] | N
 
 
 def limited(
-    stage: Stage[Yielded, Result], deadline: float, over: Callable[[Yielded], Exception]
+    stage: Stage[Yielded, Result], is_over: Callable[[], bool], over: Callable[[Yielded], Exception]
 ) -> Stage[Yielded, Result]:
-    """The same stage until a time of `perf_counter`; then the error that ``over`` makes of what it yields."""
+    """The same stage until something is over, asked at each step; then the error that ``over`` makes of the step."""
 
     def checked(yielded: Yielded) -> Iterator[Yielded]:
-        if perf_counter() > deadline:
+        if is_over():
             raise over(yielded)
         yield yielded
 

@@ -41,6 +41,7 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "motion.collides": ("step", "pose"),
     "motion.blocked": ("pose",),
     "time.over": ("seconds", "level", "stage"),
+    "work.over": ("steps", "level", "stage"),
     "symmetry.not_found": (),
     "symmetry.off_lattice": (),
     "symmetry.missed": (),
@@ -87,7 +88,8 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "note.angle": ("wanted", "given"),
     "note.tolerance": ("limit", "taken", "count", "fewest", "on"),
     "note.pose": ("pose",),
-    "note.time": ("seconds", "stage"),
+    "note.time": ("seconds", "level", "stage"),
+    "note.work": ("steps", "level", "stage"),
     "note.text": ("text",),
 }
 """All codes, each with the names of the data that it may carry. Places are (x, y) in the input's units; loops and

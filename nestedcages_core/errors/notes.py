@@ -40,6 +40,7 @@ NOTES: Mapping[str, str] = {
     "tolerance excess": "With {count} vertices, the cage is {taken_percent:.4g} % larger than the shape; "
     "{limit_percent:.6g} % was allowed.",
     "time": "The time of {seconds:g} s was over during the {stage}: the cage is the best certified one by then.",
+    "work": "The search was ended after {steps} steps, during the {stage}: the cage is the best certified one by then.",
     "pose": "The path to pose {pose} is blocked: a new cage was made there.",
     "text": "{text}",
 }

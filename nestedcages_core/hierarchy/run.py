@@ -6,6 +6,7 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import count
 from math import inf
 from time import perf_counter
 from typing import TYPE_CHECKING, Unpack
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
     from .keywords import SettingsKeywords
 
 logger = logging.getLogger(__name__)
+
+MOST_STEPS, STEPS_OF_A_LOOP = 10_000, 50
+"""Steps of work that a level may take, and more for each loop of the shape. Usual ones take 10 to 150, and 5 a loop."""
 
 ROOM_OF_A_LEVEL = 2.5
 """Distance between loops, in clearances, that leaves room for those of a further level: 2 fit exactly."""
@@ -131,21 +135,23 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
                 work = fewest(level, about, builder, strictly=chosen.clearance or 0.0)
             else:
                 work = builder.build(level)
-            work = limited(work, deadline, partial(_time_over, seconds))
+            steps, most = count(1), MOST_STEPS + STEPS_OF_A_LOOP * len(inner.loops)
+            work = limited(work, lambda: perf_counter() > deadline, partial(_time_over, seconds))
+            work = limited(work, lambda steps=steps, most=most: next(steps) > most, partial(_work_over, most))
             number = int(level) if isinstance(level, Rising) else level
             asked = replace(chosen, about=None, seconds=None), about, inner, number, clearances, side
             try:
                 done = passed((yield from whole_level(work, progress, *asked)), inner, chosen.clearance or 0.0)
                 break
             except NestedCagesError as error:
-                if error.code == "time.over":
+                if error.code in OVER:
                     from ..level.so_far import best_so_far
 
                     found = builder.best if isinstance(level, Within) else (yield from best_so_far(builder))
                     if found is None:
                         raise
                     done = passed(found, inner, chosen.clearance or 0.0)
-                    late = (note("note.time", seconds=seconds, stage=error.data["stage"]),)
+                    late = (note(OVER[error.code], **error.data),)
                     break
                 if not isinstance(level, Rising):
                     raise
@@ -203,6 +209,22 @@ def _time_over(seconds: float, reached: Progress) -> NestedCagesError:
         level=reached.level,
         stage=reached.stage,
     )
+
+
+def _work_over(most: int, reached: Progress) -> NestedCagesError:
+    """The error after this many steps, which no level should need."""
+    return NestedCagesError(
+        f"No cage was found in {most} steps of work, which ended during "
+        f"{reached.message[:1].lower()}{reached.message[1:]}; ask for other numbers of vertices or fewer constraints.",
+        code="work.over",
+        steps=most,
+        level=reached.level,
+        stage=reached.stage,
+    )
+
+
+OVER = {"time.over": "note.time", "work.over": "note.work"}
+"""What is said of the best cage by then, where an error says that time or work is over."""
 
 
 def _about(settings: Settings, fine: Mesh, side: int) -> Mesh:

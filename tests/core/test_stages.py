@@ -26,7 +26,6 @@ from nestedcages_core import (
     animated_cages,
     inner_cages,
     nested_cages,
-    tasks,
     verify,
     verify_motion,
 )
@@ -56,8 +55,7 @@ class TestTime:
     @pytest.fixture
     def clock(self, monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
         now = [0.0]
-        for module in (run, tasks):
-            monkeypatch.setattr(module, "perf_counter", lambda: now[0])
+        monkeypatch.setattr(run, "perf_counter", lambda: now[0])
         return lambda seconds: now.__setitem__(0, now[0] + seconds)
 
     def test_levels_made_in_time_are_kept(self, clock: Callable[[float], None]) -> None:
@@ -118,6 +116,22 @@ class TestTime:
             assert len(late) == (last < len(steps) - 1)
             kept += len(late)
         assert kept
+
+    def test_work_is_limited_too(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Whatever a search is about, it ends: with the best cage by then, or in a sentence with what was reached."""
+        for most, code in ((5, "work.over"), (24, "note.work")):
+            forget()
+            monkeypatch.setattr(run, "MOST_STEPS", most - run.STEPS_OF_A_LOOP)
+            if code == "work.over":
+                with pytest.raises(
+                    NestedCagesError, match=r"No cage was found in 5 steps of work, .* level 1 of 1"
+                ) as caught:
+                    nested_cages(star(), 8, grid=0.02)
+                assert (caught.value.code, caught.value.data["steps"]) == (code, most)
+            else:
+                level = nested_cages(star(), 8)[0]
+                (said,) = [each for each in level.report.notes if each.code == code]
+                assert said.data["steps"] == most and verify(level.cage, level.fine)
 
     def test_the_next_level_gets_no_time(self, clock: Callable[[float], None]) -> None:
         """The hierarchy is not shorter in silence: its first level is kept with a note, then comes the error."""
