@@ -35,6 +35,7 @@ def area(regions: list[shapely.Geometry]) -> float:
     return sum(region.area for region in regions)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "turn"), [(4, 0.0), (5, 33.0)])
 def test_regions_fill_the_cage_of_their_land(seed: int, turn: float) -> None:
     regions = crooked(9, seed, turn)

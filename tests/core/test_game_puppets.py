@@ -204,6 +204,7 @@ def folder(puppet: GamePuppet, tmp_path_factory: pytest.TempPathFactory) -> Path
     return place
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", ["spine.mjs", "dragonbones.mjs"])
 def test_runtimes_put_vertices_where_we_do(script: str, folder: Path, modules: Path, puppet: GamePuppet) -> None:
     verdict = by_node(script, folder, modules)

@@ -388,6 +388,7 @@ def test_a_changed_drawing_keeps_what_is_still_there() -> None:
     assert len(kept) >= 8 and all(before[name] == after[name] for name in kept)
 
 
+@pytest.mark.slow
 def test_skins_differ_little_where_bones_turn_little() -> None:
     """Linear blending thins a limb at its joint by cos θ/2 at most, as for engines."""
     parts = [limb("tail", (2.0, 0.0), (12.0, 0.0), width=1.2), ball("body", 0.0, 0.0, 2.6)]

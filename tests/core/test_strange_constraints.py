@@ -115,6 +115,7 @@ def test_what_a_broken_constraint_answers_is_told(method: str, wrong: Any, said:
     assert caught.value.code == "constraint.failed" and caught.value.data["method"] == method
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("made", [
     lambda *kept: nested_cages(star(5, 80), 12, constraints=kept)[0].report,
     lambda *kept: inner_cages(star(5, 80), 12, constraints=kept)[0].report,
@@ -178,6 +179,7 @@ class BoundLongest(Bound):
         return both
 
 
+@pytest.mark.slow
 def test_a_constraint_written_elsewhere_is_kept_by_all_kinds_of_cages() -> None:
     fine, kept = star(5, 80), LongestEdge(0.7)
     free = nested_cages(fine, 16)[0].cage.edge_lengths.max()
@@ -202,6 +204,7 @@ def test_a_constraint_written_elsewhere_lets_loops_be_joined() -> None:
         assert level.cage.edge_lengths.max() <= 4.0
 
 
+@pytest.mark.slow
 def test_on_a_grid_the_sentence_is_that_of_the_constraint() -> None:
     with pytest.raises(NestedCagesError, match=r"On the grid of 0\.1: An edge is .* long\.") as caught:
         nested_cages(star(5, 80), 16, constraints=[LongestEdge(0.7)], grid=0.1)

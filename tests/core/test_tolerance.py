@@ -272,6 +272,7 @@ def test_a_level_near_another_mesh_than_the_one_inside() -> None:
         Settings(about="fine")  # type: ignore[arg-type]
 
 
+@slow
 @settings(max_examples=8, deadline=None)
 @given(seed=st.integers(0, 10_000))
 def test_reaches_are_those_of_samples(seed: int) -> None:
