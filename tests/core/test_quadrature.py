@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
+from marks import slow_after
 from nestedcages_core import (
     EvenSamples,
     GaussLegendre,
@@ -81,8 +82,7 @@ def test_longer_edges_weigh_more(rule: Quadrature) -> None:
     assert share == pytest.approx([0.75, 0.25])
 
 
-@pytest.mark.slow
-@BY_NAME
+@pytest.mark.parametrize("rule", slow_after(0, RULES, thorough_after=3), ids=repr)
 def test_the_flow_of_the_paper_gets_inside_with_every_rule(rule: Quadrature) -> None:
     settings = Settings(flow=SignedDistanceFlow(quadrature=rule), fallback=None)
     for fine, coarse in ((annulus(48), annulus(12)), (octagon_with_hole(), square_with_hole())):
