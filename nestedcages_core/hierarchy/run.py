@@ -135,9 +135,9 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
                 work = fewest(level, about, builder, strictly=chosen.clearance or 0.0)
             else:
                 work = builder.build(level)
-            steps, most = count(1), MOST_STEPS + STEPS_OF_A_LOOP * len(inner.loops)
+            most = MOST_STEPS + STEPS_OF_A_LOOP * len(inner.loops)
             work = limited(work, lambda: perf_counter() > deadline, partial(_time_over, seconds))
-            work = limited(work, lambda steps=steps, most=most: next(steps) > most, partial(_work_over, most))
+            work = limited(work, _after(most), partial(_work_over, most))
             number = int(level) if isinstance(level, Rising) else level
             asked = replace(chosen, about=None, seconds=None), about, inner, number, clearances, side
             try:
@@ -209,6 +209,12 @@ def _time_over(seconds: float, reached: Progress) -> NestedCagesError:
         level=reached.level,
         stage=reached.stage,
     )
+
+
+def _after(most: int) -> Callable[[], bool]:
+    """Whether it was asked more often than that."""
+    asked = count(1)
+    return lambda: next(asked) > most
 
 
 def _work_over(most: int, reached: Progress) -> NestedCagesError:
