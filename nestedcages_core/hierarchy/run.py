@@ -136,22 +136,22 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
             else:
                 work = builder.build(level)
             most = MOST_STEPS + STEPS_OF_A_LOOP * len(inner.loops)
-            work = limited(work, lambda: perf_counter() > deadline, partial(_time_over, seconds))
-            work = limited(work, _after(most), partial(_work_over, most))
+            work = limited(work, lambda: perf_counter() > deadline, partial(_over, seconds=seconds))
+            work = limited(work, _after(most), partial(_over, steps=most))
             number = int(level) if isinstance(level, Rising) else level
             asked = replace(chosen, about=None, seconds=None), about, inner, number, clearances, side
             try:
                 done = passed((yield from whole_level(work, progress, *asked)), inner, chosen.clearance or 0.0)
                 break
             except NestedCagesError as error:
-                if error.code in OVER:
-                    from ..level.so_far import best_so_far
+                if error.code in ("time.over", "work.over"):
+                    from ..level.so_far import best_so_far, note_on
 
                     found = builder.best if isinstance(level, Within) else (yield from best_so_far(builder))
                     if found is None:
                         raise
                     done = passed(found, inner, chosen.clearance or 0.0)
-                    late = (note(OVER[error.code], **error.data),)
+                    late = (note_on(error),)
                     break
                 if not isinstance(level, Rising):
                     raise
@@ -199,38 +199,17 @@ def _with_room(settings: Settings, levels: int) -> Settings:
     return replace(settings, tightening=replace(settings.tightening, apart=ROOM_OF_A_LEVEL * levels))
 
 
-def _time_over(seconds: float, reached: Progress) -> NestedCagesError:
-    """The error after this many seconds."""
-    return NestedCagesError(
-        f"The time of {seconds:g} s was over during {reached.message[:1].lower()}{reached.message[1:]}; give more "
-        "seconds, or ask for fewer or easier levels.",
-        code="time.over",
-        seconds=seconds,
-        level=reached.level,
-        stage=reached.stage,
-    )
+def _over(reached: Progress, *, seconds: float | None = None, steps: int = 0) -> NestedCagesError:
+    """The error where the seconds or the steps of a level are over."""
+    from ..level.so_far import over
+
+    return over(reached, seconds=seconds, steps=steps)
 
 
 def _after(most: int) -> Callable[[], bool]:
     """Whether it was asked more often than that."""
     asked = count(1)
     return lambda: next(asked) > most
-
-
-def _work_over(most: int, reached: Progress) -> NestedCagesError:
-    """The error after this many steps, which no level should need."""
-    return NestedCagesError(
-        f"No cage was found in {most} steps of work, which ended during "
-        f"{reached.message[:1].lower()}{reached.message[1:]}; ask for other numbers of vertices or fewer constraints.",
-        code="work.over",
-        steps=most,
-        level=reached.level,
-        stage=reached.stage,
-    )
-
-
-OVER = {"time.over": "note.time", "work.over": "note.work"}
-"""What is said of the best cage by then, where an error says that time or work is over."""
 
 
 def _about(settings: Settings, fine: Mesh, side: int) -> Mesh:

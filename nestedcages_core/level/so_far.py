@@ -1,11 +1,11 @@
-"""The best level of a builder whose time is over."""
+"""The best level of a builder whose time or work is over."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 from ..energies import signed_area
-from ..errors import NestedCagesError
+from ..errors import Fault, NestedCagesError, note
 from ..tasks import Stage
 from .assembly import CageInProgress
 from .builder import FAILURES, LevelBuilder
@@ -45,3 +45,21 @@ def best_so_far(builder: LevelBuilder) -> Stage[Progress, Level | None]:
     except NestedCagesError:
         return None
     return level
+
+
+def over(reached: Progress, *, seconds: float | None = None, steps: int = 0) -> NestedCagesError:
+    """The error after so many seconds, or after as many steps of work as a level may take."""
+    stage = f"{reached.message[:1].lower()}{reached.message[1:]}"
+    place = {"level": reached.level, "stage": reached.stage}
+    if seconds is not None:
+        said = (
+            f"The time of {seconds:g} s was over during {stage}; give more seconds, or ask for fewer or easier levels"
+        )
+        return NestedCagesError(f"{said}.", code="time.over", seconds=seconds, **place)
+    said = f"No cage was found in {steps} steps of work, which ended during {stage}; ask for another number of vertices"
+    return NestedCagesError(f"{said}.", code="work.over", steps=steps, **place)
+
+
+def note_on(error: NestedCagesError) -> Fault:
+    """The note on a cage that is the best by then."""
+    return note("note.time" if error.code == "time.over" else "note.work", **error.data)
