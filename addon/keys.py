@@ -21,10 +21,13 @@ def _names(words: str) -> list[str]:
 # bound Grease Pencil: the matrix to the space of its object.
 REST, WEIGHT, POSE, SPACE = _names("rest weight_ pose space")
 
-# Of bones of puppets, and of the hidden meshes that these bend: the name of the part; of the bones: the angles within
-# which nothing folds. Of an armature of a painting: width and height of the canvas in pixels, and metres per pixel; of
-# its meshes: path and id of the layer, and how it blends.
-PART, PROVED, CANVAS, LAYER, LAYER_ID, BLEND = _names("part proved canvas layer layer_id blend")
+# Of bones of puppets, and of the hidden meshes that these bend: the name of the part. Of the bones: the angles within
+# which nothing folds, and of which limb they are; of bones to move them by: what they are for. Of the armature: which
+# way it looks; of a hidden mesh: weights as they were solved, one attribute per bone of the part.
+PART, PROVED, LIMB, CONTROL, AHEAD, SOLVED = _names("part proved limb control ahead solved_")
+# Of an armature of a painting: width and height of the canvas in pixels, and metres per pixel; of its meshes: path and
+# id of the layer, and how it blends.
+CANVAS, LAYER, LAYER_ID, BLEND = _names("canvas layer layer_id blend")
 
 # Property of GeoJSON features with y pointing down.
 (Y_DOWN,) = _names("y_down")

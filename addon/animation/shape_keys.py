@@ -151,16 +151,21 @@ def animate(
             animation.action_slot = action.slots.new(owner.id_type, name)
     action = animation.action
     for path, keyframes in fcurves:
-        # Blender 4.4 introduced slots in actions, and 5.0 removed the older interface.
-        if hasattr(action, "fcurve_ensure_for_datablock"):
-            fcurve = action.fcurve_ensure_for_datablock(owner, path)
-        else:
-            fcurve = action.fcurves.find(path) or action.fcurves.new(path)
+        fcurve = curve_for(owner, path)
         count = len(keyframes) // 2
         fcurve.keyframe_points.add(count)
         fcurve.keyframe_points.foreach_set("co", keyframes)
         fcurve.keyframe_points.foreach_set("interpolation", [interpolation] * count)
         fcurve.update()
+
+
+def curve_for(owner: Any, path: str, index: int = 0) -> Any:
+    """The F-curve of a property in a data-block's action, which is made if there is none."""
+    action = owner.animation_data.action
+    # Blender 4.4 introduced slots in actions, and 5.0 removed the older interface.
+    if hasattr(action, "fcurve_ensure_for_datablock"):
+        return action.fcurve_ensure_for_datablock(owner, path, index=index)
+    return action.fcurves.find(path, index=index) or action.fcurves.new(path, index=index)
 
 
 def action_of(owner: Any) -> bpy.types.Action | None:
@@ -256,7 +261,7 @@ def give_animation(old: bpy.types.Key | None, new: bpy.types.Key, name: str) -> 
     own = [curve for curve in curves if not is_step(curve.data_path)]
     animation = new.animation_data or new.animation_data_create()
     if own and animation.action is not None:
-        _merge(animation.action, new, own)
+        _merge(new, own)
     elif own:
         animation.action = old.animation_data.action
         if hasattr(animation, "action_slot"):
@@ -275,16 +280,13 @@ def give_animation(old: bpy.types.Key | None, new: bpy.types.Key, name: str) -> 
                 target.id = new
 
 
-def _merge(action: Any, owner: bpy.types.Key, curves: Iterable[bpy.types.FCurve]) -> None:
+def _merge(owner: bpy.types.Key, curves: Iterable[bpy.types.FCurve]) -> None:
     """Replaces the F-curves of an owner's action, except those of steps, by copies of others."""
     there = curves_of(owner)
     for curve in [curve for curve in there if not is_step(curve.data_path)]:
         there.remove(curve)
     for curve in curves:
-        if hasattr(action, "fcurve_ensure_for_datablock"):
-            made = action.fcurve_ensure_for_datablock(owner, curve.data_path, index=curve.array_index)
-        else:
-            made = action.fcurves.new(curve.data_path, index=curve.array_index)
+        made = curve_for(owner, curve.data_path, curve.array_index)
         made.extrapolation = curve.extrapolation
         made.keyframe_points.add(len(curve.keyframe_points))
         for name, width, kind in KEYFRAME:

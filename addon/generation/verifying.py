@@ -59,18 +59,29 @@ class Folding:
         areas = 0.5 * np.abs(np.linalg.det(np.diff(rest[triangles][:, :, :2], axis=1)))
         return cls(cage, inner, shows, rest, _stored_weights(data), triangles, areas)
 
+    @classmethod
+    def of_skin(cls, mesh: Object, inner: Object) -> Folding:
+        """A mesh that bones bend, all of it, and what it carries."""
+        data = filling.mesh_of(mesh)
+        data.calc_loop_triangles()
+        rest, triangles = filling.points_of(data), filling.stored(data.loop_triangles, "vertices", 3, np.int32)
+        areas = 0.5 * np.abs(np.linalg.det(np.diff(rest[triangles][:, :, :2], axis=1)))
+        return cls(mesh, inner, mesh, rest, np.eye(len(rest)), triangles.astype(np.int64), areas)
+
     def now(self, context: Context) -> Finding | None:
         """What is folded on this frame: its part of the area, where most of it is, and the bone that bends it."""
-        corners = filling.points_of(filling.mesh_of(self.cage.evaluated_get(context.evaluated_depsgraph_get())))
+        # Blender keeps only what is evaluated of hidden objects up to date
+        cage, shows = (each.evaluated_get(context.evaluated_depsgraph_get()) for each in (self.cage, self.shows))
+        corners = filling.points_of(filling.mesh_of(cage))
         if len(corners) != self.weights.shape[1]:
             return None
-        posed = self.weights @ transform(space_to_space(self.shows, self.cage), corners)
+        posed = self.weights @ transform(space_to_space(shows, cage), corners)
         folded = core.coordinates.folded(posed[:, :2], self.triangles)
         share = float(self.areas[folded].sum() / self.areas.sum())
         if share < SMALLEST:
             return None
         worst = self.triangles[folded][self.areas[folded].argmax()]
-        place, bone = transform(world_matrix(self.shows), posed[worst].mean(axis=0)[None])[0], self._bone(worst)
+        place, bone = transform(world_matrix(shows), posed[worst].mean(axis=0)[None])[0], self._bone(worst)
         how = f"bends '{bone}' over itself" if bone else "lies over itself"
         facts = {"inner": self.inner.name, "how": how, "share": share, "place": place.tolist()}
         said = note("check.folded", **facts, when="", more="")
@@ -142,7 +153,7 @@ def _outline(context: Context, obj: Object, frame: Frame) -> tuple[Outline, Draw
 class Chain:
     """Objects from the inside out, and the drawings that the one at index ``fine`` is a copy of; ``instead``: only they
     are displayed as they are, since they may have changed, not the copy. ``seen`` reads them. ``folding``: the fields
-    that they follow.
+    that they follow; of these alone, there are no objects.
     """
 
     objects: Sequence[Object]
@@ -163,7 +174,7 @@ def check(context: Context, chains: Sequence[Chain]) -> list[Finding]:
 def _enclosures(context: Context, chains: Sequence[Chain]) -> list[Finding]:
     findings = []
     for chain in chains:
-        for pair in _pairs(context, chain):
+        for pair in _pairs(context, chain) if chain.objects else ():
             finding = _finding(*pair, context.scene.frame_current)
             folding = next((each for each in chain.folding if each.cage.name == finding.cage), None)
             if not finding.holds and folding is not None and _crosses_itself(pair[3]) and folding.sheet.holds(context):

@@ -25,7 +25,7 @@ SVG, MAPS = (".svg",), (".geojson", ".json")
 # Metres per unit: of drawings, whose unit is a pixel, and of files exported from Blender, which keep their size.
 PIXEL, EXPORTED = 0.01, 1.0
 # Whether an SVG becomes an outline of each shape, by the choices of the operator.
-EACH = {"ONE": False, "SEVERAL": True, "PARTS": True, "AUTO": None}
+EACH = {"ONE": False, "SEVERAL": True, "PARTS": True, "PUPPET": True, "AUTO": None}
 
 
 @dataclass(frozen=True)

@@ -31,9 +31,9 @@ Paint: TypeAlias = "tuple[str, tuple[float, ...], core.Mesh]"
 def read(path: Path, outlines: str) -> tuple[tuple[core.exchange.SvgPart, ...], tuple[str, ...]]:
     """The parts of a layered SVG, the lowest first, and notes on what was left out. Raises: UserError.
 
-    outlines: "PARTS", or "AUTO" for none of exported cages and of drawings of a single shape; else there are none.
+    outlines: "PARTS" or "PUPPET", or "AUTO" for none of exported cages and of drawings of a single shape; else none.
     """
-    wanted, automatic = path.suffix.lower() in SVG and outlines in ("PARTS", "AUTO"), outlines == "AUTO"
+    wanted, automatic = path.suffix.lower() in SVG and outlines in ("PARTS", "PUPPET", "AUTO"), outlines == "AUTO"
     if not wanted:
         return (), ()
     content = content_of(path)

@@ -18,11 +18,13 @@ from ..generation.job import Progress, Work
 from ..io import exporters, importers, svg_parts
 from ..properties.kinds import choice, flag, length, number, text, whole
 from ..puppets import exported, imported
+from ..puppets.moving import Options
 from ..record import CageSet
 from ..scene import convert, ownership
 from ..scene.filling import mesh_of
 from ..scene.ownership import chosen, select, sets_of_chosen
-from .base import DialogJobOperator, Operator, Outcome
+from .base import DialogJobOperator, Operator, Outcome, pose
+from .puppet import make as make_puppet
 from .views import FLAT_LIGHT, TEXTURES
 
 Y_ITEMS = (
@@ -35,6 +37,7 @@ OUTLINE_ITEMS = (
     ("ONE", "One Outline", "The filled area of everything, with overlaps united"),
     ("SEVERAL", "Several Outlines", "An outline of each shape"),
     ("PARTS", "Parts of a Character", "A filled part of each shape with its colours and strokes, one above the other"),
+    ("PUPPET", "Puppet", "The same with bones, weights and controls, ready to pose"),
 )
 PLANE_ITEMS = (
     ("AUTO", "Automatic", "Drawings stand upright; maps and exported cages lie on the floor"),
@@ -129,11 +132,19 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
             made += imported.place(
                 context, puppet, scale=self.scale, is_upright=self.plane != "XY", is_centred=self.centre
             )
+        if self.outlines == "PUPPET" and drawn:
+            context.view_layer.update()
+            with characters.removed_on_failure(drawn):
+                yield from make_puppet(self, context, drawn, None, Options())
+            self.shown_by = (FLAT_LIGHT,)
+            return
         self.shown_by = (TEXTURES, FLAT_LIGHT) if puppets else (FLAT_LIGHT,) if layered_files else ()
         select(context, *made)
         if puppets and not (placed or drawn):
             layers, bones = (sum(len(getattr(each.meshed, kind)) for each in puppets) for kind in ("parts", "bones"))
             self.report({"INFO"}, f"{counted(layers, 'part')}, {counted(bones, 'bone')}")
+            if len(puppets) == 1:
+                pose(context, made[-1])
             return
         made = [obj for obj in made if obj.type == "MESH"]
         count = sum(len(mesh_of(obj).vertices) for obj in made)

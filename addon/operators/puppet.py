@@ -1,19 +1,29 @@
-"""Make Puppet: an armature that moves the parts of a layered drawing by themselves."""
+"""Make Puppet: an armature that moves the parts of a layered drawing by themselves; clips of its bones."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import bpy
 from bpy.types import Context, Object
 
 from .. import record
-from ..core import core
 from ..errors import UserError, counted
 from ..generation.job import Work
-from ..properties.kinds import flag
-from ..puppets import armatures, moving
+from ..properties.kinds import choice, flag
+from ..puppets import armatures, clips, moving
 from ..scene.areas import paints
-from .base import JobOperator, pose
+from ..scene.ownership import chosen
+from .base import JobOperator, Operator, pose
 from .views import OUTLINES
+
+# Degrees: joints that turn less without a fold are told, and what a joint of a rigid part turns.
+WIDE, HALF_TURN = 60.0, 180.0
+CLIP_ITEMS = (
+    ("WALK", "Walk", "Steps on the spot, for two legs or more"),
+    ("WAVE", "Wave", "An arm goes up and waves"),
+    ("IDLE", "Idle", "Head, arms and tails sway"),
+)
 
 
 class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
@@ -26,6 +36,8 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
     exclusive = True
 
     limits: flag("Limit Turns", "Limit each joint to the range in which nothing folds over itself", default=True)
+    reach: flag("IK", "Let legs and arms follow the controls at their ends, instead of the turns of their bones")
+    linear: flag("Blend as Engines", "Blend bones linearly, as game engines do, instead of with Preserve Volume")
 
     needs = staticmethod(lambda context: _selected_parts(context)[0])
     missing = "Select the parts of a drawing: meshes, curves, texts, pictures or Grease Pencil"
@@ -33,23 +45,63 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
 
     def work(self, context: Context) -> Work[None]:
         objects, old = _selected_parts(context)
-        if old is not None and not old.is_editable:
-            raise UserError(f"'{old.name}' is linked from another file: make it local first")
-        if context.mode != "OBJECT":
-            bpy.ops.object.mode_set(mode="OBJECT")
         self.tell_hidden(context, objects)
-        with moving.at_rest(context, objects, old):
-            given = yield from moving.drawn(context, objects)
-            armature, puppet = yield from moving.articulate(context, given, old, limits=self.limits)
-        pose(context, armature)
-        self.tell_skipped(list(given.problems))
-        for note in puppet.draft.notes:
-            self.report({"WARNING"}, note)
-        ranges = [each for each in puppet.ranges if each != core.puppet.JointRange()]
-        proved = min((min(-each.low, each.high) for each in ranges), default=0.0)
-        folds = f"; nothing folds within {proved:.0f}° of any joint that bends" if ranges else ""
-        count = counted(len(given.parts), "part")
-        self.report({"INFO"}, f"{count} on {counted(len(puppet.bones), 'bone')}: pose '{armature.name}'{folds}")
+        yield from make(self, context, objects, old, moving.Options(self.limits, self.linear, float(self.reach)))
+
+
+def make(
+    operator: Operator, context: Context, objects: Sequence[Object], old: Object | None, options: moving.Options
+) -> Work[None]:
+    """Makes a puppet of drawings, or makes the old one again, in Pose Mode, and tells what to look at."""
+    if old is not None and not old.is_editable:
+        raise UserError(f"'{old.name}' is linked from another file: make it local first")
+    if old is not None and not old.visible_get():
+        raise UserError(f"'{old.name}' is hidden: show it first")
+    if context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    with moving.at_rest(context, objects, old):
+        given = yield from moving.drawn(context, objects, old)
+        armature, puppet = yield from moving.articulate(context, given, old, options)
+    pose(context, armature)
+    operator.tell_skipped(list(given.problems))
+    for note in puppet.draft.notes:
+        operator.report({"WARNING"}, note)
+    turns = {bone.name: min(-each.low, each.high) for bone, each in zip(puppet.bones, puppet.ranges, strict=True)}
+    for name, proved in turns.items():
+        if proved < WIDE:
+            operator.report(
+                {"WARNING"}, f"Beyond {proved:.0f}°, '{name}' may fold: smooth its weights, or turn it less"
+            )
+    least = min(turns.values())
+    folds = f"; nothing folds within {least:.0f}° of any joint that bends" if least < HALF_TURN else ""
+    count = counted(len(given.parts), "part")
+    operator.report({"INFO"}, f"{count} on {counted(len(puppet.bones), 'bone')}: pose '{armature.name}'{folds}")
+
+
+class OBJECT_OT_nested_cages_clip(Operator, bpy.types.Operator):
+    """Let the puppet walk, wave or idle by a new action, which repeats and folds nothing on any frame; the action that
+    it had stays in the file
+    """
+
+    bl_label = "Add Clip"
+    modes = ("OBJECT", "POSE")
+
+    kind: choice("Clip", "What the puppet does", CLIP_ITEMS, default="WALK")
+
+    needs = staticmethod(lambda context: armatures.puppet_of(chosen(context)))
+    missing = "Select a puppet, or a drawing that it moves"
+
+    def run(self, context: Context) -> None:
+        armature = armatures.puppet_of(chosen(context))
+        assert armature is not None
+        if not armature.is_editable:
+            raise UserError(f"'{armature.name}' is linked from another file: make it local first")
+        action = clips.add_clip(context, armature, self.kind.lower())
+        frames = round(action.frame_end - action.frame_start)
+        folds = clips.beyond(armature)
+        if folds:
+            self.report({"WARNING"}, f"Frame {min(folds)}: a bone turns further than is proved: verify the animation")
+        self.report({"INFO"}, f"'{action.name}': {frames} frames that repeat{'' if folds else '; nothing folds'}")
 
 
 def _selected_parts(context: Context) -> tuple[list[Object], Object | None]:

@@ -15,19 +15,22 @@ from ..binding.copies import complete
 from ..errors import Fault, UserError
 from ..following import claims
 from ..generation.job import Work
-from ..generation.verifying import Finding, check, check_animation, same_frame, select_points
+from ..generation.verifying import Chain, Finding, check, check_animation, same_frame, select_points
 from ..keys import found_object
 from ..properties.kinds import flag, text
+from ..puppets import armatures, weights
 from ..record import CageSet
 from ..scene import convert, ownership
-from ..scene.ownership import scene_of, select, sets_of_chosen
+from ..scene.ownership import chosen, scene_of, select, sets_of_chosen
 from ..scene.plane import transform, world_matrix
 from . import views
 from .base import JobOperator, Operator, SetOperator, last_fault
 
 
 class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
-    """Check that cages are simple and strictly enclose their contents on this frame, and select what is at fault"""
+    """Check that cages are simple and strictly enclose their contents on this frame, and select what is at fault; of a
+    puppet, that none of its parts folds over itself
+    """
 
     bl_label = "Verify Cages"
 
@@ -40,10 +43,13 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
 
     @staticmethod
     def needs(context: Context) -> object:
-        return _nested(context)
+        return _nested(context) or armatures.puppet_of(chosen(context))
 
     def work(self, context: Context) -> Work[None]:
-        scene = scene_of(context)
+        scene, puppet = scene_of(context), armatures.puppet_of(chosen(context))
+        if puppet is not None and not _nested(context, self.whole):
+            yield from self._judge(context, puppet)
+            return
         complete()
         chains = [claims.chain_of(context, objects) for objects in _nested(context, self.whole)]
         objects = [obj for chain in chains for obj in chain.objects]
@@ -65,6 +71,24 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
             self.report({"INFO"} if holds else {"WARNING"}, sentence)
         if at_fault and context.mode == "OBJECT":
             select(context, *reversed(at_fault))
+
+    def _judge(self, context: Context, puppet: Object) -> Work[None]:
+        """Reports whether parts of a puppet fold over themselves, and goes to the first frame on which most does."""
+        scene, chains = scene_of(context), [Chain((), folding=weights.foldings_of(puppet))]
+        if self.whole:
+            with same_frame(scene):
+                findings = yield from check_animation(context, chains)
+        else:
+            findings = check(context, chains)
+        for finding in findings:
+            self.report({"WARNING"}, finding.note)
+        if not findings:
+            when = f"frames {scene.frame_start} to {scene.frame_end}" if self.whole else "this frame"
+            self.report({"INFO"}, f"No part of '{puppet.name}' folds over itself on {when}")
+            return
+        worst = max(findings, key=lambda each: float(each.note.data["share"]))
+        scene.frame_set(worst.frames[1])
+        last_fault[:] = [Fault.at(puppet.session_uid, np.reshape(worst.note.data["place"], (1, 3)))]
 
 
 def _store(context: Context, checked: Sequence[Object], findings: list[Finding]) -> None:
@@ -162,7 +186,7 @@ class OBJECT_OT_nested_cages_select_fault(Operator, bpy.types.Operator):
         assert obj is not None
         obj.hide_viewport = False
         obj.hide_set(False)
-        if record.level_of(obj) is None and obj.is_editable:
+        if record.level_of(obj) is None and obj.is_editable and obj.type != "ARMATURE":
             _edit(context, obj, fault)
         places = np.array(fault.places)
         context.scene.cursor.location = places.mean(axis=0)

@@ -1,56 +1,46 @@
 """Armatures of puppets, of vector drawings and of layered paintings alike: bones marked with the parts that they move,
-and limited to what is proved of them.
+limited to what is proved of them. An armature is the draft: made again, it is drawn anew as it is changed now, and what
+is not ours in it stays.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import radians
 from typing import Any
 
+import bpy
+import numpy as np
 from bpy.types import Collection, Context, Object
 from mathutils import Matrix
 
 from .. import keys
+from ..binding import field
 from ..characters import add_bones
 from ..core import core
 from ..scene.areas import paints
-from ..scene.plane import Frame
+from ..scene.ownership import select
+from ..scene.plane import Frame, scale_of, transform, world_matrix
 
 # Name of the constraint with the proved range of a bone.
 RANGE = "Proved Range"
-# Colour of the bones of parts that may hang on another one.
-DOUBTFUL = "THEME01"
-
-
-def add_armature(
-    context: Context, home: Collection | None, frame: Frame, puppet: core.puppet.Puppet, *, name: str, limits: bool
-) -> Object:
-    """The armature of a puppet, whose coordinates are those of the frame, selected and active.
-
-    limits: whether bones are limited to their proved ranges.
-    """
-    armature = add_bones(context, home, frame, puppet.bones, name=f"{name} Puppet")
-    armature.data.name, armature.data.display_type = name, "STICK"
-    draft, doubtful = puppet.draft, set(puppet.draft.doubtful)
-    for bone, owner, proved in zip(puppet.bones, draft.part_of, puppet.ranges, strict=True):
-        made: Any = armature.data.bones[bone.name]
-        made[keys.PART], made[keys.PROVED] = draft.parts[owner].name, [proved.low, proved.high]
-        if draft.parts[owner].name in doubtful:
-            made.color.palette = DOUBTFUL
-        posed: Any = armature.pose.bones[bone.name]
-        posed.rotation_mode = "XYZ"
-        if limits and proved != core.puppet.JointRange():
-            limit: Any = posed.constraints.new("LIMIT_ROTATION")
-            limit.name, limit.owner_space, limit.use_limit_z = RANGE, "LOCAL", True
-            limit.min_z, limit.max_z = radians(proved.low), radians(proved.high)
-            limit.use_transform_limit = True
-    return armature
+# Colours of the bones of parts that may hang on another one, and of others.
+DOUBTFUL, CERTAIN = "THEME01", "DEFAULT"
+# A joint stays where it is if it lies on its part or at most so far off it, in lengths of its bone.
+OFF_PART = 0.25
 
 
 def part_of(block: Any) -> str:
     """The name of the part that a bone or a hidden mesh of a puppet was made for; empty for others."""
-    return str(block.get(keys.PART, ""))
+    return str(block.get(keys.PART, "")) if block is not None else ""
+
+
+def owner_of(bone: Any) -> Any:
+    """The nearest bone of a part from a bone towards the root, itself included; None if there is none."""
+    while bone is not None and not part_of(bone):
+        bone = bone.parent
+    return bone
 
 
 def is_puppet(obj: Object) -> bool:
@@ -67,6 +57,172 @@ def puppet_of(objects: Sequence[Object]) -> Object | None:
 def drawings_of(armature: Object) -> list[Object]:
     """The drawings that a puppet moves."""
     return [child for child in armature.children if not part_of(child) and paints(child)]
+
+
+def carried_by(obj: Object, armature: Object) -> str:
+    """The name of the part whose bone or hidden mesh moves a drawing; empty if none does."""
+    if obj.parent != armature:
+        return ""
+    if obj.parent_type == "BONE":
+        return part_of(armature.data.bones.get(obj.parent_bone))
+    return part_of(field.followed(obj))
+
+
+def is_skinned(obj: Object) -> bool:
+    """Whether bones bend a drawing itself, by weights of its own, as paintings."""
+    return any(isinstance(each, bpy.types.ArmatureModifier) and each.object == obj.parent for each in obj.modifiers)
+
+
+def frame_of(armature: Object) -> Frame:
+    """The plane of a puppet."""
+    height = next(bone.head_local.z for bone in armature.data.bones if part_of(bone))
+    return Frame(world_matrix(armature), height, scale_of(armature), own=True)
+
+
+def figure_of(armature: Object) -> core.puppet.Figure:
+    """What clips need of a puppet, as its bones are now."""
+    own = [bone for bone in armature.data.bones if part_of(bone)]
+    number = {bone.name: k for k, bone in enumerate(own)}
+    bones, limbs = list[core.Bone](), dict[str, list[str]]()
+    for bone in own:
+        above = owner_of(bone.parent)
+        head, tail = ((end.x, end.y) for end in (bone.head_local, bone.tail_local))
+        bones.append(core.Bone(head, tail, number[above.name] if above is not None else None, bone.name))
+        limbs.setdefault(bone.get(keys.LIMB, ""), []).append(bone.name)
+    kinds: dict[str, list[tuple[str, ...]]] = {kind: [] for kind in core.puppet.Limbs._fields}
+    for name, chain in sorted(limbs.items()):
+        if name:
+            kinds[name.split()[0]].append(tuple(chain))
+    ranges = tuple(core.puppet.JointRange(*bone[keys.PROVED]) for bone in own)
+    found = core.puppet.Limbs(**{kind: tuple(chains) for kind, chains in kinds.items()})
+    return core.puppet.Figure(tuple(bones), ranges, found, float(armature.data.get(keys.AHEAD, 1.0)))
+
+
+def choices_in(
+    armature: Object, parts: Sequence[core.puppet.PuppetPart], drawings: Sequence[Object], frame: Frame
+) -> dict[str, core.puppet.PartChoice]:
+    """What an armature says of parts: on which others they hang, where they turn and by how many bones they bend.
+
+    drawings: one of each part.
+    """
+    matrix, known = world_matrix(armature), {part.name: part for part in parts}
+    choices: dict[str, core.puppet.PartChoice] = {}
+    chains = _chains(armature.data.bones)
+    for name, obj in zip(known, drawings, strict=True):
+        host = carried_by(obj, armature) if name not in chains else ""
+        if host in known:
+            choices[name] = core.puppet.PartChoice(parent=host, hold=core.puppet.Hold.RIDES)
+    for name, chain in chains.items():
+        if name not in known:
+            continue
+        ends = np.array([*(bone.head_local for bone in chain), chain[-1].tail_local])
+        places = tuple((float(x), float(y)) for x, y in frame.from_world(transform(matrix, ends))[0])
+        stays = known[name].distance(places[0]) <= OFF_PART * chain[0].length
+        here = core.puppet.PartChoice(bones=len(chain), chain=places if stays else None)
+        above = first = owner_of(chain[0].parent)
+        while above is not None and part_of(above) not in known:
+            above = owner_of(above.parent)
+        if first is None:
+            choices[name] = replace(here, parent="")
+        elif above is not None:
+            joint = places[0] if stays else None
+            choices[name] = replace(here, parent=part_of(above), joint=joint, hold=core.puppet.Hold.JOINT)
+    return choices
+
+
+def _chains(bones: Any) -> dict[str, list[Any]]:
+    """The bones of each part, from its joint to its tip."""
+    found: dict[str, list[Any]] = {}
+    for bone in bones:  # parents first
+        if part_of(bone):
+            found.setdefault(part_of(bone), []).append(bone)
+    return found
+
+
+def add_armature(context: Context, home: Collection | None, frame: Frame, name: str) -> Object:
+    """A new armature without bones, in the plane of a drawing."""
+    made = add_bones(context, home, frame, (), name=f"{name} Puppet")
+    made.data.name, made.data.display_type = name, "STICK"
+    return made
+
+
+def draw_bones(
+    context: Context,
+    armature: Object,
+    frame: Frame,
+    puppet: core.puppet.Puppet,
+    limits: Sequence[core.puppet.JointRange],
+) -> core.puppet.Puppet:
+    """Draws the bones of a puppet into an armature in its frame; those that its parts have keep names and poses, and
+    bones of others stay. Returns the puppet with the names that they have.
+
+    limits: the range that each bone is limited to; none for no limits.
+    """
+    owners = [puppet.draft.parts[owner].name for owner in puppet.draft.part_of]
+    select(context, armature)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bones = armature.data.edit_bones
+    known = _chains(bones)
+    for bone in bones:
+        bone.use_connect = False
+    drawn, fresh = list[Any](), list[Any]()
+    for bone, part in zip(puppet.bones, owners, strict=True):
+        chain = known.get(part, [])
+        there = chain.pop(0) if chain else bones.new(bone.name)
+        fresh += [] if part_of(there) else [there]
+        there.head, there.tail = (*bone.head, frame.height), (*bone.tail, frame.height)
+        there[keys.PART] = part
+        drawn.append(there)
+    for bone, there in zip(puppet.bones, drawn, strict=True):
+        wanted: Any = drawn[bone.parent] if bone.parent is not None else None
+        if owner_of(there.parent) != wanted:
+            there.parent = wanted
+        there.use_connect = wanted is not None and there.parent == wanted and there.head == wanted.tail
+    for gone in (bone for chain in known.values() for bone in chain):
+        for child in gone.children:
+            child.parent = gone.parent
+        bones.remove(gone)
+    names, new = [str(bone.name) for bone in drawn], {bone.name for bone in fresh}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    named = tuple(replace(bone, name=name) for bone, name in zip(puppet.bones, names, strict=True))
+    puppet = replace(puppet, draft=replace(puppet.draft, bones=named))
+    _mark(armature, puppet)
+    allowed = limits or [core.puppet.JointRange()] * len(names)
+    for name, limit in zip(names, allowed, strict=True):
+        posed: Any = armature.pose.bones[name]
+        posed.rotation_mode = "XYZ" if name in new else posed.rotation_mode
+        _limit(posed, limit)
+    return puppet
+
+
+def _mark(armature: Object, puppet: core.puppet.Puppet) -> None:
+    """Notes what the bones are for and what is proved of them, and colours those in doubt."""
+    figure, doubtful = puppet.figure, set(puppet.draft.doubtful)
+    data: Any = armature.data
+    data[keys.AHEAD] = figure.ahead
+    for bone, proved in zip(figure.bones, figure.ranges, strict=True):
+        made: Any = data.bones[bone.name]
+        made[keys.PROVED] = [proved.low, proved.high, proved.simple_low, proved.simple_high]
+        made[keys.LIMB] = ""
+        if part_of(made) in doubtful or made.color.palette == DOUBTFUL:
+            made.color.palette = DOUBTFUL if part_of(made) in doubtful else CERTAIN
+    for kind, limbs in figure.limbs._asdict().items():
+        for number, chain in enumerate(limbs):
+            for name in chain:
+                data.bones[name][keys.LIMB] = f"{kind} {number:03}"
+
+
+def _limit(posed: Any, allowed: core.puppet.JointRange) -> None:
+    """Limits the turn of a bone to a range, or no longer."""
+    limit = posed.constraints.get(RANGE)
+    if allowed == core.puppet.JointRange():
+        if limit is not None:
+            posed.constraints.remove(limit)
+        return
+    limit = limit or posed.constraints.new("LIMIT_ROTATION")
+    limit.name, limit.owner_space, limit.use_limit_z = RANGE, "LOCAL", True
+    limit.min_z, limit.max_z = radians(allowed.low), radians(allowed.high)
+    limit.use_transform_limit = True
 
 
 def hang(obj: Object, armature: Object, bone: str = "") -> None:

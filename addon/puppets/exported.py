@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from ..errors import FloatArray, UserError
 from ..io.pictures import image_on
 from ..scene import filling
 from ..scene.ownership import scene_of
+from . import armatures
 from .imported import PIXEL, pixels_of
 
 Whole = NDArray[np.int64]
@@ -55,11 +57,9 @@ def puppet_in_scene(context: Context, rig: Object) -> tuple[game.GamePuppet, tup
     """The puppet of an armature as it is at rest, with its actions. Raises: UserError."""
     width, height, unit = rig.get(keys.CANVAS, (0, 0, PIXEL))
     place = game.Placement(int(width), int(height))
-    number = {bone.name: k for k, bone in enumerate(rig.data.bones)}
-    bones = tuple(
-        core.Bone(_pixels(bone.head_local, unit), _pixels(bone.tail_local, unit), number.get(_parent(bone)), bone.name)
-        for bone in rig.data.bones
-    )
+    figure = armatures.figure_of(rig)
+    number = {bone.name: k for k, bone in enumerate(figure.bones)}
+    bones = tuple(replace(bone, head=_pixels(bone.head, unit), tail=_pixels(bone.tail, unit)) for bone in figure.bones)
     notes: list[str] = []
     meshes = []
     for obj in parts_of(rig):
@@ -85,10 +85,6 @@ def _in_rig(obj: Object) -> FloatArray:
 
 def _pixels(place: Any, unit: float) -> tuple[float, float]:
     return place[0] / unit, place[1] / unit
-
-
-def _parent(bone: bpy.types.Bone) -> str | None:
-    return bone.parent.name if bone.parent is not None else None
 
 
 def _part_mesh(rig: Object, obj: Object, number: dict[str, int], place: game.Placement, unit: float) -> game.PartMesh:
@@ -220,6 +216,7 @@ def _matrices(context: Context, rig: Object, frame: int) -> list[list[list[float
     return [
         [list(row) for row in posed.pose.bones[bone.name].matrix @ bone.matrix_local.inverted_safe()]
         for bone in rig.data.bones
+        if armatures.part_of(bone)
     ]
 
 

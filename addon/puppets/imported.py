@@ -17,7 +17,7 @@ from ..core import blamed, core, game, layers
 from ..errors import FloatArray
 from ..scene import display, filling
 from ..scene.plane import Frame, size
-from . import armatures
+from . import armatures, controls
 
 # Metres per pixel, as of other drawings.
 PIXEL = 0.01
@@ -67,9 +67,7 @@ def pixels_of(image: bpy.types.Image) -> NDArray[np.uint8]:
     return whole
 
 
-def place(
-    context: Context, painted: Painted, *, scale: float, is_upright: bool, is_centred: bool, limits: bool = True
-) -> list[Object]:
+def place(context: Context, painted: Painted, *, scale: float, is_upright: bool, is_centred: bool) -> list[Object]:
     """New objects in a collection of their own, the armature last. Bones blend as in engines: without Preserve Volume.
 
     scale: metres per pixel, 0 for the default.
@@ -77,9 +75,11 @@ def place(
     unit, puppet = scale or PIXEL, painted.meshed
     home = bpy.data.collections.new(puppet.name)
     context.collection.children.link(home)
-    whole = replace(painted.puppet.scaled(unit), ranges=puppet.ranges)
     floor = Frame(np.eye(4), 0.0, 1.0, own=True)
-    rig = armatures.add_armature(context, home, floor, whole, name=puppet.name, limits=limits)
+    rig = armatures.add_armature(context, home, floor, puppet.name)
+    whole = replace(painted.puppet.scaled(unit), ranges=puppet.ranges)
+    armatures.draw_bones(context, rig, floor, whole, whole.ranges)
+    controls.add_controls(context, rig, whole.figure, 0.0)
     keys.store(rig, {keys.CANVAS: [puppet.place.width, puppet.place.height, unit]})
     points = np.concatenate([mesh.points for mesh in puppet.meshes]) * unit
     step = DEPTH * size(points)

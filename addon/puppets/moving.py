@@ -7,10 +7,9 @@ button keeps what was changed there: parents and joints.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 import bpy
 import numpy as np
@@ -25,12 +24,9 @@ from ..generation.job import Progress, Work
 from ..io import silhouettes
 from ..scene import filling
 from ..scene.ownership import select
-from ..scene.plane import Frame, world_matrix
-from . import armatures
-from .armatures import part_of
+from ..scene.plane import Frame
+from . import armatures, controls, weights
 
-# Joints that were moved by less than this fraction of the bone's length were not moved by hand.
-MOVED = 1e-3
 # What the import adds to the name of a layer for a shape without a name.
 NUMBERED = re.compile(r"[ .]\d+$")
 # Directions along the plane's normal are compared as multiples of this fraction of the drawing's size.
@@ -48,10 +44,13 @@ class Drawn:
     problems: tuple[UserError, ...]
 
 
-def drawn(context: Context, objects: Sequence[Object]) -> Work[Drawn]:
-    """What objects paint, each by itself, as parts of a puppet. Raises: UserError if nothing is painted."""
+def drawn(context: Context, objects: Sequence[Object], old: Object | None) -> Work[Drawn]:
+    """What objects paint, each by itself, as parts of a puppet. Raises: UserError if nothing is painted.
+
+    old: the armature that moves them already, in whose plane they are.
+    """
     largest = max(sorted(objects, key=lambda obj: obj.name), key=lambda obj: float(obj.dimensions.length))
-    frame = silhouettes.plane_of(context, largest, "ACTIVE")
+    frame = armatures.frame_of(old) if old is not None else silhouettes.plane_of(context, largest, "ACTIVE")
     normal = np.array(frame.matrix)[:3, 2]
     grid = SAME_DEPTH * max(float(obj.dimensions.length) for obj in objects)
     depth = {obj.name: round(float(normal @ np.array(obj.matrix_world.translation)) / grid) for obj in objects}
@@ -82,46 +81,83 @@ def _part_name(obj: Object) -> str:
     return stem if stem in layers else obj.name
 
 
+@dataclass(frozen=True)
+class Options:
+    """How a puppet is made."""
+
+    limits: bool = True
+    """Whether bones are limited to their proved ranges."""
+    linear: bool = False
+    """Whether bones are blended as in game engines, instead of keeping volume."""
+    reach: float = 0.0
+    """How much legs and arms follow the controls at their ends, from 0 to 1."""
+
+
 def articulate(
-    context: Context, given: Drawn, old: Object | None, *, limits: bool = True
+    context: Context, given: Drawn, old: Object | None, options: Options
 ) -> Work[tuple[Object, core.puppet.Puppet]]:
     """An armature that moves the drawings part by part. Raises: UserError.
 
-    old: the armature of an earlier puppet of theirs, whose parents and joints count, and which is made again. limits:
-    whether bones are limited to their proved ranges.
+    old: that of an earlier puppet of theirs, which is drawn anew as it is changed now.
     """
     yield Progress(0.3, "finding joints")
-    names = [part.name for part in given.parts]
     with blamed("The puppet"):
-        draft = core.puppet.draft_puppet(given.parts)
-        for name, choice in (_choices(old, draft, given.frame) if old is not None else {}).items():
-            if name in names:
-                draft = draft.edited(name, choice)
+        lowest = [own[0] for own in given.objects]
+        choices = armatures.choices_in(old, given.parts, lowest, given.frame) if old is not None else {}
+        draft = core.puppet.draft_puppet(given.parts, choices)
         yield Progress(0.4, "cages and weights of parts that bend")
-        puppet = core.puppet.puppet_of(draft)
+        blend = core.character.Linear() if options.linear else core.character.PreserveVolume()
+        puppet = core.puppet.puppet_of(draft, blend)
     yield Progress(0.9, "making bones")
+    _check(given, puppet)
+    solved, before = puppet, weights.carriers_of(old) if old is not None else {}
     new: list[Object] = []
     with removed_on_failure(new):
-        home = _home(given)
-        name = home.name if home is not None else given.parts[0].name
-        armature = armatures.add_armature(context, home, given.frame, puppet, name=name, limits=limits)
-        new.append(armature)
+        if old is None:
+            home = _home(given)
+            armature = armatures.add_armature(context, home, given.frame, home.name if home else given.parts[0].name)
+            new.append(armature)
+        else:
+            armature, puppet = old, weights.painted(old, puppet, given.frame)
+        limits = solved.ranges if options.limits else ()
+        puppet = armatures.draw_bones(context, armature, given.frame, puppet, limits)
+        controls.add_controls(context, armature, puppet.figure, options.reach)
         context.view_layer.update()
         carriers: dict[int, Object] = {}
         for number, objects in enumerate(given.objects):
             carrier = puppet.fields[number]
             if carrier is not None and id(carrier) not in carriers:
                 carriers[id(carrier)] = made = _carrier(context, objects[0], armature, given.frame, puppet, number)
+                weights.note(made, solved.fields[number].weights)
                 new += [made, *record.helpers_of(made, record.FIELD)]
             for obj in objects:
                 field.release(obj)
-                armatures.hang(obj, armature, "" if carrier else puppet.bones[draft.bone_of[number]].name)
+                armatures.hang(obj, armature, "" if carrier else puppet.bones[puppet.draft.bone_of[number]].name)
                 if carrier is not None:
                     field.follow(obj, carriers[id(carrier)], carriers[id(carrier)])
-    if old is not None:
-        _replace(old, armature)
+    _remove(before.values())
     select(context, armature)
     return armature, puppet
+
+
+def _check(given: Drawn, puppet: core.puppet.Puppet) -> None:
+    """Raises: UserError if an object cannot follow."""
+    for carrier, objects in zip(puppet.fields, given.objects, strict=True):
+        for obj in objects:
+            problem = field.why_not(obj) if carrier is not None else ""
+            if problem or not obj.is_editable:
+                raise UserError(problem or f"'{obj.name}' is linked from another file: make it local first")
+
+
+def _remove(carriers: Iterable[Object]) -> None:
+    """Removes hidden meshes and their fields; the new ones get their names."""
+    gone = [each for carrier in carriers for each in (carrier, *record.helpers_of(carrier, record.FIELD))]
+    names = [each.name for each in gone]
+    bpy.data.batch_remove([block for each in gone for block in (each, each.data)])
+    for name in names:
+        again = bpy.data.objects.get(f"{name}.001")
+        if again is not None:
+            again.name = again.data.name = name
 
 
 def _home(given: Drawn) -> Collection | None:
@@ -133,20 +169,18 @@ def _home(given: Drawn) -> Collection | None:
 
 @contextmanager
 def at_rest(context: Context, objects: Sequence[Object], armature: Object | None) -> Iterator[None]:
-    """Shows drawings as they were drawn, and if what follows fails as before; else the armature has been replaced."""
-    if armature is None:
-        with field.unposed(map(field.shown_by, objects)):
-            yield
-        return
-    before, data = armature.data.pose_position, armature.data
+    """Temporarily shows drawings, and the armature that moves them, as they were drawn."""
     with field.unposed(map(field.shown_by, objects)):
+        if armature is None:
+            yield
+            return
+        before = armature.data.pose_position
         try:
-            data.pose_position = "REST"
+            armature.data.pose_position = "REST"
             context.view_layer.update()
             yield
-        except BaseException:
-            data.pose_position = before
-            raise
+        finally:
+            armature.data.pose_position = before
 
 
 def _carrier(
@@ -171,52 +205,7 @@ def _carrier(
         new[keys.PART] = name
     record.make_helper(still, record.FIELD, made)
     bones = puppet.bones[bent.first_bone : bent.first_bone + len(bent.bends) + 1]
-    skin(made, armature, bones, bent.weights)
+    skin(made, armature, bones, bent.weights, keeps_volume=puppet.skin != core.character.Linear())
     context.view_layer.update()
     field.pose(made, made)
     return made
-
-
-def _choices(armature: Object, draft: core.puppet.PuppetDraft, frame: Frame) -> Mapping[str, core.puppet.PartChoice]:
-    """What was changed in the armature of an earlier puppet: on which parts others hang, and where they turn."""
-    matrix = world_matrix(armature)
-    first: dict[str, Any] = {}
-    for bone in armature.data.bones:  # parents first
-        first.setdefault(part_of(bone), bone)
-    changed = {}
-    for number, part in enumerate(draft.parts):
-        bone, link = first.get(part.name), draft.links[number]
-        if bone is None or link.hold is core.puppet.Hold.RIDES:
-            continue
-        above = part_of(bone.parent) if bone.parent is not None else None
-        derived = draft.parts[link.parent].name if link.parent is not None else None
-        head = frame.from_world((matrix @ np.append(bone.head_local, 1.0))[None, :3])[0][0]
-        far = float(np.hypot(*(head - draft.bones[draft.bone_of[number]].head))) > MOVED * bone.length
-        if above != derived or (far and above is not None):
-            joint = (float(head[0]), float(head[1])) if above is not None and far else None
-            changed[part.name] = core.puppet.PartChoice(parent=above or "", joint=joint)
-    return changed
-
-
-def _replace(old: Object, new: Object) -> None:
-    """Puts an armature in the place of an earlier one: its name, pose, constraints and animation go on."""
-    for posed in old.pose.bones:
-        now: Any = new.pose.bones.get(posed.name)
-        if now is not None:
-            now.rotation_mode, now.matrix_basis = posed.rotation_mode, posed.matrix_basis
-            for constraint in posed.constraints:
-                if constraint.name != armatures.RANGE:
-                    now.constraints.copy(constraint)
-    new.matrix_basis, new.parent = old.matrix_basis, old.parent
-    if old.parent is not None:
-        new.matrix_parent_inverse = old.matrix_parent_inverse
-    if old.animation_data is not None and old.animation_data.action is not None:
-        data = new.animation_data_create()
-        data.action = old.animation_data.action
-        if hasattr(data, "action_slot"):
-            data.action_slot = old.animation_data.action_slot
-    name, data_name = old.name, old.data.name
-    bones, gone = old.data, [child for child in old.children if part_of(child)]
-    meshes = [child.data for child in gone]
-    bpy.data.batch_remove([*gone, *meshes, old, bones])
-    new.name, new.data.name = name, data_name

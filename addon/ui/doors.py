@@ -20,11 +20,12 @@ from ..generation.levels import lengths, loop_sizes, meanings, parse_levels
 from ..generation.rules import KEEP
 from ..io.pictures import image_on
 from ..operators.base import Operator, last_fault
+from ..operators.puppet import CLIP_ITEMS
 from ..operators.views import redraw
 from ..properties import groups
 from ..properties.kinds import choice, registration
 from ..properties.settings import copy_values, settings_of
-from ..puppets.armatures import is_puppet
+from ..puppets.armatures import is_puppet, puppet_of
 from ..scene.areas import paints
 from ..scene.ownership import chosen, scene_of, sets_of_chosen
 
@@ -128,7 +129,12 @@ def _rig_door(layout: Any, context: Context) -> None:
     column.operator(f"object.nested_cages_{second}", icon="MOD_ARMATURE")
     column.operator("object.nested_cages_suggest_bones", icon="GROUP_BONE")
     column.operator("object.nested_cages_bind", text="Bind New Parts", icon="LINKED")
-    layout.operator("object.nested_cages_import", text="Import Parts", icon="IMPORT")
+    if puppet_of(chosen(context)) is not None:
+        row = layout.row(align=True)
+        for kind, name, _ in CLIP_ITEMS:
+            row.operator("object.nested_cages_clip", text=name).kind = kind
+        layout.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
+    layout.operator("object.nested_cages_import", text="Import Puppet", icon="IMPORT").outlines = "PUPPET"
 
 
 def _picture_door(layout: Any, context: Context) -> None:

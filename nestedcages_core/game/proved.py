@@ -13,12 +13,9 @@ from ..geometry.mesh import Mesh
 from ..geometry.triangulation import Triangulation
 from ..puppet import BendField, JointRange
 from ..puppet.circular import Bend
-from ..puppet.ranges import FREE, ranges_of
+from ..puppet.ranges import FREE, UNPROVED, ranges_of
 from .bending import SKIN
 from .mesh import PartMesh
-
-UNPROVED = JointRange(0.0, 0.0, 0.0, 0.0)
-"""Range of a joint of which nothing is proved."""
 
 
 def proved_ranges(bones: Sequence[Bone], meshes: Sequence[PartMesh]) -> tuple[JointRange, ...]:

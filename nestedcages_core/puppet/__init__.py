@@ -4,8 +4,9 @@
 - `PuppetDraft`: parts, links and bones; `PartChoice`: what a user decides about a part instead.
 - `puppet_of`: the draft's `Puppet`: a `BendField` for each part that bends, weights, and a `JointRange` for each bone.
 - `Puppet.caps`: each `Cap` is paint that stays behind at a joint, so that nothing opens there.
+- `reweighted`: the puppet with weights that were painted by hand.
 - `redrafted`: the draft of a changed drawing, in which the rest stays.
-- `walk`, `wave`, `idle`: a `Clip` for any puppet that has the limbs for it, within the proved ranges.
+- `walk`, `wave`, `idle`: a `Clip` for any puppet that has the limbs for it, or its `Figure`, within the proved ranges.
 """
 
 from .caps import Cap
@@ -13,9 +14,10 @@ from .changes import Redraft, redrafted
 from .clips import Clip, idle, walk, wave
 from .draft import PuppetDraft, draft_puppet
 from .fields import BendField
+from .limbs import Figure, Limbs
 from .links import Hold, Link, PartChoice
 from .parts import PuppetPart
-from .puppet import Puppet, puppet_of
+from .puppet import Puppet, puppet_of, reweighted
 from .ranges import JointRange
 from .sides import Side
 
@@ -23,8 +25,10 @@ __all__ = [
     "BendField",
     "Cap",
     "Clip",
+    "Figure",
     "Hold",
     "JointRange",
+    "Limbs",
     "Link",
     "PartChoice",
     "Puppet",
@@ -36,6 +40,7 @@ __all__ = [
     "idle",
     "puppet_of",
     "redrafted",
+    "reweighted",
     "walk",
     "wave",
 ]

@@ -135,15 +135,19 @@ def _bones(
             first[part] = carrier(link.parent, link.joint)
             continue
         limbs = [k for k, other in enumerate(links) if other.parent == part and other.hold is Hold.JOINT]
-        chain = chain_of(
-            parts[part],
-            None if link.parent is None else link.joint,
-            carries=bool(limbs),
-            bones=choices.get(parts[part].name, PartChoice()).bones,
-            most=most.get(parts[part].name, MOST_BONES),
-        )
-        if len(chain) == 2 and len(limbs) == 1 and link.parent is not None:
-            chain = _towards(chain, np.array(links[limbs[0]].joint))
+        choice = choices.get(parts[part].name, PartChoice())
+        if choice.chain is not None:
+            chain = np.array(choice.chain)
+        else:
+            chain = chain_of(
+                parts[part],
+                None if link.parent is None else link.joint,
+                carries=bool(limbs),
+                bones=choice.bones,
+                most=most.get(parts[part].name, MOST_BONES),
+            )
+            if len(chain) == 2 and len(limbs) == 1 and link.parent is not None:
+                chain = _towards(chain, np.array(links[limbs[0]].joint))
         above = None if link.parent is None else carrier(link.parent, link.joint)
         first[part], chains[part] = len(bones), chain
         for k in range(len(chain) - 1):

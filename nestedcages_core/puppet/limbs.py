@@ -1,14 +1,17 @@
-"""What the limbs of a puppet are for: legs, arms, tails and the head."""
+"""What the limbs of a puppet are for, legs, arms, tails and the head, and all that a clip needs of a puppet."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from ..character import Bone
 from .draft import PuppetDraft
 from .links import Hold
-from .words import TRUNKS
+from .ranges import JointRange
+from .words import TRUNKS, words_of
 
 ON_GROUND = 0.15
 """A leg ends this near the lowest point of the drawing, in heights of the drawing."""
@@ -16,21 +19,41 @@ ON_GROUND = 0.15
 ARMS = frozenset({"arm", "upper_arm", "sleeve"})
 """Words for the first part of an arm."""
 
+FROM_THE_FRONT, APART = 0.35, 0.2
+"""How far a figure steps that is seen from the front, against one seen from the side; and least distance of its two
+legs, in lengths of a leg."""
 
-@dataclass(frozen=True)
-class Limbs:
+
+class Limbs(NamedTuple):
     """Bones of each limb by name, from the body outwards."""
 
     legs: tuple[tuple[str, ...], ...]
     arms: tuple[tuple[str, ...], ...]
     tails: tuple[tuple[str, ...], ...]
     heads: tuple[tuple[str, ...], ...]
+    trunks: tuple[tuple[str, ...], ...]
+    """The bones of the root, once."""
 
 
-def limbs_of(draft: PuppetDraft, nouns: tuple[str, ...]) -> Limbs:
+@dataclass(frozen=True)
+class Figure:
+    """A puppet as clips see it: bones, without what they move."""
+
+    bones: tuple[Bone, ...]
+    """Parents first."""
+    ranges: tuple[JointRange, ...]
+    """Of each bone."""
+    limbs: Limbs
+    ahead: float
+    """Sign and size of turns that move a hanging leg forwards: 1 for a figure that looks to larger x, -1 to smaller x,
+    less for one that is seen from the front."""
+
+
+def limbs_of(draft: PuppetDraft) -> Limbs:
     """The limbs on the trunk: legs reach the ground, arms are named so or are left and right, a tail bends, and the
-    head carries details. nouns: what each part's name says it is.
+    head carries details.
     """
+    nouns = tuple(words_of(part.name).noun for part in draft.parts)
     bottoms = [float(part.outline.vertices[:, 1].min()) for part in draft.parts]
     ground, top = min(bottoms), max(float(part.outline.vertices[:, 1].max()) for part in draft.parts)
     found: dict[str, list[tuple[str, ...]]] = {"legs": [], "arms": [], "tails": [], "heads": []}
@@ -57,7 +80,9 @@ def limbs_of(draft: PuppetDraft, nouns: tuple[str, ...]) -> Limbs:
         else:
             continue
         found[kind].append(bones)
-    return Limbs(**{kind: tuple(each) for kind, each in found.items()})
+    root = next(k for k, link in enumerate(draft.links) if link.parent is None)
+    trunks = (tuple(draft.bones[bone].name for bone in draft.chain(root)),)
+    return Limbs(**{kind: tuple(each) for kind, each in found.items()}, trunks=trunks)
 
 
 def _is_trunk(draft: PuppetDraft, part: int, nouns: tuple[str, ...]) -> bool:
@@ -78,10 +103,19 @@ def _outwards(draft: PuppetDraft, part: int) -> list[int]:
         found.append(max(ahead, key=lambda k: draft.parts[k].outline.area))
 
 
-def forwards(draft: PuppetDraft) -> float:
-    """Sign of a turn that moves a hanging leg forwards: 1 for a figure that looks to larger x, -1 to smaller x."""
+def forwards(draft: PuppetDraft, limbs: Limbs) -> float:
+    """Sign and size of turns that move a hanging leg forwards; see `Figure`."""
     root = next(k for k, link in enumerate(draft.links) if link.parent is None)
     riders = [k for k, link in enumerate(draft.links) if link.hold is Hold.RIDES and link.parent != root]
     middle = float(draft.parts[root].disc[0][0])
     looks = np.sign([float(draft.parts[k].disc[0][0]) - middle for k in riders]).sum()
-    return -1.0 if looks < 0.0 else 1.0
+    return (-1.0 if looks < 0.0 else 1.0) * (FROM_THE_FRONT if _is_from_the_front(draft, limbs) else 1.0)
+
+
+def _is_from_the_front(draft: PuppetDraft, limbs: Limbs) -> bool:
+    """Whether a figure has two legs that are apart."""
+    if len(limbs.legs) != 2:
+        return False
+    bones = {bone.name: bone for bone in draft.bones}
+    one, other = ([bones[name] for name in leg] for leg in limbs.legs)
+    return abs(one[0].head[0] - other[0].head[0]) > APART * sum(bone.length for bone in one)

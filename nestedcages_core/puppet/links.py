@@ -67,10 +67,14 @@ class PartChoice:
     """Whether it turns or rides."""
     bones: int | None = None
     """Number of bones along the part: it bends if there are two or more."""
+    chain: tuple[tuple[float, float], ...] | None = None
+    """Where these are: their heads, and the tail of the last."""
 
     def __post_init__(self) -> None:
         if self.bones is not None and self.bones < 1:
             raise invalid_setting(f"A part has at least one bone, not {self.bones}.")
+        if self.chain is not None and len(self.chain) != (self.bones or 1) + 1:
+            raise invalid_setting(f"{self.bones or 1} bones have one place more, not {len(self.chain)}.")
         if self.parent == "" and self.hold not in (None, Hold.ROOT):
             raise invalid_setting("A root hangs on nothing; leave its hold to the draft.")
 

@@ -67,6 +67,10 @@ class PuppetPart:
         """Length over width of that rectangle."""
         return float(np.hypot(*(self.box[1] - self.box[0])) / np.hypot(*(self.box[2] - self.box[1])))
 
+    def distance(self, place: tuple[float, float]) -> float:
+        """Distance of a place from the part, 0 on it."""
+        return float(self.solid.distance(load_shapely(NEEDED_FOR).Point(place)))
+
     def along(self, points: FloatArray, *, across: bool = False) -> FloatArray:
         """(P,) places of points (P, 2) along the part's longer direction or across it, 0 and 1 at its ends."""
         axis = self.box[3 if across else 1] - self.box[0]

@@ -15,9 +15,10 @@ from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray, IntArray
 from .caps import Cap, caps_of
 from .draft import PuppetDraft, stiffened
-from .fields import DENSITIES, BendField, bend_field
+from .fields import DENSITIES, FINEST_WEIGHT, BendField, bend_field
+from .limbs import Figure, forwards, limbs_of
 from .links import Hold, PartChoice
-from .ranges import FREE, JointRange, ranges_of
+from .ranges import FREE, UNPROVED, JointRange, ranges_of
 from .scores import CONTAINED
 
 Made = TypeVar("Made")
@@ -48,6 +49,12 @@ class Puppet:
     def caps(self) -> tuple[Cap, ...]:
         """Paint that stays behind at joints, so that nothing opens there."""
         return caps_of(self.draft)
+
+    @property
+    def figure(self) -> Figure:
+        """Bones, ranges and limbs, of which clips are made."""
+        limbs = limbs_of(self.draft)
+        return Figure(self.bones, self.ranges, limbs, forwards(self.draft, limbs))
 
     def weights_at(self, part: int, points: FloatArray) -> FloatArray:
         """(P, B) weights of all bones at points (P, 2) of a part, rows of sum 1: one not 0 without a field, two at its
@@ -157,6 +164,26 @@ def limb_of(draft: PuppetDraft, part: int) -> tuple[FloatArray, float]:
     chain, link = draft.chain(part), draft.links[part]
     places = np.array([draft.bones[chain[0]].head, *(draft.bones[bone].tail for bone in chain)])
     return places, 0.0 if link.parent is None else link.radius
+
+
+def reweighted(puppet: Puppet, part: int, weights: FloatArray) -> Puppet:
+    """The puppet with other weights (N, K + 1) in the field of a part, rows of sum 1, and the ranges that are proved of
+    them: no angle if a vertex follows more than two bones, or two that are not next to each other.
+    """
+    old = puppet.fields[part]
+    if old is None:
+        raise invalid_setting(f"{puppet.draft.parts[part].name} does not bend, so it has no weights.")
+    shares = np.cumsum(weights[:, :0:-1], axis=1)[:, ::-1]
+    new = replace(old, shares=np.round(shares / FINEST_WEIGHT) * FINEST_WEIGHT)
+    on = new.weights > 0.0
+    is_even = (on.sum(axis=1) <= 2) & ((on.sum(axis=1) == 1) | (on[:, :-1] & on[:, 1:]).any(axis=1))
+    first = old.first_bone + 1
+    ranges = list(puppet.ranges)
+    ranges[first : first + len(old.bends)] = (
+        ranges_of(new, puppet.skin) if is_even.all() else [UNPROVED] * len(old.bends)
+    )
+    fields = tuple(new if each is old else each for each in puppet.fields)
+    return replace(puppet, fields=fields, ranges=tuple(ranges))
 
 
 def _best_field(draft: PuppetDraft, part: int, skin: Skin) -> tuple[BendField, list[JointRange]]:

@@ -37,6 +37,9 @@ class JointRange:
 FREE = JointRange()
 """Range of a joint that bends nothing."""
 
+UNPROVED = JointRange(0.0, 0.0, 0.0, 0.0)
+"""Range of a joint of which nothing is proved."""
+
 
 def ranges_of(field: BendField, skin: Skin) -> list[JointRange]:
     """The range of each joint within a part."""

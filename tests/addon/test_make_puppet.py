@@ -82,13 +82,13 @@ def test_a_leg_moves_alone_and_the_drawing_is_as_before(fox: tuple[Object, dict[
 @pytest.mark.slow
 def test_turns_are_limited_to_what_is_proved(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
     armature, _ = fox
-    limits = [limit for each in armature.pose.bones for limit in each.constraints]
+    limits = [limit for each in armature.pose.bones for limit in each.constraints if limit.type == "LIMIT_ROTATION"]
     assert limits and all(limit.min_z <= -radians(90.0) and limit.max_z >= radians(90.0) for limit in limits)
     pairs = [
         (each["nested_cages_part"], each.parent and each.parent["nested_cages_part"]) for each in armature.data.bones
     ]
     hanging = {part: parent for part, parent in pairs if part != parent}
-    assert hanging["body"] is None
+    assert hanging["body"] == ""  # on the control at the root
     assert {part for part, parent in hanging.items() if parent == "body"} == {
         "tail", "hind-leg-far", "hind-leg-near", "foreleg-far", "foreleg-near", "head"
     }  # fmt: skip
@@ -122,6 +122,102 @@ def test_the_file_moves_without_the_extension(fox: tuple[Object, dict[str, np.nd
     armature.location.x += 3.0
     assert len(moved(before, shapes())) > 10
     assert shapes()["body 7"] == pytest.approx(before["body 7"] + np.array([3.0, 0.0, 0.0]), abs=1e-4)
+
+
+def test_limbs_reach_for_controls_within_their_ranges(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
+    armature, before = fox
+    armature.pose.bones["Root"].location[0] = 0.5
+    assert len(moved(before, shapes())) == 12
+    armature.pose.bones["Root"].location[0] = 0.0
+    reaching = [(each, limit) for each in armature.pose.bones for limit in each.constraints if limit.type == "IK"]
+    assert len(reaching) == 4 and moved(before, shapes()) == set()
+    lower, reach = reaching[-1]
+    control = armature.pose.bones[reach.subtarget]
+    control.location[1] = -0.3 * lower.length
+    assert moved(before, shapes()) == set()
+    reach.influence = 1.0
+    assert moved(before, shapes()) == {lower.bone["nested_cages_part"]}
+    assert (lower.tail - control.head).length < 1e-3 * lower.length
+    low, high, *_ = lower.bone["nested_cages_proved"]
+    for shift in (-3.0, 0.7, 3.0):
+        control.location[1] = shift * lower.length
+        bpy.context.view_layer.update()
+        rest = lower.parent.bone.matrix_local.inverted() @ lower.bone.matrix_local
+        turned = (rest.inverted() @ lower.parent.matrix.inverted() @ lower.matrix).to_euler()
+        assert low - 0.1 <= np.rad2deg(turned.z) <= high + 0.1
+
+
+def test_clips_repeat_and_fold_nothing(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
+    armature, before = fox
+    scene = bpy.context.scene
+    tip = [each for each in armature.pose.bones if each.bone["nested_cages_part"] == "tail"][-1]
+    tip.keyframe_insert("rotation_euler", frame=1)
+    own = armature.animation_data.action
+    for kind in ("WAVE", "IDLE", "WALK"):
+        assert bpy.ops.object.nested_cages_clip(kind=kind) == {"FINISHED"}
+    walk = armature.animation_data.action
+    assert own.use_fake_user and own not in (walk, None) and len(bpy.data.actions) == 4
+    first, last = map(round, walk.frame_range)
+    poses = []
+    for frame in range(first, last + 1):
+        scene.frame_set(frame)
+        poses.append(shapes())
+        for each in armature.pose.bones:
+            low, high, *_ = each.bone.get("nested_cages_proved", (-180.0, 180.0))
+            assert low <= np.rad2deg(each.rotation_euler[2]) <= high
+    legs = {"hind-leg-far", "hind-leg-near", "foreleg-far", "foreleg-near"}
+    assert moved(poses[0], poses[-1]) == set()
+    assert legs < moved(poses[0], poses[9])
+    lowest = [min(points[:, 2].min() for points in pose.values()) for pose in poses]
+    assert np.ptp(lowest) < 0.02 * np.ptp(before["body 7"][:, 0])  # some leg stands on the ground
+    scene.frame_end = last
+    assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
+    armature.animation_data.action = None
+    tip.constraints.remove(tip.constraints["Proved Range"])
+    for frame, angle in ((3, 0.0), (5, 2.9), (7, 0.0)):
+        tip.rotation_euler[2] = angle
+        tip.keyframe_insert("rotation_euler", frame=frame)
+    assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
+    assert scene.frame_current == 5
+    assert bpy.ops.object.nested_cages_select_fault() == {"FINISHED"}
+
+
+def test_what_was_made_by_hand_stays(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
+    """A part is redrawn and another one added: names, poses, own bones, constraints and painted weights stay."""
+    armature, _ = fox
+    carrier = bpy.data.objects["tail Bend"]
+    tip = carrier.vertex_groups[-1]
+    vertex = next(each.index for each in carrier.data.vertices if [on.group for on in each.groups] == [tip.index])
+    tip.add([vertex], 0.5, "REPLACE")
+    carrier.vertex_groups[0].add([vertex], 0.5, "REPLACE")
+    armature.pose.bones["head"].name = "skull"
+    posed = armature.pose.bones["skull"]
+    posed.rotation_euler[2] = 0.4
+    posed.constraints.new("COPY_SCALE").name = "Mine"
+    posed.keyframe_insert("rotation_euler", frame=1)
+    bpy.ops.object.mode_set(mode="EDIT")
+    own = armature.data.edit_bones.new("Own")
+    own.tail = (0.0, 1.0, 0.0)
+    own.parent = armature.data.edit_bones["skull"]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    posed_shapes = shapes()
+    head = next(obj for obj in bpy.data.objects if obj.name.startswith("head "))
+    hat = bpy.data.objects.new("hat", head.data.copy())
+    head.users_collection[0].objects.link(hat)
+    hat.matrix_world = head.matrix_world
+    body = bpy.data.objects["body 7"].data
+    body.vertices.foreach_set("co", 1.02 * np.array([each.co[:] for each in body.vertices]).ravel())
+    hat.select_set(True)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    assert bpy.context.object == armature and armature.animation_data.action is not None
+    assert armature.pose.bones["skull"].rotation_euler[2] == pytest.approx(0.4)
+    assert "Mine" in armature.pose.bones["skull"].constraints
+    assert armature.data.bones["Own"].parent.name == "skull"
+    assert hat.parent == armature
+    again = bpy.data.objects["tail Bend"]
+    weights = [group.weight(vertex) for group in again.vertex_groups]
+    assert weights == pytest.approx([0.5, 0.5], abs=1e-3)
+    assert "tail" not in moved(posed_shapes, shapes()) and "head" not in moved(posed_shapes, shapes())
 
 
 def test_nothing_selected_is_told() -> None:

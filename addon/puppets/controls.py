@@ -1,0 +1,115 @@
+"""Controls of a puppet: a bone at the root that moves all of it, and bones that its legs and arms reach for, by
+constraints that plain Blender solves, within the ranges of the bones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import radians
+from typing import Any
+
+import bpy
+from bpy.types import Object
+from mathutils import Vector
+
+from .. import keys
+from ..core import core
+from ..scene.ownership import select
+from .armatures import part_of
+
+# Name of the control at the root; of the constraints, and of what is added to a bone's name for its control.
+ROOT, REACH = "Root", "IK"
+# Bone collection and colour of all controls.
+CONTROLS, COLOUR = "Controls", "THEME09"
+# Length of the control at the root in heights of the puppet, and of others in lengths of the last bone that reaches.
+ROOT_LENGTH, LENGTH = 0.1, 0.5
+# Least number of bones that reach.
+LEAST = 2
+
+
+def add_controls(context: bpy.types.Context, armature: Object, figure: core.puppet.Figure, reach: float) -> None:
+    """Adds the controls to the armature of a puppet, or puts them where they belong now.
+
+    reach: how much limbs follow new controls, from 0 to 1.
+    """
+    chains = _chains(armature, figure)
+    select(context, armature)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bones: Any = armature.data.edit_bones
+    known = {str(bone[keys.CONTROL]): bone for bone in bones if keys.CONTROL in bone}
+    ends = [end for bone in figure.bones for end in (bone.head[1], bone.tail[1])]
+    (trunk, *_), *_ = figure.limbs.trunks
+    low, high, body = min(ends), max(ends), bones[trunk]
+    root = known.pop(ROOT, None) or bones.new(ROOT)
+    _place(root, ROOT, Vector((body.head.x, low, body.head.z)), Vector((0.0, ROOT_LENGTH * (high - low), 0.0)))
+    for bone in bones:
+        if bone.parent is None and part_of(bone):
+            bone.parent = root
+    targets = {}
+    for chain in chains:
+        last = bones[chain[-1]]
+        there, old = part_of(last), known.pop(part_of(last), None)
+        control = old or bones.new(_control_name(last.name))
+        _place(control, there, last.tail, LENGTH * (last.tail - last.head))
+        control.parent = control.parent if old else root
+        targets[chain] = control.name
+    for gone in known.values():
+        bones.remove(gone)
+    controls = [bone.name for bone in bones if keys.CONTROL in bone]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    shown = armature.data.collections.get(CONTROLS) or armature.data.collections.new(CONTROLS)
+    for name in controls:
+        bone, posed = armature.data.bones[name], armature.pose.bones[name]
+        if not bone.collections:
+            shown.assign(bone)
+            bone.color.palette, posed.rotation_mode = COLOUR, "XYZ"
+    for posed in armature.pose.bones:
+        if posed.name not in {chain[-1] for chain in chains} and (old_reach := reach_of(posed)) is not None:
+            posed.constraints.remove(old_reach)
+    for chain, target in targets.items():
+        _reach(armature, chain, target, reach)
+
+
+def reach_of(posed: Any) -> Any:
+    """The constraint by which a bone reaches for its control; None without one."""
+    return posed.constraints.get(REACH)
+
+
+def _place(control: Any, purpose: str, head: Vector, along: Vector) -> None:
+    """Puts a control into its place; it moves no vertices."""
+    control.head, control.tail = head, head + along
+    control.use_deform = False
+    control[keys.CONTROL], control[keys.PART] = purpose, ""
+
+
+def _control_name(bone: str) -> str:
+    """The name of the control of a bone, which ends as the bone's if that is left or right."""
+    stem, dot, side = bone.rpartition(".")
+    return f"{stem} {REACH}.{side}" if dot and side in ("L", "R") else f"{bone} {REACH}"
+
+
+def _chains(armature: Object, figure: core.puppet.Figure) -> list[tuple[str, ...]]:
+    """The bones of each leg and arm that reach: without hands and feet, if enough are left."""
+    found = []
+    for limb in (*figure.limbs.legs, *figure.limbs.arms):
+        last = part_of(armature.data.bones[limb[-1]])
+        inner = tuple(name for name in limb if part_of(armature.data.bones[name]) != last)
+        found.append(inner if len(inner) >= LEAST else limb)
+    return [chain for chain in found if len(chain) >= LEAST]
+
+
+def _reach(armature: Object, chain: Sequence[str], target: str, influence: float) -> None:
+    """Lets a chain of bones reach for a control, in the plane and within their ranges."""
+    for name in chain:
+        posed: Any = armature.pose.bones[name]
+        low, high, *_ = armature.data.bones[name][keys.PROVED]
+        posed.lock_ik_x = posed.lock_ik_y = True
+        posed.use_ik_limit_z = (low, high) != (-180.0, 180.0)
+        posed.ik_min_z, posed.ik_max_z = radians(low), radians(high)
+    last: Any = armature.pose.bones[chain[-1]]
+    reaches = reach_of(last)
+    if reaches is None:
+        reaches = last.constraints.new("IK")
+        reaches.name, reaches.influence = REACH, influence
+    reaches.target, reaches.subtarget, reaches.chain_count = armature, target, len(chain)
+    reaches.use_stretch = False

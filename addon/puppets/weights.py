@@ -1,0 +1,76 @@
+"""Weights of meshes that the bones of a puppet bend: as solved, and what was painted by hand since, by place."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from bpy.types import Object
+
+from .. import keys, record
+from ..binding import field
+from ..core import broad_phase, core
+from ..errors import FloatArray
+from ..generation.verifying import Folding
+from ..scene import filling
+from ..scene.plane import Frame, transform, world_matrix
+from . import armatures
+from .armatures import part_of
+
+# Weights that differ by less than this were not painted by hand: they are stored in single precision.
+ROUNDING = 1e-5
+
+
+def note(obj: Object, solved: FloatArray) -> None:
+    """Notes weights (N, B) of a mesh that were solved, to know later what was painted by hand."""
+    for number, column in enumerate(solved.T):
+        filling.add_attribute(filling.mesh_of(obj), f"{keys.SOLVED}{number}", "FLOAT", column.astype(np.float32))
+
+
+def carriers_of(armature: Object) -> dict[str, Object]:
+    """The hidden mesh that bends each part that bends, by name of the part."""
+    hidden = [each for each in armature.children if part_of(each) and not record.is_helper(each, record.FIELD)]
+    return {part_of(each): each for each in hidden}
+
+
+def foldings_of(armature: Object) -> list[Folding]:
+    """What can fold in a puppet: the hidden meshes that bones bend, and paintings with weights of their own."""
+    drawings = armatures.drawings_of(armature)
+    shown = {field.followed(obj): obj for obj in reversed(drawings)}
+    meshes = [*carriers_of(armature).values(), *(obj for obj in drawings if armatures.is_skinned(obj))]
+    return [Folding.of_skin(mesh, shown.get(mesh, mesh)) for mesh in meshes]
+
+
+def painted(armature: Object, puppet: core.puppet.Puppet, frame: Frame) -> core.puppet.Puppet:
+    """A puppet with what was painted by hand on the hidden meshes of its armature, and what is proved of that."""
+    names: dict[str, list[str]] = {}
+    for bone in armature.data.bones:
+        names.setdefault(part_of(bone), []).append(bone.name)
+    number = {part.name: k for k, part in enumerate(puppet.draft.parts)}
+    for part, carrier in carriers_of(armature).items():
+        bent = puppet.fields[number[part]] if part in number else None
+        if bent is None or len(bent.bends) + 1 != len(names[part]):
+            continue
+        by_hand = _by_hand(carrier, names[part])
+        if by_hand is not None:
+            places = frame.from_world(transform(world_matrix(carrier), filling.points_of(filling.mesh_of(carrier))))[0]
+            nearest = broad_phase.nearest(bent.grid.vertices, places)[1]
+            weights = np.clip(bent.weights + by_hand[nearest], 0.0, 1.0)
+            puppet = core.puppet.reweighted(puppet, number[part], weights / weights.sum(axis=1, keepdims=True))
+    return puppet
+
+
+def _by_hand(obj: Object, names: Sequence[str]) -> FloatArray | None:
+    """(N, B) how the weights of bones differ from those that were solved; None if they don't."""
+    mesh = filling.mesh_of(obj)
+    known: Any = mesh.attributes
+    groups = [obj.vertex_groups[name].index for name in names if name in obj.vertex_groups]
+    solved = [each for k in range(len(names)) if (each := known.get(f"{keys.SOLVED}{k}")) is not None]
+    if not len(groups) == len(solved) == len(names):
+        return None
+    now = np.nan_to_num(filling.weights_of(mesh, len(obj.vertex_groups)))[groups].T
+    sums = now.sum(axis=1, keepdims=True)
+    before = np.concatenate([filling.stored(each.data, "value", 1) for each in solved], axis=1).astype(np.float64)
+    found = np.where(sums > 0.0, now / np.maximum(sums, ROUNDING), before) - before
+    return found if np.abs(found).max() > ROUNDING else None
