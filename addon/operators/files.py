@@ -18,13 +18,13 @@ from ..generation.job import Progress, Work
 from ..io import exporters, importers, svg_parts
 from ..properties.kinds import choice, flag, length, number, text, whole
 from ..puppets import exported, imported
-from ..puppets.moving import Options
+from ..puppets.moving import Making
 from ..record import CageSet
 from ..scene import convert, ownership
 from ..scene.filling import mesh_of
 from ..scene.ownership import chosen, select, sets_of_chosen
 from .base import DialogJobOperator, Operator, Outcome, pose
-from .puppet import make as make_puppet
+from .puppet import make_puppet
 from .views import FLAT_LIGHT, TEXTURES
 
 Y_ITEMS = (
@@ -135,7 +135,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         if self.outlines == "PUPPET" and drawn:
             context.view_layer.update()
             with characters.removed_on_failure(drawn):
-                yield from make_puppet(self, context, drawn, None, Options())
+                yield from make_puppet(self, context, drawn, None, Making())
             self.shown_by = (FLAT_LIGHT,)
             return
         self.shown_by = (TEXTURES, FLAT_LIGHT) if puppets else (FLAT_LIGHT,) if layered_files else ()

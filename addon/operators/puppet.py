@@ -46,11 +46,11 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
     def work(self, context: Context) -> Work[None]:
         objects, old = _selected_parts(context)
         self.tell_hidden(context, objects)
-        yield from make(self, context, objects, old, moving.Options(self.limits, self.linear, float(self.reach)))
+        yield from make_puppet(self, context, objects, old, moving.Making(self.limits, self.linear, float(self.reach)))
 
 
-def make(
-    operator: Operator, context: Context, objects: Sequence[Object], old: Object | None, options: moving.Options
+def make_puppet(
+    operator: Operator, context: Context, objects: Sequence[Object], old: Object | None, options: moving.Making
 ) -> Work[None]:
     """Makes a puppet of drawings, or makes the old one again, in Pose Mode, and tells what to look at."""
     if old is not None and not old.is_editable:

@@ -32,7 +32,7 @@ def add_controls(context: bpy.types.Context, armature: Object, figure: core.pupp
 
     reach: how much limbs follow new controls, from 0 to 1.
     """
-    chains = _chains(armature, figure)
+    chains = _reaching(armature, figure)
     select(context, armature)
     bpy.ops.object.mode_set(mode="EDIT")
     bones: Any = armature.data.edit_bones
@@ -41,7 +41,7 @@ def add_controls(context: bpy.types.Context, armature: Object, figure: core.pupp
     (trunk, *_), *_ = figure.limbs.trunks
     low, high, body = min(ends), max(ends), bones[trunk]
     root = known.pop(ROOT, None) or bones.new(ROOT)
-    _place(root, ROOT, Vector((body.head.x, low, body.head.z)), Vector((0.0, ROOT_LENGTH * (high - low), 0.0)))
+    _put(root, ROOT, Vector((body.head.x, low, body.head.z)), Vector((0.0, ROOT_LENGTH * (high - low), 0.0)))
     for bone in bones:
         if bone.parent is None and part_of(bone):
             bone.parent = root
@@ -50,7 +50,7 @@ def add_controls(context: bpy.types.Context, armature: Object, figure: core.pupp
         last = bones[chain[-1]]
         there, old = part_of(last), known.pop(part_of(last), None)
         control = old or bones.new(_control_name(last.name))
-        _place(control, there, last.tail, LENGTH * (last.tail - last.head))
+        _put(control, there, last.tail, LENGTH * (last.tail - last.head))
         control.parent = control.parent if old else root
         targets[chain] = control.name
     for gone in known.values():
@@ -75,7 +75,7 @@ def reach_of(posed: Any) -> Any:
     return posed.constraints.get(REACH)
 
 
-def _place(control: Any, purpose: str, head: Vector, along: Vector) -> None:
+def _put(control: Any, purpose: str, head: Vector, along: Vector) -> None:
     """Puts a control into its place; it moves no vertices."""
     control.head, control.tail = head, head + along
     control.use_deform = False
@@ -88,7 +88,7 @@ def _control_name(bone: str) -> str:
     return f"{stem} {REACH}.{side}" if dot and side in ("L", "R") else f"{bone} {REACH}"
 
 
-def _chains(armature: Object, figure: core.puppet.Figure) -> list[tuple[str, ...]]:
+def _reaching(armature: Object, figure: core.puppet.Figure) -> list[tuple[str, ...]]:
     """The bones of each leg and arm that reach: without hands and feet, if enough are left."""
     found = []
     for limb in (*figure.limbs.legs, *figure.limbs.arms):

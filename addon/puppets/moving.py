@@ -82,7 +82,7 @@ def _part_name(obj: Object) -> str:
 
 
 @dataclass(frozen=True)
-class Options:
+class Making:
     """How a puppet is made."""
 
     limits: bool = True
@@ -94,7 +94,7 @@ class Options:
 
 
 def articulate(
-    context: Context, given: Drawn, old: Object | None, options: Options
+    context: Context, given: Drawn, old: Object | None, options: Making
 ) -> Work[tuple[Object, core.puppet.Puppet]]:
     """An armature that moves the drawings part by part. Raises: UserError.
 
@@ -109,16 +109,16 @@ def articulate(
         blend = core.character.Linear() if options.linear else core.character.PreserveVolume()
         puppet = core.puppet.puppet_of(draft, blend)
     yield Progress(0.9, "making bones")
-    _check(given, puppet)
+    _check_followers(given, puppet)
     solved, before = puppet, weights.carriers_of(old) if old is not None else {}
     new: list[Object] = []
     with removed_on_failure(new):
         if old is None:
-            home = _home(given)
+            home = _common_home(given)
             armature = armatures.add_armature(context, home, given.frame, home.name if home else given.parts[0].name)
             new.append(armature)
         else:
-            armature, puppet = old, weights.painted(old, puppet, given.frame)
+            armature, puppet = old, weights.by_hand(old, puppet, given.frame)
         limits = solved.ranges if options.limits else ()
         puppet = armatures.draw_bones(context, armature, given.frame, puppet, limits)
         controls.add_controls(context, armature, puppet.figure, options.reach)
@@ -128,7 +128,7 @@ def articulate(
             carrier = puppet.fields[number]
             if carrier is not None and id(carrier) not in carriers:
                 carriers[id(carrier)] = made = _carrier(context, objects[0], armature, given.frame, puppet, number)
-                weights.note(made, solved.fields[number].weights)
+                weights.note_solved(made, solved.fields[number].weights)
                 new += [made, *record.helpers_of(made, record.FIELD)]
             for obj in objects:
                 field.release(obj)
@@ -140,7 +140,7 @@ def articulate(
     return armature, puppet
 
 
-def _check(given: Drawn, puppet: core.puppet.Puppet) -> None:
+def _check_followers(given: Drawn, puppet: core.puppet.Puppet) -> None:
     """Raises: UserError if an object cannot follow."""
     for carrier, objects in zip(puppet.fields, given.objects, strict=True):
         for obj in objects:
@@ -160,7 +160,7 @@ def _remove(carriers: Iterable[Object]) -> None:
             again.name = again.data.name = name
 
 
-def _home(given: Drawn) -> Collection | None:
+def _common_home(given: Drawn) -> Collection | None:
     """The smallest collection that all drawings are in."""
     everyone = {obj for own in given.objects for obj in own}
     common = [home for home in bpy.data.collections if home.is_editable and everyone.issubset(home.all_objects)]

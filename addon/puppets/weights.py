@@ -22,7 +22,7 @@ from .armatures import part_of
 ROUNDING = 1e-5
 
 
-def note(obj: Object, solved: FloatArray) -> None:
+def note_solved(obj: Object, solved: FloatArray) -> None:
     """Notes weights (N, B) of a mesh that were solved, to know later what was painted by hand."""
     for number, column in enumerate(solved.T):
         filling.add_attribute(filling.mesh_of(obj), f"{keys.SOLVED}{number}", "FLOAT", column.astype(np.float32))
@@ -42,7 +42,7 @@ def foldings_of(armature: Object) -> list[Folding]:
     return [Folding.of_skin(mesh, shown.get(mesh, mesh)) for mesh in meshes]
 
 
-def painted(armature: Object, puppet: core.puppet.Puppet, frame: Frame) -> core.puppet.Puppet:
+def by_hand(armature: Object, puppet: core.puppet.Puppet, frame: Frame) -> core.puppet.Puppet:
     """A puppet with what was painted by hand on the hidden meshes of its armature, and what is proved of that."""
     names: dict[str, list[str]] = {}
     for bone in armature.data.bones:
@@ -52,16 +52,16 @@ def painted(armature: Object, puppet: core.puppet.Puppet, frame: Frame) -> core.
         bent = puppet.fields[number[part]] if part in number else None
         if bent is None or len(bent.bends) + 1 != len(names[part]):
             continue
-        by_hand = _by_hand(carrier, names[part])
-        if by_hand is not None:
+        found = _difference(carrier, names[part])
+        if found is not None:
             places = frame.from_world(transform(world_matrix(carrier), filling.points_of(filling.mesh_of(carrier))))[0]
             nearest = broad_phase.nearest(bent.grid.vertices, places)[1]
-            weights = np.clip(bent.weights + by_hand[nearest], 0.0, 1.0)
+            weights = np.clip(bent.weights + found[nearest], 0.0, 1.0)
             puppet = core.puppet.reweighted(puppet, number[part], weights / weights.sum(axis=1, keepdims=True))
     return puppet
 
 
-def _by_hand(obj: Object, names: Sequence[str]) -> FloatArray | None:
+def _difference(obj: Object, names: Sequence[str]) -> FloatArray | None:
     """(N, B) how the weights of bones differ from those that were solved; None if they don't."""
     mesh = filling.mesh_of(obj)
     known: Any = mesh.attributes
