@@ -19,7 +19,7 @@ ON_GROUND = 0.15
 ARMS = frozenset({"arm", "upper_arm", "sleeve"})
 """Words for the first part of an arm."""
 
-FROM_THE_FRONT, APART = 0.35, 0.2
+FROM_THE_FRONT, LEGS_APART = 0.35, 0.2
 """How far a figure steps that is seen from the front, against one seen from the side; and least distance of its two
 legs, in lengths of a leg."""
 
@@ -118,4 +118,4 @@ def _is_from_the_front(draft: PuppetDraft, limbs: Limbs) -> bool:
         return False
     bones = {bone.name: bone for bone in draft.bones}
     one, other = ([bones[name] for name in leg] for leg in limbs.legs)
-    return abs(one[0].head[0] - other[0].head[0]) > APART * sum(bone.length for bone in one)
+    return abs(one[0].head[0] - other[0].head[0]) > LEGS_APART * sum(bone.length for bone in one)
