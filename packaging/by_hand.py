@@ -19,6 +19,12 @@ TESTS = "tests/core/test_deliberate_faults.py::test_"
 MOTION = CORE + "verification/motion.py"
 CYCLES = CORE + "decimation/line_cycles/"
 ORACLE = "tests/core/test_line_cycles_oracle.py::test_"
+MERGING = CORE + "decimation/merging.py"
+PARTS = "tests/core/test_merging.py::test_"
+JOINED = "parts_closer_than_the_distance_are_joined_and_holes_below_its_square_filled"
+FEWEST = (
+    "tests/core/test_tolerance.py::test_the_fewest_vertices_around_and_within_a_disc_are_those_of_the_regular_polygons"
+)
 TRUST = CORE + "tightening/trust_region.py"
 
 FAULTS = (
@@ -90,6 +96,14 @@ FAULTS = (
           "tests/addon/test_live.py::test_a_step_is_certified_as_it_is_stored"),
     Fault(CORE + "constraints/numbers.py", "return as_stored(self.exact(points), self.stored)", "return points",
           "tests/core/test_needs_together.py::test_a_cage_follows_on_the_numbers_that_are_stored"),
+    Fault(MERGING, "mesh.area < best.area", "mesh.area > best.area", PARTS + "the_shape_of_least_area_is_used"),
+    Fault(MERGING, "if shapely.Polygon(hole).area >= least", "if shapely.Polygon(hole).area < least", PARTS + JOINED),
+    Fault(MERGING, "max_distance=within", "max_distance=None", PARTS + JOINED),
+    Fault(MERGING, "reach = 0.5 * part", "reach = part", PARTS + JOINED),
+    Fault(CORE + "tolerance/within.py", "return side * (cage.area / fine.area - 1.0)",
+          "return cage.area / fine.area - 1.0", FEWEST),
+    Fault(CORE + "tolerance/fewest.py", "while self.count - low > 1:", "while self.count - low > 2:", FEWEST),
+    Fault(CORE + "tolerance/fewest.py", "not (yield from self._try(self.count - 1))", "True", FEWEST),
     Fault(CYCLES + "turns.py", "(self.forth > free[0][self.source]) | (self.back > free[1][self.target])",
           "self.forth > free[0][self.source]", ORACLE + "what_is_free_of_either_line_bounds_a_turn"),
     Fault(CYCLES + "turns.py", "(forth >= -SLACK) & (back >= -SLACK)", "(forth >= SLACK) & (back >= -SLACK)",

@@ -90,12 +90,16 @@ def test_the_shape_of_least_area_is_used() -> None:
 
     found = Merging(1.0, Noted()).decimate(fine, 24)
     assert len(made) == 4 and [len(mesh.loops) for mesh in made] == [5, 2, 2, 2]
+    assert made[1].area < made[2].area < made[3].area
     assert found is min(made, key=lambda mesh: mesh.area) and len(found.vertices) == 24
     made.clear()
     assert len(Merging(1.0, Noted()).decimate(fine, 14).loops) == 2 and len(made) == 3
     with pytest.raises(NestingError, match="5 vertices are too few") as caught:
         Merging(1.0).decimate(fine, 5)
     assert caught.value.data["least"] == 6
+    assert len(Merging(np.inf).decimate(fine, 60).loops) == 1
+    with pytest.raises(NestedCagesError, match="Merging"):
+        Merging(-1.0)
 
 
 def test_all_parts_share_one_loop() -> None:
