@@ -3,6 +3,7 @@ convex."""
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from hypothesis import strategies as st
 from marks import slow_after
 from nestedcages_core import Mesh, NestedCagesError, NestingError, Settings, Within, inner_cages, nested_cages, verify
 from nestedcages_core.hierarchy import Share, level_words, parse_level, wanted_levels
+from nestedcages_core.tasks import drain
+from nestedcages_core.tolerance.fewest import _CountSearch
 from nestedcages_core.tolerance.minimal_nested import Band
 from nestedcages_core.tolerance.reach import REACH_PRECISION, beyond, reach, stays_within
 from shapes import annulus, letter_a, polygon, ring, star
@@ -182,6 +185,39 @@ def test_the_fewest_vertices_around_and_within_a_disc_are_those_of_the_regular_p
         assert count <= len(level.cage.vertices) <= count + more, (make, limit)
         if "excess" in limit:
             assert level.excess == pytest.approx((around if make is nested_cages else within)[1] - 1.0, abs=1e-2)
+
+
+@pytest.mark.parametrize("known", [None, 38, 12])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_search_finds_the_least_count_that_keeps_the_tolerance(seed: int, known: int | None) -> None:
+    """Cages of any excess, less for each vertex more, after none or one of a known count: all counts below fail."""
+    fine, limit = Mesh.from_loops([ring(40)]), 0.3
+    random = np.random.default_rng(seed)
+    excess = dict(enumerate(np.sort(random.uniform(0.0, 4.0 * limit, 38))[::-1], start=3))
+    excess[40] = 0.5 * limit
+    tried: list[int] = []
+
+    def level_of(count: int) -> Any:
+        size = np.sqrt((1.0 + excess[count]) * fine.area / Mesh.from_loops([ring(count)]).area)
+        return SimpleNamespace(cage=Mesh.from_loops([size * ring(count)]))
+
+    def build(count: int) -> Any:
+        tried.append(count)
+        return level_of(count)
+        yield
+
+    plan = SimpleNamespace(side=1, number=lambda mesh: len(mesh.vertices), is_free=False)
+    plan.outline = SimpleNamespace(per_loop=False)
+    decimation = SimpleNamespace(decimation=None)
+    search = _CountSearch(
+        Within(excess=limit), fine, SimpleNamespace(fine=fine, plan=plan, settings=decimation, build=build)
+    )
+    least = next(count for count in sorted(excess) if excess[count] <= limit)
+    if known is not None:
+        search.best = level_of(max(known, least))
+    drain(search.try_counts())
+    assert len(search.best.cage.vertices) == least
+    assert len(tried) <= 14 and len(set(tried)) == len(tried)
 
 
 WRONG = [{}, {"distance": 1.0, "excess": 1.0}]
