@@ -25,9 +25,9 @@ REST, WEIGHT, POSE, SPACE = _names("rest weight_ pose space")
 # which nothing folds, and of which limb they are; of bones to move them by: what they are for. Of the armature: which
 # way it looks; of a hidden mesh: weights as they were solved, one attribute per bone of the part.
 PART, PROVED, LIMB, CONTROL, AHEAD, SOLVED = _names("part proved limb control ahead solved_")
-# Of an armature of a painting: width and height of the canvas in pixels, and metres per pixel; of its meshes: path and
-# id of the layer, and how it blends.
-CANVAS, LAYER, LAYER_ID, BLEND = _names("canvas layer layer_id blend")
+# Of an armature of a painting: width and height of the canvas in pixels, and metres per pixel, and its puppet as it was
+# made; of its meshes: their names in it, path and id of the layer, and how it blends.
+CANVAS, KEPT, MADE, LAYER, LAYER_ID, BLEND = _names("canvas kept made layer layer_id blend")
 
 # Property of GeoJSON features with y pointing down.
 (Y_DOWN,) = _names("y_down")

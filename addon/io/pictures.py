@@ -72,13 +72,17 @@ def image_on(obj: Object | None) -> bpy.types.Image | None:
         return None
     if obj.type == "EMPTY":
         return obj.data if isinstance(obj.data, bpy.types.Image) else None
-    return next(iter(_images(obj.active_material)), None) if obj.type == "MESH" else None
+    return (
+        next((node.image for node in pictures_in(obj.active_material) if node.image), None)
+        if obj.type == "MESH"
+        else None
+    )
 
 
-def _images(material: bpy.types.Material | None) -> list[bpy.types.Image]:
-    """The images in a material."""
+def pictures_in(material: bpy.types.Material | None) -> list[Any]:
+    """The nodes of a material for images."""
     nodes: Any = material.node_tree.nodes if material is not None and material.node_tree is not None else ()
-    return [node.image for node in nodes if node.bl_idname == "ShaderNodeTexImage" and node.image]
+    return [node for node in nodes if node.bl_idname == "ShaderNodeTexImage"]
 
 
 def canvas_of(obj: Object | None, size: tuple[int, int]) -> Canvas:
@@ -139,7 +143,7 @@ def textured_mesh(name: str, outline: core.Mesh, canvas: Canvas, image: bpy.type
     layer.data.foreach_set("uv", parts[used].astype(np.float32).ravel())
     # One material per image and file shows it without lighting, with its transparency.
     material = bpy.data.materials.get(f"{image.name} Cutout")
-    if material is None or image not in _images(material):
+    if material is None or all(node.image != image for node in pictures_in(material)):
         material = display.material(display.CUTOUT, f"{image.name} Cutout")
         picture: Any = material.node_tree.nodes["Image Texture"]
         picture.image = image

@@ -12,12 +12,12 @@ from bpy.types import Context, Object
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from .. import characters, record
-from ..core import blamed, core
+from ..core import blamed, core, game
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
 from ..io import exporters, importers, svg_parts
 from ..properties.kinds import choice, flag, length, number, text, whole
-from ..puppets import exported, imported
+from ..puppets import armatures, exported, imported, repainting
 from ..puppets.moving import Making
 from ..record import CageSet
 from ..scene import convert, ownership
@@ -46,6 +46,7 @@ PLANE_ITEMS = (
 )
 Y_DOWN = {"AUTO": None, "DOWN": True, "UP": False}
 EXTENSIONS = (*importers.SVG, *importers.MAPS, *imported.ENDINGS)
+PICTURE = ".png"
 
 
 class FilesOperator(DialogJobOperator):
@@ -77,7 +78,10 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
 
     filepath: text("File Path", "File to read", subtype="FILE_PATH", options={"SKIP_PRESET"})
     filter_glob: text(
-        "Filter", "Files that are shown", default=";".join(f"*{ending}" for ending in EXTENSIONS), options={"HIDDEN"}
+        "Filter",
+        "Files that are shown",
+        default=";".join(f"*{ending}" for ending in (*EXTENSIONS, PICTURE)),
+        options={"HIDDEN"},
     )
     y: choice("Y Axis", "Direction of the y axis in the file", Y_ITEMS, default="AUTO")
     scale: number(
@@ -89,6 +93,11 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
     )
     outlines: choice("SVG As", "What to make of an SVG", OUTLINE_ITEMS, default="AUTO")
     hidden: flag("Hidden Layers", "Include hidden layers of a painting, as hidden parts")
+    repaint: flag(
+        "Repaint Selected",
+        "Change the selected puppet to this painting: bones, names, poses, actions and weights painted by hand stay",
+        options={"SKIP_SAVE"},
+    )
     plane: choice("Plane", "How drawings are put into the scene", PLANE_ITEMS, default="AUTO")
     centre: flag(
         "Centre", "Put the middle of a drawing at the origin; maps and exported cages keep their places", default=True
@@ -98,21 +107,29 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         return self.invoke_popup(context)
 
     def draw(self, _context: Context) -> None:
-        self.draw_options("outlines", "hidden", "plane", "centre", "y", "scale")
+        self.draw_options("outlines", "hidden", "repaint", "plane", "centre", "y", "scale")
 
     def work(self, context: Context) -> Work[None]:
         paths = paths_of(self)
         if not paths:
             raise UserError("Choose a file to read")
+        drawings = drawings_in(paths)
+        rig = armatures.puppet_of(context.selected_objects) if self.repaint else None
+        if self.repaint and (rig is None or len(drawings) != 1):
+            raise UserError("Select the puppet of a painting, and choose one file with the painting as it is now")
         shapes: list[importers.Shape] = []
         layered_files: list[tuple[str, Any]] = []
         puppets = []
-        for done, path in enumerate(paths):
-            yield Progress(0.5 * done / len(paths), f"reading '{path.name}'")
+        for done, (path, names) in enumerate(drawings.items()):
+            yield Progress(0.5 * done / len(drawings), f"reading '{path.name}'")
             parts, notes = svg_parts.read(path, self.outlines)
-            if path.suffix.lower() in imported.ENDINGS:
-                puppet, notes = imported.read(path, hidden=self.hidden)
-                puppets.append(puppet)
+            if rig is not None or names is not None or path.is_dir() or path.suffix.lower() in imported.ENDINGS:
+                painting = imported.painting_in(path, names, hidden=self.hidden)
+                if rig is not None:
+                    self._repaint(context, rig, painting)
+                    return
+                puppets.append(imported.jointed(path, painting))
+                notes = (*painting.notes, *puppets[-1].notes)
             elif parts:
                 layered_files.append((path.stem, parts))
             else:
@@ -141,7 +158,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         self.shown_by = (TEXTURES, FLAT_LIGHT) if puppets else (FLAT_LIGHT,) if layered_files else ()
         select(context, *made)
         if puppets and not (placed or drawn):
-            layers, bones = (sum(len(getattr(each.meshed, kind)) for each in puppets) for kind in ("parts", "bones"))
+            layers, bones = (sum(len(getattr(each, kind)) for each in puppets) for kind in ("parts", "bones"))
             self.report({"INFO"}, f"{counted(layers, 'part')}, {counted(bones, 'bone')}")
             if len(puppets) == 1:
                 pose(context, made[-1])
@@ -150,6 +167,26 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         count = sum(len(mesh_of(obj).vertices) for obj in made)
         word = "part" if layered_files and not shapes else "outline"
         self.report({"INFO"}, f"{counted(len(made), word)}, {count} vertices")
+
+    def _repaint(self, context: Context, rig: Object, painting: Any) -> None:
+        """Changes a puppet to a painting. Raises: UserError."""
+        made, notes = repainting.repaint(context, rig, painting)
+        for note in (*painting.notes, *notes):
+            self.report({"WARNING"}, note)
+        self.shown_by = (TEXTURES, FLAT_LIGHT)
+        select(context, *made)
+        self.report({"INFO"}, f"'{rig.name}' has {counted(len(made) - 1, 'layer')}, repainted or as before")
+
+
+def drawings_in(paths: list[Path]) -> dict[Path, list[str] | None]:
+    """The files and folders to read; of folders whose pictures were chosen, their names."""
+    found, pictures = dict[Path, "list[str] | None"](), dict[Path, list[str]]()
+    for path in paths:
+        is_picture = path.suffix.lower() == PICTURE
+        found[path.parent if is_picture else path] = None
+        if is_picture:
+            pictures.setdefault(path.parent, []).append(path.name)
+    return {**found, **pictures}
 
 
 class NESTEDCAGES_FH_outlines(bpy.types.FileHandler):
@@ -177,13 +214,15 @@ FILE_ITEMS = (
     ("GEOJSON", "GeoJSON", "One feature per outline, for maps and shapely"),
     ("ENGINE", "Collision Outline", "Polygons with holes of the coarsest outline as JSON for game engines"),
     ("CHARACTER", "Character", "Bones, cage, triangles and weights of a rigged drawing as JSON for scripts"),
-    ("GODOT", "Godot 4", "The puppet of an imported painting as a scene with its textures and actions"),
-    ("SPINE", "Spine 4.2", "The puppet of an imported painting as a skeleton with its atlas and actions"),
-    ("DRAGONBONES", "DragonBones 5.5", "The puppet of an imported painting as a skeleton with its atlas and actions"),
 )
 SUFFIXES = {"SVG": ".svg", "GEOJSON": ".geojson", "ENGINE": ".json", "CHARACTER": ".json"}
-SUFFIXES |= {"GODOT": ".tscn", "SPINE": ".json", "DRAGONBONES": ".json"}
-ENGINES = {"GODOT": "godot", "SPINE": "spine", "DRAGONBONES": "dragonbones"}
+ENGINE_ITEMS = (
+    ("GODOT", "Godot 4", "A scene with the textures and actions of the puppet"),
+    ("SPINE", "Spine 4.2", "A skeleton with its atlas and actions"),
+    ("DRAGONBONES", "DragonBones 5.5", "A skeleton with its atlas and actions"),
+    ("SCRIPT", "Own Script", "Bones, meshes, weights and actions as JSON, with the atlas"),
+)
+ENGINES = {identifier: identifier.lower() for identifier, _, _ in ENGINE_ITEMS}
 
 
 class OnOutlines(Operator):
@@ -211,11 +250,11 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
 
 
 class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Write the selected outlines, or a drawing with all of its cages, as they are on this frame, to a file; or an
-    imported painting with its bones and actions for a game engine
+    """Write the selected outlines, or a drawing with all of its cages, as they are on this frame, to a file; or a
+    puppet with its bones and actions for a game engine
     """
 
-    needs = staticmethod(lambda context: outlines(context) or exported.armature_of(context.selected_objects))
+    needs = staticmethod(lambda context: outlines(context) or armatures.puppet_of(context.selected_objects))
 
     bl_label = "Export Cages"
     bl_options = {"REGISTER", "PRESET"}
@@ -228,7 +267,8 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         default=";".join(f"*{ending}" for ending in SUFFIXES.values()),
         options={"HIDDEN"},
     )
-    kind: choice("Format", "File format", FILE_ITEMS, default="SVG")
+    kind: choice("Format", "File format of outlines", FILE_ITEMS, default="SVG")
+    engine: choice("Engine", "What plays the selected puppet", ENGINE_ITEMS, default="GODOT")
     flip_y: flag("Y Down", "Let the y axis point down, as in images, SVG and most 2D engines", default=True)
     world: flag("World", "Write world coordinates, seen from the top, front or right, instead of the first object's")
     scale: number(
@@ -253,13 +293,26 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
     @property
     def filename_ext(self) -> str:
         """The file extension that Blender's helper adds."""
-        return SUFFIXES[self.kind]
+        if self._puppet(bpy.context) is None:
+            return SUFFIXES[self.kind]
+        return f".{game.ENGINES[ENGINES[self.engine]].ending.rpartition('.')[2]}"
+
+    def _puppet(self, context: Context) -> Object | None:
+        """The armature of the puppet to write; None if outlines are asked for."""
+        if self.properties.is_property_set("kind") and not self.properties.is_property_set("engine"):
+            return None
+        return armatures.puppet_of(context.selected_objects or chosen(context))
+
+    def draw(self, context: Context) -> None:
+        of_outlines = ("kind", "flip_y", "world", "scale", "triangles", "pieces", "frames")
+        self.layout.use_property_split = True
+        for name in of_outlines if self._puppet(context) is None else ("engine",):
+            self.layout.prop(self, name)
 
     def invoke(self, context: Context, event: bpy.types.Event) -> Outcome:  # type: ignore[override]
         if not self.filepath:
-            rig = exported.armature_of(context.selected_objects)
+            rig = self._puppet(context)
             name = bpy.path.clean_name(rig.data.name if rig is not None else outlines(context)[0].name)
-            self.kind = "GODOT" if rig is not None and self.kind not in ENGINES else self.kind
             self.filepath = str(Path(bpy.data.filepath).parent / (name + self.filename_ext))
         asked: Any = super().invoke(context, event)
         return {*asked}
@@ -268,9 +321,12 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         if not self.filepath:
             raise UserError("Choose a file to write")
         path = Path(bpy.path.abspath(self.filepath))
-        if self.kind in ENGINES:
-            self._puppet(context, path)
+        rig = self._puppet(context)
+        if rig is not None:
+            self._write(context, rig, path)
             return
+        if self.properties.is_property_set("engine"):
+            raise UserError("Select a puppet: an imported painting, or a drawing with the bones of 'Make Puppet'")
         if self.kind == "CHARACTER":
             self._character(context, path)
             return
@@ -288,12 +344,9 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         )
         self.report({"INFO"}, f"{counted(len(shapes), 'outline')} written to {path.name}")
 
-    def _puppet(self, context: Context, path: Path) -> None:
-        """Writes the puppet of the selection for a game engine. Raises: UserError."""
-        rig = exported.armature_of(context.selected_objects or chosen(context))
-        if rig is None:
-            raise UserError("Select the armature or a part of a layered painting that was imported as a puppet")
-        files, notes = exported.write(context, rig, path, ENGINES[self.kind])
+    def _write(self, context: Context, rig: Object, path: Path) -> None:
+        """Writes a puppet for a game engine. Raises: UserError."""
+        files, notes = exported.write(context, rig, path, ENGINES[self.engine])
         for note in notes:
             self.report({"WARNING"}, note)
         self.report({"INFO"}, f"{', '.join(file.name for file in files)} written")

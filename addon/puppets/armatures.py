@@ -107,7 +107,7 @@ def choices_in(
     """
     matrix, known = world_matrix(armature), {part.name: part for part in parts}
     choices: dict[str, core.puppet.PartChoice] = {}
-    chains = _chains(armature.data.bones)
+    chains = chains_of(armature.data.bones)
     for name, obj in zip(known, drawings, strict=True):
         host = carried_by(obj, armature) if name not in chains else ""
         if host in known:
@@ -130,7 +130,7 @@ def choices_in(
     return choices
 
 
-def _chains(bones: Any) -> dict[str, list[Any]]:
+def chains_of(bones: Any) -> dict[str, list[Any]]:
     """The bones of each part, from its joint to its tip."""
     found: dict[str, list[Any]] = {}
     for bone in bones:  # parents first
@@ -162,7 +162,7 @@ def draw_bones(
     select(context, armature)
     bpy.ops.object.mode_set(mode="EDIT")
     bones = armature.data.edit_bones
-    known = _chains(bones)
+    known = chains_of(bones)
     for bone in bones:
         bone.use_connect = False
     drawn, fresh = list[Any](), list[Any]()

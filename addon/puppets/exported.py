@@ -14,13 +14,15 @@ from bpy.types import Context, Object
 from numpy.typing import NDArray
 
 from .. import keys
+from ..binding import field
 from ..core import blamed, core, game
 from ..errors import FloatArray, UserError
+from ..generation.job import finished
 from ..io.pictures import image_on
 from ..scene import filling
 from ..scene.ownership import scene_of
-from . import armatures
-from .imported import PIXEL, pixels_of
+from . import armatures, drawings, moving
+from .imported import pixels_of
 
 Whole = NDArray[np.int64]
 
@@ -28,15 +30,6 @@ Whole = NDArray[np.int64]
 OFF_PLACE = 0.5
 # Shifts of bones below this, in pixels, and turns below this, in degrees, are none.
 NO_SHIFT, NO_TURN = 1e-3, 1e-3
-
-
-def armature_of(objects: Sequence[Object]) -> Object | None:
-    """The armature of the puppet that the first of some objects belongs to; None if it belongs to none."""
-    for obj in objects:
-        rig = obj if obj.type == "ARMATURE" else obj.parent
-        if rig is not None and rig.type == "ARMATURE" and parts_of(rig):
-            return rig
-    return None
 
 
 def parts_of(rig: Object) -> list[Object]:
@@ -47,35 +40,87 @@ def parts_of(rig: Object) -> list[Object]:
 
 def write(context: Context, rig: Object, path: Path, engine: str) -> tuple[list[Path], tuple[str, ...]]:
     """Writes a puppet for an engine of the core; returns the files and what is to be told. Raises: UserError."""
-    puppet, notes = puppet_in_scene(context, rig)
+    puppet, notes = puppet_in_scene(context, rig) if parts_of(rig) else pictured(context, rig)
     with blamed(f"'{path.name}' cannot be written"):
         files = game.write_puppet(path, puppet, engine)
         return files, (*notes, *game.undrawn(puppet, engine))
 
 
 def puppet_in_scene(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str, ...]]:
-    """The puppet of an armature as it is at rest, with its actions. Raises: UserError."""
-    width, height, unit = rig.get(keys.CANVAS, (0, 0, PIXEL))
-    place = game.Placement(int(width), int(height))
-    figure = armatures.figure_of(rig)
-    number = {bone.name: k for k, bone in enumerate(figure.bones)}
-    bones = tuple(replace(bone, head=_pixels(bone.head, unit), tail=_pixels(bone.tail, unit)) for bone in figure.bones)
-    notes: list[str] = []
-    meshes = []
-    for obj in parts_of(rig):
-        mesh = _part_mesh(rig, obj, number, place, unit)
-        with blamed(f"'{obj.name}'"):
-            loop = place.down(mesh.points[: mesh.hull])
+    """The puppet of an armature as it is at rest, with what is proved of it and its actions. Raises: UserError."""
+    puppet, notes = as_it_stands(rig), list[str]()
+    for mesh in puppet.meshes:
+        with blamed(f"'{mesh.name}'"):
+            loop = puppet.place.down(mesh.points[: mesh.hull])
             try:
                 game.certify(loop, mesh.pixels, mesh.left, mesh.top)
             except core.NestedCagesError as error:
-                notes.append(f"'{obj.name}': {error}")
-        meshes.append(mesh)
+                notes.append(f"'{mesh.name}': {error}")
     with blamed(f"'{rig.name}'"):
-        ranges = game.proved_ranges(bones, meshes)
-        animations = _baked(context, rig, bones, unit)
+        ranges = game.proved_ranges(puppet.bones, puppet.meshes)
+        animations = _baked(context, rig, puppet.bones, rig[keys.CANVAS][2])
+    return replace(puppet, ranges=ranges, animations=animations), tuple(notes)
+
+
+def as_it_stands(rig: Object) -> game.GamePuppet:
+    """Bones and layers of a painting's puppet as they are at rest, the lowest first. Raises: UserError."""
+    width, height, unit = rig[keys.CANVAS]
+    place, bones = game.Placement(int(width), int(height)), _bones_of(rig, unit)
+    number = {bone.name: k for k, bone in enumerate(bones)}
+    meshes = tuple(_part_mesh(obj, number, place, unit) for obj in parts_of(rig))
     name = bpy.path.clean_name(rig.data.name)
-    return game.GamePuppet(name, place, bones, tuple(meshes), ranges, animations), tuple(notes)
+    return game.GamePuppet(name, place, bones, meshes, (core.puppet.JointRange(),) * len(bones))
+
+
+def pictured(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str, ...]]:
+    """The puppet of an armature that moves drawings as one of pictures, with its actions, and notes: its bones, with
+    weights that are solved again as engines blend. Raises: UserError."""
+    pose = rig.data.pose_position
+    objects = armatures.drawings_of(rig)
+    with field.unposed(map(field.shown_by, objects)):
+        try:
+            rig.data.pose_position = "REST"
+            context.view_layer.update()
+            given = finished(moving.drawn(context, objects, rig))
+            paints = [[each for obj in own for each in drawings.paints_of(context, obj, given.frame)]
+                      for own in given.objects]  # fmt: skip
+        finally:
+            rig.data.pose_position = pose
+            context.view_layer.update()
+    corners = np.concatenate([part.outline.vertices for part in given.parts])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    pixel = float((high - low).max()) / game.LONGER_SIDE
+    width, height = np.maximum(np.ceil((high - low) / pixel), 1.0).astype(int).tolist()
+
+    def there(end: tuple[float, float]) -> tuple[float, float]:
+        return (end[0] - low[0]) / pixel - 0.5 * width, (end[1] - low[1]) / pixel
+
+    with blamed(f"'{rig.name}'"):
+        found = armatures.choices_in(rig, given.parts, [own[0] for own in given.objects], given.frame)
+        choices = {
+            name: replace(
+                choice,
+                joint=there(choice.joint) if choice.joint else None,
+                chain=tuple(map(there, choice.chain)) if choice.chain else None,
+            )
+            for name, choice in found.items()
+        }
+        parts = drawings.pictures_of(given, paints, np.array((low[0], -high[1])), 1.0 / pixel)
+        name = bpy.path.clean_name(rig.data.name)
+        puppet = game.game_puppet(parts, (width, height), name=name, choices=choices)
+        animations = _baked(context, rig, _bones_of(rig, pixel), pixel)
+    names = [bone.name for bone in puppet.bones]
+    for k, chain in enumerate(map(puppet.puppet.draft.chain, range(len(parts)))):
+        for bone, own in zip(chain, armatures.chains_of(rig.data.bones).get(given.parts[k].name, ()), strict=False):
+            names[bone] = own.name
+    bones = tuple(replace(bone, name=name) for bone, name in zip(puppet.bones, names, strict=True))
+    return replace(puppet, bones=bones, animations=animations), (*map(str, given.problems), *puppet.notes)
+
+
+def _bones_of(rig: Object, unit: float) -> tuple[core.Bone, ...]:
+    """The bones of a puppet at rest, in units of a length."""
+    bones = armatures.figure_of(rig).bones
+    return tuple(replace(bone, head=_pixels(bone.head, unit), tail=_pixels(bone.tail, unit)) for bone in bones)
 
 
 def _in_rig(obj: Object) -> FloatArray:
@@ -87,7 +132,7 @@ def _pixels(place: Any, unit: float) -> tuple[float, float]:
     return place[0] / unit, place[1] / unit
 
 
-def _part_mesh(rig: Object, obj: Object, number: dict[str, int], place: game.Placement, unit: float) -> game.PartMesh:
+def _part_mesh(obj: Object, number: dict[str, int], place: game.Placement, unit: float) -> game.PartMesh:
     """The mesh of a layer, its hull first. Raises: UserError."""
     data = filling.mesh_of(obj)
     data.calc_loop_triangles()

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import bpy
 import numpy as np
@@ -13,8 +14,9 @@ from numpy.typing import NDArray
 
 from .. import keys
 from ..characters import skin
-from ..core import blamed, core, game, layers
+from ..core import blamed, game
 from ..errors import FloatArray
+from ..io.pictures import pictures_in
 from ..scene import display, filling
 from ..scene.plane import Frame, size
 from . import armatures, controls
@@ -27,20 +29,19 @@ DEPTH = 1e-3
 ENDINGS = (".psd", ".psb", ".ora", ".kra")
 
 
-class Painted(NamedTuple):
-    """The puppet of a painting, in pixels, and its textured meshes."""
+def painting_in(path: Path, names: Sequence[str] | None, *, hidden: bool) -> game.Painting:
+    """The parts of a layered painting, and notes on what was left out. Raises: UserError.
 
-    puppet: core.puppet.Puppet
-    meshed: game.GamePuppet
-
-
-def read(path: Path, *, hidden: bool) -> tuple[Painted, tuple[str, ...]]:
-    """The puppet of a layered painting, and notes on what was left out. Raises: UserError."""
+    names: of the pictures of a folder that are read; all if None.
+    """
     with blamed(f"'{path.name}' cannot be read"):
-        picture = layers.read_layers(path, decode=decoded)
-        parts, notes = layers.parts_of(picture, hidden=hidden)
-        puppet, meshed = game.painted_puppet(parts, (picture.width, picture.height), name=path.stem)
-    return Painted(puppet, meshed), (*notes, *meshed.notes)
+        return game.read_painting(path, names, hidden=hidden, decode=decoded)
+
+
+def jointed(path: Path, painting: game.Painting) -> game.GamePuppet:
+    """The puppet of a painting. Raises: UserError."""
+    with blamed(f"'{path.name}' cannot be read"):
+        return game.game_puppet(painting.parts, painting.size, name=path.stem)
 
 
 def decoded(data: bytes) -> NDArray[np.uint8]:
@@ -67,49 +68,84 @@ def pixels_of(image: bpy.types.Image) -> NDArray[np.uint8]:
     return whole
 
 
-def place(context: Context, painted: Painted, *, scale: float, is_upright: bool, is_centred: bool) -> list[Object]:
+def place(
+    context: Context, puppet: game.GamePuppet, *, scale: float, is_upright: bool, is_centred: bool
+) -> list[Object]:
     """New objects in a collection of their own, the armature last. Bones blend as in engines: without Preserve Volume.
 
     scale: metres per pixel, 0 for the default.
     """
-    unit, puppet = scale or PIXEL, painted.meshed
+    unit = scale or PIXEL
     home = bpy.data.collections.new(puppet.name)
     context.collection.children.link(home)
-    floor = Frame(np.eye(4), 0.0, 1.0, own=True)
-    rig = armatures.add_armature(context, home, floor, puppet.name)
-    whole = replace(painted.puppet.scaled(unit), ranges=puppet.ranges)
-    armatures.draw_bones(context, rig, floor, whole, whole.ranges)
-    controls.add_controls(context, rig, whole.figure, 0.0)
-    keys.store(rig, {keys.CANVAS: [puppet.place.width, puppet.place.height, unit]})
+    rig = armatures.add_armature(context, home, Frame(np.eye(4), 0.0, 1.0, own=True), puppet.name)
+    made = stage(context, home, rig, puppet, unit)
     points = np.concatenate([mesh.points for mesh in puppet.meshes]) * unit
-    step = DEPTH * size(points)
-    made = [_mesh_object(home, rig, puppet, mesh, unit, step * number) for number, mesh in enumerate(puppet.meshes)]
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0)) if is_centred else np.zeros(2)
     rig.location = (-middle[0], 0.0, -middle[1]) if is_upright else (-middle[0], -middle[1], 0.0)
     rig.rotation_euler.x = np.pi / 2.0 if is_upright else 0.0
+    return made
+
+
+def stage(
+    context: Context, home: bpy.types.Collection, rig: Object, puppet: game.GamePuppet, unit: float
+) -> list[Object]:
+    """Draws the bones of a puppet into its armature, and gives it a mesh for each layer, each above the one before:
+    what is there already goes on. Returns the meshes and the armature.
+
+    unit: metres per pixel.
+    """
+    whole = puppet.puppet.scaled(unit)
+    drawn = armatures.draw_bones(context, rig, Frame(np.eye(4), 0.0, 1.0, own=True), whole, whole.ranges)
+    controls.add_controls(context, rig, drawn.figure, 0.0)
+    named = zip(puppet.bones, drawn.bones, strict=True)
+    puppet = replace(puppet, bones=tuple(replace(bone, name=there.name) for bone, there in named))
+    there = {str(obj.get(keys.MADE, "")): obj for obj in rig.children}
+    step = DEPTH * size(np.concatenate([mesh.points for mesh in puppet.meshes]) * unit)
+    made = []
+    for number, mesh in enumerate(puppet.meshes):
+        obj = there.get(mesh.name)
+        if obj is None:
+            obj = bpy.data.objects.new(mesh.name, bpy.data.meshes.new(mesh.name))
+            home.objects.link(obj)
+            obj.parent = rig
+            obj.hide_render = obj.hide_viewport = not mesh.is_visible
+        obj.location.z = step * number
+        _fill(obj, rig, puppet, mesh, unit)
+        made.append(obj)
+    canvas = [puppet.place.width, puppet.place.height, unit]
+    keys.store(rig, {keys.CANVAS: canvas, keys.KEPT: game.to_puppet_json(puppet)})
     return [*made, rig]
 
 
-def _mesh_object(
-    home: bpy.types.Collection, rig: Object, puppet: game.GamePuppet, mesh: game.PartMesh, unit: float, height: float
-) -> Object:
-    """A mesh with its texture, and the weights of its bones."""
+def _fill(obj: Object, rig: Object, puppet: game.GamePuppet, mesh: game.PartMesh, unit: float) -> None:
+    """Gives an object a mesh with its texture, and the weights of its bones."""
     texture, left, top = game.texture_of(mesh, puppet.place)
-    data = filling.new_mesh(mesh.name, unit * mesh.points, faces=mesh.triangles)
-    obj = bpy.data.objects.new(mesh.name, data)
-    home.objects.link(obj)
-    obj.location.z = height
-    obj.parent = rig
+    old: Any = obj.data
+    name = old.name
+    data = filling.new_mesh(name, unit * mesh.points, faces=mesh.triangles)
     places = (puppet.place.down(mesh.points) - (left, top)) / (texture.shape[1], texture.shape[0])
-    _paint(data, mesh.name, texture, places * (1.0, -1.0) + (0.0, 1.0))
+    _paint(data, mesh.name, texture, places * (1.0, -1.0) + (0.0, 1.0), next(iter(old.materials), None))
+    obj.data = data
+    bpy.data.meshes.remove(old)
+    data.name = name
+    obj.vertex_groups.clear()
     skin(obj, rig, puppet.bones, mesh.weights, keeps_volume=False)
-    obj.hide_render = obj.hide_viewport = not mesh.is_visible
-    keys.store(obj, {keys.LAYER: mesh.part, keys.LAYER_ID: mesh.identity, keys.BLEND: mesh.blend})
-    return obj
+    layer = {keys.LAYER: mesh.part, keys.LAYER_ID: mesh.identity, keys.BLEND: mesh.blend, keys.MADE: mesh.name}
+    keys.store(obj, layer)
 
 
-def _paint(data: bpy.types.Mesh, name: str, texture: NDArray[np.uint8], places: FloatArray) -> None:
-    """Shows a texture on a mesh, without lighting; places: (n, 2) of its vertices, from 0 to 1."""
+def _paint(
+    data: bpy.types.Mesh,
+    name: str,
+    texture: NDArray[np.uint8],
+    places: FloatArray,
+    material: bpy.types.Material | None,
+) -> None:
+    """Shows a texture on a mesh, without lighting, in a new material or in place of the texture of one.
+
+    places: (n, 2) of its vertices, from 0 to 1.
+    """
     height, width = texture.shape[:2]
     image = bpy.data.images.new(name, width, height, alpha=True)
     image.pixels.foreach_set((texture[::-1] / np.float32(255.0)).astype(np.float32).ravel())  # type: ignore[attr-defined]
@@ -118,7 +154,10 @@ def _paint(data: bpy.types.Mesh, name: str, texture: NDArray[np.uint8], places: 
     layer = data.uv_layers.new(name="UVMap")
     used = filling.stored(data.loops, "vertex_index", 1, np.int32).ravel()
     layer.data.foreach_set("uv", places[used].astype(np.float32).ravel())
-    material = display.material(display.CUTOUT, name)
-    picture: Any = material.node_tree.nodes["Image Texture"]
-    picture.image = image
-    data.materials.append(material)
+    shown = material or display.material(display.CUTOUT, name)
+    for picture in pictures_in(shown):
+        old, picture.image = picture.image, image
+        if material is not None and old is not None and not old.users:
+            bpy.data.images.remove(old)
+            image.name = name
+    data.materials.append(shown)

@@ -1,13 +1,13 @@
 """Puppets for game engines: meshes with textures and bones, written for Godot, Spine and DragonBones.
 
-- `read_painting`: the painted parts of a layered file, a layered SVG or a folder of pictures.
-- `game_puppet`: a `GamePuppet` from the painted parts; `painted_puppet` with the puppet that it was made from; `meshed`
-  from a puppet that was drafted before.
+- `read_painting`: the painted parts of a layered file, a layered SVG or a folder of pictures; `picture_of`, one of a
+  vector shape, and `painted_as_one`, of several.
+- `game_puppet`: a `GamePuppet` from the painted parts; `meshed` from a draft of them.
 - `write_puppet`: its files for one of the `ENGINES`.
 - `Animation`: keys of its bones.
 - `texture_of`, `certify`, `engine_weights`, `proved_ranges`: for meshes that were edited elsewhere.
 - `to_puppet_json`, `from_puppet_json`: a puppet without its pictures; `repainted`: the puppet of a changed painting,
-  with its bones, names and keys; `with_hand_weights`: weights that were painted by hand.
+  with its bones, names and keys; `with_hand_weights`: weights that were painted by hand; `values_at`: at other places.
 """
 
 from .animation import Animation
@@ -18,12 +18,14 @@ from .kept import from_puppet_json, to_puppet_json
 from .mesh import PartMesh, Placement, engine_weights
 from .paintings import PAINTINGS, Painting, read_painting
 from .proved import proved_ranges
-from .puppet import HULL_VERTICES, GamePuppet, game_puppet, meshed, painted_puppet
-from .repainted import Changes, repainted, with_hand_weights
+from .puppet import HULL_VERTICES, GamePuppet, game_puppet, meshed
+from .repainted import Changes, repainted, values_at, with_hand_weights
+from .vector import LONGER_SIDE, painted_as_one, picture_of
 
 __all__ = [
     "ENGINES",
     "HULL_VERTICES",
+    "LONGER_SIDE",
     "PAINTINGS",
     "Animation",
     "Changes",
@@ -38,7 +40,8 @@ __all__ = [
     "from_puppet_json",
     "game_puppet",
     "meshed",
-    "painted_puppet",
+    "painted_as_one",
+    "picture_of",
     "proved_ranges",
     "read_painting",
     "repainted",
@@ -46,6 +49,7 @@ __all__ = [
     "texture_of",
     "to_puppet_json",
     "undrawn",
+    "values_at",
     "with_hand_weights",
     "write_puppet",
 ]

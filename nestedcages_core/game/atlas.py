@@ -89,6 +89,11 @@ def region_points(points: FloatArray, region: Region, place: Placement) -> Float
     return place.down(points) - (region.left, region.top)
 
 
+def page_points(points: FloatArray, region: Region, place: Placement) -> FloatArray:
+    """(n, 2) pixels of the page at points (n, 2) of the puppet."""
+    return np.asarray(region_points(points, region, place) + np.array([region.x, region.y]))
+
+
 def _packed(sizes: Sequence[tuple[int, int]]) -> tuple[list[tuple[int, int]], tuple[int, int]]:
     """Upper left corners of rectangles on a page, and its size: the smallest page of several widths."""
     padded = [(width + PADDING, height + PADDING) for width, height in sizes]

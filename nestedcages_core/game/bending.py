@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -63,44 +64,53 @@ SPREADS = tuple(Spread(around, ring, phase) for around, ring, phase in product(A
 class Limb:
     """What bends a part, and all that rides on it."""
 
-    area: Mesh
-    """The hull of its painted island."""
+    area: Mesh | None
+    """The hull of the painted island that has all joints; None if there is none, and nothing bends."""
     chain: FloatArray
     """(K + 2, 2) heads of the bones, and the tip of the last."""
     bends: tuple[Bend, ...]
 
     @classmethod
-    def of(cls, loop: FloatArray, chain: FloatArray, kept: float) -> Limb:
-        """A limb in its hull; kept: radius around the chain's start that stays rigid."""
-        area = Mesh.from_loops([loop])
-        return cls(area, chain, tuple(bends_of(area, chain, kept)))
+    def of(cls, hulls: Sequence[FloatArray], chain: FloatArray, kept: float) -> Limb:
+        """A limb in one of some hulls; kept: radius around the chain's start that stays rigid."""
+        shapely = load_shapely(NEEDED_FOR)
+        for hull in hulls:
+            if shapely.contains_xy(shapely.Polygon(hull), chain[1:-1]).all():
+                area = Mesh.from_loops([hull])
+                return cls(area, chain, tuple(bends_of(area, chain, kept)))
+        return cls(None, chain, tuple(Bend(joint, 0.0, 0.0, np.stack((joint, joint))) for joint in chain[1:-1]))
 
 
 def best_field(loop: FloatArray, limb: Limb, first_bone: int) -> tuple[BendField, list[JointRange]]:
     """The mesh in a hull, and the ranges of the limb's joints: of several spreads of points the first whose joints turn
     far enough, else the one that turns farthest. What lies next to the limb follows its nearest bone."""
-    shapely = load_shapely(NEEDED_FOR)
-    solid, around = shapely.Polygon(loop), shapely.geometry.shape(limb.area.__geo_interface__)
-    if shapely.intersection(solid, around).area < ON_LIMB * solid.area:
+    if limb.area is None or not _is_on(loop, limb.area):
         grid = meshed_loop(counter_clockwise(loop))
         x, y = loop.mean(axis=0).tolist()
         shares = (np.arange(len(limb.bends)) < nearest_bone(limb.chain, (x, y))).astype(np.float64)
-        still = BendField(limb.area, grid, first_bone, limb.bends, np.tile(shares, (len(loop), 1)))
+        still = BendField(Mesh.from_loops([loop]), grid, first_bone, limb.bends, np.tile(shares, (len(loop), 1)))
         return still, [FREE] * len(limb.bends)
     found: list[tuple[BendField, list[JointRange]]] = []
     for spread in SPREADS:
-        made = _mesh_field(loop, limb, first_bone, spread)
+        made = _mesh_field(loop, limb, limb.area, first_bone, spread)
         found.append((made, ranges_of(made, SKIN)))
         if least_turn(found[-1][1]) >= LEAST_TURN:
             break
     return max(found, key=lambda each: least_turn(each[1]))
 
 
-def _mesh_field(loop: FloatArray, limb: Limb, first_bone: int, spread: Spread) -> BendField:
+def _is_on(loop: FloatArray, area: Mesh) -> bool:
+    shapely = load_shapely(NEEDED_FOR)
+    solid = shapely.Polygon(loop)
+    shared = shapely.intersection(solid, shapely.geometry.shape(area.__geo_interface__))
+    return bool(shared.area >= ON_LIMB * solid.area)
+
+
+def _mesh_field(loop: FloatArray, limb: Limb, area: Mesh, first_bone: int, spread: Spread) -> BendField:
     """The mesh within the hull (n, 2) of a limb, or of what rides on it, and its weights; the hull comes first."""
     hull = counter_clockwise(_with_vertices_at_joints(loop, limb))
     grid = meshed_loop(hull, _inner_points(hull, limb, spread))
-    shares = shares_of(grid, limb.chain, limb.bends, limb.area)
+    shares = shares_of(grid, limb.chain, limb.bends, area)
     blended = (shares > 0.0) & (shares < 1.0)
     shares = np.where(blended, SKIN.weight(shares), shares)
     shares = np.round(shares / FINEST_WEIGHT) * FINEST_WEIGHT

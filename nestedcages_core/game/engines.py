@@ -13,6 +13,7 @@ from ..exchange.pictures import encode_png
 from .atlas import Atlas, atlas_of
 from .dragonbones import to_dragonbones, to_dragonbones_atlas
 from .godot import to_godot
+from .kept import to_puppet_json
 from .puppet import GamePuppet
 from .spine import to_spine, to_spine_atlas
 
@@ -52,6 +53,11 @@ ENGINES: Mapping[str, Engine] = {
             "{stem}_ske.json": lambda puppet, atlas, picture: to_dragonbones(puppet, atlas),
             "{stem}_tex.json": to_dragonbones_atlas,
         },
+        ("add", "multiply", "screen"),
+    ),
+    "script": Engine(
+        "own scripts",
+        {"{stem}.puppet.json": lambda puppet, atlas, picture: to_puppet_json(puppet, atlas, picture)},
         ("add", "multiply", "screen"),
     ),
 }

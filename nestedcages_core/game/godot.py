@@ -8,7 +8,7 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 from .animation import Animation
-from .atlas import Atlas, region_points
+from .atlas import Atlas, page_points
 from .local import LocalBone, few_decimals, in_parent, local_bones, unique_names
 from .mesh import PartMesh
 from .puppet import GamePuppet
@@ -41,7 +41,7 @@ def to_godot(puppet: GamePuppet, atlas: Atlas, picture: str) -> str:
         above = SKELETON if parent is None else f"{SKELETON}/{paths[parent]}"
         lines += _bone_node(puppet, k, bones[k], above, local)
     for mesh, node, region in zip(puppet.meshes, nodes, atlas.regions, strict=True):
-        uv = region_points(mesh.points, region, puppet.place) + np.array([region.x, region.y])
+        uv = page_points(mesh.points, region, puppet.place)
         lines += _polygon(mesh, node, paths, uv)
     if puppet.animations:
         lines += ['[node name="AnimationPlayer" type="AnimationPlayer" parent="."]']

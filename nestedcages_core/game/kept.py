@@ -14,6 +14,7 @@ from ..exchange import Limits
 from ..geometry.arrays import FloatArray
 from ..puppet import Hold, JointRange
 from .animation import Animation
+from .atlas import Atlas, page_points
 from .mesh import PartMesh, Placement
 from .puppet import GamePuppet, PartRecord
 
@@ -24,10 +25,13 @@ KEPT_LIMITS = Limits(bytes=2**28, elements=10_000)
 """Maximum of what is read by default: bytes, and bones, parts and meshes."""
 
 
-def to_puppet_json(puppet: GamePuppet) -> str:
-    """A puppet without its pictures: places in pixels, y pointing up; weights by number of the bone."""
+def to_puppet_json(puppet: GamePuppet, atlas: Atlas | None = None, picture: str = "") -> str:
+    """A puppet without its pictures: places in pixels, y pointing up; weights by number of the bone.
+
+    atlas: then the name of its picture and texture coordinates in pixels, y pointing down, for scripts that draw it.
+    """
     ranges = ((r.low, r.high, r.simple_low, r.simple_high) for r in puppet.ranges)
-    document = {
+    document: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
         "name": puppet.name,
@@ -49,6 +53,10 @@ def to_puppet_json(puppet: GamePuppet) -> str:
             for animation in puppet.animations
         ],
     }
+    if atlas is not None:
+        document["picture"] = picture
+        for entry, mesh, region in zip(document["meshes"], puppet.meshes, atlas.regions, strict=True):
+            entry["uv"] = page_points(mesh.points, region, puppet.place).tolist()
     return json.dumps(document, ensure_ascii=False, allow_nan=False)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import NamedTuple
 
@@ -29,6 +29,7 @@ class Painting(NamedTuple):
 
 def read_painting(
     path: str | os.PathLike[str],
+    names: Collection[str] | None = None,
     *,
     hidden: bool = False,
     pixels: int = LONGER_SIDE,
@@ -36,11 +37,12 @@ def read_painting(
 ) -> Painting:
     """The parts of a layered file, an SVG, or a folder of PNG pictures by the order of their names.
 
-    hidden: whether hidden layers become hidden parts; pixels: of the longer side of an SVG; decode: (h, w, 4) pixels
-    of a PNG, by Pillow if None. Raises NestedCagesError, OSError.
+    names: of the pictures of a folder that are read, all if None; hidden: whether hidden layers become hidden parts;
+    pixels: of the longer side of an SVG; decode: (h, w, 4) pixels of a PNG, by Pillow if None. Raises NestedCagesError,
+    OSError.
     """
     if Path(path).suffix.lower() == ".svg":
         return Painting(*parts_of_svg(read_whole(path, Limits()), pixels))
-    picture = read_layers(path, decode=decode)
+    picture = read_layers(path, names, decode=decode)
     parts, notes = parts_of(picture, hidden=hidden)
     return Painting(parts, (picture.width, picture.height), notes)

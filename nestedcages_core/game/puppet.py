@@ -73,6 +73,16 @@ class GamePuppet:
     hand: Mapping[str, FloatArray] = field(default_factory=dict, repr=False)
     """(n, B) by name of the mesh, how its weights differ from those that were solved: what was painted by hand."""
 
+    draft: PuppetDraft | None = field(default=None, repr=False)
+    """How its parts hang together; None if it was read from a file."""
+
+    @property
+    def puppet(self) -> Puppet:
+        """What moves it, whose parts have no fields: their meshes have the weights. Raises NestedCagesError."""
+        if self.draft is None:
+            raise invalid_setting(f"The puppet {self.name!r} was read from a file and has no draft.")
+        return Puppet(replace(self.draft, bones=self.bones), (None,) * len(self.draft.parts), self.ranges, SKIN)
+
     def posed(self, turned: Mapping[str, float]) -> list[FloatArray]:
         """(n, 2) points of each mesh with bones turned by degrees, counter-clockwise, relative to their parents.
 
@@ -99,18 +109,6 @@ def game_puppet(
     size: width and height of the canvas; vertices: of the largest hull of each part; choices: of `draft_puppet`. Raises
     NestedCagesError.
     """
-    return painted_puppet(parts, size, name=name, vertices=vertices, choices=choices)[1]
-
-
-def painted_puppet(
-    parts: Sequence[PicturePart],
-    size: tuple[int, int],
-    *,
-    name: str = "puppet",
-    vertices: int = HULL_VERTICES,
-    choices: Mapping[str, PartChoice] | None = None,
-) -> tuple[Puppet, GamePuppet]:
-    """The same, with the puppet that it was made from."""
     if not parts:
         raise invalid_setting("The picture has no visible layer with pixels; show one, or include hidden layers.")
     place = Placement(*size)
@@ -131,7 +129,7 @@ def puppet_part(part: PicturePart, place: Placement) -> PuppetPart:
 
 def meshed(
     draft: PuppetDraft, parts: Sequence[PicturePart], place: Placement, *, name: str, vertices: int = HULL_VERTICES
-) -> tuple[Puppet, GamePuppet]:
+) -> GamePuppet:
     """The puppet of a draft whose parts have these pictures, in the same order, and its meshes: one for each island.
 
     A part gets fewer bones where a joint of its meshes turns too little, as in `puppet_of`. Raises NestedCagesError.
@@ -173,8 +171,9 @@ def meshed(
             meshes.append(mesh)
     ranges = proved_ranges(draft.bones, meshes)
     records = tuple(_record_of(draft, k, part) for k, part in enumerate(parts))
-    puppet = Puppet(draft, tuple(fields.get((k, 0)) for k in range(len(parts))), ranges, SKIN)
-    return puppet, GamePuppet(name, place, draft.bones, tuple(meshes), ranges, (), draft.notes, records)
+    stiff = [draft.parts[part].name for part, (_, turns) in made.items() if all(turn == FREE for turn in turns)]
+    notes = (*draft.notes, *(f"{part} is not painted where its bones meet, so it does not bend." for part in stiff))
+    return GamePuppet(name, place, draft.bones, tuple(meshes), ranges, (), notes, records, draft=draft)
 
 
 def _fields_of(
@@ -183,9 +182,7 @@ def _fields_of(
     """The fields of a part that bends and of what rides on it, by numbers of part and island, and the ranges of its
     joints."""
     chain, kept = limb_of(draft, part)
-    shapely = load_shapely("A puppet of parts that bend")
-    around = next(hull for hull in hulls[part] if shapely.contains_xy(shapely.Polygon(hull), *chain[1]))
-    limb = Limb.of(around, chain, kept)
+    limb = Limb.of(hulls[part], chain, kept)
     fields, turns = {}, [FREE] * len(limb.bends)
     for k in (part, *riders_on(draft, part)):
         for number, hull in enumerate(hulls[k]):

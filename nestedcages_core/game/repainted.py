@@ -80,7 +80,7 @@ def repainted(
     choices = {record.name: _choice(record, old.parts, set(kept)) for record in records if record is not None}
     outlines = [replace(puppet_part(part, place), name=name) for part, name in zip(parts, names, strict=True)]
     draft = _with_bones(draft_puppet(outlines, choices), old, records)
-    made = meshed(draft, parts, place, name=old.name, vertices=vertices)[1]
+    made = meshed(draft, parts, place, name=old.name, vertices=vertices)
     made = replace(made, animations=_kept_animations(old, made.bones))
     changes = Changes(
         tuple(new),
@@ -164,7 +164,7 @@ def _with_hand(made: GamePuppet, old: GamePuppet) -> GamePuppet:
         painted = old.hand.get(mesh.name)
         if painted is not None and np.any(painted):
             carried = np.zeros_like(mesh.weights)
-            here = _at(before[mesh.name], painted, mesh.points)
+            here = values_at(before[mesh.name], painted, mesh.points)
             for k, bone in enumerate(target):
                 if bone is not None:
                     carried[:, bone] += here[:, k]
@@ -175,7 +175,7 @@ def _with_hand(made: GamePuppet, old: GamePuppet) -> GamePuppet:
     return replace(made, meshes=tuple(meshes), hand=hand, ranges=proved_ranges(made.bones, meshes))
 
 
-def _at(mesh: PartMesh, values: FloatArray, points: FloatArray) -> FloatArray:
+def values_at(mesh: PartMesh, values: FloatArray, points: FloatArray) -> FloatArray:
     """Values (n, B) of a mesh at points (P, 2): linear on its triangles; outside, those of the nearest point on it."""
     ring = np.arange(mesh.hull)
     grid = Triangulation(mesh.points, mesh.triangles, ring, np.roll(ring, -1), np.zeros(mesh.hull))

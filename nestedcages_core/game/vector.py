@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import groupby
 from typing import Any
 
@@ -26,6 +27,9 @@ FAINTEST = 1e-9
 LONGER_SIDE = 1024
 """Pixels of the longer side of a drawing, by default."""
 
+Paint = tuple[Mesh, tuple[float, ...]]
+"""An area, y pointing down, and its red, green, blue and opacity from 0 to 1."""
+
 
 def parts_of_svg(
     text: str | bytes, pixels: int = LONGER_SIDE, **options: Any
@@ -43,13 +47,14 @@ def parts_of_svg(
     low, high = corners.min(axis=0), corners.max(axis=0)
     scale = pixels / float((high - low).max())
     width, height = np.maximum(np.ceil((high - low) * scale).astype(int), 1).tolist()
-    found = [part for shape in shapes if (part := _picture_of(shape, low, scale)) is not None]
+    drawn = (picture_of(s.name, s.groups, s.identity, _paints_of(s), low, scale) for s in shapes)
+    found = [part for part in drawn if part is not None]
     if len({part.groups for part in found if part.groups}) >= LEAST_GROUPS:
-        found = [_painted_as_one(list(own)) for _, own in groupby(found, key=lambda part: part.groups or part.name)]
+        found = [painted_as_one(list(own)) for _, own in groupby(found, key=lambda part: part.groups or part.name)]
     return tuple(found), (width, height), notes
 
 
-def _painted_as_one(parts: list[PicturePart]) -> PicturePart:
+def painted_as_one(parts: Sequence[PicturePart]) -> PicturePart:
     """The parts of one group as one part, the lowest first."""
     if not parts[0].groups:
         return parts[0]
@@ -75,23 +80,30 @@ def _as_bytes(light: FloatArray, alpha: FloatArray) -> Pixels:
     return out
 
 
-def _picture_of(shape: SvgPart, low: FloatArray, scale: float) -> PicturePart | None:
-    """The picture of a shape; None if it covers no pixel."""
-    meshes = [(mesh, colour) for mesh, colour in ((shape.fill, shape.fill_colour), (shape.stroke, shape.stroke_colour))]
-    placed = [(_in_pixels(mesh, low, scale), colour) for mesh, colour in meshes if mesh is not None]
+def picture_of(
+    name: str, groups: tuple[str, ...], identity: str, paints: Sequence[Paint], low: FloatArray, scale: float
+) -> PicturePart | None:
+    """The picture of a shape; None if it covers no pixel.
+
+    paints: areas that share borders at most; low: (2,) the upper left corner of the canvas; scale: pixels per unit.
+    """
+    placed = [(_in_pixels(mesh, low, scale), colour) for mesh, colour in paints]
     corners = np.concatenate([np.concatenate(rings) for rings, _ in placed])
     left, top = np.floor(corners.min(axis=0)).astype(int).tolist()
     right, bottom = np.ceil(corners.max(axis=0)).astype(int).tolist()
     size = (max(bottom - top, 1), max(right - left, 1))
     light, alpha = np.zeros((*size, 3)), np.zeros(size)
-    for rings, (*colour, opacity) in placed:  # fill and stroke share their border, so coverages add up
+    for rings, (*colour, opacity) in placed:  # coverages add up
         covered = opacity * coverage([ring - np.array([left, top]) for ring in rings], size)
         light += covered[..., None] * colour
         alpha += covered
     out = _as_bytes(light, alpha)
-    if not out[..., 3].any():
-        return None
-    return PicturePart(shape.name, shape.groups, shape.identity, left, top, out)
+    return PicturePart(name, groups, identity, left, top, out) if out[..., 3].any() else None
+
+
+def _paints_of(shape: SvgPart) -> list[Paint]:
+    pairs = ((shape.fill, shape.fill_colour), (shape.stroke, shape.stroke_colour))
+    return [(mesh, colour) for mesh, colour in pairs if mesh is not None]
 
 
 def _in_pixels(mesh: Mesh, low: FloatArray, scale: float) -> list[FloatArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from math import radians
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,8 @@ import bpy
 import numpy as np
 import pytest
 from bpy.types import Object
+
+from nestedcages_core.exchange.pictures import read_png
 
 pytest.importorskip("shapely")
 
@@ -218,6 +221,40 @@ def test_what_was_made_by_hand_stays(fox: tuple[Object, dict[str, np.ndarray]]) 
     weights = [group.weight(vertex) for group in again.vertex_groups]
     assert weights == pytest.approx([0.5, 0.5], abs=1e-3)
     assert "tail" not in moved(posed_shapes, shapes()) and "head" not in moved(posed_shapes, shapes())
+
+
+ARM = """<svg xmlns="http://www.w3.org/2000/svg">
+<rect id="body" x="100" y="100" width="90" height="140" fill="#00f" stroke="#f00" stroke-width="6"/>
+<rect id="arm" x="10" y="120" width="130" height="24" rx="12" fill="#0f0"/>
+<circle id="eye" cx="150" cy="150" r="8"/></svg>"""
+
+
+@pytest.mark.slow
+def test_vector_puppets_are_exported_as_pictures(tmp_path: Path) -> None:
+    """With the bones and keys of the armature, parts in their colours, and weights of engines, also while posed."""
+    (tmp_path / "arm.svg").write_text(ARM, encoding="utf-8")
+    bpy.ops.object.nested_cages_import(filepath=str(tmp_path / "arm.svg"))
+    bpy.ops.object.nested_cages_puppet()
+    rig = bpy.context.object
+    last = rig.pose.bones[[each.name for each in rig.data.bones if each["nested_cages_part"] == "arm"][-1]]
+    for frame, angle in ((1, 0.0), (25, radians(45.0))):
+        last.rotation_euler.z = angle
+        last.keyframe_insert("rotation_euler", frame=frame)
+    bpy.context.scene.frame_set(25)
+    assert bpy.ops.object.nested_cages_export(filepath=str(tmp_path / "arm.json"), engine="SPINE") == {"FINISHED"}
+    assert rig.data.pose_position == "POSE" and last.rotation_euler.z == pytest.approx(radians(45.0))
+    found = json.loads((tmp_path / "arm.json").read_text(encoding="utf-8"))
+    parents = {each["name"]: each["parent"] for each in found["bones"][1:]}
+    assert parents == {"body": "root", "arm": "body", "arm.001": "arm"}  # without controls
+    assert [slot["name"] for slot in found["slots"]] == ["body", "arm", "eye"]
+    assert found["slots"][2]["bone"] == "body"
+    (turns,) = (each["rotate"] for each in found["animations"].popitem()[1]["bones"].values())
+    assert turns[-1]["value"] == pytest.approx(45.0, abs=0.01)
+    bent = next(each for each in found["bones"] if each["name"] == last.name)
+    assert bent["proved_degrees"][0] <= -90.0 and bent["proved_degrees"][1] >= 90.0
+    pixels = read_png(tmp_path / "arm.png")
+    colours = {tuple(row) for row in pixels[pixels[..., 3] == 255].tolist()}
+    assert {(0, 0, 255, 255), (255, 0, 0, 255), (0, 255, 0, 255), (0, 0, 0, 255)} <= colours
 
 
 def test_nothing_selected_is_told() -> None:

@@ -78,20 +78,21 @@ def test_a_painting_becomes_a_puppet(painting: Path, core: Any, capfd: pytest.Ca
         np.testing.assert_allclose(there, wanted, atol=0.01)
 
 
-@pytest.mark.parametrize(("kind", "files"), [
+@pytest.mark.parametrize(("engine", "files"), [
     ("GODOT", {"cat.tscn", "cat.png"}),
     ("SPINE", {"cat.json", "cat.atlas", "cat.png"}),
     ("DRAGONBONES", {"cat_ske.json", "cat_tex.json", "cat.png"}),
+    ("SCRIPT", {"cat.puppet.json", "cat.png"}),
 ])  # fmt: skip
-def test_export_asks_for_the_engine(painting: Path, tmp_path: Path, kind: str, files: set[str]) -> None:
+def test_export_asks_for_the_engine(painting: Path, tmp_path: Path, engine: str, files: set[str]) -> None:
     imported(painting, hidden=True)
     out = tmp_path / "out"
     out.mkdir()
-    suffix = ".tscn" if kind == "GODOT" else ".json"
-    assert bpy.ops.object.nested_cages_export(filepath=str(out / f"cat{suffix}"), kind=kind) == {"FINISHED"}
+    suffix = ".tscn" if engine == "GODOT" else ".json"
+    assert bpy.ops.object.nested_cages_export(filepath=str(out / f"cat{suffix}"), engine=engine) == {"FINISHED"}
     assert {path.name for path in out.iterdir()} == files
     assert read_png(out / "cat.png")[..., 3].any()
-    if kind == "GODOT":
+    if engine == "GODOT":
         scene = (out / "cat.tscn").read_text(encoding="utf-8")
         assert scene.count('type="Polygon2D"') == 4
         assert scene.count("visible = false") == 1
@@ -110,7 +111,7 @@ def test_what_is_exported_is_what_stands_in_the_scene(painting: Path, tmp_path: 
     follow.target, follow.subtarget, follow.owner_space, follow.target_space = rig, "tail.001", "LOCAL", "LOCAL"
     bpy.context.scene.frame_set(7)
     path = tmp_path / "cat.json"
-    assert bpy.ops.object.nested_cages_export(filepath=str(path), kind="SPINE") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_export(filepath=str(path), engine="SPINE") == {"FINISHED"}
     assert bpy.context.scene.frame_current == 7
     found = json.loads(path.read_text(encoding="utf-8"))
     picture = core.exchange.layers.read_layers(painting)
@@ -146,16 +147,76 @@ def test_painted_weights_and_moved_vertices_are_judged(painting: Path, tmp_path:
     group = tail.vertex_groups.new(name="body")
     group.add([0], 0.5, "REPLACE")
     out = tmp_path / "cat.json"
-    assert bpy.ops.object.nested_cages_export(filepath=str(out), kind="SPINE") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_export(filepath=str(out), engine="SPINE") == {"FINISHED"}
     bones = {bone["name"]: bone for bone in json.loads(out.read_text(encoding="utf-8"))["bones"]}
     assert bones["tail"]["proved_degrees"] == [0, 0]
     tail.data.vertices[1].co.x += 0.3
     with pytest.raises(RuntimeError, match="where it was painted"):
-        bpy.ops.object.nested_cages_export(filepath=str(out), kind="SPINE")
+        bpy.ops.object.nested_cages_export(filepath=str(out), engine="SPINE")
     tail.data.vertices[1].co.x -= 0.3
     parts["arm"].vertex_groups.clear()
     with pytest.raises(RuntimeError, match="without weights"):
-        bpy.ops.object.nested_cages_export(filepath=str(out), kind="SPINE")
+        bpy.ops.object.nested_cages_export(filepath=str(out), engine="SPINE")
+
+
+def test_a_repainted_puppet_keeps_what_was_made_with_it(painting: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """Objects and bones that were renamed, keys, and weights painted by hand; a layer is new."""
+    parts, rig = imported(painting)
+    parts["tail"].name = "plume"
+    rig.data.bones["tail.001"].name = "tip"
+    rig.pose.bones["tip"].rotation_euler.z = 0.3
+    rig.pose.bones["tip"].keyframe_insert("rotation_euler", frame=5)
+    arm = parts["arm"]
+    arm.vertex_groups.new(name="body").add([0], 1.0, "REPLACE")
+    for group in arm.vertex_groups[:-1]:
+        group.remove([0])
+    place, before = arm.data.vertices[0].co.copy(), rig.data.bones["tip"].head_local.copy()
+    with zipfile.ZipFile(painting) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    stack = (
+        files["stack.xml"]
+        .decode()
+        .replace(
+            "<layer name='body' src='body.png'/>",
+            "<layer name='hat' src='hat.png'/>\
+<layer name='body' src='body.png'/>",
+        )
+        .replace("<layer name='note' src='note.png' visibility='hidden'/>", "")
+    )
+    hat = np.zeros((SIZE[1], SIZE[0], 4), np.uint8)
+    hat[110:150, 200:230] = 255
+    with zipfile.ZipFile(painting, "w") as archive:
+        for name, data in {**files, "hat.png": encode_png(hat), "stack.xml": stack}.items():
+            archive.writestr(name, data)
+    capfd.readouterr()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    with bpy.context.temp_override(selected_objects=[rig], active_object=rig):
+        assert bpy.ops.object.nested_cages_import(filepath=str(painting), repaint=True) == {"FINISHED"}
+    said = "".join(capfd.readouterr())
+    assert "New: hat" in said and "Repainted" not in said
+    assert {obj.name for obj in rig.children} == {"plume", "body", "arm", "hat"}
+    assert (rig.data.bones["tip"].head_local - before).length < 1e-6
+    assert rig.data.bones["tip"].parent.name == "tail"
+    assert rig.pose.bones["tip"].rotation_euler.z == pytest.approx(0.3)
+    assert rig.animation_data.action is not None
+    (moved,) = [vertex for vertex in arm.data.vertices if (vertex.co - place).length < 1e-5]
+    weights = {arm.vertex_groups[member.group].name: member.weight for member in moved.groups}
+    assert weights == {"body": pytest.approx(1.0, abs=1e-3)}
+    assert sum(obj.active_material is not None for obj in rig.children) == 4
+    assert {obj.active_material.name for obj in rig.children} == {"tail", "body", "arm", "hat"}
+
+
+def test_pictures_of_a_folder_are_a_painting(tmp_path: Path) -> None:
+    for number in range(3):
+        pixels = np.zeros((40, 60, 4), np.uint8)
+        pixels[5:30, 8 * number : 30 + 8 * number] = 255
+        (tmp_path / f"{number} part{number}.png").write_bytes(encode_png(pixels))
+    assert set(imported(tmp_path)[0]) == {"part0", "part1", "part2"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    names = [{"name": f"{number} part{number}.png"} for number in (2, 0)]
+    bpy.ops.object.nested_cages_import(directory=str(tmp_path), files=names)
+    chosen = bpy.context.view_layer.objects.active.children
+    assert {obj.name.partition(".")[0] for obj in chosen} == {"part0", "part2"}
 
 
 def test_a_damaged_painting_is_told(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 
 from ...errors import invalid_file
@@ -21,13 +21,15 @@ MOST_FOLDERS = 8
 """Maximum depth of folders in folders."""
 
 
-def read_folder(path: Path, limits: Limits, decode: Callable[[bytes], Pixels]) -> LayeredPicture:
+def read_folder(
+    path: Path, limits: Limits, decode: Callable[[bytes], Pixels], names: Collection[str] | None = None
+) -> LayeredPicture:
     """A layer for each PNG of a folder, the first by name lowest, folders in it as groups. Raises NestedCagesError.
 
     Pictures lie where their oFFs chunk says, as GIMP writes it, else at the upper left corner of the canvas. The canvas
-    is as large as they reach.
+    is as large as they reach. names: of the files and folders in it that are read; all if None.
     """
-    layers = _layers_in(path, Quota(limits), limits, decode)
+    layers = _layers_in(path, Quota(limits), limits, decode, names)
     found = [layer for each in layers for layer in each.walk() if layer.pixels is not None]
     if not found:
         raise invalid_file(f"{path.name}: the folder has no PNG pictures.")
@@ -37,15 +39,21 @@ def read_folder(path: Path, limits: Limits, decode: Callable[[bytes], Pixels]) -
 
 
 def _layers_in(
-    path: Path, quota: Quota, limits: Limits, decode: Callable[[bytes], Pixels], depth: int = 0
+    path: Path,
+    quota: Quota,
+    limits: Limits,
+    decode: Callable[[bytes], Pixels],
+    wanted: Collection[str] | None = None,
+    depth: int = 0,
 ) -> tuple[Layer, ...]:
     layers = []
     with os.scandir(path) as entries:
-        names = sorted((entry.name for entry in entries if not entry.name.startswith(".")), key=_by_numbers)
+        found = [entry.name for entry in entries if not entry.name.startswith(".")]
+    names = sorted((name for name in found if wanted is None or name in wanted), key=_by_numbers)
     for name in names:
         file = path / name
         if file.is_dir() and depth < MOST_FOLDERS:
-            inside = _layers_in(file, quota, limits, decode, depth + 1)
+            inside = _layers_in(file, quota, limits, decode, depth=depth + 1)
             layers += [Layer(ORDER.sub("", name), children=inside)] if inside else []
         elif file.suffix.lower() == ".png" and file.is_file():
             quota.spend("elements", 1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 
 from ...errors import invalid_file
@@ -23,18 +23,20 @@ ENDINGS = (".psd", ".psb", ".ora", ".kra")
 
 def read_layers(
     path: str | os.PathLike[str],
+    names: Collection[str] | None = None,
     *,
     limits: Limits = LAYERED_LIMITS,
     decode: Callable[[bytes], Pixels] | None = None,
 ) -> LayeredPicture:
     """The layers of a PSD, PSB, OpenRaster or Krita file, or of a folder of PNG pictures by the order of their names.
 
-    decode: (h, w, 4) pixels of a PNG; Pillow by default. Raises NestedCagesError for what can't be read, OSError.
+    names: of the pictures of a folder that are read, all if None; decode: (h, w, 4) pixels of a PNG; Pillow by default.
+    Raises NestedCagesError for what can't be read, OSError.
     """
     place = Path(path)
     decoding = decode or (lambda data: decode_png(data, limits=limits))
     if place.is_dir():
-        return read_folder(place, limits, decoding)
+        return read_folder(place, limits, decoding, names)
     return layers_of(read_whole(place, limits), limits, decoding)
 
 

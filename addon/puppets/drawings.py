@@ -1,0 +1,63 @@
+"""Vector drawings of a puppet as pictures: what they paint in which colour, and which bones move them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import bpy
+import numpy as np
+from bpy.types import Context, Object
+from mathutils import Color
+
+from ..core import core, game, layers
+from ..errors import FloatArray, UserError
+from ..io.pictures import image_on
+from ..scene import filling
+from ..scene.areas import areas_of
+from ..scene.plane import Frame, united
+from .moving import Drawn
+
+# An area, y pointing down, and its colour: red, green, blue and opacity.
+Paint: TypeAlias = "tuple[core.Mesh, tuple[float, ...]]"
+# Colour of what has no material.
+GREY = (0.8, 0.8, 0.8, 1.0)
+
+
+def paints_of(context: Context, obj: Object, frame: Frame) -> list[Paint]:
+    """What an object paints, material by material. Raises: UserError, also for a picture."""
+    if image_on(obj) is not None:
+        raise UserError(f"'{obj.name}' shows a picture: import the picture's layers as a painting, which has bones too")
+    areas = areas_of(context, obj, frame, closed=True)
+    materials = [slot.material for slot in obj.material_slots] or [None]
+    slots = np.zeros(len(areas), int)
+    if obj.type == "MESH" and len(materials) > 1:
+        with filling.evaluated_mesh(obj.evaluated_get(context.evaluated_depsgraph_get())) as mesh:
+            if mesh is not None:
+                mesh.calc_loop_triangles()
+                numbers = filling.stored(mesh.loop_triangles, "material_index", 1, np.int32).ravel()
+                slots[: len(numbers)] = numbers
+    found = []
+    for slot, material in enumerate(materials):
+        own = [area for area, number in zip(areas, slots.tolist(), strict=True) if number == slot]
+        if own:
+            loops = [loop * (1.0, -1.0) for loop in united(obj.name, own)]
+            found.append((core.Mesh.from_loops(loops), _colour(material)))
+    return found
+
+
+def pictures_of(
+    given: Drawn, shapes: Sequence[Sequence[Paint]], low: FloatArray, scale: float
+) -> list[layers.PicturePart]:
+    """The picture of each part, from what it paints. low, scale: of `picture_of`."""
+    found = []
+    for part, paints in zip(given.parts, shapes, strict=True):
+        pictures = [game.picture_of(part.name, (part.name,), "", [paint], low, scale) for paint in paints]
+        found.append(game.painted_as_one([each for each in pictures if each is not None]))
+    return found
+
+
+def _colour(material: bpy.types.Material | None) -> tuple[float, ...]:
+    """The colour of a material in the view, in sRGB."""
+    *shade, opacity = material.diffuse_color if material is not None else GREY
+    return (*Color(shade).from_scene_linear_to_srgb()[:], float(opacity))
