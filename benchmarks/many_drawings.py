@@ -1,6 +1,7 @@
-"""Time to generate cages for many drawings in Blender again, everything remembered, and to show them.
+"""Time to generate cages for many drawings in Blender again, everything remembered, to show, bind and unbind them, and
+to ask all operators whether they can be used, with one drawing selected and many plain objects in the scene.
 
-    python benchmarks/many_drawings.py --drawings 50 100 200
+    python benchmarks/many_drawings.py --drawings 50 100 200 --objects 5000
 
 Needs Blender as a Python module (bpy). CPU seconds; the longest step is one that Escape has to wait for.
 """
@@ -49,9 +50,20 @@ def seconds(work: Callable[[], Any]) -> float:
     return time.process_time() - before
 
 
-def measure(base: Any, overlay: Any, count: int) -> str:
+def polls(base: Any) -> float:
+    """CPU seconds to ask all operators once."""
+    found, operators = [base.Operator], []
+    while found:
+        found += (kind := found.pop()).__subclasses__()
+        operators += [kind] if "_OT_" in kind.__name__ else []
+    return min(seconds(lambda: [each.poll(bpy.context) for each in operators]) for _ in range(REDRAWS))
+
+
+def measure(base: Any, overlay: Any, count: int, objects: int) -> str:
     """A row of the table."""
     draw(count)
+    for _ in range(objects):
+        bpy.context.scene.collection.objects.link(bpy.data.objects.new("Plain", None))
     steps: list[float] = []
 
     def stepped(work: Any) -> None:
@@ -77,22 +89,34 @@ def measure(base: Any, overlay: Any, count: int) -> str:
     actions, markers = len(bpy.data.actions), len(scene.timeline_markers)
     change = np.median([seconds(lambda at=frame: scene.frame_set(at)) for frame in range(2, 2 + REDRAWS)])
     redraw = np.median([seconds(lambda: list(overlay.looks(bpy.context))) for _ in range(REDRAWS)])
+    bpy.context.view_layer.objects.active = drawings[0]
+    for drawing in drawings:
+        drawing.select_set(drawing == drawings[0])
+    asked = polls(base)
+    for drawing in drawings:
+        drawing.select_set(True)
+    bind = seconds(bpy.ops.object.nested_cages_bind)
+    for drawing in drawings:
+        drawing.select_set(True)
+    unbind = seconds(bpy.ops.object.nested_cages_unbind)
     return (
         f"{count:8d} {totals[0]:8.2f} {min(totals[1:]):8.2f} {max(steps):8.3f} {actions:8d} {markers:8d} "
-        f"{1e3 * change:9.1f} {1e3 * redraw:9.1f}"
+        f"{1e3 * change:9.1f} {1e3 * redraw:9.1f} "
+        f"{1e3 * asked:8.2f} {bind:7.2f} {unbind:8.2f}"
     )
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--drawings", type=int, nargs="+", default=[50, 100, 200])
-    counts = parser.parse_args().drawings
+    parser.add_argument("--objects", type=int, default=5000, help="plain objects in the scene")
+    given = parser.parse_args()
     package = extension()
     package.register()
     atexit.register(package.unregister)
     base, overlay = (import_module(f"{PACKAGE}.addon.{name}") for name in ("operators.base", "ui.overlay"))
-    rows = [measure(base, overlay, count) for count in counts]
-    print("drawings  first s  again s   step s  actions  markers  frame ms redraw ms")
+    rows = [measure(base, overlay, count, given.objects) for count in given.drawings]
+    print("drawings  first s  again s   step s  actions  markers  frame ms redraw ms polls ms  bind s unbind s")
     print("\n".join(rows))
 
 

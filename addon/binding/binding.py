@@ -7,7 +7,7 @@ are unbound. The artist's work on either mesh is transferred to the other.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -17,8 +17,7 @@ from bpy.types import Context, Object
 from mathutils import Matrix
 
 from .. import keys, record
-from ..animation import visibility
-from ..animation.shape_keys import remove_mesh
+from ..animation import shape_keys, visibility
 from ..core import blamed, core, tasks
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
@@ -112,24 +111,21 @@ def rebind(context: Context, cage_set: CageSet, method: str = "AUTO") -> Work[Bi
         yield Progress(done / len(levels), f"checking '{cage.name}'")
         _check_enclosed(inner, cage)
     yield Progress(1.0 - 1.0 / len(levels), STAGE)
-    _disconnect(cage_set, levels)
+    _disconnect(levels)
     bound_meshes.fill(levels)
     return _alone(context, _connect(context, cage_set, levels, method))
 
 
-def newcomers(context: Context, cage_set: CageSet) -> list[Object]:
+def newcomers(context: Context) -> Iterator[Object]:
     """The selected drawings without cages of their own that a bound output can take along."""
-    return [
-        obj
-        for obj in context.selected_objects
-        if paints(obj) and field.followed(obj) is None and record.level_of(obj) is None
-        if not CageSet.all_of(obj)
-    ]
+    for obj in context.selected_objects:
+        if paints(obj) and field.followed(obj) is None and CageSet.of(obj) is None:
+            yield obj
 
 
 def take_in(context: Context, cage_set: CageSet) -> Work[Binding]:
     """Makes the selected drawings follow the cages of a bound output as well. Raises: UserError."""
-    parts, finest, coarsest = newcomers(context, cage_set), cage_set.cages[0], cage_set.cages[-1]
+    parts, finest, coarsest = list(newcomers(context)), cage_set.cages[0], cage_set.cages[-1]
     made = field.field_of(finest)
     assert made is not None
     space = placement.carrier_of(made)[0] or made
@@ -143,13 +139,14 @@ def take_in(context: Context, cage_set: CageSet) -> Work[Binding]:
     return Binding(0.0, f"{_named(parts)} bound, with what is in the cages already")
 
 
-def unbind(cage_set: CageSet) -> list[str]:
+def unbind(*sets: CageSet) -> list[str]:
     """Restores the state before binding, with the artist's later work but poses of vertices; returns what is lost."""
-    levels = cage_set.members
-    _disconnect(cage_set, levels)
-    lost = [f"'{obj.name}': {what} could not be kept" for obj in levels for what in bound_meshes.unpark(obj)]
-    cage_set.record.bound = ""
-    visibility.enter(cage_set)
+    levels = [obj for cage_set in sets for obj in cage_set.members]
+    _disconnect(levels)
+    lost = bound_meshes.unpark(levels)
+    for cage_set in sets:
+        cage_set.record.bound = ""
+        visibility.enter(cage_set)
     return lost
 
 
@@ -159,12 +156,12 @@ def forget(cage_set: CageSet) -> str:
     if not method:
         return ""
     levels = cage_set.members
-    _disconnect(cage_set, levels, lines_back=False)
+    _disconnect(levels, lines_back=False)
     for obj in levels:
         before = record.before(obj)
         record.set_before(obj, record.Before())
         if before.mesh is not None:
-            remove_mesh(before.mesh)
+            shape_keys.remove_mesh(before.mesh)
     cage_set.record.bound = ""
     return method
 
@@ -267,23 +264,24 @@ def _named(objects: Sequence[Object]) -> str:
     return ", ".join(f"'{o.name}'" for o in objects) if len(objects) <= MAX_NAMES else counted(len(objects), "drawing")
 
 
-def _disconnect(cage_set: CageSet, levels: list[Object], *, lines_back: bool = True) -> None:
-    """Lets go what follows the cages of a set, and removes their fields."""
+def _disconnect(levels: list[Object], *, lines_back: bool = True) -> None:
+    """Lets go what follows the cages of sets, and removes their fields."""
     for obj in levels:
         field.release(obj)
         field.unpose(obj)
         display.render_lines(obj, True)
         record.set_link(obj, "", 0.0)
+    ours = set(levels)
     for obj in [obj for obj in bpy.data.objects if record.has_node(obj) and not record.is_helper(obj, record.PROXY)]:
-        if field.followed(obj) in levels:
+        if field.followed(obj) in ours:
             field.release(obj)
+    helpers: list[Object] = []
     for owner in levels:
         for helper in record.helpers_of(owner, record.FIELD, record.LINES):
             if lines_back and record.is_helper(helper, record.LINES):
                 display.set_thickness(owner, record.node_of(helper).thickness)
             record.drop(record.new_node(owner).helpers, [helper])
-            mesh = filling.mesh_of(helper)
             for modifier in list(helper.modifiers):
                 display.remove_modifier(helper, modifier)
-            bpy.data.objects.remove(helper)
-            remove_mesh(mesh)
+            helpers.append(helper)
+    shape_keys.discard(helpers, [filling.mesh_of(helper) for helper in helpers], ())

@@ -9,7 +9,7 @@ from bpy.types import Object
 
 from .. import record
 from ..animation import visibility
-from ..animation.shape_keys import remove_mesh
+from ..animation.shape_keys import discard, remove_mesh
 from ..rigging.rig import Rig
 from ..scene import display, filling
 
@@ -26,22 +26,25 @@ def park(obj: Object) -> None:
     obj.hide_set(False)
 
 
-def unpark(obj: Object) -> list[str]:
-    """Gives an object its original mesh back, with the work done on it since; returns what could not be transferred."""
-    mesh, matrix, hidden = record.before(obj)
-    if mesh is None or matrix is None:
-        return []
-    posed, rig = filling.mesh_of(obj), Rig.of(obj)
-    obj.data = mesh
-    lost = rig.give(obj, same_vertices=True)
-    remove_mesh(posed)
-    visibility.mute(obj, False)
-    record.set_before(obj, record.Before())
-    if obj.matrix_basis != matrix:
-        obj.matrix_basis = matrix
-    obj.hide_render, obj.hide_viewport, away = hidden
-    with suppress(RuntimeError):  # not in this view layer
-        obj.hide_set(away)
+def unpark(objects: list[Object]) -> list[str]:
+    """Gives objects their original meshes back, with the work done on them since; returns what could not be kept."""
+    lost, shown = list[str](), list[bpy.types.Mesh]()
+    for obj in objects:
+        mesh, matrix, hidden = record.before(obj)
+        if mesh is None or matrix is None:
+            continue
+        posed, rig = filling.mesh_of(obj), Rig.of(obj)
+        obj.data = mesh
+        lost += [f"'{obj.name}': {what} could not be kept" for what in rig.give(obj, same_vertices=True)]
+        shown.append(posed)
+        visibility.mute(obj, False)
+        record.set_before(obj, record.Before())
+        if obj.matrix_basis != matrix:
+            obj.matrix_basis = matrix
+        obj.hide_render, obj.hide_viewport, away = hidden
+        with suppress(RuntimeError):  # not in this view layer
+            obj.hide_set(away)
+    discard((), shown, ())
     return lost
 
 

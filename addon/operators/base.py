@@ -17,7 +17,7 @@ from ..notes import sentence
 from ..properties.kinds import flag
 from ..record import CageSet
 from ..scene.grease_pencil import hidden_parts
-from ..scene.ownership import scene_of, select, sets_of_chosen
+from ..scene.ownership import each_of_chosen, scene_of, select, sets_of_chosen
 from . import views
 
 Outcome = set[Literal["RUNNING_MODAL", "CANCELLED", "FINISHED", "PASS_THROUGH", "INTERFACE"]]
@@ -210,8 +210,9 @@ class SetOperator(JobOperator):
 
     @classmethod
     def unavailable(cls, context: Context) -> str:
-        reasons = [cls._why_not(cage_set) for cage_set in sets_of_chosen(context, both=cls.both)]
-        return "" if "" in reasons else next(iter(reasons), NOTHING)
+        reasons = map(cls._why_not, each_of_chosen(context, both=cls.both))
+        why = next(reasons, NOTHING)
+        return "" if not why or "" in reasons else why
 
     @classmethod
     def _why_not(cls, cage_set: CageSet) -> str:

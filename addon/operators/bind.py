@@ -41,7 +41,7 @@ class BindingOperator(SetOperator):
     @classmethod
     def unsuitable(cls, cage_set: CageSet) -> str:
         bound = bool(cage_set.bound)
-        if bound == cls.needs_bound or (bound and binding.newcomers(bpy.context, cage_set)):
+        if bound == cls.needs_bound or (bound and next(binding.newcomers(bpy.context), None) is not None):
             return ""
         return "Nothing is bound to these cages" if cls.needs_bound else "These cages are already bound"
 
@@ -92,9 +92,11 @@ class OBJECT_OT_nested_cages_unbind(BindingOperator, bpy.types.Operator):
 
     def each(self, _context: Context, cage_set: CageSet) -> Work[None]:
         check_free(cage_set.members)
-        for sentence in binding.unbind(cage_set):
-            self.report({"WARNING"}, sentence)
         yield from ()
+
+    def finish(self, _context: Context, done: Sequence[tuple[CageSet, None]]) -> None:
+        for sentence in binding.unbind(*(cage_set for cage_set, _ in done)):
+            self.report({"WARNING"}, sentence)
 
 
 class OBJECT_OT_nested_cages_add_handles(SetOperator, bpy.types.Operator):

@@ -22,7 +22,7 @@ from ..puppets.moving import Making
 from ..record import CageSet
 from ..scene import convert, ownership
 from ..scene.filling import mesh_of
-from ..scene.ownership import chosen, select, sets_of_chosen
+from ..scene.ownership import chosen, each_of_chosen, select, sets_of_chosen
 from .base import DialogJobOperator, Operator, Outcome, pose
 from .puppet import make_puppet
 from .views import FLAT_LIGHT, TEXTURES
@@ -228,7 +228,7 @@ ENGINES = {identifier: identifier.lower() for identifier, _, _ in ENGINE_ITEMS}
 class OnOutlines(Operator):
     """Works on the selected outlines, as they are on this frame."""
 
-    needs = staticmethod(lambda context: outlines(context))
+    needs = staticmethod(lambda context: has_outlines(context))
     missing = "Select cages, or other objects with a closed outline"
 
 
@@ -254,7 +254,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
     puppet with its bones and actions for a game engine
     """
 
-    needs = staticmethod(lambda context: outlines(context) or armatures.puppet_of(context.selected_objects))
+    needs = staticmethod(lambda context: has_outlines(context) or armatures.puppet_of(context.selected_objects))
 
     bl_label = "Export Cages"
     bl_options = {"REGISTER", "PRESET"}
@@ -360,6 +360,11 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         with blamed(f"'{path.name}' cannot be written"):
             core.exchange.write_whole(path, text)
         self.report({"INFO"}, f"'{outputs[0].name}' written to {path.name}")
+
+
+def has_outlines(context: Context) -> bool:
+    """Whether any outline is selected, or what has cages or moves them."""
+    return any(map(convert.readable, context.selected_objects)) or next(each_of_chosen(context), None) is not None
 
 
 def outlines(context: Context) -> list[Object]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import islice
 
 import bpy
 import numpy as np
@@ -21,7 +22,7 @@ from ..properties.kinds import flag, text
 from ..puppets import armatures, weights
 from ..record import CageSet
 from ..scene import convert, ownership
-from ..scene.ownership import chosen, scene_of, select, sets_of_chosen
+from ..scene.ownership import chosen, each_of_chosen, scene_of, select, sets_of_chosen
 from ..scene.plane import transform, world_matrix
 from . import views
 from .base import JobOperator, Operator, SetOperator, last_fault
@@ -42,8 +43,10 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
     missing = "Select a drawing with its cages, or at least two objects of which one encloses the other"
 
     @staticmethod
-    def needs(context: Context) -> object:
-        return _nested(context) or armatures.puppet_of(chosen(context))
+    def needs(context: Context) -> bool:
+        several = islice(filter(convert.readable, context.selected_objects), 2)
+        caged = len(list(several)) > 1 or next(each_of_chosen(context), None) is not None
+        return caged or armatures.puppet_of(chosen(context)) is not None
 
     def work(self, context: Context) -> Work[None]:
         scene, puppet = scene_of(context), armatures.puppet_of(chosen(context))

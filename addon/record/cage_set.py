@@ -60,36 +60,40 @@ class CageSet(Cages):
     @classmethod
     def all_of(cls, obj: Object) -> list[CageSet]:
         """The sets of a drawing, a member, or what moves one: around the drawing first, those named after it first."""
-        if node_of(obj).role in {FINE, CAGE}:
+        return list(cls.each_of(obj))
+
+    @classmethod
+    def each_of(cls, obj: Object) -> Iterator[CageSet]:
+        """The same, one by one."""
+        node = node_of(obj)
+        if node.role in {FINE, CAGE}:
             finest = _finest(obj)
             found = [cls(finest)] if finest is not None else []
         elif obj.library is not None:  # it cannot point back
             found = [each for each in cls.everywhere() if obj in objects_in(each.record.parts)]
         else:
             found = []
-            for each in objects_in(node_of(obj).sets):
+            for each in objects_in(node.sets):
                 if node_of(each).role == CAGE:
                     found += [cls(each)] if obj in objects_in(node_of(each).record.parts) else []
                 elif obj in shown_in(each):
                     found += cls.all_of(each)
         found = [each for each in dict.fromkeys(found) if each.counts]
+        if len(found) > 1:
+            found.sort(key=lambda each: (each.inside, objects_in(each.record.parts)[:1] != [obj]))
+        yield from found
         if not found and obj.type in MOVERS:
-            return [each for each in cls.everywhere() if obj in each.movers]
-        return (
-            found
-            if len(found) < 2
-            else sorted(found, key=lambda each: (each.inside, objects_in(each.record.parts)[:1] != [obj]))
-        )
+            yield from (each for each in cls.everywhere() if obj in each.movers)
 
     @classmethod
     def of(cls, obj: Object) -> CageSet | None:
         """The set of a member, or the one around a drawing."""
-        return next(iter(cls.all_of(obj)), None)
+        return next(cls.each_of(obj), None)
 
     @classmethod
     def beside(cls, obj: Object, *, inside: bool = False) -> CageSet | None:
         """The set around a drawing, or the one inside."""
-        return next((each for each in cls.all_of(obj) if each.inside == inside), None)
+        return next((each for each in cls.each_of(obj) if each.inside == inside), None)
 
     @classmethod
     def everywhere(cls) -> list[CageSet]:
@@ -144,13 +148,15 @@ class CageSet(Cages):
 
     def chain(self) -> Iterator[Object]:
         """The cages from the finest on, also deleted ones."""
-        seen, here = [self.finest], node_of(self.finest).outer
-        if node_of(self.finest).role == CAGE:
+        node, seen = node_of(self.finest), [self.finest]
+        if node.role == CAGE:
             yield self.finest
-        while here is not None and here not in seen and node_of(here).inner == seen[-1]:
+        while (here := node.outer) is not None and here not in seen:
+            node = node_of(here)
+            if node.inner != seen[-1]:
+                return
             yield here
             seen.append(here)
-            here = node_of(here).outer
 
     @property
     def cages(self) -> list[Object]:
@@ -281,13 +287,15 @@ def _finest(obj: Object) -> Object | None:
         outer: Object | None = node.outer
         return outer if outer is not None and node_of(outer).inner == obj else None
     seen = [obj]
-    while node_of(seen[-1]).role == CAGE:
-        inner = node_of(seen[-1]).inner
-        if inner is None or node_of(inner).role != CAGE:
+    while node.role == CAGE:
+        inner = node.inner
+        below = node_of(inner) if inner is not None else node
+        if inner is None or below.role != CAGE:
             return seen[-1]
-        if inner in seen or node_of(inner).outer != seen[-1]:
+        if inner in seen or below.outer != seen[-1]:
             return None
         seen.append(inner)
+        node = below
     return None
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from itertools import islice
 
 import bpy
 from bpy.types import Collection, Context, Object, Scene
 
 from ..errors import UserError
-from ..record import MOVERS, CageSet, level_of
+from ..record import MOVERS, CageSet, has_node, level_of
 
 
 def depth_of(obj: Object) -> int:
@@ -104,9 +105,19 @@ def chosen(context: Context) -> list[Object]:
 
 def sets_of_chosen(context: Context, *, both: bool = True) -> list[CageSet]:
     """The sets of all these; of a drawing with cages around it and inside `both`, or the former."""
-    found = [(obj.type in MOVERS, CageSet.all_of(obj)) for obj in chosen(context)]
-    few = [sets if both or moves else sets[:1] for moves, sets in found]
-    return list(dict.fromkeys(each for sets in few for each in sets))
+    return list(each_of_chosen(context, both=both))
+
+
+def each_of_chosen(context: Context, *, both: bool = True) -> Iterator[CageSet]:
+    """The same, one by one."""
+    seen = set()
+    for obj in chosen(context):
+        if not (has_node(obj) or obj.type in MOVERS or obj.library is not None):
+            continue
+        for each in islice(CageSet.each_of(obj), None if both or obj.type in MOVERS else 1):
+            if each not in seen:
+                seen.add(each)
+                yield each
 
 
 def select(context: Context, *objects: Object) -> None:
