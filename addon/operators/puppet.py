@@ -11,12 +11,14 @@ from .. import record
 from ..errors import UserError, counted
 from ..generation.job import Work
 from ..properties.kinds import choice, flag
-from ..puppets import armatures, clips, moving
+from ..puppets import armatures, clips, duplicates, moving
 from ..scene.areas import paints
 from ..scene.ownership import chosen
 from .base import JobOperator, Operator, pose
 from .views import OUTLINES
 
+# Roles of objects that are no drawings of their own.
+HELPERS = (record.FIELD, record.PROXY)
 # Degrees: joints that turn less without a fold are told, and what a joint of a rigid part turns.
 WIDE, HALF_TURN = 60.0, 180.0
 CLIP_ITEMS = (
@@ -44,6 +46,7 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
     shown_by = (OUTLINES,)
 
     def work(self, context: Context) -> Work[None]:
+        duplicates.complete_puppets()
         objects, old = _selected_parts(context)
         self.tell_hidden(context, objects)
         yield from make_puppet(self, context, objects, old, moving.Making(self.limits, self.linear, float(self.reach)))
@@ -57,6 +60,10 @@ def make_puppet(
         raise UserError(f"'{old.name}' is linked from another file: make it local first")
     if old is not None and not old.visible_get():
         raise UserError(f"'{old.name}' is hidden: show it first")
+    if any(map(armatures.is_skinned, objects)):
+        raise UserError(
+            "A painting follows its bones as they are: hang them elsewhere, move them and paint weights, without this"
+        )
     if context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     with moving.at_rest(context, objects, old):
@@ -92,6 +99,7 @@ class OBJECT_OT_nested_cages_clip(Operator, bpy.types.Operator):
     missing = "Select a puppet, or a drawing that it moves"
 
     def run(self, context: Context) -> None:
+        duplicates.complete_puppets()
         armature = armatures.puppet_of(chosen(context))
         assert armature is not None
         if not armature.is_editable:
@@ -107,7 +115,8 @@ class OBJECT_OT_nested_cages_clip(Operator, bpy.types.Operator):
 def _selected_parts(context: Context) -> tuple[list[Object], Object | None]:
     """The drawings of a puppet, and its armature if there is one: what is selected, with all that moves with it."""
     selected = list(context.selected_objects)
-    drawings = [obj for obj in selected if paints(obj) and record.level_of(obj) is None]
+    ours = [obj for obj in selected if record.level_of(obj) is not None or record.is_helper(obj, *HELPERS)]
+    drawings = [obj for obj in selected if paints(obj) and obj not in ours]
     old = armatures.puppet_of(sorted(selected, key=lambda obj: obj.type != "ARMATURE"))
     known = armatures.drawings_of(old) if old is not None else []
     return [*known, *(obj for obj in drawings if obj not in known)], old

@@ -19,7 +19,7 @@ from ..generation.job import Work
 from ..generation.verifying import Chain, Finding, check, check_animation, same_frame, select_points
 from ..keys import found_object
 from ..properties.kinds import flag, text
-from ..puppets import armatures, weights
+from ..puppets import armatures, duplicates, weights
 from ..record import CageSet
 from ..scene import convert, ownership
 from ..scene.ownership import chosen, each_of_chosen, scene_of, select, sets_of_chosen
@@ -50,7 +50,8 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
 
     def work(self, context: Context) -> Work[None]:
         scene, puppet = scene_of(context), armatures.puppet_of(chosen(context))
-        if puppet is not None and not _nested(context, self.whole):
+        if puppet is not None and not sets_of_chosen(context):
+            duplicates.complete_puppets()
             yield from self._judge(context, puppet)
             return
         complete()

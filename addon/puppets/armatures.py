@@ -56,7 +56,8 @@ def puppet_of(objects: Sequence[Object]) -> Object | None:
 
 def drawings_of(armature: Object) -> list[Object]:
     """The drawings that a puppet moves."""
-    return [child for child in armature.children if not part_of(child) and paints(child)]
+    drawings = [child for child in armature.children if not part_of(child)]
+    return [obj for obj in drawings if paints(obj) or field.shown_by(obj) != obj]
 
 
 def carried_by(obj: Object, armature: Object) -> str:

@@ -33,6 +33,9 @@ def add_controls(context: bpy.types.Context, armature: Object, figure: core.pupp
     reach: how much limbs follow new controls, from 0 to 1.
     """
     chains = _reaching(armature, figure)
+    for posed in armature.pose.bones:
+        if reach_of(posed) is not None and posed.name not in {chain[-1] for chain in chains}:
+            posed.constraints.remove(reach_of(posed))
     select(context, armature)
     bpy.ops.object.mode_set(mode="EDIT")
     bones: Any = armature.data.edit_bones
@@ -63,9 +66,6 @@ def add_controls(context: bpy.types.Context, armature: Object, figure: core.pupp
         if not bone.collections:
             shown.assign(bone)
             bone.color.palette, posed.rotation_mode = COLOUR, "XYZ"
-    for posed in armature.pose.bones:
-        if posed.name not in {chain[-1] for chain in chains} and (old_reach := reach_of(posed)) is not None:
-            posed.constraints.remove(old_reach)
     for chain, target in targets.items():
         _reach(armature, chain, target, reach)
 

@@ -55,8 +55,9 @@ def drawn(context: Context, objects: Sequence[Object], old: Object | None) -> Wo
     grid = SAME_DEPTH * max(float(obj.dimensions.length) for obj in objects)
     depth = {obj.name: round(float(normal @ np.array(obj.matrix_world.translation)) / grid) for obj in objects}
     shapes: dict[str, list[Object]] = {}
+    names = _part_names(objects, old)
     for obj in sorted(objects, key=lambda obj: (depth[obj.name], obj.name)):
-        shapes.setdefault(_part_name(obj), []).append(obj)
+        shapes.setdefault(names[obj], []).append(obj)
     kept, parts, problems = [], [], []
     for number, (name, own) in enumerate(shapes.items()):
         yield Progress(0.3 * number / len(shapes), f"reading '{name}'")
@@ -74,11 +75,20 @@ def drawn(context: Context, objects: Sequence[Object], old: Object | None) -> Wo
     return Drawn(frame, tuple(kept), tuple(parts), tuple(problems))
 
 
-def _part_name(obj: Object) -> str:
-    """The name of the part that an object belongs to: its own, or that of its layer, which numbers it."""
-    layers = [home.name for home in obj.users_collection]
-    stem = NUMBERED.sub("", obj.name)
-    return stem if stem in layers else obj.name
+def _part_names(objects: Sequence[Object], old: Object | None) -> dict[Object, str]:
+    """The name of the part that each object belongs to: that of its layer, which numbers it, or its own; in a puppet,
+    and in a copy of one, the name that it had when the puppet was made.
+    """
+    found: dict[Object, str] = {}
+    for obj in objects:
+        stem = NUMBERED.sub("", obj.name)
+        found[obj] = stem if stem in {layer.name for layer in obj.users_collection} else obj.name
+    known = {obj: str(obj.get(keys.DRAWN, "")) for obj in objects if obj.parent == old is not None}
+    for name in set(known.values()) - {""}:
+        now = [found[obj] for obj in known if known[obj] == name]
+        one = name if name in now else now[0]  # others are copies, which are parts of their own
+        found.update({obj: name for obj in known if known[obj] == name and found[obj] == one})
+    return found
 
 
 @dataclass(frozen=True)
@@ -132,6 +142,7 @@ def articulate(
                 new += [made, *record.helpers_of(made, record.FIELD)]
             for obj in objects:
                 field.release(obj)
+                obj[keys.DRAWN] = puppet.draft.parts[number].name
                 armatures.hang(obj, armature, "" if carrier else puppet.bones[puppet.draft.bone_of[number]].name)
                 if carrier is not None:
                     field.follow(obj, carriers[id(carrier)], carriers[id(carrier)])
@@ -170,17 +181,21 @@ def _common_home(given: Drawn) -> Collection | None:
 @contextmanager
 def at_rest(context: Context, objects: Sequence[Object], armature: Object | None) -> Iterator[None]:
     """Temporarily shows drawings, and the armature that moves them, as they were drawn."""
-    with field.unposed(map(field.shown_by, objects)):
-        if armature is None:
-            yield
-            return
-        before = armature.data.pose_position
+    empties = [obj for obj in objects if field.shown_by(obj) != obj]
+    before = armature.data.pose_position if armature is not None else ""
+    with field.unposed(obj for obj in objects if obj not in empties):
         try:
-            armature.data.pose_position = "REST"
-            context.view_layer.update()
+            for empty in empties:
+                empty.instance_type = "COLLECTION"
+            if armature is not None:
+                armature.data.pose_position = "REST"
+                context.view_layer.update()
             yield
         finally:
-            armature.data.pose_position = before
+            for empty in empties:
+                empty.instance_type = "COLLECTION" if field.shown_by(empty) == empty else "NONE"
+            if armature is not None:
+                armature.data.pose_position = before
 
 
 def _carrier(

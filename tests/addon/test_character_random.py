@@ -182,9 +182,145 @@ class Animator:
             np.testing.assert_allclose(points(part), posed[part.name], atol=1e-5)
 
 
+class Puppeteer(Animator):
+    """Edits a puppet; what its parts are comes from its armature, and so what was made by hand is known."""
+
+    def __init__(self, random, path) -> None:
+        self.random, self.path, self.count = random, path, 0
+        self.names, self.others = list(figure()), {}
+        choose(*self.parts)
+        assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+        self.bones = bpy.context.object.name
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+    @property
+    def own(self):
+        """The bones of parts."""
+        return [bone for bone in self.armature.pose.bones if bone.bone["nested_cages_part"]]
+
+    def rig(self) -> None:
+        """Makes the puppet again: bones of parts that are still there stay in their places."""
+        before = {bone.name: bone.bone.head_local.copy() for bone in self.own}
+        choose(*self.parts, self.armature)
+        assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+        assert bpy.context.object == self.armature
+        now = {bone.name: bone.bone.head_local for bone in self.own}
+        for name in before.keys() & now.keys():
+            np.testing.assert_allclose(now[name], before[name], atol=1e-5, err_msg=name)
+        assert len(before.keys() - now.keys()) <= 3
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+    def turn(self) -> None:
+        for bone in self.own:
+            if self.random.random() < 0.3:
+                bone.rotation_euler.z = np.deg2rad(self.random.uniform(-50.0, 50.0))
+
+    def paint(self) -> None:
+        """Paints weights, and makes the puppet again, in which they stay."""
+        bending = [obj for obj in bpy.context.scene.objects if "Bend" in obj.name and obj.vertex_groups]
+        mine = [obj for obj in bending if obj.parent == self.armature]
+        mesh = self.random.choice(mine)
+        vertex = self.random.randrange(len(mesh.data.vertices))
+        mesh.vertex_groups[0].add([vertex], 0.5, "REPLACE")
+        mesh.vertex_groups[-1].add([vertex], 0.5, "REPLACE")
+        name = mesh.name
+        self.rig()
+        weights = [group.weight(vertex) for group in bpy.data.objects[name].vertex_groups]
+        np.testing.assert_allclose(weights, 0.5, atol=1e-3)
+
+    def hang(self) -> None:
+        """Hangs a bone elsewhere, and makes the puppet again."""
+        choose(self.armature)
+        bpy.ops.object.mode_set(mode="EDIT")
+        bones = self.armature.data.edit_bones
+        ends = [bone for bone in bones if bone["nested_cages_part"] and not bone.children]
+        end, root = self.random.choice(ends), next(b for b in bones if b["nested_cages_part"] == "Torso")
+        if end.parent["nested_cages_part"] != end["nested_cages_part"]:
+            end.use_connect, end.parent = False, root
+        name = end.name
+        bpy.ops.object.mode_set(mode="OBJECT")
+        above = self.armature.data.bones[name].parent.name
+        self.rig()
+        assert self.armature.data.bones[name].parent.name == above
+
+    def add(self) -> None:
+        self.count += 1
+        (x, y), _, radius = LIMBS["Torso"]
+        part = face(f"Part {self.count}", capsule((x, y + 0.2), (x + 0.1, y + 0.2), 0.3 * radius))
+        matrix = self.armature.matrix_world @ part.matrix_world
+        part.matrix_world = matrix
+        self.names.append(part.name)
+        self.rig()
+        assert part.parent == self.armature
+
+    def delete(self) -> None:
+        if len(self.names) > 6:
+            name = self.random.choice([each for each in self.names if each != "Torso"])
+            choose(bpy.data.objects[name])
+            bpy.ops.object.delete()
+            self.names.remove(name)
+            self.rig()
+
+    def copy(self) -> None:
+        choose(*self.parts, self.armature)
+        assert bpy.ops.object.duplicate() == {"FINISHED"}
+        copies = list(bpy.context.selected_objects)
+        bpy.context.view_layer.update()
+        assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+        self.others = {name: points(bpy.data.objects[name]) for name in self.names}
+        self.bones = next(obj.name for obj in copies if obj.type == "ARMATURE")
+        self.names = [obj.name for obj in copies if obj.type != "ARMATURE"]
+
+    def idle(self) -> None:
+        choose(self.armature)
+        assert bpy.ops.object.nested_cages_clip(kind="IDLE") == {"FINISHED"}
+        bpy.context.scene.frame_set(self.random.randrange(1, 25))
+        self.armature.animation_data_clear()
+
+    def append(self) -> None:
+        path, names = self.save(), [*self.names, self.bones]
+        bpy.ops.wm.read_homefile(use_empty=True)
+        bpy.ops.wm.append(directory=f"{path}/Object/", files=[{"name": name} for name in names])
+        self.others = {}
+
+    EDITS = (rig, turn, Animator.move, paint, hang, add, delete, copy, idle, Animator.undo, Animator.reload, append)
+
+    def check(self) -> None:
+        """The root moves all as one piece, and the drawing at rest is as it was drawn."""
+        bpy.context.view_layer.update()
+        for name, before in self.others.items():
+            np.testing.assert_allclose(points(bpy.data.objects[name]), before, atol=1e-5, err_msg=name)
+        posed = {part.name: points(part) for part in self.parts}
+        root = self.armature.pose.bones["Root"]
+        root.rotation_euler.z, root.location.x = 0.4, 0.3
+        bpy.context.view_layer.update()
+        local = root.matrix @ root.bone.matrix_local.inverted()
+        motion = self.armature.matrix_world @ local @ self.armature.matrix_world.inverted()
+        for part in self.parts:
+            wanted = np.array([motion @ Vector(point) for point in posed[part.name]])
+            np.testing.assert_allclose(points(part), wanted, atol=2e-4, err_msg=part.name)
+        root.rotation_euler.z, root.location.x = 0.0, 0.0
+        kept = {bone.name: bone.rotation_euler.z for bone in self.own}
+        for bone in self.own:
+            bone.rotation_euler.z = 0.0
+        bpy.context.view_layer.update()
+        for part in self.parts:
+            if part.type == "MESH":
+                own = np.array([part.matrix_world @ vertex.co for vertex in part.data.vertices])
+                np.testing.assert_allclose(points(part), own, atol=1e-4, err_msg=part.name)
+        for bone in self.own:
+            bone.rotation_euler.z = kept[bone.name]
+
+
 MANY = [pytest.param(seed, marks=pytest.mark.thorough) for seed in (1, 2, *range(100, 120))]
 
 
 @pytest.mark.parametrize("seed", [0, *MANY])
 def test_a_character_outlives_random_edits(seed, tmp_path) -> None:
     outlive(Animator(Random(seed), str(tmp_path / "character")), Animator.EDITS, 10 if seed < 100 else 30, seed)
+
+
+@pytest.mark.parametrize("seed", [0, *MANY])
+def test_a_puppet_outlives_random_edits(seed, tmp_path) -> None:
+    pytest.importorskip("shapely")
+    outlive(Puppeteer(Random(seed), str(tmp_path / "puppet")), Puppeteer.EDITS, 10 if seed < 100 else 30, seed)

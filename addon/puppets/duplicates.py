@@ -1,0 +1,87 @@
+"""Copies of puppets: Blender copies no hidden meshes with them, so a copy gets its own as soon as it is there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+from bpy.types import Depsgraph, Object, Scene
+
+from .. import record
+from ..binding import field
+from ..scene import display, filling
+from .armatures import drawings_of, is_puppet, part_of
+
+
+def complete_puppets() -> None:
+    """Gives copies of puppets hidden meshes of their own."""
+    for armature in [obj for obj in bpy.data.objects if obj.type == "ARMATURE" and obj.is_editable]:
+        if not is_puppet(armature) or armature.override_library is not None:
+            continue
+        own: dict[Object, Object] = {}
+        for obj in _sharing(armature):
+            carrier = field.followed(obj)
+            assert carrier is not None
+            if carrier not in own:
+                own[carrier] = _own_carrier(carrier, armature, obj)
+            modifier = display.nodes_modifier(field.shown_by(obj), field.FOLLOW)
+            assert modifier is not None
+            for name, value in (
+                ("Cage", own[carrier]),
+                ("Field", field.field_of(own[carrier])),
+                ("Space", own[carrier]),
+            ):
+                display.set_input(modifier, name, value)
+            field.shown_by(obj).update_tag()
+
+
+def _sharing(armature: Object) -> list[Object]:
+    """The drawings of a puppet that follow a hidden mesh of another one."""
+    followed = [(obj, field.followed(obj)) for obj in drawings_of(armature) if obj.is_editable]
+    return [obj for obj, mesh in followed if mesh is not None and part_of(mesh) and mesh.parent != armature]
+
+
+def _own_carrier(carrier: Object, armature: Object, beside: Object) -> Object:
+    """A copy of a hidden mesh and of its field, for a copy of its armature."""
+    still = field.field_of(carrier)
+    assert still is not None
+    own, own_still = carrier.copy(), still.copy()
+    for new in (own, own_still):
+        new.data = filling.mesh_of(new).copy()
+        beside.users_collection[0].objects.link(new)
+        new.parent = armature
+    record.drop(record.new_node(own).helpers, [still])
+    record.make_helper(own_still, record.FIELD, own)
+    for modifier in own.modifiers:
+        if isinstance(modifier, bpy.types.ArmatureModifier):
+            modifier.object = armature
+    field.pose(own, own)
+    return own
+
+
+@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
+def _on_update(_scene: Scene, depsgraph: Depsgraph) -> None:
+    """Looks whether a puppet was copied; what is to be done is done when Blender has drawn."""
+    for update in depsgraph.updates:
+        obj: Any = update.id.original
+        if isinstance(obj, Object) and is_puppet(obj) and _sharing(obj):
+            if not bpy.app.timers.is_registered(complete_puppets):
+                bpy.app.timers.register(complete_puppets)
+            return
+
+
+@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
+def _on_save(*_: object) -> None:
+    complete_puppets()
+
+
+def register() -> None:
+    bpy.app.handlers.depsgraph_update_post.append(_on_update)
+    bpy.app.handlers.save_pre.append(_on_save)
+
+
+def unregister() -> None:
+    bpy.app.handlers.save_pre.remove(_on_save)
+    bpy.app.handlers.depsgraph_update_post.remove(_on_update)
+    if bpy.app.timers.is_registered(complete_puppets):
+        bpy.app.timers.unregister(complete_puppets)
