@@ -44,7 +44,7 @@ def add_controls(context: bpy.types.Context, armature: Object, figure: core.pupp
     (trunk, *_), *_ = figure.limbs.trunks
     low, high, body = min(ends), max(ends), bones[trunk]
     root = known.pop(ROOT, None) or bones.new(ROOT)
-    _put(root, ROOT, Vector((body.head.x, low, body.head.z)), Vector((0.0, ROOT_LENGTH * (high - low), 0.0)))
+    _set_control(root, ROOT, Vector((body.head.x, low, body.head.z)), Vector((0.0, ROOT_LENGTH * (high - low), 0.0)))
     for bone in bones:
         if bone.parent is None and part_of(bone):
             bone.parent = root
@@ -53,7 +53,7 @@ def add_controls(context: bpy.types.Context, armature: Object, figure: core.pupp
         last = bones[chain[-1]]
         there, old = part_of(last), known.pop(part_of(last), None)
         control = old or bones.new(_control_name(last.name))
-        _put(control, there, last.tail, LENGTH * (last.tail - last.head))
+        _set_control(control, there, last.tail, LENGTH * (last.tail - last.head))
         control.parent = control.parent if old else root
         targets[chain] = control.name
     for gone in known.values():
@@ -75,7 +75,7 @@ def reach_of(posed: Any) -> Any:
     return posed.constraints.get(REACH)
 
 
-def _put(control: Any, purpose: str, head: Vector, along: Vector) -> None:
+def _set_control(control: Any, purpose: str, head: Vector, along: Vector) -> None:
     """Puts a control into its place; it moves no vertices."""
     control.head, control.tail = head, head + along
     control.use_deform = False

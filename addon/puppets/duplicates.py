@@ -60,7 +60,7 @@ def _own_carrier(carrier: Object, armature: Object, beside: Object) -> Object:
 
 
 @bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
-def _on_update(_scene: Scene, depsgraph: Depsgraph) -> None:
+def _look_for_copies(_scene: Scene, depsgraph: Depsgraph) -> None:
     """Looks whether a puppet was copied; what is to be done is done when Blender has drawn."""
     for update in depsgraph.updates:
         obj: Any = update.id.original
@@ -71,17 +71,17 @@ def _on_update(_scene: Scene, depsgraph: Depsgraph) -> None:
 
 
 @bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
-def _on_save(*_: object) -> None:
+def _before_saving(*_: object) -> None:
     complete_puppets()
 
 
 def register() -> None:
-    bpy.app.handlers.depsgraph_update_post.append(_on_update)
-    bpy.app.handlers.save_pre.append(_on_save)
+    bpy.app.handlers.depsgraph_update_post.append(_look_for_copies)
+    bpy.app.handlers.save_pre.append(_before_saving)
 
 
 def unregister() -> None:
-    bpy.app.handlers.save_pre.remove(_on_save)
-    bpy.app.handlers.depsgraph_update_post.remove(_on_update)
+    bpy.app.handlers.save_pre.remove(_before_saving)
+    bpy.app.handlers.depsgraph_update_post.remove(_look_for_copies)
     if bpy.app.timers.is_registered(complete_puppets):
         bpy.app.timers.unregister(complete_puppets)
