@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import shutil
 import subprocess
 import sys
@@ -216,3 +217,15 @@ def test_the_optimum_of_the_discs_is_that_of_a_search(data) -> None:
     even = 2.0 * np.pi * np.arange(16) / 16
     assert area(even + np.pi / 64) == pytest.approx(least, rel=1e-12)
     assert min(area(np.sort(even + random.normal(0.0, 0.05, 16))) for _ in range(200)) > least
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="stopped by a signal of POSIX")
+def test_the_slowest_small_requests_take_bounded_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Next to a plain cage of the same run; none of them took more than 45 times as much, which may double."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import slowest
+
+    found = slowest.slowest(slowest.KEPT)
+    assert len(found) == len(slowest.KEPT) and found[0][0] < 100.0, found[0]
+    assert not [said for _, _, said in found if ": STOPPED" in said or ": RAISED" in said]

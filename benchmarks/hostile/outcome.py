@@ -14,7 +14,7 @@ from typing import Any
 
 from nestedcages_core import NestedCagesError
 
-SECONDS = 30.0
+SECONDS = 20.0
 """Processor time that a call may take."""
 
 MEGABYTES = 700
