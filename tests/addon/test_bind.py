@@ -237,18 +237,6 @@ def test_a_grease_pencil_follows_by_its_strokes() -> None:
     assert not [name for name in names if name.startswith("nested_cages")]
 
 
-@pytest.mark.slow
-def test_a_grease_pencil_layer_with_a_transform_leaves_it_to_the_fine_mesh() -> None:
-    source = grease_pencil("Drawing", [star()])
-    source.data.layers[0].translation = (1.0, 0.0, 0.0)
-    assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
-    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
-    assert len(source.modifiers) == 0
-    _, _, fine, (cage,) = members(source)
-    put(cage, base(cage) + np.array((1.0, 0.0, 0.0)))
-    assert np.abs(evaluated(fine) - base(fine) - (1.0, 0.0, 0.0)).max() < 1e-5
-
-
 def parts():
     """Modifiers, visibility and data of all objects but the moving copy, which is made anew."""
     objects = [obj for obj in bpy.data.objects if obj.nested_cages_member.role != "FILL"]
