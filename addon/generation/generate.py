@@ -77,6 +77,8 @@ def _enough(fine: core.Mesh, count: int, clearance: float) -> int | None:
 
 # What Blender stores coordinates in; cages and their motion are certified on these numbers.
 STORED = "float32"
+# Code of the note that says which number of vertices is worth it: no other advice is needed then.
+KNEE = "note.knee"
 # Size in bytes of the advice on a level, for the memory.
 ADVICE_BYTES = 1000
 
@@ -227,8 +229,9 @@ class Generation:
             known().put(key, levels, sum(each.nbytes for motion in moved for each in motion))
         for each, level in zip(plan.levels, levels, strict=True):
             facts = (plan.fine, level.cage, each.level, level.report.wanted_clearance)
-            checked = not (options.inside or options.rules.convex)
+            told = level.report.notes
+            checked = not (options.inside or options.rules.convex or any(each.code == KNEE for each in told))
             advice = remembered(partial(excess_note, *facts), ADVICE_BYTES, "advice", *facts) if checked else ()
-            notes = (*plan.request.places.notes, *each.notes, *level.report.notes, *advice)
+            notes = (*plan.request.places.notes, *each.notes, *told, *advice)
             finished.append(replace(level, report=replace(level.report, notes=tuple(dict.fromkeys(notes)))))
         yield Progress(1.0, f"{name}, level {len(levels)}")
