@@ -23,37 +23,17 @@ sys.path[:0] = [str(ROOT), str(Path(__file__).parent)]
 
 import painted_cat  # noqa: E402
 from benchmarks.engines.judge import draw  # noqa: E402
-from nestedcages_core.exchange.layers import parts_of, read_layers  # noqa: E402
-from nestedcages_core.game import Animation, GamePuppet, game_puppet, write_puppet  # noqa: E402
+from nestedcages_core.game import Animation, GamePuppet, Painting, game_puppet, read_painting, write_puppet  # noqa: E402
+from nestedcages_core.puppet import walk  # noqa: E402
 
 SECONDS, FRAMES = 1.2, 24
 BONE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 
 
-def walk(puppet: GamePuppet) -> Animation:
-    """Legs swing in turn, knees bend while a leg goes forward, the tail waves, the head nods."""
-    phase = 2.0 * np.pi * np.arange(FRAMES + 1) / FRAMES
-    turned = {}
-    for shift, limb, bend in ((0.0, "foreleg.L", 1), (0.5, "foreleg.R", 1), (0.55, "hind leg near", -1),
-                              (0.05, "hind leg far", -1)):  # fmt: skip
-        at = phase + 2.0 * np.pi * shift
-        turned[limb] = 24.0 * np.sin(at)
-        knee = f"{limb[:-2]}.001{limb[-2:]}" if limb.startswith("fore") else f"{limb}.001"
-        turned[knee] = bend * 34.0 * np.maximum(np.cos(at), 0.0)
-    for k, bone in enumerate(("tail", "tail.001", "tail.002")):
-        turned[bone] = 12.0 * np.sin(phase - 0.7 * k)
-    turned["face"] = 3.0 * np.sin(2.0 * phase)
-    names = {bone.name for bone in puppet.bones}
-    turned = {name: keys for name, keys in turned.items() if name in names}
-    bob = np.stack((np.zeros(FRAMES + 1), 5.0 * np.cos(2.0 * phase)), axis=1)
-    return Animation("walk", SECONDS * np.arange(FRAMES + 1) / FRAMES, turned, {puppet.bones[0].name: bob})
-
-
-def picture_of_meshes(puppet: GamePuppet, painting: Path) -> Image.Image:
+def picture_of_meshes(puppet: GamePuppet, painting: Painting) -> Image.Image:
     """The painting, pale, with the triangles of all meshes in the colours of their bones, and the bones."""
-    picture = read_layers(painting)
-    page = Image.new("RGBA", (picture.width, picture.height), "white")
-    for part in parts_of(picture)[0]:
+    page = Image.new("RGBA", painting.size, "white")
+    for part in painting.parts:
         page.alpha_composite(Image.fromarray(part.pixels, "RGBA"), (part.left, part.top))
     page = Image.blend(page, Image.new("RGBA", page.size, "white"), 0.55)
     pen = ImageDraw.Draw(page)
@@ -77,18 +57,10 @@ def main() -> None:
     given = options.parse_args()
     folder = given.out
     folder.mkdir(parents=True, exist_ok=True)
-    painting = folder / "cat.ora"
-    painted_cat.save(painting)
-    picture = read_layers(painting)
-    puppet = game_puppet(parts_of(picture)[0], (picture.width, picture.height), name="cat")
-    puppet = replace(puppet, animations=(walk(puppet),))
-    beyond = [
-        f"{bone.name} leaves its range"
-        for bone, proved in zip(puppet.bones, puppet.ranges, strict=True)
-        for angle in puppet.animations[0].turned.get(bone.name, ())
-        if not proved.low <= angle <= proved.high
-    ]
-    print("\n".join(beyond) or "Nothing folds in the walk: every angle is in its proved range.")
+    painted_cat.save(folder / "cat.ora")
+    painting = read_painting(folder / "cat.ora")
+    puppet = game_puppet(painting.parts, painting.size, name="cat")
+    puppet = replace(puppet, animations=(Animation.of(walk(puppet.puppet, seconds=SECONDS, frames=FRAMES)),))
     for file in write_puppet(folder / "cat.tscn", puppet):
         print(f"Wrote {file}")
     (folder / "project.godot").write_text('config_version=5\n[application]\nconfig/name="cat"\n', encoding="utf-8")

@@ -10,6 +10,7 @@ import numpy as np
 from ..character import Bone
 from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray
+from ..puppet import Clip
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +26,14 @@ class Animation:
     """(K, 2) by name of the bone: how far its head is from rest, in pixels along the axes of the drawing at rest, y
     pointing up, before its parent moves it."""
     loops: bool = True
+
+    @classmethod
+    def of(cls, clip: Clip) -> Animation:
+        """A clip, which repeats: its first frame again at the end."""
+        frames = (*clip.frames, clip.frames[0])
+        names = dict.fromkeys(name for frame in frames for name in frame)
+        turned = {name: np.array([frame.get(name, 0.0) for frame in frames]) for name in names}
+        return cls(clip.name, clip.seconds * np.arange(len(frames)) / len(clip.frames), turned)
 
     def check(self, bones: Sequence[Bone]) -> None:
         """Raise NestedCagesError for keys of no bone, and for wrong times or numbers of keys."""

@@ -96,6 +96,10 @@ def test_export_asks_for_the_engine(painting: Path, tmp_path: Path, engine: str,
         scene = (out / "cat.tscn").read_text(encoding="utf-8")
         assert scene.count('type="Polygon2D"') == 4
         assert scene.count("visible = false") == 1
+    if engine == "SCRIPT":
+        found = json.loads((out / "cat.puppet.json").read_text(encoding="utf-8"))
+        assert found["picture"] == "cat.png"
+        assert all(len(mesh["uv"]) == len(mesh["points"]) for mesh in found["meshes"])
 
 
 def test_what_is_exported_is_what_stands_in_the_scene(painting: Path, tmp_path: Path, core: Any) -> None:

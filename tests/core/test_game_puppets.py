@@ -31,7 +31,7 @@ from nestedcages_core.game import (
 )
 from nestedcages_core.game.atlas import atlas_of, region_points
 from nestedcages_core.game.vector import coverage, parts_of_svg
-from nestedcages_core.puppet import PartChoice
+from nestedcages_core.puppet import PartChoice, idle
 from nestedcages_core.puppet.puppet import LEAST_TURN
 
 SIZE = (420, 300)
@@ -297,6 +297,10 @@ def test_animations_of_nothing_are_told(puppet: GamePuppet, tmp_path: Path) -> N
         with pytest.raises(NestedCagesError, match="wave"):
             write_puppet(tmp_path / "a.tscn", animated)
     assert not list(tmp_path.iterdir())
+    repeating = Animation.of(idle(puppet.puppet, seconds=3.0))
+    repeating.check(puppet.bones)
+    assert repeating.turned and repeating.times[-1] == 3.0
+    assert all(degrees[0] == degrees[-1] != degrees[9] for degrees in repeating.turned.values())
 
 
 # Repainted
