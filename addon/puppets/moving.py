@@ -175,7 +175,7 @@ def _common_home(given: Drawn) -> Collection | None:
     """The smallest collection that all drawings are in."""
     everyone = {obj for own in given.objects for obj in own}
     common = [home for home in bpy.data.collections if home.is_editable and everyone.issubset(home.all_objects)]
-    return min(common, key=lambda home: len(home.all_objects), default=None)
+    return min(common, key=lambda home: (len(home.all_objects), len(home.children_recursive)), default=None)
 
 
 @contextmanager

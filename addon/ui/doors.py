@@ -26,6 +26,7 @@ from ..properties import groups
 from ..properties.kinds import choice, registration
 from ..properties.settings import copy_values, settings_of
 from ..puppets.armatures import is_puppet, puppet_of
+from ..puppets.controls import reach_of
 from ..scene.areas import paints
 from ..scene.ownership import chosen, scene_of, sets_of_chosen
 
@@ -129,10 +130,14 @@ def _rig_door(layout: Any, context: Context) -> None:
     column.operator(f"object.nested_cages_{second}", icon="MOD_ARMATURE")
     column.operator("object.nested_cages_suggest_bones", icon="GROUP_BONE")
     column.operator("object.nested_cages_bind", text="Bind New Parts", icon="LINKED")
-    if puppet_of(chosen(context)) is not None:
+    puppet = puppet_of(chosen(context))
+    if puppet is not None:
         row = layout.row(align=True)
         for kind, name, _ in CLIP_ITEMS:
             row.operator("object.nested_cages_clip", text=name).kind = kind
+        column = layout.column(align=True)
+        for reach in filter(None, map(reach_of, puppet.pose.bones)):
+            column.prop(reach, "influence", text=reach.subtarget, slider=True, translate=False)
         layout.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
     layout.operator("object.nested_cages_import", text="Import Puppet", icon="IMPORT").outlines = "PUPPET"
 
