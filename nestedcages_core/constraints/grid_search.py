@@ -14,17 +14,18 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..energies.base import EdgeCost
+from ..errors import NestingError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.broad_phase import CHUNK_PAIRS, near_pairs, split_by
+from ..geometry.broad_phase import CACHED_PAIRS, near_pairs, position_in_group
 from ..geometry.distance import point_edge
 from ..geometry.lattice import Grid
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS, NEGLIGIBLE, ROUND_OFF
-from ..geometry.predicates import winding_number
 from ..geometry.shortest_cycle import shortest_cycle
 from ..geometry.signed_distance import SignedDistance
 from ..geometry.vectors import cross, norm, rotated_right
 from ..tasks import Stage
+from .free_edges import FreeEdges, Near, Segments
 
 FIRST_REACHES = (1, 2, 4)
 """Reach of first layers around a vertex and its path outwards, in grid steps; larger ones where no cage is found."""
@@ -37,6 +38,9 @@ MAX_PUSH = 6.0
 
 MAX_LAYER = 72
 """Maximum number of points of a layer; the closest ones are kept."""
+
+FREE, TAKEN = 1, 2
+"""Whether a place keeps its distance; 0 where that is not known."""
 
 
 def put_on_grid(
@@ -53,19 +57,24 @@ def put_on_grid(
 
     clearance: smallest distance to keep from the fine mesh, above 0, as in the coordinates of the meshes. edge_cost:
     what is minimised; None: the area. rounds: of improvements, at most. A generator: yields a fraction after each.
+    Raises NestingError if none were found within `MOST_TESTS`.
     """
-    search = _CoordinateDescent(cage, fine, grid, clearance, side, edge_cost)
+    search = _CoordinateDescent(cage, fine, grid, clearance, side, edge_cost, rounds)
     found: IntArray | None = None
-    for reach in FIRST_REACHES:
-        found = search.chosen(search.first_layers(reach))
+    reach = np.zeros(len(cage.vertices), np.int64)
+    while found is None:
+        found, stuck = search.chosen(search.first_layers(np.take(FIRST_REACHES, reach)))
         yield 0.25
-        if found is not None:
-            break
-    if found is None:
-        return None
+        stuck &= reach < len(FIRST_REACHES) - 1
+        if found is None and not stuck.any():
+            return None
+        reach += stuck
     reaches = list(LATER_REACHES)
     for number in range(rounds):
-        better = search.chosen(search.layers_around(found, reaches[0]))
+        try:
+            better, _ = search.chosen(search.layers_around(found, reaches[0]))
+        except NestingError:
+            break
         yield 1.0 - 0.75 / (2.0 + number)
         if better is not None and search.cost(better) < search.cost(found):
             found = better
@@ -92,48 +101,59 @@ class _CoordinateDescent:
     clearance: float
     side: int
     """1 for a cage around the fine mesh, -1 for one inside it."""
-    edge_cost: EdgeCost | None = None
-    origin: IntArray = field(init=False)
-    """(2,) origin of areas."""
+    edge_cost: EdgeCost | None
+    rounds: int
+    free: FreeEdges = field(init=False)
 
     def __post_init__(self) -> None:
+        m = len(self.cage.vertices)
         self.distance = SignedDistance.of(self.fine)
+        self.base = self.grid.places(self.cage.vertices)
         self.origin = self.grid.places(self.cage.vertices.mean(axis=0))
         self.known: dict[tuple[bytes, bytes], FloatArray] = {}
+        self.free = FreeEdges(self.cage, self.fine, self.clearance, f"No cage on the grid of {self.grid.spacing:.6g}")
+        self.half = int(MAX_PUSH) + 1 + max(FIRST_REACHES) + self.rounds * max(LATER_REACHES)
+        self.state = np.zeros((m, 2 * self.half + 1, 2 * self.half + 1), np.int8)
 
     def cost(self, places: IntArray) -> float:
         """Of a choice (m, 2)."""
-        ends = places[self.cage.successor]
-        if self.edge_cost is None:
-            return float(self._costs(0, places, ends).sum())
-        return float(sum(self._costs(k, places[k : k + 1], ends[k : k + 1])[0] for k in range(len(places))))
+        return float(self._costs(np.arange(len(places)), places, places[self.cage.successor]).sum())
 
-    def _costs(self, vertex: int, one: IntArray, other: IntArray) -> FloatArray:
-        """(K,) of an edge between places (K, 2): its share of the energy, in squared steps, and of the length."""
+    def _costs(self, edge: IntArray, one: IntArray, other: IntArray) -> FloatArray:
+        """(K,) of edges (K,), ascending, between places (K, 2): shares of the energy, in squared steps, and of the
+        length."""
         if self.edge_cost is not None:
             p, q = self.grid.points(one), self.grid.points(other)
-            shares = self.edge_cost(vertex, p, q) / self.grid.spacing**2
+            begins = np.flatnonzero(np.diff(edge, prepend=-1))
+            parts = zip(edge[begins].tolist(), np.split(p, begins[1:]), np.split(q, begins[1:]), strict=True)
+            shares = np.concatenate([self.edge_cost(*part) for part in parts]) / self.grid.spacing**2
             return np.asarray(shares + NEGLIGIBLE * norm((other - one).astype(np.float64)))
         a, b = (one - self.origin).astype(np.float64), (other - self.origin).astype(np.float64)
         return np.asarray(0.5 * self.side * cross(a, b) + NEGLIGIBLE * norm(b - a))
 
-    def first_layers(self, reach: int) -> _Layers:
-        """Points near each vertex and its path outwards when its edges are shifted by a step."""
+    def first_layers(self, reach: IntArray) -> _Layers:
+        """Points within a reach (m,) of each vertex and its path outwards when its edges are shifted by a step."""
         cage, step = self.cage, self.grid.spacing
         along = cage.edge_ends - cage.vertices
         n = self.side * rotated_right(along) / norm(along)[:, None]
         both = n + n[cage.predecessor]
         push = 2.0 * both / np.maximum((both**2).sum(axis=1), 1e-12)[:, None]
         push *= np.minimum(1.0, MAX_PUSH / np.maximum(norm(push), 1e-12))[:, None] * step
-        square = _square(reach)
-        layers = []
-        for start, way in zip(cage.vertices, push, strict=True):
-            samples = 1 + int(np.ceil(2.0 * norm(way) / step))
-            middles = start + np.linspace(0.0, 1.0, samples)[:, None] * way
-            near = np.unique((self.grid.places(middles)[:, None] + square).reshape(-1, 2), axis=0)
-            far = point_edge(self.grid.points(near), start, start + way).distance
-            layers.append(near[np.argsort(far, kind="stable")[:MAX_LAYER]])
-        return self._allowed(_Layers(cage.vertices, layers))
+        samples = 1 + np.ceil(2.0 * norm(push) / step).astype(np.int64)
+        vertex = np.arange(len(samples)).repeat(samples)
+        share = position_in_group(samples) / np.maximum(samples - 1, 1)[vertex]
+        away = self.grid.places(cage.vertices[vertex] + share[:, None] * push[vertex]) - self.base[vertex]
+        square = _square(int(reach.max()))
+        held = np.abs(square).max(axis=1) <= reach[vertex][:, None]
+        width = 2 * self.half + 1
+        code = (vertex[:, None] * width + away[:, :1] + square[:, 0]) * width + away[:, 1:] + square[:, 1]
+        code = np.unique(code[held] + self.half * (width + 1))
+        vertex, x, y = np.unravel_index(code, self.state.shape)
+        near = self.base[vertex] + np.column_stack([x, y]) - self.half
+        far = point_edge(self.grid.points(near), cage.vertices[vertex], (cage.vertices + push)[vertex]).distance
+        near = near[np.lexsort((far, vertex))]
+        layers = np.split(near, np.flatnonzero(np.diff(vertex)) + 1)
+        return self._allowed(_Layers(cage.vertices, [layer[:MAX_LAYER] for layer in layers]))
 
     def layers_around(self, choice: IntArray, reach: int) -> _Layers:
         """Points around those of a choice (m, 2)."""
@@ -145,111 +165,74 @@ class _CoordinateDescent:
         sizes = [len(layer) for layer in layers.places]
         together = np.concatenate(layers.places)
         points = self.grid.points(together)
-        good = self.side * self.distance.at(points).distance >= self.clearance
         owner = np.repeat(np.arange(len(sizes)), sizes)
+        at = (owner, *(together - self.base[owner] + self.half).T)
+        new = np.flatnonzero(self.state[at] == 0)
+        if len(new):
+            free = self.side * self.distance.at(points[new]).distance >= self.clearance
+            self.state[tuple(each[new] for each in at)] = np.where(free, FREE, TAKEN)
+        good = self.state[at] == FREE
         reach = float(norm(points - layers.centres[owner]).max())
+        begins = np.cumsum([0, *sizes])
         for vertex, place, normal in _walls(self.cage, layers.centres, 2.0 * reach):
-            mine = np.flatnonzero(owner == vertex)
+            mine = slice(begins[vertex], begins[vertex + 1])
             good[mine] &= (points[mine] - place) @ normal < -ROUND_OFF * self.grid.spacing
-        return _Layers(layers.centres, [together[(owner == k) & good] for k in range(len(sizes))])
+        return _Layers(
+            layers.centres,
+            [layer[kept] for layer, kept in zip(layers.places, np.split(good, begins[1:-1]), strict=True)],
+        )
 
-    def chosen(self, layers: _Layers) -> IntArray | None:
-        """(m, 2) the choice of least cost whose edges all keep their distance; None if there is none."""
-        if min(len(layer) for layer in layers.places) == 0:
-            return None
-        costs: list[FloatArray] = [np.zeros(0)] * len(layers.places)
-        near = self._near(layers)
-        for vertex, (corners, edges) in enumerate(near):
-            costs[vertex] = self._edge_costs(layers, vertex, corners, edges)
-            if not np.isfinite(costs[vertex]).any():
-                return None
+    def chosen(self, layers: _Layers) -> tuple[IntArray | None, BoolArray]:
+        """(m, 2) the choice of least cost whose edges all keep their distance, and (m,) where larger layers may help.
+
+        None if there is none. Raises NestingError after `MOST_TESTS`.
+        """
+        stuck = np.array([len(layer) == 0 for layer in layers.places])
+        if stuck.any():
+            return None, stuck
+        costs = self._edge_costs(layers)
+        stuck = np.array([not np.isfinite(each).any() for each in costs])
+        if stuck.any():
+            return None, stuck | stuck[self.cage.predecessor]
         places = np.zeros((len(layers.places), 2), np.int64)
         for loop in self.cage.loops:
             picked = shortest_cycle([costs[vertex] for vertex in loop])
             if picked is None:
-                return None
+                stuck[loop] = True
+                continue
             for vertex, k in zip(loop, picked, strict=True):
                 places[vertex] = layers.places[vertex][k]
-        return places
+        return (None if stuck.any() else places), stuck
 
-    def _near(self, layers: _Layers) -> Iterator[tuple[IntArray, IntArray]]:
-        """For each edge of the cage the fine vertices, and the fine edges by their starts, that its ends may meet."""
-        fine, starts = self.fine, layers.centres
-        ends = starts[self.cage.successor]
-        far = np.array(
-            [float(norm(self.grid.points(layer) - at).max()) for layer, at in zip(layers.places, starts, strict=True)]
-        )
-        far = np.maximum(far, far[self.cage.successor])
-        radius = float(far.max()) + 2.0 * self.clearance
-        corner, edge = near_pairs(fine.vertices, starts, ends, radius)
-        point, line = near_pairs(starts, fine.vertices, fine.edge_ends, radius)
-        by_edge = [corner[pairs] for pairs in split_by(edge, len(starts))]
-        by_point = [line[pairs] for pairs in split_by(point, len(starts))]
-        for vertex in range(len(starts)):
-            corners = by_edge[vertex]
-            distance = point_edge(fine.vertices[corners], starts[vertex], ends[vertex]).distance
-            close = distance <= far[vertex] + 2.0 * self.clearance
-            corners = corners[close][np.argsort(distance[close], kind="stable")]
-            edges = (corners, fine.predecessor[corners], by_point[vertex], by_point[self.cage.successor[vertex]])
-            yield corners, np.unique(np.concatenate(edges))
+    def _edge_costs(self, layers: _Layers) -> list[FloatArray]:
+        """For each edge (K, K') its costs from each point of its layer to each of the next; infinite where it is too
+        close."""
+        following = [layers.places[vertex] for vertex in self.cage.successor]
+        keys = [(one.tobytes(), other.tobytes()) for one, other in zip(layers.places, following, strict=True)]
+        new = np.array([k for k, key in enumerate(keys) if key not in self.known], np.int64)
+        if len(new):
+            both = zip(layers.places, layers.centres, strict=True)
+            far = np.array([norm(self.grid.points(layer) - centre).max() for layer, centre in both])
+            near = self.free.near(layers.centres, far)
+            sizes = np.array([len(layers.places[k]) * len(following[k]) for k in new])
+            for part in np.split(new, np.flatnonzero(np.diff(np.cumsum(sizes) // CACHED_PAIRS)) + 1):
+                for k, costs in zip(part, self._costs_of(part, layers, following, near), strict=True):
+                    self.known[keys[k]] = costs
+        return [self.known[key] for key in keys]
 
-    def _edge_costs(self, layers: _Layers, vertex: int, corners: IntArray, edges: IntArray) -> FloatArray:
-        """(K, K') costs of an edge from each point of its layer to each of the next; infinite where it is too close."""
-        one, other = layers.places[vertex], layers.places[self.cage.successor[vertex]]
-        key = one.tobytes(), other.tobytes()
-        if key in self.known:
-            return self.known[key]
-        i, j = (each.ravel() for each in np.indices((len(one), len(other))))
-        p, q = self.grid.points(one), self.grid.points(other)
-        apart = (one[i] != other[j]).any(axis=1)
-        i, j = i[apart], j[apart]
-        for keep in (self._clear_of_corners, self._clear_of_edges):
-            left = corners if keep == self._clear_of_corners else edges
-            while len(left) and len(i):
-                part, left = np.split(left, [max(1, CHUNK_PAIRS // len(i))])
-                kept = keep(p[i], q[j], part)
-                i, j = i[kept], j[kept]
-        for loop in self._passed(corners):
-            line = layers.centres[vertex], layers.centres[self.cage.successor[vertex]]
-            kept = self._stays_beside(p[i], q[j], *line, self.fine.vertices[self.fine.loops[loop][0]])
-            i, j = i[kept], j[kept]
-        costs = np.full((len(one), len(other)), np.inf)
-        costs[i, j] = self._costs(vertex, one[i], other[j])
-        self.known[key] = costs
-        return costs
-
-    def _clear_of_corners(self, p: FloatArray, q: FloatArray, corners: IntArray) -> BoolArray:
-        """(K,) whether segments p-q (K, 2) keep their distance from fine vertices."""
-        x = self.fine.vertices[corners]
-        distance = point_edge(x[None], p[:, None], q[:, None]).distance
-        return np.asarray((distance >= self.clearance).all(axis=1))
-
-    def _clear_of_edges(self, p: FloatArray, q: FloatArray, edges: IntArray) -> BoolArray:
-        """(K,) whether segments p-q (K, 2) do not cross fine edges."""
-        a, b = self.fine.vertices[edges][None], self.fine.edge_ends[edges][None]
-        p, q = p[:, None], q[:, None]
-        beside = cross(q - p, a - p) * cross(q - p, b - p) > 0.0
-        beside |= cross(b - a, p - a) * cross(b - a, q - a) > 0.0
-        return np.asarray(beside.all(axis=1))
-
-    def _passed(self, corners: IntArray) -> IntArray:
-        """Fine loops that lie as a whole next to an edge: it could pass them by, from one side to the other."""
-        loops, counts = np.unique(self.fine.loop_of_vertex[corners], return_counts=True)
-        whole: IntArray = loops[counts == self.fine.loop_order.sizes[loops]]
-        return whole
-
-    def _stays_beside(self, p: FloatArray, q: FloatArray, a: FloatArray, b: FloatArray, x: FloatArray) -> BoolArray:
-        """(K,) whether the point x stays on its side of an edge that goes from a-b to p-q (K, 2)."""
-        count = len(p)
-        corners = np.stack([np.broadcast_to(a, p.shape), np.broadcast_to(b, p.shape), q, p], axis=1)
-        # one quadrilateral after the other, each around its own copy of the point, far enough from the others
-        step = np.zeros((count, 2))
-        step[:, 0] = (
-            4.0 * np.arange(count) * max(float(np.ptp(np.concatenate([corners.reshape(-1, 2), x[None]]))), 1e-300)
-        )
-        moved = corners + step[:, None]
-        winding = winding_number(x + step, moved.reshape(-1, 2), np.roll(moved, -1, axis=1).reshape(-1, 2))
-        return np.asarray(winding == 0)
+    def _costs_of(self, edges: IntArray, layers: _Layers, following: list[IntArray], near: Near) -> list[FloatArray]:
+        """The same for some edges."""
+        pairs = [np.indices((len(layers.places[k]), len(following[k]))).reshape(2, -1) for k in edges]
+        one = np.concatenate([layers.places[k][i] for k, (i, _) in zip(edges, pairs, strict=True)])
+        other = np.concatenate([following[k][j] for k, (_, j) in zip(edges, pairs, strict=True)])
+        sizes = [len(i) for i, _ in pairs]
+        segments = Segments(edges.repeat(sizes), self.grid.points(one).T.copy(), self.grid.points(other).T.copy())
+        kept = np.flatnonzero((one != other).any(axis=1))
+        kept = self.free.kept(segments, kept, near)
+        costs = np.full(len(one), np.inf)
+        costs[kept] = self._costs(segments.edge[kept], one[kept], other[kept])
+        shapes = [(len(layers.places[k]), len(following[k])) for k in edges]
+        return [part.reshape(s) for part, s in zip(np.split(costs, np.cumsum(sizes)[:-1]), shapes, strict=True)]
 
 
 def _square(reach: int) -> IntArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -79,10 +80,11 @@ class Settling:
     def failure(self, level: Level) -> Stage[Progress, NestingError]:
         """The error for a level that has no cage on the numbers."""
         remedy, works, missed = "ask for a finer one", None, self.missed
-        for finer in self.numbers.finer():
-            if (yield from self._moved(level, Way.of(level), level.report, finer)) is not None:
-                remedy, works = f"a grid of {finer.spacing:.6g} works", finer.spacing
-                break
+        with suppress(NestingError):  # of the work that a search may take
+            for finer in self.numbers.hasty().finer():
+                if (yield from self._moved(level, Way.of(level), level.report, finer)) is not None:
+                    remedy, works = f"a grid of {finer.spacing:.6g} works", finer.spacing
+                    break
         count, clearance = len(level.cage.vertices), level.report.wanted_clearance
         grid = self.numbers.grid
         what = f"the grid of {grid:.6g}" if grid is not None else f"{self.numbers.stored} numbers"

@@ -6,6 +6,7 @@ import itertools
 import json
 from decimal import Decimal
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +32,10 @@ from nestedcages_core import (
     to_svg,
     verify,
 )
+from nestedcages_core.cache import forget
 from nestedcages_core.command import main
+from nestedcages_core.constraints import free_edges
+from nestedcages_core.constraints.free_edges import FreeEdges
 from nestedcages_core.exchange.decimals import subtracted
 from nestedcages_core.geometry.lattice import Grid
 from nestedcages_core.geometry.shortest_cycle import shortest_cycle
@@ -173,6 +177,28 @@ def test_slits_narrower_than_the_grid_are_filled() -> None:
     level = nested_cages(fine, [16], Settings(grid=0.04)).levels[0]
     assert_on_grid(level, 0.04)
     assert level.report.wanted_clearance == nested_cages(fine, [16]).levels[0].report.wanted_clearance
+
+
+def test_the_search_on_a_grid_ends_after_so_much_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first cage found is taken where there is one by then, else the error says why there is none."""
+    fine, tests = random_star(3), [0]
+    met = FreeEdges._met
+
+    def counted(self: FreeEdges, *asked: Any) -> Any:
+        tests[0] = self.tests
+        return met(self, *asked)
+
+    monkeypatch.setattr(FreeEdges, "_met", counted)
+    best = nested_cages(fine, 9, grid=0.02)[0]
+    monkeypatch.setattr(free_edges, "MOST_TESTS", tests[0] // 3)
+    forget()
+    assert_on_grid(found := nested_cages(fine, 9, grid=0.02)[0], 0.02)
+    assert found.cage.area > best.cage.area
+    monkeypatch.setattr(free_edges, "MOST_TESTS", 10)
+    forget()
+    with pytest.raises(NestingError, match=r"on the grid of 0\.02 was found in 10 tests of edges") as error:
+        nested_cages(fine, 9, grid=0.02)
+    assert error.value.code == "limit.exceeded"
 
 
 @pytest.mark.slow
