@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -15,10 +15,6 @@ from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import winding_number
 from ..geometry.predicates.sweep import expanded
-
-FIRST_TESTED, MORE_TESTED = 8, 4
-"""Fine vertices that edges are tested against, nearest first, and by which factor those left then get more."""
-
 
 MOST_TESTS = 1_000_000_000
 """Tests of an edge against a fine vertex or edge in one search: some ten seconds."""
@@ -84,9 +80,9 @@ class FreeEdges:
     clearance: float
     wanted: str
     """What the error says was not found."""
-    tests: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
+        self.tests = 0
         self.columns = self.fine.vertices.T.copy(), self.fine.edge_ends.T.copy()
 
     def near(self, starts: FloatArray, far: FloatArray) -> Near:
@@ -110,14 +106,14 @@ class FreeEdges:
     def kept(self, segments: Segments, kept: IntArray, near: Near) -> IntArray:
         """Those of some segments (K,), ascending by edge, that keep their distance. Raises NestingError."""
         for lists, meets in ((near.corners, self._meet_corners), (near.lines, self._meet_edges)):
-            done, size = 0, FIRST_TESTED
+            done, size = 0, 1  # the nearest ones first: most segments that are not free meet one of them
             while True:
                 edge = segments.edge[kept]
                 count = np.clip(lists.count[edge] - done, 0, size)
                 if not count.any():
                     break
                 kept = kept[~self._met(segments.take(kept), lists.member, lists.first[edge] + done, count, meets)]
-                done, size = done + size, size * MORE_TESTED
+                done, size = done + size, 2 * size
         for k, loop in self._passed(np.unique(segments.edge), near.corners):
             mine = np.flatnonzero(segments.edge[kept] == k)
             p, q = (ends[:, kept[mine]].T for ends in (segments.start, segments.end))

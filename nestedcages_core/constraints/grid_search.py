@@ -39,9 +39,6 @@ MAX_PUSH = 6.0
 MAX_LAYER = 72
 """Maximum number of points of a layer; the closest ones are kept."""
 
-FREE, TAKEN = 1, 2
-"""Whether a place keeps its distance; 0 where that is not known."""
-
 
 def put_on_grid(
     cage: Mesh,
@@ -113,7 +110,7 @@ class _CoordinateDescent:
         self.known: dict[tuple[bytes, bytes], FloatArray] = {}
         self.free = FreeEdges(self.cage, self.fine, self.clearance, f"No cage on the grid of {self.grid.spacing:.6g}")
         self.half = int(MAX_PUSH) + 1 + max(FIRST_REACHES) + self.rounds * max(LATER_REACHES)
-        self.state = np.zeros((m, 2 * self.half + 1, 2 * self.half + 1), np.int8)
+        self.is_known, self.is_free = np.zeros((2, m, 2 * self.half + 1, 2 * self.half + 1), bool)
 
     def cost(self, places: IntArray) -> float:
         """Of a choice (m, 2)."""
@@ -148,7 +145,7 @@ class _CoordinateDescent:
         width = 2 * self.half + 1
         code = (vertex[:, None] * width + away[:, :1] + square[:, 0]) * width + away[:, 1:] + square[:, 1]
         code = np.unique(code[held] + self.half * (width + 1))
-        vertex, x, y = np.unravel_index(code, self.state.shape)
+        vertex, x, y = np.unravel_index(code, self.is_known.shape)
         near = self.base[vertex] + np.column_stack([x, y]) - self.half
         far = point_edge(self.grid.points(near), cage.vertices[vertex], (cage.vertices + push)[vertex]).distance
         near = near[np.lexsort((far, vertex))]
@@ -167,11 +164,12 @@ class _CoordinateDescent:
         points = self.grid.points(together)
         owner = np.repeat(np.arange(len(sizes)), sizes)
         at = (owner, *(together - self.base[owner] + self.half).T)
-        new = np.flatnonzero(self.state[at] == 0)
+        new = np.flatnonzero(~self.is_known[at])
         if len(new):
-            free = self.side * self.distance.at(points[new]).distance >= self.clearance
-            self.state[tuple(each[new] for each in at)] = np.where(free, FREE, TAKEN)
-        good = self.state[at] == FREE
+            places = tuple(each[new] for each in at)
+            self.is_known[places] = True
+            self.is_free[places] = self.side * self.distance.at(points[new]).distance >= self.clearance
+        good = self.is_free[at]
         reach = float(norm(points - layers.centres[owner]).max())
         begins = np.cumsum([0, *sizes])
         for vertex, place, normal in _walls(self.cage, layers.centres, 2.0 * reach):
