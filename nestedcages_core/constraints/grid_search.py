@@ -27,11 +27,9 @@ from ..geometry.vectors import cross, norm, rotated_right
 from ..tasks import Stage
 from .free_edges import FreeEdges, Near, Segments
 
-FIRST_REACHES = (1, 2, 4)
-"""Reach of first layers around a vertex and its path outwards, in grid steps; larger ones where no cage is found."""
-
-LATER_REACHES = (2, 3)
-"""The same around a choice to improve: the next one is used where the previous one finds nothing better."""
+REACHES = (1, 2, 3, 4)
+"""Reach of first layers around a vertex and its path outwards, in grid steps; larger ones where no cage is found. All
+but the first and the last are those around a choice to improve: the next where the one before finds nothing better."""
 
 MAX_PUSH = 6.0
 """Largest displacement of a vertex, in grid steps, that first layers allow for."""
@@ -60,13 +58,13 @@ def put_on_grid(
     found: IntArray | None = None
     reach = np.zeros(len(cage.vertices), np.int64)
     while found is None:
-        found, stuck = search.chosen(search.first_layers(np.take(FIRST_REACHES, reach)))
+        found, stuck = search.chosen(search.first_layers(np.take(REACHES, reach)))
         yield 0.25
-        stuck &= reach < len(FIRST_REACHES) - 1
+        stuck &= reach < len(REACHES) - 1
         if found is None and not stuck.any():
             return None
         reach += stuck
-    reaches = list(LATER_REACHES)
+    reaches = list(REACHES[1:-1])
     for number in range(rounds):
         try:
             better, _ = search.chosen(search.layers_around(found, reaches[0]))
@@ -109,7 +107,7 @@ class _CoordinateDescent:
         self.origin = self.grid.places(self.cage.vertices.mean(axis=0))
         self.known: dict[tuple[bytes, bytes], FloatArray] = {}
         self.free = FreeEdges(self.cage, self.fine, self.clearance, f"No cage on the grid of {self.grid.spacing:.6g}")
-        self.half = int(MAX_PUSH) + 1 + max(FIRST_REACHES) + self.rounds * max(LATER_REACHES)
+        self.half = int(MAX_PUSH) + 1 + max(REACHES) + self.rounds * max(REACHES)
         self.is_known, self.is_free = np.zeros((2, m, 2 * self.half + 1, 2 * self.half + 1), bool)
 
     def cost(self, places: IntArray) -> float:
