@@ -33,7 +33,7 @@ help:
 	@echo "make lint    runs ruff and mypy, and says whether the comparison holds for this code"
 	@echo "make docs    builds the site with the API reference: build/site/index.html"
 	@echo "make pictures      makes the pictures of README, gallery and guide again (BLENDER=command of one with a window)"
-	@echo "make paper   puts every figure and table of the paper and of the comparison into build/paper.pdf"
+	@echo "make paper   typesets docs/paper with figures and tables of today: build/paper.pdf"
 	@echo "make bench   measures time, tightness and growth: renews docs/performance.md"
 	@echo "make release   puts the extension, its listing, wheel, sdist, site and checksums into dist/"
 	@echo "make extension     builds the extension's zips in dist/, installs the Linux one in a clean Blender and tries it"
@@ -83,7 +83,7 @@ pictures: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python packaging/pictures.py $(if $(BLENDER),--blender "$(BLENDER)") \
 		$(if $(BLENDER_5_2),--blender "$(BLENDER_5_2)")
 
-# MESHES: the folder "data" of the paper's program, to draw its own meshes in place of our drawings of them.
+# MESHES: the folder "data" of the program of Gurditta and Jacobson, to draw its own meshes in place of our drawings.
 paper: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[comparison]"
 	$(TEST_ENV)/bin/python benchmarks/paper_pdf.py $(if $(MESHES),--meshes $(MESHES))

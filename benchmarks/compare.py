@@ -1,11 +1,11 @@
 """Compares the methods and writes docs/comparison.md and the pages below docs/comparison, the only way they are made.
 
-    python benchmarks/compare.py                     # about seven minutes on two cores
+    python benchmarks/compare.py                     # about ten minutes on two cores
     python benchmarks/compare.py --check             # do the pages hold for this code? exit status 1 if not
     python benchmarks/compare.py --smaller 10 --out build/comparison    # a tenth of the shapes, elsewhere
     python benchmarks/compare.py --pages             # the pages again, from the runs that are there
 
-An interrupted run goes on where it was. The exit status is 3 where the runs contradict a conclusion of the page.
+An interrupted run goes on where it was. The exit status is 3 where the runs do not show a conclusion of the page.
 Needs matplotlib and shapely (``pip install nested-cages[comparison]``).
 """
 
@@ -33,8 +33,8 @@ from comparison.check import check  # noqa: E402
 from comparison.shapes import Sizes  # noqa: E402
 from nestedcages_core import __version__  # noqa: E402
 
-CONTRADICTED = 3
-"""Exit status where the runs contradict a conclusion."""
+NOT_SHOWN = 3
+"""Exit status where the runs do not show a conclusion."""
 
 
 def main() -> int:
@@ -92,8 +92,8 @@ def told(found: list[runs.Run]) -> int:
     status = 0
     for conclusion, verdicts in conclusions.verdicts(found).items():
         for where, verdict in zip(("known shapes", "held-out shapes"), verdicts, strict=True):
-            print(f"{'holds' if verdict.holds else 'CONTRADICTED'}, {where}: {conclusion.claim}")
-            status = status if verdict.holds else CONTRADICTED
+            print(f"{'holds' if verdict.holds else 'NOT SHOWN'}, {where}: {conclusion.claim}")
+            status = status if verdict.holds else NOT_SHOWN
     return status
 
 

@@ -28,9 +28,8 @@ from pathlib import Path
 import numpy as np
 
 import clone  # noqa: F401 - puts the core of this clone on the path
-from comparison.as_published import as_published
 from data import COARSE_RING_VERTICES, Table1Row, annulus, read_shape, read_table1
-from nestedcages_core import Mesh, verify
+from nestedcages_core import Mesh, as_published, verify
 from page import stamp
 
 COLUMNS = "fine_vertices", "reference_cpp_cpu_s", "reference_cpp_excess_percent"

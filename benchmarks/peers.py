@@ -1,8 +1,12 @@
-"""What people use without us, on the same shapes: their time, their tightness, and whether they really contain."""
+"""What people use without us, on the same shapes: their time, their tightness, and whether they really contain.
+
+python benchmarks/peers.py [--page]     # a table, and put into docs/method.md
+"""
 
 from __future__ import annotations
 
 import ctypes
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +15,9 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from nestedcages_core import Mesh, NestedCagesError, verify
+import clone
+from nestedcages_core import Mesh, NestedCagesError, nested_cages, verify
+from shortcut_hulls import shortcut_hull
 
 HALVINGS = 20
 """Trials that each recipe gets to come down to a number of vertices."""
@@ -52,6 +58,50 @@ def polygon_hull(fine: Mesh, count: int) -> Peer | None:
         return None
     shape = polygons(fine)
     return _search(fine, count, 1.0, 1e-6, lambda fraction: _hull(library, shape, fraction))
+
+
+def best_shortcut_hull(fine: Mesh, count: int) -> Peer | None:
+    """The shortcut hull of least area; None where there is none."""
+    begin = time.process_time()
+    hull = shortcut_hull(fine, count, polygons(fine))
+    if hull is None:
+        return None
+    seconds = time.process_time() - begin
+    return Peer(seconds, 100.0 * (hull.area / fine.area - 1.0), _corners(hull), _verdict(hull, fine))
+
+
+PEERS: dict[str, Callable[[Mesh, int], Peer | None]] = {
+    "buffer and simplify": buffer_and_simplify,
+    "GEOS's hull": polygon_hull,
+    "shortcut hull": best_shortcut_hull,
+}
+"""Recipes with shapely; hulls of GEOS as JTS has them; shortcut hulls (Bonerath et al. 2023)."""
+SHOWN, COUNTS = ("comb", "glyph_B", "glyph_g", "star200"), (32, 64)
+"""Shapes and vertex counts of the table."""
+
+
+def main() -> int:
+    from data import shape
+    from page import measured
+
+    lines = ["| shape, vertices | ours | " + " | ".join(PEERS) + " |", "| --- " * (2 + len(PEERS)) + "|"]
+    for name in SHOWN:
+        fine = shape(name)
+        for count in COUNTS:
+            begin = time.process_time()
+            ours = 100.0 * nested_cages(fine, [count]).levels[0].report.excess
+            cells = [f"{ours:.2f} %, {time.process_time() - begin:.2f} s"]
+            for recipe in PEERS.values():
+                peer = recipe(fine, count)
+                told = "" if peer is None or peer.verdict == "certified" else f", {peer.verdict}"
+                more = "" if peer is None or peer.vertices <= count else f", {peer.vertices} vertices"
+                cells.append("none" if peer is None else f"{peer.excess:.2f} %, {peer.seconds:.2f} s{told}{more}")
+            lines.append(f"| {name}, {len(fine.vertices)} in {count} | " + " | ".join(cells) + " |")
+    table = "\n".join(lines)
+    print(table)
+    if "--page" in sys.argv:
+        measured(clone.ROOT / "docs" / "method.md", "peers", "python benchmarks/peers.py --page", table, table)
+    return 0
 
 
 def inner_polygon_hull(fine: Mesh, count: int) -> Peer | None:
@@ -157,3 +207,7 @@ def _hull(library: ctypes.CDLL, shape: shapely.Geometry, fraction: float, *, out
         library.GEOSGeom_destroy_r(context, made)
     library.GEOS_finish_r(context)
     return result
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -4,11 +4,10 @@
     python benchmarks/shapes.py --data FOLDER    # your own shapes
 
 For every shape at 16, 32 and 64 vertices: our excess and time next to those on record (data/records.csv), and the
-excess of the line cycles before tightening next to that of a strict progressive hull. Then, from resampled starts, the
-share of cage edges that show the sign of a local optimum of the area: flush with the fine mesh around their middle, or
-touched at it. Then five nested levels. Last, what shapely's buffer + simplify and GEOS's polygon hull make of the same
-shapes in the same run. Exit status 1 if a cage is not certified, an excess is above the allowed multiple of its record,
-or half of the line cycles are looser than the progressive hull.
+excess of the line cycles before tightening next to that of a strict progressive hull. Then five nested levels. Last,
+what shapely's buffer + simplify, GEOS's polygon hull and shortcut hulls make of the same shapes in the same run.
+Exit status 1 if a cage is not certified, an excess is above the allowed multiple of its record, or half of the line
+cycles are looser than the progressive hull.
 """
 
 from __future__ import annotations
@@ -23,11 +22,9 @@ import numpy as np
 
 import clone  # noqa: F401
 from data import Record, read_records, shape, shape_names
-from nestedcages_core import ArcLength, Level, LineCycles, Mesh, NestedCagesError, Settings, nested_cages, verify
+from nestedcages_core import Level, LineCycles, Mesh, Settings, nested_cages, verify
 from nestedcages_core.cache import forget
-from nestedcages_core.geometry.broad_phase import near_pairs
-from nestedcages_core.geometry.distance import point_edge
-from peers import buffer_and_simplify, polygon_hull
+from peers import PEERS
 
 COUNTS = (16, 32, 64)
 
@@ -43,9 +40,6 @@ ALLOWED = 1.03
 NEGLIGIBLE = 0.01
 """Records below this many per cent count as this: a ratio to nothing says nothing."""
 
-TOUCHING = 1.2
-"""Multiple of the clearance up to which a fine vertex counts as touching an edge."""
-
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -55,7 +49,6 @@ def main() -> int:
     options = parser.parse_args()
     shapes = {name: shape(name, options.data) for name in shape_names(options.data, options.shapes)}
     good = records_and_starts(shapes, {} if options.data else read_records(), options.repeats)
-    good = resampled_starts(shapes) and good
     good = five_levels(shapes) and good
     peers(shapes)
     return 0 if good else 1
@@ -109,12 +102,13 @@ def fastest(fine: Mesh, count: int, settings: Settings, repeats: int) -> tuple[L
 
 def peers(shapes: dict[str, Mesh]) -> None:
     """The table of what others make of the same shapes, in the same run."""
-    columns = ("cage", "buffer s", "excess %", "vertices", "verdict", "hull s", "excess %", "vertices", "verdict")
-    print("\nshapely's buffer and simplify, and GEOS's polygon hull\n" + f"{'shape':10}" + heading(columns))
+    columns = "cage", *(name for recipe in ("buffer", "hull", "shortcut")
+                        for name in (f"{recipe} s", "excess %", "vertices", "verdict"))  # fmt: skip
+    print("\nshapely's buffer and simplify, GEOS's polygon hull, shortcut hulls\n" + f"{'shape':10}" + heading(columns))
     for name, fine in shapes.items():
         for count in COUNTS:
             line = f"{name:10}{count:12d}"
-            for peer in (buffer_and_simplify(fine, count), polygon_hull(fine, count)):
+            for peer in (recipe(fine, count) for recipe in PEERS.values()):
                 if peer is None:
                     line += f"{'-':>12}" * 4
                 else:
@@ -124,27 +118,6 @@ def peers(shapes: dict[str, Mesh]) -> None:
 
 def heading(columns: Sequence[str]) -> str:
     return "".join(f"{name:>12}" for name in columns)
-
-
-def resampled_starts(shapes: dict[str, Mesh]) -> bool:
-    """The table of resampled starts with the sign of a local optimum; whether all cages are certified."""
-    print("\nResampled starts\n" + f"{'shape':10}" + heading(("cage", "certified", "start", "excess %", "optimal %")))
-    certified = True
-    for name, fine in shapes.items():
-        for count in COUNTS:
-            try:
-                level = nested_cages(fine, [count], Settings(decimation=ArcLength())).levels[0]
-            except NestedCagesError as error:
-                print(f"{name:10}{count:12d}{yes(False)}  {error}")
-                certified = False
-                continue
-            certified &= is_certified(level)
-            share = 100.0 * optimal_edges(level.cage, fine, level.report.wanted_clearance)
-            print(
-                f"{name:10}{count:12d}{yes(is_certified(level))}{level.report.start:>12}"
-                f"{100.0 * level.report.excess:12.3f}{share:12.1f}"
-            )
-    return certified
 
 
 def five_levels(shapes: dict[str, Mesh]) -> bool:
@@ -159,19 +132,6 @@ def five_levels(shapes: dict[str, Mesh]) -> bool:
         excess = [100.0 * (level.cage.area / fine.area - 1.0) for level in levels]
         print(f"{name:10}" + "".join(f"{number:12.3f}" for number in excess) + yes(good))
     return certified
-
-
-def optimal_edges(cage: Mesh, fine: Mesh, clearance: float) -> float:
-    """Share of the cage's edges whose middle lies between contacts: turning such an edge about any point costs area."""
-    ends = cage.vertices[cage.successor]
-    point, edge = near_pairs(fine.vertices, cage.vertices, ends, TOUCHING * clearance)
-    where = point_edge(fine.vertices[point], cage.vertices[edge], ends[edge]).parameter
-    first, last = np.full(len(ends), np.inf), np.full(len(ends), -np.inf)
-    np.minimum.at(first, edge, where)
-    np.maximum.at(last, edge, where)
-    middle = 0.5
-    near_middle = 0.02
-    return float(np.mean((first <= middle + near_middle) & (last >= middle - near_middle)))
 
 
 if __name__ == "__main__":

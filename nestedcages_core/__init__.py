@@ -128,6 +128,7 @@ if TYPE_CHECKING:
     from .published.gurditta_jacobson_2022 import SmallestDistance as SmallestDistance
     from .published.gurditta_jacobson_2022 import TimeOfImpact as TimeOfImpact
     from .published.gurditta_jacobson_2022 import UniformGrid as UniformGrid
+    from .published.gurditta_jacobson_2022 import as_published as as_published
     from .puppet import PartChoice as PartChoice
     from .puppet import Puppet as Puppet
     from .puppet import PuppetDraft as PuppetDraft
@@ -215,7 +216,7 @@ _LATER = {
     "published.gurditta_jacobson_2022": (
         "AUGMENTED_2022 AUGMENTED_2022_REPAIRED AllPairs EvenSamples GaussLegendre GradientDescent Midpoint NoFilter "
         "PaperContact PaperFlow QuadraticFallOff RandomSamples Repairs SignedDistanceFlow SmallestDistance "
-        "TimeOfImpact UniformGrid"
+        "TimeOfImpact UniformGrid as_published"
     ),
 }
 """Rooms that making a cage does not need, and the names that the face passes on from them: imported when asked for."""

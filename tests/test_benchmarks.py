@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -16,7 +17,7 @@ import shapely
 
 ROOT = Path(__file__).resolve().parents[1]
 BENCHMARKS = ROOT / "benchmarks"
-PARTS = ("bent.py", "clone.py", "mechanisms.py", "page.py", "peers.py", "random_shapes.py")  # imported by the others
+PARTS = ("bent.py", "clone.py", "mechanisms.py", "page.py", "random_shapes.py", "shortcut_hulls.py")  # of the others
 SCRIPTS = sorted(path.name for path in BENCHMARKS.glob("*.py") if path.name not in PARTS)
 NEEDS = {"bpy", "hypothesis", "ipctk", "matplotlib", "nestedcages_core", "numpy", "scipy", "shapely"}
 
@@ -123,6 +124,74 @@ def test_the_vertices_of_all_parts_of_a_peer_count(monkeypatch: pytest.MonkeyPat
     two = peers.buffer_and_simplify(Mesh.from_loops([disc, disc + 4.0]), 12)
     assert 6 <= two.vertices <= 12
     assert two.excess > 5.0  # no twelve vertices enclose two round discs more tightly
+
+
+def test_shortcut_hulls_are_the_best_of_all_choices_of_vertices(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    from itertools import combinations
+
+    from nestedcages_core import Mesh
+    from peers import polygons
+    from shortcut_hulls import shortcut_hull
+
+    star = np.array([3.0, 1.0] * 4)[:, None] * np.array([(np.cos(t), np.sin(t)) for t in np.arange(8) * np.pi / 4])
+    fine = Mesh.from_loops([star * np.array([[1.0, 1.1]])])
+    loop, solid = fine.vertices, polygons(fine)
+    for count in (5, 6):
+        choices = (shapely.Polygon(loop[list(places)]) for places in combinations(range(8), count))
+        least = min(hull.area for hull in choices if hull.is_valid and hull.covers(solid))
+        assert shortcut_hull(fine, count, solid).area == pytest.approx(least)
+    assert shortcut_hull(fine, 3, solid) is None  # the convex hull has four corners
+
+
+def test_no_polygon_is_below_the_lower_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A dozen-pointed outline: the bound is below cages, and for a ring at the optimum in closed form."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    from bound import lower_bound
+    from nestedcages_core import Mesh, nested_cages
+
+    angle = np.arange(12) * np.pi / 6
+    radius = np.tile([1.0, 0.6, 0.9, 0.7], 3)
+    star = Mesh.from_loops([radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])])
+    area = nested_cages(star, [6]).levels[0].cage.area
+    asked = lower_bound(star, 6, area, target=-0.02, seconds=0.3)  # more than there can be
+    assert 0.95 * area < asked.area < area
+    assert not asked.proven
+    ring = Mesh.from_loops([np.column_stack([np.cos(angle), np.sin(angle)])])
+    optimum = 4.0 * np.cos(np.pi / 12) ** 2 * np.tan(np.pi / 4)
+    found = lower_bound(ring, 4, optimum, target=1e-3)
+    assert found.proven
+    assert optimum / 1.001 == pytest.approx(found.area)
+
+
+@pytest.mark.slow
+def test_the_propositions_stand_when_attacked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import propositions
+
+    assert propositions.third(12, 7)
+    assert propositions.fifth(3, 7)
+    assert propositions.sixth(2, 7)
+    p, a, b = (np.array(ends) for ends in ([[0.5, 1.0], [0.5, -1.0]], [[0.0, 0.0]] * 2, [[1.0, 0.0]] * 2))
+    assert propositions.meets(p, a, b)
+    assert not propositions.meets(p + np.array([0.6, 0.0]), a, b)
+    assert not propositions.meets(p * [[1.0, 1.0], [1.0, -0.1]], a, b)
+
+
+def test_the_paper_names_what_is_there() -> None:
+    """The sources of `make paper`, not the PDF: what it includes is made, and what it cites is known."""
+    text = (ROOT / "docs" / "paper" / "paper.typ").read_text(encoding="utf-8")
+    maker = (BENCHMARKS / "paper_pdf.py").read_text(encoding="utf-8")
+    included = re.findall(r'(?:image|include|json)[ (]"([\w.]+)"', text)
+    assert len(included) > 8
+    for name in included:
+        stem = name.removesuffix(".typ")
+        assert name in maker or f'"{stem}"' in maker, name
+    labels = set(re.findall(r"<([\w-]+)>", text))
+    known = set(re.findall(r"^@\w+{(\w+),", (ROOT / "docs" / "references.bib").read_text("utf-8"), re.MULTILINE))
+    cited = set(re.findall(r"@([\w-]+)", text)) - labels
+    assert len(cited) > 20
+    assert cited <= known
 
 
 def test_the_fewest_convex_pieces_of_small_shapes(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -86,7 +86,8 @@ class GenerationProperties:
     as_published: flag(
         "As Published",
         "Shrink and grow back as in Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022), with repairs and "
-        "without tightening: slow and loose, for teaching and comparison",
+        "without tightening: slow and loose, for teaching and comparison. Lengths are those of its program, made for "
+        "drawings of about 2 units across",
     )
     start_frame: whole("Start Frame", "First frame of the animation", default=1, soft_min=0)
     frames_per_step: whole(

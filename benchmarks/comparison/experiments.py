@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from comparison import methods
-from comparison.as_published import as_published
 from comparison.bench import Bench
 from comparison.conclusions import APART, spread
 from comparison.drawings import bean, letter_a, letter_a_coarse, star, star_coarse
 from comparison.measure import Measurement, measure, measure_default, tightened
-from comparison.runs import Run
+from comparison.runs import Run, of
 from comparison.shapes import DISCS, FIGURES, HELD_OUT, RANDOM, Case, Sizes, case, cases, disc, figures, start
 from data import read_table1
-from nestedcages_core import ArcLength, Mesh, NestedCagesError
+from nestedcages_core import ArcLength, Mesh, NestedCagesError, as_published
 from nestedcages_core.level.units import SolverUnits
 from nestedcages_core.tasks import drain
 from nestedcages_core.verification import verify
 
-CONTACT_LIMIT = 5.0  # CPU seconds of a contact by itself
-LADDER_SHAPES = ("letter A, 45 + 6 in 32 + 3", "disc with a hole in an octagon", "disc with a hole in a pentagon")
+CONTACT_LIMIT = 2.0  # CPU seconds of a contact by itself
+LADDER_SHAPES = ("figure 3: disc with a hole in a pentagon",)
 BEAN_VERTICES, BEAN_COUNT = 160, 12
 Runs = list[Run]
 
@@ -32,10 +32,10 @@ def run(sizes: Sizes, bench: Bench) -> Runs:
     contact_cases, whole_cases = list(cases(sizes.contacts)), [*figures(), *cases(sizes.methods)]
     tasks: dict[tuple[str, ...], tuple[Any, ...]] = {}
     for made in contact_cases:
-        tasks["contacts", made.family, made.shape] = (contacts, made)
+        tasks["contacts", made.family, made.shape, made.start] = (contacts, made)
     for made in whole_cases:
-        tasks["methods", made.family, made.shape] = (whole, made)
-    for made in cases(sizes.flows):
+        tasks["methods", made.family, made.shape, made.start] = (whole, made)
+    for made in cases(sizes.flows, (ONE_START,)):
         tasks["flows", made.family, made.shape] = (flows, made)
     for row in read_table1():
         tasks["table 1", DISCS, str(row.fine_vertices)] = (table_1, disc(row.fine_ring_vertices))
@@ -51,29 +51,26 @@ def _made(experiment: Any, made: Case) -> Runs:
     return list(experiment(made))
 
 
-def contacts(made: Case, names: tuple[str, ...] = ()) -> Runs:
-    """Every contact from the same start, those with a barrier at equal ranges too; the same tightening after each."""
+def contacts(made: Case, names: Collection[str] = methods.CELLS) -> Runs:
+    """Every contact and range from the same coarse mesh and flow; the same tightening after each."""
     begun = start(made)
     if begun is None:
         return []
     found = []
-    chosen = {("contacts", name): alone for name, alone in methods.CONTACTS.items()}
-    chosen |= {("ranges", name): alone for name, alone in methods.AT_RANGES.items()}
-    for (experiment, name), alone in chosen.items():
-        if names and name not in names:
-            continue
-        repeats = 3 if experiment == "contacts" else 1
-        result = measure(methods.alone(alone.contact), made.fine, begun, repeats, CONTACT_LIMIT)
+    for name in (name for name in methods.CELLS if name in names):
+        result = measure(methods.alone(methods.CELLS[name].contact), made.fine, begun, 1, CONTACT_LIMIT)
         after = tightened(result) if result.success else None
-        line = _run(experiment, made, name, result, result.seconds.get("reinflation"))
+        line = _run("contacts", made, name, result, result.seconds.get("reinflation"))
         found.append(replace(line, tightened=after.excess if after is not None and after.success else None))
     return found
 
 
 def whole(made: Case) -> Runs:
     """Whole methods, published and ours, from the same coarse mesh; simple cages make their own."""
+    extra = {"drawn": methods.ON_FIGURES, DESCENT_START: methods.DESCENDING}
+    chosen = methods.WHOLE | extra.get(made.start, {})
     found = []
-    for name, settings in methods.WHOLE.items():
+    for name, settings in chosen.items():
         wanted = len(made.coarse.vertices) if name == methods.SIMPLE else made.coarse
         found.append(_run("methods", made, name, measure(settings, made.fine, wanted)))
     found.append(_run("methods", made, methods.DEFAULT, measure_default(made.fine, made.coarse)))
@@ -92,10 +89,11 @@ def table_1(made: Case) -> Runs:
     program = Measurement(made.fine, made.coarse, certified=certificate.holds, excess=100.0 * certificate.excess)
     program.short, program.smallest = result.short / made.fine.diagonal, certificate.clearance
     program.failed, program.problem = "reinflation", "the fine mesh rests short of its target"
-    found = [_run("table 1", made, methods.WRITTEN, program)]
+    program.seconds = dict(zip(("flow", "reinflation"), result.seconds, strict=True))
+    found = [_run("table 1", made, methods.WRITTEN, program, sum(result.seconds))]
     for name in (methods.ORIGINAL, methods.NEWTON, methods.OURS):
         found.append(_run("table 1", made, name, measure(methods.WHOLE[name], made.fine, made.coarse)))
-    return found
+    return [*found, _run("table 1", made, methods.DEFAULT, measure_default(made.fine, made.coarse))]
 
 
 def flows(made: Case) -> Runs:
@@ -141,8 +139,12 @@ def asymmetry(cage: Mesh | None) -> float | None:
 
 SAMPLE = {RANDOM: 2, HELD_OUT: 2}
 """How many shapes of a family are run again to check the pages."""
-SAMPLED = ("IPC, ours", "sequential QP", methods.ENERGY_2022)
+SAMPLED = ("IPC, ours", "sequential QP", methods.at(methods.ENERGY_2022, methods.LARGE_RANGE))
 """Contacts that are run on them."""
+ONE_START = "line cycles"
+"""The start of the sample, and of flows."""
+DESCENT_START = "edge collapse"
+"""That of gradient descent."""
 
 
 def sample(runs: Runs) -> Runs:
@@ -153,21 +155,21 @@ def sample(runs: Runs) -> Runs:
     found: Runs = []
     for family, count in SAMPLE.items():
         tightened: dict[int, list[float | None]] = {}
-        for run in runs:
-            if run.experiment == "contacts" and run.family == family and run.success:
+        for run in of(runs, "contacts", family, start=ONE_START):
+            if run.success:
                 tightened.setdefault(run.number, []).append(run.tightened)
         stable = [number for number, ends in tightened.items() if spread(ends) <= APART]
         for number in stable[:count]:
-            made = case(family, number)
-            if made is not None:
-                found += contacts(made, SAMPLED)
+            for made in case(family, number) or []:
+                found += contacts(made, SAMPLED) if made.start == ONE_START else []
     return found
 
 
 def _run(experiment: str, made: Case, name: str, result: Measurement, seconds: float | None = None) -> Run:
+    seconds = seconds if seconds is not None else (result.total if result.seconds else None)
     return Run(
-        experiment, made.family, made.number, made.shape, name, len(made.fine.vertices), len(made.coarse.vertices),
-        result.success, result.certified, result.failed, result.excess, None, result.smallest, result.short,
-        seconds if seconds is not None else (result.total if result.seconds else None),
-        result.flow_steps, result.iterations, None, " ".join(result.problem.split())[:120],
+        experiment, made.family, made.number, made.shape, made.start, name, len(made.fine.vertices),
+        len(made.coarse.vertices), result.success, result.certified, result.failed, result.excess, None,
+        result.smallest, result.short, seconds, result.flow_steps, result.iterations, None,
+        " ".join(result.problem.split())[:120],
     )  # fmt: skip

@@ -34,9 +34,9 @@ OUT_OF_TIME = "ended after"
 
 PHASES = ("flow", "reinflation", "tightening")
 CLEARANCE = 1e-5  # bounding-box diagonals of the fine mesh, the default of nested_cages
-LIMIT = 12.0  # CPU seconds after which a run is ended
+LIMIT = 6.0  # CPU seconds after which a run is ended
 REPEATS = 3  # runs of which the median counts, where they are short
-SHORT = 0.5  # CPU seconds up to which a run is short
+SHORT = 0.05  # CPU seconds up to which a run is short
 
 
 class OutOfTimeError(Exception):

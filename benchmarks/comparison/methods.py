@@ -7,8 +7,10 @@ from typing import Any, NamedTuple
 
 from li_2020 import OriginalIPC
 from nestedcages_core import (
+    AUGMENTED_2022,
     AUGMENTED_2022_REPAIRED,
     IPC,
+    ArcLength,
     Area,
     BoundaryARAP,
     EvenSamples,
@@ -16,6 +18,7 @@ from nestedcages_core import (
     InitialDisplacement,
     InteriorARAP,
     NoEnergy,
+    OnCurve,
     PaperContact,
     PaperFlow,
     ProjectedNewton,
@@ -33,12 +36,16 @@ from nestedcages_core import (
     TwoSidedFlow,
     UniformGrid,
 )
+from nestedcages_core.decimation import Decimation
 from nestedcages_core.energies import Energy
 from nestedcages_core.flow import FlowMethod
-from published import NESTED_CAGES_2015, SIMPLE_2022, ElTopo, SachtFlow
+from published import NESTED_CAGES_2015, SIMPLE_2022, EdgeCollapse, ElTopo, SachtFlow
 
-PUBLISHED = replace(AUGMENTED_2022_REPAIRED, flow=PaperFlow(), contact=PaperContact())
-"""Gurditta & Jacobson (2022) as written, on a shape of the size of its Table 1."""
+STARTS: dict[str, Decimation] = {"edge collapse": EdgeCollapse(), "arc length": ArcLength(), "line cycles": OnCurve()}
+"""Coarse meshes that methods start from: that of 2015, evenly spaced vertices, and ours put on the curve."""
+
+PUBLISHED = replace(AUGMENTED_2022, flow=PaperFlow(), contact=PaperContact())
+"""Gurditta & Jacobson (2022) as written, with lengths relative to the drawing as on the discs of its Table 1."""
 
 REPAIRED_CONTACT = PaperContact(
     solver=GradientDescent(refuse_infinite=True), repairs=Repairs(parity=True, exact_home=True)
@@ -47,23 +54,36 @@ BY_NEWTON = replace(
     REPAIRED_CONTACT, step_filter=TimeOfImpact(), broad_phase=UniformGrid(), solver=ProjectedNewton()
 )  # fmt: skip
 """The energy of 2022 by projected Newton, its further work."""
+DESCENT = replace(AUGMENTED_2022_REPAIRED, flow=PaperFlow(exact_parity=True), contact=REPAIRED_CONTACT)
+SMALL_RANGE, LARGE_RANGE = 1e-3, PaperContact().d_hat
+"""d̂ in diagonals: the default of IPC (2020), and that of 2022."""
+
+
+def newton(d_hat: float) -> Settings:
+    """The method of 2022 by projected Newton, with a range."""
+    return replace(DESCENT, contact=replace(BY_NEWTON, d_hat=d_hat))
+
 
 ORIGINAL = "Nested Cages 2015"
-WRITTEN, REPAIRED, NEWTON = "2022 as written", "2022 repaired", "2022 by Newton"
+WRITTEN, REPAIRED = "2022 as written", "2022 repaired"
+NEWTON, NEWTON_SMALL = "2022 by Newton", f"2022 by Newton, d̂ = {SMALL_RANGE:g}"
 SIMPLE, OURS, DEFAULT = "simple cages 2022", "ours", "nested_cages"
 
 TIGHT = Settings(fallback=None, flow=TwoSidedFlow(), contact=IPC(), tightening=Tightening())
 """Ours with IPC, from one coarse mesh and without a fallback."""
 
 WHOLE: dict[str, Settings] = {
-    SIMPLE: SIMPLE_2022,
     ORIGINAL: NESTED_CAGES_2015,
-    WRITTEN: PUBLISHED,
-    REPAIRED: AUGMENTED_2022_REPAIRED,
-    NEWTON: replace(AUGMENTED_2022_REPAIRED, contact=BY_NEWTON),
+    NEWTON: newton(LARGE_RANGE),
+    NEWTON_SMALL: newton(SMALL_RANGE),
     OURS: TIGHT,
 }
-"""Whole methods; `nested_cages` without settings comes on top."""
+"""Whole methods from one coarse mesh; `nested_cages` without settings comes on top."""
+
+DESCENDING: dict[str, Settings] = {REPAIRED: DESCENT}
+"""By gradient descent, which takes as long as all others together: from the start of 2015 alone."""
+ON_FIGURES: dict[str, Settings] = {SIMPLE: SIMPLE_2022, WRITTEN: PUBLISHED}
+"""On our drawings of the figures alone: one with its own coarse mesh, one that never returns exactly."""
 
 LADDER: dict[str, Settings] = {
     "2022 as written": PUBLISHED,
@@ -94,22 +114,29 @@ class Alone(NamedTuple):
 
 
 IPC_2020, ENERGY_2022 = "IPC 2020", "energy of 2022"
-CONTACTS: dict[str, Alone] = {
+RANGES = (SMALL_RANGE, 1e-2, LARGE_RANGE)
+"""d̂ in diagonals at which both barriers are tried."""
+
+
+def at(name: str, d_hat: float) -> str:
+    """Name of a barrier at a range."""
+    return f"{name}, {d_hat:.2g}"
+
+
+AT_RANGES: dict[str, Alone] = {
+    at(name, d_hat): Alone(replace(contact, d_hat=d_hat))
+    for name, contact in ((IPC_2020, OriginalIPC()), (ENERGY_2022, BY_NEWTON))
+    for d_hat in RANGES
+}
+CELLS: dict[str, Alone] = {
     "IPC, ours": Alone(IPC()),
     "sequential QP": Alone(SequentialQP(), is_descent=False),
     "El Topo": Alone(ElTopo(energy=Area(), final_energy=NoEnergy())),
-    IPC_2020: Alone(OriginalIPC()),
-    ENERGY_2022: Alone(BY_NEWTON),
+    **AT_RANGES,
 }
-"""Contacts with their own defaults."""
-
-RANGES = (1e-3, 3.5e-3, 1e-2, 3.5e-2)
-"""d̂ in diagonals at which both barriers are tried: from the default of 2020 to that of 2022."""
-AT_RANGES: dict[str, Alone] = {
-    f"{name}, {d_hat:g}": Alone(replace(CONTACTS[name].contact, d_hat=d_hat))
-    for name in (IPC_2020, ENERGY_2022)
-    for d_hat in RANGES
-}
+"""All contacts of the factorial."""
+CONTACTS = ("IPC, ours", "sequential QP", "El Topo", at(IPC_2020, SMALL_RANGE), at(ENERGY_2022, LARGE_RANGE))
+"""Those with their own ranges."""
 
 FLOWS: dict[str, FlowMethod] = {
     "the program's": PaperFlow(exact_parity=True),

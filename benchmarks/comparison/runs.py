@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -18,6 +18,8 @@ class Run:
     number: int
     """Seed or place of the shape in its family."""
     shape: str
+    start: str
+    """What made the coarse mesh."""
     method: str
     fine: int
     """Vertices."""
@@ -60,21 +62,22 @@ def read(path: Path) -> list[Run]:
                 for line in csv.DictReader(file)]  # fmt: skip
 
 
-def of(runs: Iterable[Run], experiment: str, *families: str) -> list[Run]:
-    """The runs of an experiment, on some families or all."""
-    return [run for run in runs if run.experiment == experiment and (not families or run.family in families)]
+def of(runs: Iterable[Run], experiment: str, *families: str, start: str = "") -> list[Run]:
+    """The runs of an experiment, on some families or all, from a start or all."""
+    return [run for run in runs if run.experiment == experiment and (not families or run.family in families)
+            and (not start or run.start == start)]  # fmt: skip
 
 
 def by_shape(runs: Iterable[Run]) -> dict[str, dict[str, Run]]:
-    """Shape -> method -> run."""
+    """Shape and start -> method -> run."""
     found: dict[str, dict[str, Run]] = {}
     for run in runs:
-        found.setdefault(f"{run.family}: {run.shape}", {})[run.method] = run
+        found.setdefault(f"{run.family}: {run.shape} from {run.start}", {})[run.method] = run
     return found
 
 
-def shared(runs: Iterable[Run], methods: Sequence[str]) -> list[dict[str, Run]]:
-    """The shapes on which each of some methods succeeds."""
+def shared(runs: Iterable[Run], methods: Collection[str]) -> list[dict[str, Run]]:
+    """The shapes and starts from which each of some methods succeeds."""
     rows = by_shape(runs).values()
     return [row for row in rows if all(name in row and row[name].success for name in methods)]
 

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from itertools import count as numbers
 from typing import NamedTuple
 
-from comparison.drawings import caught_hole, drawings
+from comparison.drawings import drawings
 from comparison.held_out import held_out
 from comparison.measure import Started
+from comparison.methods import STARTS
 from data import COARSE_RING_VERTICES, annulus
 from data.drawn import glyph
-from nestedcages_core import Mesh, NestedCagesError, OnCurve, TwoSidedFlow
+from nestedcages_core import Mesh, NestedCagesError, TwoSidedFlow
 from nestedcages_core.level.units import SolverUnits
 from nestedcages_core.tasks import drain
 from random_shapes import random_shape
 
 RANDOM, GLYPHS, HELD_OUT, FIGURES, DISCS = "random", "glyphs", "held out", "figures", "discs"
 
-MOST_VERTICES = 400  # of a fine mesh: all pairs, a hundred times a step, are slow
+MOST_VERTICES = 150  # of a fine mesh: all pairs, a hundred times a step, are slow
 VERTICES_PER_COARSE = 6  # fine vertices for each coarse one
 LEAST_PER_LOOP = 5  # coarse vertices
 FONTS = ("DejaVu Sans", "DejaVu Serif", "STIXGeneral")
@@ -32,9 +33,9 @@ LEAST_GLYPH_VERTICES = 20
 class Sizes:
     """How many shapes of each family: for contacts alone, and for whole methods."""
 
-    contacts: tuple[tuple[str, int], ...] = ((RANDOM, 60), (GLYPHS, 36), (HELD_OUT, 36))
-    methods: tuple[tuple[str, int], ...] = ((RANDOM, 20), (GLYPHS, 12), (HELD_OUT, 18))
-    flows: tuple[tuple[str, int], ...] = ((RANDOM, 20), (GLYPHS, 8), (HELD_OUT, 12))
+    contacts: tuple[tuple[str, int], ...] = ((RANDOM, 12), (GLYPHS, 12), (HELD_OUT, 24))
+    methods: tuple[tuple[str, int], ...] = ((RANDOM, 10), (GLYPHS, 10), (HELD_OUT, 20))
+    flows: tuple[tuple[str, int], ...] = ((RANDOM, 8), (GLYPHS, 4), (HELD_OUT, 8))
 
     def smaller(self, part: int) -> Sizes:
         """A part of the shapes, to try it out."""
@@ -50,10 +51,12 @@ class Case(NamedTuple):
     shape: str
     fine: Mesh
     coarse: Mesh
+    start: str = "drawn"
+    """What made the coarse mesh: a key of `STARTS`."""
 
 
-def case(family: str, number: int) -> Case | None:
-    """The case of a number in a family; None if it gives none of the right size."""
+def case(family: str, number: int) -> list[Case] | None:
+    """A case of a number in a family from each start; None if it gives none of the right size."""
     drawn = _drawn(family, number)
     if drawn is None or len(drawn[1].vertices) > MOST_VERTICES:
         return None
@@ -62,8 +65,11 @@ def case(family: str, number: int) -> Case | None:
     if count >= len(fine.vertices):
         return None
     try:
-        return Case(family, number, f"{name} {number}", fine, OnCurve().decimate(fine, count))
-    except NestedCagesError:  # no simple loops with so few vertices on the curve
+        return [
+            Case(family, number, f"{name} {number}", fine, decimation.decimate(fine, count), start)
+            for start, decimation in STARTS.items()
+        ]
+    except NestedCagesError:  # a start has no simple loops with so few vertices
         return None
 
 
@@ -82,16 +88,16 @@ def _drawn(family: str, number: int) -> tuple[str, Mesh] | None:
     return (f"{font} {character}", fine) if len(fine.vertices) >= LEAST_GLYPH_VERTICES else None
 
 
-def cases(sizes: tuple[tuple[str, int], ...]) -> Iterator[Case]:
-    """So many cases of each family; numbers that give none are passed over."""
+def cases(sizes: tuple[tuple[str, int], ...], starts: Collection[str] = STARTS) -> Iterator[Case]:
+    """So many shapes of each family from each start; numbers that give none are passed over."""
     for family, wanted in sizes:
         found = 0
         for number in numbers():
             made = case(family, number)
             if made is not None:
-                yield made
+                yield from (one for one in made if one.start in starts)
                 found += 1
-            if found == wanted:
+            if found == wanted or (family == HELD_OUT and held_out(number) is None):
                 break
 
 
@@ -106,9 +112,8 @@ def start(made: Case) -> Started | None:
 
 
 def figures() -> list[Case]:
-    """Our drawings of the paper's figures; the last is a very coarse mesh."""
-    drawn = drawings() | {"disc with a hole in a very coarse mesh": caught_hole()}
-    return [Case(FIGURES, number, name, *pair) for number, (name, pair) in enumerate(drawn.items())]
+    """Our drawings of the paper's figures, and others of the same kind."""
+    return [Case(FIGURES, number, name, *pair) for number, (name, pair) in enumerate(drawings().items())]
 
 
 def disc(ring_vertices: int) -> Case:

@@ -1,8 +1,8 @@
-"""Spreads, paired tests, and bootstrap intervals."""
+"""Spreads, paired tests corrected for their number, and bootstrap intervals."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -47,22 +47,35 @@ def share(flags: Sequence[bool]) -> Interval:
 
 
 class Paired(NamedTuple):
-    """One method against another on the same shapes."""
+    """One method against another on the same shapes: two-sided sign test, which for flags is McNemar's exact test."""
 
     wins: int
     losses: int
     p: float
-    """Of the two-sided sign test; ties are left out."""
+    """Ties are left out."""
 
     @property
     def text(self) -> str:
-        """Wins of all, and p."""
-        return f"{self.wins} of {self.wins + self.losses} (sign test p = {self.p:.1g})"
+        """Wins of all that are not ties, and p."""
+        return f"{self.wins} of {self.wins + self.losses} (p = {self.p:.1g})"
+
+    def says(self, level: float) -> bool:
+        """Whether the first is better, at a level."""
+        return self.wins > self.losses and self.p < level
 
 
 def sign_test(one: Sequence[float], other: Sequence[float]) -> Paired:
-    """How often the first of two paired values is smaller."""
+    """How often the first of two paired values is smaller; an infinite one stands for a failure."""
     wins = sum(a < b for a, b in zip(one, other, strict=True))
     losses = sum(a > b for a, b in zip(one, other, strict=True))
     p = scipy.stats.binomtest(wins, wins + losses).pvalue if wins + losses else 1.0
     return Paired(wins, losses, float(p))
+
+
+def corrected(tests: Mapping[str, Paired]) -> dict[str, Paired]:
+    """The tests with p as corrected for their number (Holm 1979)."""
+    least, found = 0.0, {}
+    for place, name in enumerate(sorted(tests, key=lambda name: tests[name].p)):
+        least = max(least, min(1.0, (len(tests) - place) * tests[name].p))
+        found[name] = tests[name]._replace(p=least)
+    return {name: found[name] for name in tests}

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from comparison import methods
-from comparison.conclusions import after_tightening
 from comparison.runs import Run, by_shape, methods_of, of, shared
 from comparison.shapes import FIGURES, GLYPHS, HELD_OUT, RANDOM
+from comparison.statistics import Paired
 from data import Table1Row
 
 FAMILIES = (RANDOM, GLYPHS, HELD_OUT)
@@ -40,12 +40,12 @@ def solved(runs: Sequence[Run], flag: str = "success") -> str:
     return f"{sum(getattr(run, flag) for run in runs)} of {len(runs)}"
 
 
-def contacts(runs: Sequence[Run]) -> str:
-    """Contacts from the same starts, with their own ranges: per-shape spreads."""
-    own, names = of(runs, "contacts"), list(methods.CONTACTS)
-    rows = after_tightening(runs, FAMILIES)
+def contacts(runs: Sequence[Run], start: str) -> str:
+    """Contacts and ranges from a start: medians and quartiles of the shapes that all contacts solve."""
+    own = of(runs, "contacts", start=start)
+    rows = [row for row in shared(own, methods.CELLS) if all(run.tightened is not None for run in row.values())]
     lines = []
-    for name in names:
+    for name in methods.CELLS:
         mine = [row[name] for row in rows]
         lines.append([
             name, *(solved([run for run in own if run.method == name and run.family == family]) for family in FAMILIES),
@@ -53,42 +53,33 @@ def contacts(runs: Sequence[Run]) -> str:
             quartiles(1e3 * run.seconds for run in mine if run.seconds is not None),
             number(float(np.median([run.distance or 0.0 for run in mine])) if mine else None, ".0e"),
         ])  # fmt: skip
-    return table(["contact", *FAMILIES, "excess %", "tightened %", "ms", "distance left"], lines)
+    return table(["contact, d̂", *FAMILIES, "excess %", "tightened %", "ms", "distance left"], lines)
 
 
-def ranges(runs: Sequence[Run]) -> str:
-    """Both barriers at equal ranges."""
-    own = of(runs, "ranges")
-    rows = shared(own, list(methods.AT_RANGES))
-    lines = []
-    for name in methods.AT_RANGES:
-        mine = [row[name] for row in rows]
-        lines.append([
-            name, solved([run for run in own if run.method == name]), quartiles(run.excess for run in mine),
-            quartiles(1e3 * (run.seconds or 0.0) for run in mine),
-            number(float(np.median([run.distance or 0.0 for run in mine])) if mine else None, ".0e"),
-        ])  # fmt: skip
-    return table(["barrier, d̂", "solved", "excess %", "ms", "distance left"], lines)
-
-
-def whole(runs: Sequence[Run]) -> str:
-    """Whole methods by family."""
-    own = of(runs, "methods")
+def whole(runs: Sequence[Run], start: str) -> str:
+    """Whole methods from a start by family; excess and time of the shapes that all solve."""
+    own = of(runs, "methods", start=start)
     names = methods_of(own)
-    rows = [row for row in by_shape(own).values() if all(name in row and row[name].encloses for name in names)]
+    rows = shared(own, names)
     lines = []
     for name in names:
         mine = [run for run in own if run.method == name]
         lines.append([
-            name, *(solved([run for run in mine if run.family == family]) for family in (FIGURES, *FAMILIES)),
+            name, *(solved([run for run in mine if run.family == family]) for family in FAMILIES),
             solved(mine, "encloses"), quartiles(row[name].excess for row in rows),
             quartiles((row[name].seconds for row in rows), ".3f"),
         ])  # fmt: skip
-    return table(["method", FIGURES, *FAMILIES, "cage encloses", "excess %", "s"], lines)
+    return table(["method", *FAMILIES, "cage encloses", f"excess %, {len(rows)} shapes", "s"], lines)
+
+
+def tests(found: dict[str, list[Paired | None]]) -> str:
+    """Paired tests on both kinds of shapes."""
+    rows = [(name, *("" if test is None else test.text for test in both)) for name, both in found.items()]
+    return table(["", "known shapes", "held-out shapes"], rows)
 
 
 def table_1(runs: Sequence[Run], reference: Sequence[Table1Row]) -> str:
-    """Table 1 beside the paper's own and the optimum."""
+    """Table 1: excess and seconds of the paper, its program on our machine, and others; next to the optimum."""
     rows = {run.shape: by_shape([r for r in of(runs, "table 1") if r.shape == run.shape]).popitem()[1]
             for run in of(runs, "table 1")}  # fmt: skip
     names = methods_of(of(runs, "table 1"))
@@ -97,11 +88,12 @@ def table_1(runs: Sequence[Run], reference: Sequence[Table1Row]) -> str:
         found = rows.get(str(known.fine_vertices))
         if found is not None:
             lines.append([
-                str(known.fine_vertices), number(known.reference_excess, ".1f"),
-                *(number(found[name].excess) for name in names), number(known.optimum_excess),
-                number(known.reference_seconds), number(found[methods.OURS].seconds, ".3f"),
+                str(known.fine_vertices), number(known.optimum_excess), number(known.reference_excess, ".1f"),
+                *(number(found[name].excess) for name in names), number(known.paper_seconds),
+                number(known.reference_seconds), *(number(found[name].seconds, ".3f") for name in names),
             ])  # fmt: skip
-    return table(["fine", "C++ %", *(f"{name} %" for name in names), "optimum %", "C++ s", "ours s"], lines)
+    heads = ["fine", "optimum %", "C++ %", *(f"{name} %" for name in names), "paper s", "C++ s"]
+    return table([*heads, *(f"{name} s" for name in names)], lines)
 
 
 def by_drawing(runs: Sequence[Run], experiment: str, *, family: str = FIGURES) -> str:

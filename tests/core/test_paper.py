@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.comparison.as_published import as_published
 from marks import slow_after
 from nestedcages_core import (
     Area,
@@ -16,6 +15,7 @@ from nestedcages_core import (
     ProjectedNewton,
     ReinflationError,
     Settings,
+    as_published,
     nested_cages,
     verify_motion,
 )
@@ -24,6 +24,7 @@ from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.level.units import SolverUnits
 from nestedcages_core.published.gurditta_jacobson_2022 import (
     AUGMENTED_2022,
+    AUGMENTED_2022_REPAIRED,
     GradientDescent,
     PaperContact,
     PaperFlow,
@@ -72,6 +73,10 @@ def test_absolute_lengths_give_the_excess_of_the_compiled_program(scale: float, 
     ):  # the preset does the same in the units of the solvers, and its certificate tells that it falls short
         with pytest.raises(ReinflationError, match="short of its target"):
             nested_cages(fine, [coarse], AUGMENTED_2022)
+    if scale == 1.0:  # the preset returns exactly, to the same cage
+        (level,) = nested_cages(fine, [coarse], AUGMENTED_2022_REPAIRED).levels
+        assert 100.0 * level.report.excess == pytest.approx(excess, abs=0.1)
+        assert np.array_equal(level.reinflation.fine_steps[-1], fine.vertices)
     units = SolverUnits.of(fine)
     assert units.method(AUGMENTED_2022.contact).d_hat == pytest.approx(0.1 / fine.diagonal)
     assert units.method(AUGMENTED_2022.flow).step == pytest.approx(0.01 / fine.diagonal)
@@ -92,6 +97,19 @@ def test_newton_needs_few_iterations_on_the_papers_energy() -> None:
     fine, coarse = table_1(24)
     contact = PaperContact(repairs=Repairs(True, True), step_filter=TimeOfImpact())
     assert run(fine, coarse, repaired=True, contact=contact, solver=ProjectedNewton()).iterations < 50
+
+
+def test_descent_ends_at_a_target_or_at_a_maximum() -> None:
+    """The paper's proposal (section 5); a distance that no target comes within costs all steps."""
+    fine, coarse = table_1(16)
+    steps = drain(PaperFlow(exact_parity=True).run(fine, coarse)).steps
+    contact = PaperContact(solver=GradientDescent(steps=15, refuse_infinite=True), repairs=Repairs(True, True))
+    near, never = (
+        drain(reinflate(fine, coarse, steps, contacts=[replace(contact, arrival=arrival)], clearance=1e-5))
+        for arrival in (5e-3, 1e-9)
+    )
+    assert near.iterations < 0.7 * never.iterations
+    assert_nested(coarse.moved(near.cage_steps[-1]), fine)
 
 
 @pytest.mark.slow

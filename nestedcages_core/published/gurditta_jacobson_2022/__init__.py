@@ -8,6 +8,7 @@ from .flow import PROGRAM_STEP, PaperFlow
 from .gradient_descent import GradientDescent
 from .pair_search import AllPairs, UniformGrid
 from .potential import PaperWeights
+from .program import ProgramResult, as_published
 from .quadrature import EvenSamples, GaussLegendre, Midpoint, QuadraticFallOff, RandomSamples
 from .settings import AUGMENTED_2022, AUGMENTED_2022_REPAIRED
 from .signed_distance_flow import SignedDistanceFlow
@@ -32,6 +33,8 @@ __all__ = [  # noqa: RUF022 - in the order of the paper
     "Repairs",  # fixes of its program
     "AUGMENTED_2022",  # all of it as settings
     "AUGMENTED_2022_REPAIRED",  # with the fixes
+    "as_published",  # its program as a whole, from meshes to its last cage
+    "ProgramResult",
     "PROGRAM_STEP",  # the absolute lengths of its program
     "PROGRAM_RANGE",
 ]

@@ -65,11 +65,15 @@ class PaperContact:
     """Bounds each step before the line search."""
     broad_phase: BroadPhase = field(default_factory=AllPairs)
     """Finds the candidate pairs."""
+    arrival: float | None = None
+    """Distance of the fine mesh from a target up to which it has arrived, and the next one is set; a length as
+    `d_hat`. None: all steps of the solver, as in the program. The paper proposes this (section 5), with those as a
+    maximum."""
     absolute: bool = False
-    """Whether the range is a length in units of the input, as in the program."""
+    """Whether `d_hat` and `arrival` are lengths in units of the input, as in the program."""
 
     def __post_init__(self) -> None:
-        check_positive(self, "d_hat")
+        check_positive(self, "d_hat", *(["arrival"] if self.arrival is not None else []))
         check_flag(self, "absolute")
         check_part(self, "solver", "minimise", "ProjectedNewton()")
         check_part(self, "energy", "at", "Area()")
@@ -78,7 +82,10 @@ class PaperContact:
 
     def scaled(self, factor: float) -> PaperContact:
         """The same contact for meshes scaled by a factor."""
-        return replace(self, d_hat=self.d_hat * factor) if self.absolute else self
+        if not self.absolute:
+            return self
+        arrival = None if self.arrival is None else self.arrival * factor
+        return replace(self, d_hat=self.d_hat * factor, arrival=arrival)
 
     def reinflate(
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float
@@ -94,7 +101,7 @@ class PaperContact:
             return PaperPotential(
                 bodies, energy.after(x[: bodies.m]), target, weights, self.d_hat,
                 candidates=candidates, step_filter=self.step_filter,
-                exact_containment=self.repairs.parity, ends_at_target=last,
+                exact_containment=self.repairs.parity, ends_at_target=last, arrival=self.arrival,
             )  # fmt: skip
 
         iterations = 0

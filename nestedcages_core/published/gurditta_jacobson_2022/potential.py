@@ -58,11 +58,12 @@ class PaperPotential:
         step_filter: StepFilter,
         exact_containment: bool,
         ends_at_target: bool = False,
+        arrival: float | None = None,
     ) -> None:
         self.bodies, self.energy, self.target = bodies, energy, target
         self.weights, self.d_hat = weights, d_hat
         self.candidates, self.step_filter = candidates, step_filter
-        self.ends_at_target = ends_at_target
+        self.ends_at_target, self.arrival = ends_at_target, arrival
         self._ceiling = np.inf
         self._exact = ContainmentEnergy(bodies.cage.successor, bodies.fine.successor) if exact_containment else None
 
@@ -89,9 +90,13 @@ class PaperPotential:
         return self.step_filter.fraction(pairs, x, direction, pair.distance)
 
     def finished(self, x: FloatArray) -> bool:
-        """Whether the fine mesh can go straight to its target, if ``ends_at_target``; always False as published."""
+        """Whether the fine mesh can go straight to its target, if ``ends_at_target``; else whether it has arrived.
+
+        Always False as published.
+        """
         if not self.ends_at_target:
-            return False
+            far = np.hypot(*(x[self.bodies.m :] - self.target).T).max()
+            return self.arrival is not None and bool(far <= self.arrival)
         motion = np.zeros_like(x)
         motion[self.bodies.m :] = self.target - x[self.bodies.m :]
         pairs, pair = self._near(x, motion)
