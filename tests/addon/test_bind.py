@@ -461,7 +461,9 @@ def body(source):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("edit", slow_after(2, [shape_key, simple_deform, doubled_vertex, size, body]))
+@pytest.mark.parametrize(
+    "edit", slow_after(2, [shape_key, simple_deform, doubled_vertex, size, body], thorough_after=3)
+)
 def test_a_bound_drawing_plays_its_own_changes_before_the_bend(edit) -> None:
     source = text("Drawing", "Hi") if edit in (size, body) else wire("Drawing", [star()])
     assert bpy.ops.object.nested_cages_generate(levels="24, 12") == {"FINISHED"}

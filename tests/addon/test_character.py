@@ -234,7 +234,7 @@ PARTS = ("Torso", "Hand.L", "Badge")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", slow_after(1, PARTS))
+@pytest.mark.parametrize("name", slow_after(1, PARTS, thorough_after=2))
 def test_what_acts_on_a_part_acts_on_its_character(addon, name, capfd) -> None:
     """Generating, rigging and following: no other part is let go or left behind."""
     parts = figure()
@@ -295,7 +295,9 @@ def test_rigging_again_fits_the_cage_to_new_parts(height) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("chosen", slow_after(1, ["a part and the cage", "two parts", "the cage and a part"]))
+@pytest.mark.parametrize(
+    "chosen", slow_after(1, ["a part and the cage", "two parts", "the cage and a part"], thorough_after=1)
+)
 def test_verification_of_some_parts_is_that_of_their_character(chosen) -> None:
     made = figure()
     parts, (_, cage) = list(made.values()), rigged(made)

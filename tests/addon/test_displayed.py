@@ -256,7 +256,7 @@ def carried(random, source):
 
 
 @pytest.mark.parametrize("seed", slow_after(0, range(3), thorough_after=1))
-@pytest.mark.parametrize("kind", ADD)
+@pytest.mark.parametrize("kind", slow_after(0, ADD, thorough_after=4))
 def test_what_users_add_and_place_stays_in_its_displayed_cage(kind, seed, tmp_path) -> None:
     random = Random(f"{kind} {seed}")
     ADD[kind]()

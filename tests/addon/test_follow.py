@@ -143,7 +143,7 @@ def certified(core, addon, collection, obj, frames) -> None:
             assert np.allclose(member.matrix_world, obj.matrix_world, atol=1e-6)
 
 
-@pytest.mark.parametrize("motion", slow_after(0, MOTIONS, thorough_after=3))
+@pytest.mark.parametrize("motion", slow_after(0, MOTIONS, thorough_after=1))
 def test_cages_follow_a_drawing_that_moves_by_any_means(addon, core, motion) -> None:
     obj = MOTIONS[motion]()
     bpy.context.scene.frame_set(4)
@@ -320,6 +320,7 @@ def test_cancelling_leaves_the_scene(addon, steps) -> None:
     assert snapshot() == before
 
 
+@pytest.mark.thorough
 def test_a_motion_too_fast_for_its_step_names_the_step() -> None:
     obj = wire("Turned", [star(30)])
     obj.shape_key_add(name="Basis")

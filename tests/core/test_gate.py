@@ -93,6 +93,7 @@ def is_refused(work: Any, *asked: Any, **options: Any) -> bool:
             (nested_cages, {"convex": True}),
             (nested_cages, {"grid": 0.05}),
         ],
+        thorough_after=4,
     ),
     ids=["stored", "inside", "plain", "convex", "grid"],
 )

@@ -216,7 +216,7 @@ WITH: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("name", slow_after(1, WITH))
+@pytest.mark.parametrize("name", slow_after(1, WITH, thorough_after=4))
 def test_the_count_holds_together_with(name: str) -> None:
     fine = bell()
     for count in (6, 12):

@@ -127,7 +127,9 @@ def made(pair: tuple[str, ...], seed: int) -> str:
     return ""
 
 
-@pytest.mark.parametrize("pair", slow_after(7, [(pair,) for pair in sorted(PAIRS, key=len)]), ids=" and ".join)
+@pytest.mark.parametrize(
+    "pair", slow_after(7, [(pair,) for pair in sorted(PAIRS, key=len)], thorough_after=24), ids=" and ".join
+)
 def test_a_pair_of_needs_is_kept_or_has_a_code(pair: tuple[str, ...]) -> None:
     assert (code := IMPOSSIBLE.get(frozenset(pair), "")) is None or made(pair, 0) == code
 

@@ -83,7 +83,7 @@ class TestTime:
             (nested_cages, {"convex": True}),
             pytest.param(nested_cages, {}, marks=pytest.mark.slow),
             pytest.param(nested_cages, {"stored": np.float32}, marks=pytest.mark.thorough),
-            pytest.param(nested_cages, {"grid": 0.02}, marks=pytest.mark.slow),
+            pytest.param(nested_cages, {"grid": 0.02}, marks=pytest.mark.thorough),
             pytest.param(inner_cages, {}, marks=pytest.mark.slow),
         ],
         ids=["convex", "around", "stored", "grid", "inside"],

@@ -61,7 +61,7 @@ def test_a_convex_shape_ends_within_one_vertex_of_the_bound(distance: float) -> 
 
 
 @slow
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(seed=st.integers(0, 10_000))
 def test_the_bound_undercuts_cages_of_random_shapes(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -309,7 +309,7 @@ def test_a_level_near_another_mesh_than_the_one_inside() -> None:
 
 
 @slow
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=3, deadline=None)
 @given(seed=st.integers(0, 10_000))
 def test_reaches_are_those_of_samples(seed: int) -> None:
     """Around bays and two loops too; a sample is at most half the diagonal of a cell from the farthest place."""
