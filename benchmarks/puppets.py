@@ -13,7 +13,7 @@ import argparse
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 
@@ -24,16 +24,34 @@ import shapely.affinity
 import cast
 from clone import ROOT
 from needed.table import Table
-from nestedcages_core.character import Linear, PreserveVolume, skinned
-from nestedcages_core.coordinates import folded
+from nestedcages_core import Mesh, nested_cages
+from nestedcages_core.character import Linear, PreserveVolume, bone_weights, skinned, with_joints
+from nestedcages_core.coordinates import Field, field_of, folded, holding
 from nestedcages_core.exchange import puppet_parts
+from nestedcages_core.geometry.predicates import winding_number
+from nestedcages_core.geometry.triangulation import Triangulation
 from nestedcages_core.puppet import BendField, Cap, Hold, Link, Puppet, PuppetDraft, PuppetPart, draft_puppet, puppet_of
 from nestedcages_core.puppet.caps import caps_of, joint_radius
 from page import measured
 
-CHARACTERS = cast.FIRST | cast.SECOND
+CHARACTERS = cast.TUNED | cast.FOURTH
+BENT = ("cat", "snake", "octopus", "dragon", "elephant", "crab")
+"""Characters with many parts that bend, for what takes long."""
 POSES = 40
 """Random poses of each character and each largest angle."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """A character as one sheet that a cage bends."""
+
+    shape: Mesh
+    cage: Mesh
+    field: Field
+    weights: np.ndarray
+    """Of bones at the cage's vertices."""
+    held: np.ndarray
+    """Which triangles of the field hold paint."""
 
 
 def parts_of(name: str) -> tuple[PuppetPart, ...]:
@@ -48,7 +66,8 @@ def wrong(draft: PuppetDraft, on: dict[str, str | None], names: list[str]) -> in
 
 def graph() -> Table:
     """Parents that are right, with the names of the drawing and without any."""
-    rows, sums = [], np.zeros((2, 3), dtype=int)
+    groups = {"fitted": cast.TUNED, "never seen": cast.FOURTH}
+    rows, sums = [], np.zeros((len(groups), 3), dtype=int)
     seconds = 0.0
     for name, draw in CHARACTERS.items():
         sheet, parts = draw(), parts_of(name)
@@ -58,9 +77,9 @@ def graph() -> Table:
         seconds += time.process_time() - start
         bare = [replace(part, name=f"path{k}", identity="") for k, part in enumerate(parts)]
         without = wrong(draft_puppet(bare), sheet.on, names)
-        sums[int(name in cast.SECOND)] += len(parts), own, without
+        sums[[name in some for some in groups.values()]] += len(parts), own, without
         rows.append((name, str(len(parts)), str(len(parts) - own), str(len(parts) - without)))
-    for label, (count, own, without) in zip(("first twelve", "second ten"), sums.tolist(), strict=True):
+    for label, (count, own, without) in zip(groups, sums.tolist(), strict=True):
         rows.append((label, str(count), *(f"{100.0 * (1.0 - bad / count):.1f} %" for bad in (own, without))))
     return Table(
         ("character", "parts", "parents right", "without names"),
@@ -122,6 +141,74 @@ def posed(puppet: Puppet, field: BendField, turned: dict[int, float]) -> np.ndar
     weights = np.zeros((len(field.grid.vertices), len(puppet.bones)))
     weights[:, field.first_bone : field.first_bone + len(field.bends) + 1] = field.weights
     return skinned(field.grid.vertices, weights, puppet.bones, turned, puppet.skin)
+
+
+def against() -> Table:
+    """The same bones in one cage around everything that is seen, as *Rig* does it, against parts that move alone."""
+    rows = []
+    puppets = [puppet_of(draft_puppet(parts_of(name))) for name in BENT]
+    sheets = [one_cage(puppet) for puppet in puppets]
+    for largest in (60.0, 90.0, 120.0):
+        for label, measure in (("one cage", _strain_of_sheet), ("puppet", _strain_of_parts)):
+            random = np.random.default_rng(0)
+            found = []
+            for puppet, sheet in zip(puppets, sheets, strict=True):
+                joints = [k for k, bone in enumerate(puppet.bones) if bone.parent is not None]
+                for _ in range(POSES):
+                    turned = dict(zip(joints, random.uniform(-largest, largest, len(joints)).tolist(), strict=True))
+                    found.append(measure(puppet, sheet, turned))
+            flips, changed, outside = np.array(found).T
+            shown = (100.0 * (flips > 0.0).mean(), 100.0 * changed.mean(), 100.0 * outside.mean())
+            rows.append((f"±{largest:.0f}°", label, str(len(found)), *(f"{each:.1f} %" for each in shown)))
+    return Table(
+        ("all joints at random within", "", "poses", "with a flip", "area changed by half", "paint outside"), rows
+    )
+
+
+def one_cage(puppet: Puppet) -> Sheet:
+    """A cage around all that is seen, its field, and the weights of a puppet's bones."""
+    whole = shapely.union_all([part.solid for part in puppet.draft.parts])
+    shape = Mesh.of(shapely.Polygon(max(shapely.get_parts(whole), key=lambda each: each.area).exterior).simplify(0.3))
+    (level,) = nested_cages(shape, 40, clearance=0.01 * shape.diagonal)
+    cage = with_joints(level.cage, puppet.bones)
+    field = field_of(cage)
+    return Sheet(shape, cage, field, bone_weights(cage, puppet.bones), holding(field.vertices, field.triangles, shape))
+
+
+def _strain_of_sheet(puppet: Puppet, sheet: Sheet, turned: dict[int, float]) -> tuple[float, float, float]:
+    cage = skinned(sheet.cage.vertices, sheet.weights, puppet.bones, turned)
+    triangles = sheet.field.triangles[sheet.held]
+    moved = sheet.field.weights @ cage
+    ratio, area = _stretched(sheet.field.vertices, moved, triangles)
+    grid = Triangulation(sheet.field.vertices, triangles, *([np.zeros(0, dtype=int)] * 2), np.zeros(0))
+    shape = sheet.shape.vertices + grid.interpolation(sheet.shape.vertices) @ (moved - sheet.field.vertices)
+    out = winding_number(shape, cage, cage[sheet.cage.successor]) == 0
+    return float((ratio <= 0.0).any()), float(area[np.abs(ratio - 1.0) > 0.5].sum() / area.sum()), float(out.mean())
+
+
+def _strain_of_parts(puppet: Puppet, sheet: Sheet, turned: dict[int, float]) -> tuple[float, float, float]:
+    del sheet
+    flips = changed = 0.0
+    outside: list[np.ndarray] = []
+    whole = sum(part.outline.area for part in puppet.draft.parts)
+    for number, (field, part) in enumerate(zip(puppet.fields, puppet.draft.parts, strict=True)):
+        if field is None:
+            outside.append(np.zeros(len(part.outline.vertices), dtype=bool))
+            continue
+        moved = posed(puppet, field, turned)
+        ratio, area = _stretched(field.grid.vertices, moved, field.grid.triangles)
+        if puppet.draft.links[number].hold is not Hold.RIDES:
+            flips += float((ratio <= 0.0).sum())
+            changed += float(area[np.abs(ratio - 1.0) > 0.5].sum())
+        points = puppet.moved(number, part.outline.vertices, {puppet.bones[k].name: turned[k] for k in turned})
+        outside.append(winding_number(points, moved[field.rim[:, 0]], moved[field.rim[:, 1]]) == 0)
+    return flips, changed / whole, float(np.concatenate(outside).mean())
+
+
+def _stretched(rest: np.ndarray, moved: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Signed area over that at rest, and the latter."""
+    now, area = (np.linalg.det(np.diff(points[triangles], axis=1)) for points in (moved, rest))
+    return now / area, area
 
 
 def gaps() -> Table:
@@ -192,7 +279,7 @@ def skins() -> Table:
 
 
 TABLES: dict[str, Callable[[], Table]] = {
-    "graph": graph, "ranges": ranges, "folds": folds, "gaps": gaps, "skins": skins,
+    "graph": graph, "ranges": ranges, "folds": folds, "against": against, "gaps": gaps, "skins": skins,
 }  # fmt: skip
 
 

@@ -1,14 +1,16 @@
 """Characters in layers, drawn by this project to try puppets on: SVG, and what a rigger would hang each part on.
 
 `FIRST` were drawn when the rules of the graph were written, before these were measured on anything but four other
-characters; `SECOND` after the rules were changed with `FIRST` in view.
+characters; `SECOND` after the rules were changed with `FIRST` in view. Weights took the place of the rules, were fitted
+to both, and `THIRD` were drawn and measured after that. Now weights are fitted to all three; `FOURTH` were drawn before
+that, and measured once.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from . import crawlers, people, second, walkers
+from . import crawlers, fourth, people, second, third, walkers
 from .sheet import Sheet
 
 FIRST: dict[str, Callable[[], Sheet]] = {
@@ -39,5 +41,42 @@ SECOND: dict[str, Callable[[], Sheet]] = {
         second.turtle,
         second.stork,
         second.caterpillar,
+    )
+}
+
+THIRD: dict[str, Callable[[], Sheet]] = {
+    draw.__name__: draw
+    for draw in (
+        third.fox,
+        third.owl,
+        third.astronaut,
+        third.monkey,
+        third.lizard,
+        third.spider,
+        third.mermaid,
+        third.rooster,
+        third.crocodile,
+        third.bat,
+        third.ballerina,
+        third.snowman,
+    )
+}
+
+TUNED = FIRST | SECOND | THIRD
+"""Those that the weights of the graph are fitted to."""
+
+FOURTH: dict[str, Callable[[], Sheet]] = {
+    draw.__name__: draw
+    for draw in (
+        fourth.rabbit,
+        fourth.bee,
+        fourth.deer,
+        fourth.panda,
+        fourth.pirate,
+        fourth.scorpion,
+        fourth.camel,
+        fourth.mouse,
+        fourth.toucan,
+        fourth.skeleton,
     )
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -42,6 +42,15 @@ class Bone:
     def length(self) -> float:
         """Distance from head to tail."""
         return float(np.hypot(self.tail[0] - self.head[0], self.tail[1] - self.head[1]))
+
+
+def by_number(bones: Sequence[Bone], turned: Mapping[str, float]) -> dict[int, float]:
+    """A pose by number of the bone instead of by name. Raises NestedCagesError for the name of no bone."""
+    number = {bone.name: k for k, bone in enumerate(bones)}
+    unknown = [name for name in turned if name not in number]
+    if unknown:
+        raise invalid_setting(f"There is no bone {unknown[0]!r}; there are {', '.join(number)}.")
+    return {number[name]: angle for name, angle in turned.items()}
 
 
 def ends_of(bones: Sequence[Bone]) -> FloatArray:

@@ -9,11 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..coordinates import CageCoordinates, cage_coordinates
-from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.triangulation import triangulate
-from .bones import Bone
+from .bones import Bone, by_number
 from .weights import bone_weights, skinned
 
 
@@ -59,10 +58,5 @@ class Character:
 
         Raises NestedCagesError for the name of no bone.
         """
-        number = {bone.name: k for k, bone in enumerate(self.bones)}
-        unknown = [name for name in turned if name not in number]
-        if unknown:
-            raise invalid_setting(f"There is no bone {unknown[0]!r}; there are {', '.join(number)}.")
-        degrees = {number[name]: angle for name, angle in turned.items()}
-        cage = skinned(self.cage.vertices, self.bone_weights, self.bones, degrees)
+        cage = skinned(self.cage.vertices, self.bone_weights, self.bones, by_number(self.bones, turned))
         return self.cage_weights @ cage, cage

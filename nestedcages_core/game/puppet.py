@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..character import Bone, skinned
+from ..character.bones import by_number
 from ..errors import invalid_setting
 from ..exchange.layers import PicturePart
 from ..exchange.pictures import boundary_of_pixels
@@ -88,11 +89,7 @@ class GamePuppet:
 
         Raises NestedCagesError for the name of no bone.
         """
-        number = {bone.name: k for k, bone in enumerate(self.bones)}
-        unknown = [name for name in turned if name not in number]
-        if unknown:
-            raise invalid_setting(f"There is no bone {unknown[0]!r}; there are {', '.join(number)}.")
-        degrees = {number[name]: angle for name, angle in turned.items()}
+        degrees = by_number(self.bones, turned)
         return [skinned(mesh.points, mesh.weights, self.bones, degrees, SKIN) for mesh in self.meshes]
 
 

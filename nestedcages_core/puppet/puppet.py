@@ -10,16 +10,16 @@ from typing import TypeVar
 import numpy as np
 
 from ..character import Bone, PreserveVolume, Skin, skinned
-from ..character.bones import ends_of
+from ..character.bones import by_number, ends_of
 from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray, IntArray
 from .caps import Cap, caps_of
 from .draft import PuppetDraft, stiffened
+from .evidence import CONTAINED
 from .fields import DENSITIES, FINEST_WEIGHT, BendField, bend_field
 from .limbs import Figure, forwards, limbs_of
 from .links import Hold, PartChoice
 from .ranges import FREE, UNPROVED, JointRange, ranges_of
-from .scores import CONTAINED
 
 Made = TypeVar("Made")
 
@@ -81,7 +81,7 @@ class Puppet:
         turned: degrees, counter-clockwise, relative to the parent, by name of the bone. Raises NestedCagesError for the
         name of no bone. Points in a field move with its triangles, as what is bound to it in Blender.
         """
-        degrees, carrier = self._numbered(turned), self.fields[part]
+        degrees, carrier = by_number(self.bones, turned), self.fields[part]
         if carrier is None:
             return skinned(points, self.weights_at(part, points), self.bones, degrees, self.skin)
         vertices = carrier.grid.vertices
@@ -105,15 +105,8 @@ class Puppet:
 
     def beyond(self, turned: Mapping[str, float]) -> tuple[str, ...]:
         """Names of the bones that a pose turns out of the ranges without folds; with none, the pose is proved."""
-        degrees = self._numbered(turned)
+        degrees = by_number(self.bones, turned)
         return tuple(self.bones[k].name for k, angle in degrees.items() if not self.ranges[k].holds(angle))
-
-    def _numbered(self, turned: Mapping[str, float]) -> dict[int, float]:
-        number = {bone.name: k for k, bone in enumerate(self.bones)}
-        unknown = [name for name in turned if name not in number]
-        if unknown:
-            raise invalid_setting(f"There is no bone {unknown[0]!r}; there are {', '.join(number)}.")
-        return {number[name]: angle for name, angle in turned.items()}
 
 
 def puppet_of(draft: PuppetDraft, skin: Skin | None = None) -> Puppet:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 
@@ -40,30 +40,57 @@ def sides_of(parts: Sequence[PuppetPart], links: Sequence[Link]) -> tuple[Side, 
     """The side of every part."""
     found = [_by_name(part.name) for part in parts]
     root = next(k for k, link in enumerate(links) if link.parent is None)
-    middle = float(parts[root].disc[0][0])
-    taken = {root} | {k for k, side in enumerate(found) if side.side}
     near_side = _near_side(parts, links, root)
     linked = dict(enumerate(links))
     ends = [words_of(part.name).labels[2] for part in parts]
-    pairs = sorted(_alike(parts), key=lambda pair: float(norm(parts[pair[0]].disc[0] - parts[pair[1]].disc[0])))
-    for is_front, (one, other) in ((view, pair) for view in (False, True) for pair in pairs):
-        if one in taken or other in taken or hangs_on(linked, one, other) or hangs_on(linked, other, one):
-            continue
-        if ends[one] and ends[other] and ends[one] != ends[other]:
-            continue
-        if is_front and _are_mirrored(parts[one], parts[other], middle):
-            sides = ("L", "R") if parts[one].disc[0][0] > middle else ("R", "L")
-            depths = ("", "")
-        elif not is_front and _are_near_and_far(parts, one, root, other):
-            sides = ("R", "L") if near_side == "L" else ("L", "R")
-            depths = ("far", "near")
+
+    def may_be(one: int, other: int) -> bool:
+        if hangs_on(linked, one, other) or hangs_on(linked, other, one):
+            return False
+        return not (ends[one] and ends[other] and ends[one] != ends[other])
+
+    free = {k for k, side in enumerate(found) if not side.side}
+    for one, other, is_front in _pairs(parts, root, free, may_be):
+        if is_front:
+            is_left = parts[one].disc[0][0] > parts[root].disc[0][0]
+            sides, depths = ("L", "R") if is_left else ("R", "L"), ("", "")
         else:
-            continue
+            sides, depths = ("R", "L") if near_side == "L" else ("L", "R"), ("far", "near")
         stems = _stems(parts[one].name, parts[other].name)
         for part, side, depth, stem in zip((one, other), sides, depths, stems, strict=True):
             found[part] = Side(side, depth, stem)
-        taken |= {one, other}
     return tuple(found)
+
+
+def twins_of(parts: Sequence[PuppetPart], root: int) -> list[int]:
+    """For each part the one that is left where it is right, or far where it is near; without one, the part itself."""
+    twins = list(range(len(parts)))
+    for one, other, _ in _pairs(parts, root, set(twins), lambda one, other: True):
+        twins[one], twins[other] = other, one
+    return twins
+
+
+def _pairs(
+    parts: Sequence[PuppetPart], root: int, free: Iterable[int], may_be: Callable[[int, int], bool]
+) -> Iterator[tuple[int, int, bool]]:
+    """Near and far parts, the far one first, then left and right ones, and whether they are the latter.
+
+    free: which parts may be in a pair; may_be: whether two may be one.
+    """
+    left = set(free) - {root}
+    middle = float(parts[root].disc[0][0])
+    pairs = sorted(alike_pairs(parts), key=lambda pair: float(norm(parts[pair[0]].disc[0] - parts[pair[1]].disc[0])))
+    for is_front in (False, True):
+        for one, other in pairs:
+            if not {one, other} <= left or not may_be(one, other):
+                continue
+            if is_front:
+                is_pair = _are_mirrored(parts[one], parts[other], middle)
+            else:
+                is_pair = _are_near_and_far(parts, one, root, other)
+            if is_pair:
+                left -= {one, other}
+                yield one, other, is_front
 
 
 def _by_name(name: str) -> Side:
@@ -106,7 +133,7 @@ def _near_side(parts: Sequence[PuppetPart], links: Sequence[Link], root: int) ->
     return "R" if np.sign(places - parts[root].disc[0][0]).sum() > 0.0 else "L"
 
 
-def _alike(parts: Sequence[PuppetPart]) -> Iterator[tuple[int, int]]:
+def alike_pairs(parts: Sequence[PuppetPart]) -> Iterator[tuple[int, int]]:
     """Pairs of parts of the same shape, whatever their direction, or whose names say that they are near and far."""
     figures = np.array(
         [
