@@ -5,12 +5,10 @@
 - `puppet_of`: the draft's `Puppet`: a `BendField` for each part that bends, weights, and a `JointRange` for each bone.
 - `Puppet.caps`: each `Cap` is paint that stays behind at a joint, so that nothing opens there.
 - `reweighted`: the puppet with weights that were painted by hand.
-- `redrafted`: the draft of a changed drawing, in which the rest stays.
 - `walk`, `wave`, `idle`: a `Clip` for any puppet that has the limbs for it, or its `Figure`, within the proved ranges.
 """
 
 from .caps import Cap
-from .changes import Redraft, redrafted
 from .clips import Clip, idle, walk, wave
 from .draft import PuppetDraft, draft_puppet
 from .fields import BendField
@@ -34,12 +32,10 @@ __all__ = [
     "Puppet",
     "PuppetDraft",
     "PuppetPart",
-    "Redraft",
     "Side",
     "draft_puppet",
     "idle",
     "puppet_of",
-    "redrafted",
     "reweighted",
     "walk",
     "wave",
