@@ -7,6 +7,7 @@ button keeps what was changed there: parents and joints.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -29,6 +30,8 @@ from . import armatures, controls, weights
 
 # What the import adds to the name of a layer for a shape without a name.
 NUMBERED = re.compile(r"[ .]\d+$")
+# What Blender adds to a name that another object has, as one of a second character in the scene.
+COUNTED = re.compile(r"\.\d{3}$")
 # Directions along the plane's normal are compared as multiples of this fraction of the drawing's size.
 SAME_DEPTH = 1e-7
 
@@ -83,6 +86,8 @@ def _part_names(objects: Sequence[Object], old: Object | None) -> dict[Object, s
     for obj in objects:
         stem = NUMBERED.sub("", obj.name)
         found[obj] = stem if stem in {layer.name for layer in obj.users_collection} else obj.name
+    stems = Counter(COUNTED.sub("", name) for name in set(found.values()))
+    found = {obj: stem if stems[stem := COUNTED.sub("", name)] == 1 else name for obj, name in found.items()}
     known = {obj: str(obj.get(keys.DRAWN, "")) for obj in objects if obj.parent == old is not None}
     for name in set(known.values()) - {""}:
         now = [found[obj] for obj in known if known[obj] == name]
