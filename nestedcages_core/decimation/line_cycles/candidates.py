@@ -86,21 +86,24 @@ def _over_pockets(chain: Chain, at: IntArray) -> list[Lines]:
     """Lines that touch the chain at two places, over the pockets of least area; by each of the two contacts."""
     here, count = chain.vertices[at], len(at)
     before, after = chain.vertices[at - 1] - here, chain.vertices[(at + 1) % chain.size] - here
-    step = here[None] - here[:, None]
-    slack = -ROUND_OFF * float((step * step).sum(axis=2).max())
-    touching = (np.mod(np.arange(count)[None] - np.arange(count)[:, None] - 1, count) <= count - 2) & step.any(axis=2)
+    x, y = here.T
+    dx, dy = x - x[:, None], y - y[:, None]
+    slack = -ROUND_OFF * float((dx * dx + dy * dy).max())
+    touching = (np.mod(np.arange(count)[None] - np.arange(count)[:, None] - 1, count) <= count - 2) & (
+        (dx != 0.0) | (dy != 0.0)
+    )
     for neighbour in (before[:, None], after[:, None], before[None], after[None]):
-        touching &= cross(step, neighbour) >= slack
+        touching &= dx * neighbour[..., 1] - dy * neighbour[..., 0] >= slack
     i, j = np.nonzero(touching)
     own, swept = here - chain.vertices[0], chain.swept[at]
     area = cross(own[i], own[j]) - (swept[j] - swept[i] + np.where(j < i, chain.swept[-1], 0.0))
     i, j, area = i[area > 0.0], j[area > 0.0], area[area > 0.0]
     least = np.argsort(np.round(area, DECIMALS), kind="stable")
-    beyond = cross(step[i, j][:, None], here[None] - here[i][:, None]) >= slack
-    supports = np.asarray(beyond.all(axis=1))[least]
-    least = np.concatenate((least[:count], least[count:][supports[count:]]))  # those of the convex hull in any case
+    rest = least[count:]  # of which those of the convex hull are kept
+    beyond = cross((here[j] - here[i])[rest][:, None], here[None] - here[i[rest]][:, None]) >= slack
+    least = np.concatenate((least[:count], rest[beyond.all(axis=1)]))
     i, j = i[least], j[least]
-    direction: FloatArray = step[i, j] / norm(step[i, j])[:, None]
+    direction: FloatArray = (here[j] - here[i]) / norm(here[j] - here[i])[:, None]
     passed = np.mod(at[j] - at[i], chain.size).astype(np.float64)
     return [
         Lines(here[k], at[k].astype(np.float64), direction, over) for k, over in ((i, np.zeros(len(i))), (j, passed))
