@@ -31,7 +31,7 @@ def test_nothing_of_ours_is_called_once_the_add_on_is_disabled(extension) -> Non
     def ours():
         return [function for found in lists for function in found if function.__module__.startswith(extension.__name__)]
 
-    count = 13 + hasattr(bpy.app.handlers, "blend_import_post")  # since Blender 4.3
+    count = 15 + hasattr(bpy.app.handlers, "blend_import_post")  # since Blender 4.3
     assert len(ours()) == count
     extension.unregister()
     assert ours() == []
