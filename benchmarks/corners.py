@@ -1,10 +1,10 @@
-"""The requests that could be slow, compared with the default one and with another commit, in the same run.
+"""The requests that could be slow, compared with the default one and with other commits, in the same run.
 
-    python benchmarks/corners.py --against bb3b310
+    python benchmarks/corners.py --against bb3b310 837f1d56
     python benchmarks/corners.py --only within loops --patience 60
 
 Each commit runs in a process of its own, with everything forgotten before each timing. CPU seconds, the least of the
-repeats; the ratios are those to the case a line is compared with, and to the other commit. A case that takes longer
+repeats; the ratios are those to the other commits, and to the case a line is compared with. A case that takes longer
 than the patience is given up. Exit status 1 if a case of this commit fails.
 """
 
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import ExitStack
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,6 +82,7 @@ def cases() -> list[Case]:
     for number in (100, 300, 1_000, 3_000):
         found.append(Case(f"loops {number:,}", f"f = islands({number})", f"nested_cages(f, [{6 * number}])", ""))
     found += [Case(f"{n:,} at {n // 100}", f"f = blob({n})", f"nested_cages(f, [{n // 100}])") for n in (1_000, 10_000)]
+    found += [Case(f"1,000 at {count}", "f = blob(1000)", f"nested_cages(f, [{count}])") for count in (128, 130)]
     large = Case("100,000 at 1,000", "f = blob(100000)", "nested_cages(f, [1000])")
     found += [large, Case("100,000 at 32", large.ready, "nested_cages(f, [32])", large.name)]
     for n in (1_000, 5_000):
@@ -150,39 +152,39 @@ def work(shapes: str) -> None:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--against", default="HEAD", help="the other commit (%(default)s)")
+    parser.add_argument("--against", nargs="+", default=["HEAD"], help="the other commits (%(default)s)")
     parser.add_argument("--only", nargs="*", default=[""], help="cases whose names have one of these words")
     parser.add_argument("--repeats", type=int, default=3, help="runs of each case (%(default)s)")
     parser.add_argument("--patience", type=float, default=120.0, help="seconds for a case (%(default)s)")
     options = parser.parse_args()
     wanted = [case for case in cases() if any(word in case.name for word in options.only)]
     failed = False
-    print("| | before, s | now, s | ratio | to its plain request |\n|---|---|---|---|---|")
-    with checkout(options.against) as tree:
-        places = (tree, ROOT)
+    names = [*options.against, "now"]
+    heads = [*(f"{name}, s" for name in names), *(f"to {name}" for name in options.against), "to its plain request"]
+    print(f"| | {' | '.join(heads)} |\n|{'---|' * (len(heads) + 1)}")
+    with ExitStack() as stack:
+        places = [*(stack.enter_context(checkout(commit)) for commit in options.against), ROOT]
         workers = [Worker(place, work, SHAPES) for place in places]
-        seconds: dict[str, float] = {}
-        earlier: dict[str, float] = {}
+        seconds: list[dict[str, float]] = [{} for _ in places]
         for case in wanted:
-            answers = []
+            cells = []
             for k, place in enumerate(places):
                 answer = workers[k].run((case.ready, case.timed, case.steps, options.repeats), options.patience)
                 if answer is None:  # a new process instead of the one that is still busy
                     workers[k].close()
                     workers[k], answer = Worker(place, work, SHAPES), (np.nan, f"more than {options.patience:.0f} s")
-                answers.append(answer)
-            (before, why_before), (now, why) = answers
-            earlier[case.name], seconds[case.name] = before, now
+                seconds[k][case.name], why = answer
+                cells.append(why[:40] if why else f"{answer[0]:.3f}")
             failed |= bool(why)
-            plain = seconds.get(case.beside, np.nan)
-            cells = [why_before[:40] if why_before else f"{before:.3f}", why[:40] if why else f"{now:.3f}",
-                     ratio(now, before), ratio(now, plain)]  # fmt: skip
+            now = seconds[-1][case.name]
+            cells += [ratio(now, before[case.name]) for before in seconds[:-1]]
+            cells.append(ratio(now, seconds[-1].get(case.beside, np.nan)))
             print(f"| {case.name} | {' | '.join(cells)} |", flush=True)
         for worker in workers:
             worker.close()
-    print("\n| growth over | before | now |\n|---|---|---|")
+    print(f"\n| growth over | {' | '.join(names)} |\n|{'---|' * (len(names) + 1)}")
     for name, sizes in GROWTH.items():
-        print(f"| {name} | {exponent(sizes, earlier)} | {exponent(sizes, seconds)} |")
+        print(f"| {name} | {' | '.join(exponent(sizes, each) for each in seconds)} |")
     return 1 if failed else 0
 
 

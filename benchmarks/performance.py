@@ -32,8 +32,8 @@ RUNS: dict[str, tuple[str, str]] = {
     "shapes": ("shapes.py", r"ratio|start, to"),
     "speed": ("speed.py --against bb3b310 --cases 48 --repeats 1", r"time |excess "),
     "corners": (
-        "corners.py --against bb3b310",
-        r"\| (\| before|within 1 %, 10|loops 1,|100,000|following 5|SVG of 100)",
+        "corners.py --against bb3b310 837f1d56",
+        r"\| (\| bb3b310|within 1 %|grid|loops 1,|1,000 at 1[23]|100,000|following 5|SVG of 100)",
     ),
     "start": ("start.py", r".*"),
     "slider": ("slider.py", r"500 |\| (slider|vertices|clearance)|The cages|$"),
