@@ -34,9 +34,9 @@ def read_poses(context: Context, obj: Object, frames: Sequence[int], options: Re
     """
     scene, wanted = scene_of(context), set(frames)
     drawings: list[Drawing] = []
-    scale, anew = 1.0, redrawn.is_redrawn(obj, frames)
-    if anew and len(frames) <= frames[-1] - frames[0]:
-        raise UserError(f"'{obj.name}' is drawn anew from frame to frame: set Step to 1")
+    scale, redraws = 1.0, redrawn.is_redrawn(obj, frames)
+    if redraws and len(frames) <= frames[-1] - frames[0]:
+        raise UserError(f"'{obj.name}' has new drawings from frame to frame: set Step to 1")
     with same_frame(scene):
         for frame in range(frames[0], frames[-1] + 1):
             yield Progress((frame - frames[0]) / (frames[-1] + 1 - frames[0]), f"{obj.name}: reading frame {frame}")
@@ -50,14 +50,14 @@ def read_poses(context: Context, obj: Object, frames: Sequence[int], options: Re
                 own = in_own_space(outline)
                 drawing = drawing_in(drawings[0].frame, own, options) if drawings else fine_drawing(own, options)
                 drawing.mesh()
-                if drawings and not anew:
+                if drawings and not redraws:
                     _check_topology(drawings[0], drawing)
                 drawings.append(drawing)
             except UserError as error:
                 raise UserError(f"Frame {frame}: {error}") from error
-    points = np.stack([np.concatenate(drawing.loops) for drawing in drawings[: 1 if anew else None]])
+    points = np.stack([np.concatenate(drawing.loops) for drawing in drawings[: 1 if redraws else None]])
     times = np.array(frames, dtype=np.float64)
-    return Poses(drawings[0], times, points, scale, tuple(drawings) if anew else ())
+    return Poses(drawings[0], times, points, scale, tuple(drawings) if redraws else ())
 
 
 def in_own_space(outline: Outline) -> Outline:

@@ -1,4 +1,4 @@
-"""Drawings that are drawn anew from frame to frame, as in Grease Pencil: each is held until the next one, and so are
+"""Drawings that are new from frame to frame, as in Grease Pencil: each is held until the next one, and so are
 its cages. Does not touch the scene.
 
 Since drawings of different loops have no common topology, a tight ring around each stands for it.

@@ -1,5 +1,5 @@
 """Armatures of puppets, of vector drawings and of layered paintings alike: bones marked with the parts that they move,
-limited to what is proved of them. An armature is the draft: made again, it is drawn anew as it is changed now, and what
+limited to what is proved of them. An armature is the draft: made again, it is drawn as it is changed now, and what
 is not ours in it stays.
 """
 

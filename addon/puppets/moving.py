@@ -113,7 +113,7 @@ def articulate(
 ) -> Work[tuple[Object, core.puppet.Puppet]]:
     """An armature that moves the drawings part by part. Raises: UserError.
 
-    old: that of an earlier puppet of theirs, which is drawn anew as it is changed now.
+    old: that of an earlier puppet of theirs, which is drawn as it is changed now.
     """
     yield Progress(0.3, "finding joints")
     with blamed("The puppet"):

@@ -20,6 +20,7 @@ ENTRIES: tuple[dict[str, Any], ...] = (
         "suggest_bones": "GROUP_BONE",
         "rig": "ARMATURE_DATA",
         "puppet": "OUTLINER_OB_ARMATURE",
+        "clip": "ACTION",
     }
     | {
         "follow": "CON_FOLLOWTRACK",

@@ -48,7 +48,7 @@ def best_so_far(builder: LevelBuilder) -> Stage[Progress, Level | None]:
 
 
 def over(reached: Progress, *, seconds: float | None = None, steps: int = 0) -> NestedCagesError:
-    """The error after so many seconds, or after as many steps of work as a level may take."""
+    """The error when the time, or the steps of work that a level may take, are over."""
     stage = f"{reached.message[:1].lower()}{reached.message[1:]}"
     place = {"level": reached.level, "stage": reached.stage}
     if seconds is not None:

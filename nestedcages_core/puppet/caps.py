@@ -63,7 +63,7 @@ def joint_radius(part: PuppetPart, on: PuppetPart, link: Link) -> float:
 
 
 def _rings(part: PuppetPart, on: PuppetPart, link: Link) -> list[FloatArray]:
-    """Outlines (k, 2) of a part's paint in the joint's disc beside the parent; none if turns keep it painted."""
+    """Outlines (k, 2) of a part's paint in the joint's disc outside the parent; none if turns keep it painted."""
     shapely = load_shapely(NEEDED_FOR)
     radius, joint = joint_radius(part, on, link), np.array(link.joint)
     disc = shapely.Point(joint).buffer(radius)

@@ -22,7 +22,7 @@ WAVE_UP, LEG_UP, WAVE_SWAY = 55.0, 15.0, 22.0
 SWAY, LAG = 6.0, 0.7
 """Degrees by which heads, tails and arms sway; radians by which each bone of a tail is behind the one before."""
 
-WITHIN = 0.98
+USED = 0.98
 """The part of a proved range that clips use."""
 
 
@@ -111,7 +111,7 @@ def _order(figure: Figure, limbs: Sequence[tuple[str, ...]]) -> list[int]:
 
 
 def _middles(figure: Figure) -> FloatArray:
-    """(legs,) degrees from each leg as drawn to the middle of it and the one beside it; 0 as seen from the front."""
+    """(legs,) degrees from each leg as drawn to the middle of it and the one next to it; 0 as seen from the front."""
     legs, bones = figure.limbs.legs, {bone.name: bone for bone in figure.bones}
     found = np.zeros(len(legs))
     if abs(figure.ahead) < 1.0:
@@ -142,7 +142,7 @@ def _clip(name: str, figure: Figure, tracks: Mapping[str, FloatArray], seconds: 
         raise invalid_setting(f"A clip takes a positive time, not {seconds!r} seconds.")
     turns = {bone.name: each for bone, each in zip(figure.bones, figure.ranges, strict=True)}
     kept = {
-        bone: np.clip(angles, WITHIN * turns[bone].simple_low, WITHIN * turns[bone].simple_high)
+        bone: np.clip(angles, USED * turns[bone].simple_low, USED * turns[bone].simple_high)
         for bone, angles in tracks.items()
     }
     poses = tuple({bone: float(angles[frame]) for bone, angles in kept.items()} for frame in range(frames))
