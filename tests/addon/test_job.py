@@ -287,7 +287,7 @@ def import_of(tmp_path):
     ]
     path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
     options = {"directory": "", "files": [], "y": "AUTO", "scale": 1.0, "outlines": "AUTO", "answered": True}
-    placing = {"plane": "AUTO", "centre": True, "hidden": False}
+    placing = {"plane": "AUTO", "centre": True, "hidden": False, "repaint": False}
     return {"filepath": str(path), **options, **placing}
 
 
