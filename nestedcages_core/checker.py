@@ -8,6 +8,7 @@ exactly too. Lengths have roots and turns have cosines: these are held against e
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -73,8 +74,9 @@ def check(
         if hasattr(level, "coarse"):
             inner, loops = level.inside, [sorted(Loops(mesh).is_hole) for mesh in (level.coarse, level.fine)]
             alike = loops[0] == loops[1] if same_loops is None else same_loops
-        elif hasattr(level, "cage_steps") and same_loops is None and _lacks_vertices(cage, within):
-            alike = False
+        elif hasattr(level, "cage_steps") and same_loops is None:
+            with suppress(ValueError):  # what is no shape is told below
+                alike = len(cage.vertices) >= 3 * len(rings_of(within))
         found = faults_of_cage(*((within, cage) if inner else (cage, within)), wanted, alike is not False)
         if not found:
             lost += Loops(cage, within).lost() if alike is False and not inner else []
@@ -85,14 +87,6 @@ def check(
         problems += [f"level {k + 1}: {fault}" if len(levels) > 1 else fault for fault in found]
         within = cage
     return Verdict(tuple(problems) if levels else ("there is no cage",), tuple(lost))
-
-
-def _lacks_vertices(cage: Any, within: Any) -> bool:
-    """Whether a cage has too few vertices for each loop of a shape; not if that is no shape, which is told elsewhere."""
-    try:
-        return len(cage.vertices) < 3 * len(rings_of(within))
-    except ValueError:
-        return False
 
 
 def faults_of_steps(fine: Any, level: Any, clearance: float, alike: bool | None, motions: int | None) -> list[str]:
