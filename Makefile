@@ -47,7 +47,7 @@ demo: $(DEMO_ENV)/ready
 
 test: $(TEST_ENV)/ready
 	@$(TEST_ENV)/bin/python examples/check_bpy.py
-	$(if $(LIMIT),$(LIMIT) 1260) $(TEST_ENV)/bin/python -m pytest $(WORKERS)
+	$(if $(LIMIT),$(LIMIT) 1400) $(TEST_ENV)/bin/python -m pytest $(WORKERS)
 
 test-fast: $(TEST_ENV)/ready
 	@$(TEST_ENV)/bin/python examples/check_bpy.py
