@@ -52,7 +52,7 @@ def put_sources(folder: Path) -> None:
         (folder / f"{name}.typ").write_text(typst_table(shown[1] if shown else ""), encoding="utf-8")
     (folder / "table1.typ").write_text(typst_table(tables.table_1(found, read_table1())), encoding="utf-8")
     parts = [
-        f"*{k}. {conclusion.claim}*\n\n#{typst_table(pages.said(*both))}\n"
+        f"*{k}. {conclusion.claim}*\n\n{typst_table(pages.said(*both))}\n"
         for k, (conclusion, both) in enumerate(conclusions.verdicts(found).items(), 1)
     ]
     (folder / "conclusions.typ").write_text("\n".join(parts), encoding="utf-8")
@@ -68,13 +68,13 @@ def draw(folder: Path, meshes: Path | None) -> None:
 
 
 def typst_table(markdown: str) -> str:
-    """A table in Markdown as one of Typst, a call without its #; what is not part of a table is left out."""
+    """A table in Markdown as one of Typst; what is not part of a table is left out."""
     rows = [[cell.strip() for cell in line.strip().strip("|").split(" | ")]
             for line in markdown.splitlines() if line.startswith("|") and "| --- " not in line]  # fmt: skip
     if not rows:
-        return "[]"
+        return "#[]"
     cells = ",\n  ".join(", ".join(f"[{escaped(cell)}]" for cell in row) for row in rows)
-    return f"table(columns: {len(rows[0])},\n  {cells},\n)"
+    return f"#table(columns: {len(rows[0])},\n  {cells},\n)"
 
 
 def escaped(text: str) -> str:

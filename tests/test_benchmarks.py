@@ -178,8 +178,14 @@ def test_the_propositions_stand_when_attacked(monkeypatch: pytest.MonkeyPatch) -
     assert not propositions.meets(p * [[1.0, 1.0], [1.0, -0.1]], a, b)
 
 
-def test_the_paper_names_what_is_there() -> None:
+def test_the_paper_names_what_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     """The sources of `make paper`, not the PDF: what it includes is made, and what it cites is known."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import paper_pdf
+
+    assert paper_pdf.typst_table("| a | b |\n| --- | --- |\n| 1_0 | **2** |") == (
+        "#table(columns: 2,\n  [a], [b],\n  [1\\_0], [*2*],\n)"
+    )
     text = (ROOT / "docs" / "paper" / "paper.typ").read_text(encoding="utf-8")
     maker = (BENCHMARKS / "paper_pdf.py").read_text(encoding="utf-8")
     included = re.findall(r'(?:image|include|json)[ (]"([\w.]+)"', text)
