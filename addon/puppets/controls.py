@@ -42,9 +42,10 @@ def add_controls(context: bpy.types.Context, armature: Object, figure: core.pupp
     known = {str(bone[keys.CONTROL]): bone for bone in bones if keys.CONTROL in bone}
     ends = [end for bone in figure.bones for end in (bone.head[1], bone.tail[1])]
     (trunk, *_), *_ = figure.limbs.trunks
-    low, high, body = min(ends), max(ends), bones[trunk]
+    low, body = min(ends), bones[trunk]
+    height = max(max(ends) - low, body.length)  # bones may all lie flat
     root = known.pop(ROOT, None) or bones.new(ROOT)
-    _set_control(root, ROOT, Vector((body.head.x, low, body.head.z)), Vector((0.0, ROOT_LENGTH * (high - low), 0.0)))
+    _set_control(root, ROOT, Vector((body.head.x, low, body.head.z)), Vector((0.0, ROOT_LENGTH * height, 0.0)))
     for bone in bones:
         if bone.parent is None and part_of(bone):
             bone.parent = root
