@@ -14,7 +14,6 @@ from bpy.types import Context, Object
 from numpy.typing import NDArray
 
 from .. import keys
-from ..binding import field
 from ..core import blamed, core, game
 from ..errors import FloatArray, UserError
 from ..generation.job import finished
@@ -75,18 +74,11 @@ def as_it_stands(rig: Object) -> game.GamePuppet:
 def pictured(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str, ...]]:
     """The puppet of an armature that moves drawings as one of pictures, with its actions, and notes: its bones, with
     weights that are solved again as engines blend. Raises: UserError."""
-    pose = rig.data.pose_position
     objects = armatures.drawings_of(rig)
-    with field.unposed(map(field.shown_by, objects)):
-        try:
-            rig.data.pose_position = "REST"
-            context.view_layer.update()
-            given = finished(moving.drawn(context, objects, rig))
-            paints = [[each for obj in own for each in drawings.paints_of(context, obj, given.frame)]
-                      for own in given.objects]  # fmt: skip
-        finally:
-            rig.data.pose_position = pose
-            context.view_layer.update()
+    with moving.at_rest(context, objects, rig):
+        given = finished(moving.drawn(context, objects, rig))
+        paints = [[each for obj in own for each in drawings.paints_of(context, obj, given.frame)]
+                  for own in given.objects]  # fmt: skip
     corners = np.concatenate([part.outline.vertices for part in given.parts])
     low, high = corners.min(axis=0), corners.max(axis=0)
     pixel = float((high - low).max()) / game.LONGER_SIDE

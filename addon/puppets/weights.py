@@ -44,9 +44,7 @@ def foldings_of(armature: Object) -> list[Folding]:
 
 def by_hand(armature: Object, puppet: core.puppet.Puppet, frame: Frame) -> core.puppet.Puppet:
     """A puppet with what was painted by hand on the hidden meshes of its armature, and what is proved of that."""
-    names: dict[str, list[str]] = {}
-    for bone in armature.data.bones:
-        names.setdefault(part_of(bone), []).append(bone.name)
+    names = {part: [bone.name for bone in chain] for part, chain in armatures.chains_of(armature.data.bones).items()}
     number = {part.name: k for k, part in enumerate(puppet.draft.parts)}
     for part, carrier in carriers_of(armature).items():
         bent = puppet.fields[number[part]] if part in number else None
