@@ -15,13 +15,16 @@ from ..exchange.layers import PicturePart
 from ..exchange.pictures import boundary_of_pixels
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..geometry.triangulation import Triangulation
 from ..libraries import load_shapely
 from ..puppet import BendField, Hold, JointRange, PartChoice, Puppet, PuppetDraft, PuppetPart, draft_puppet
+from ..puppet.caps import caps_of
 from ..puppet.puppet import bent, limb_of, riders_on
 from ..puppet.ranges import FREE
 from .animation import Animation
 from .bending import SKIN, Limb, best_field, counter_clockwise, meshed_loop
-from .islands import certify, islands_of
+from .caps import cap_picture
+from .islands import Island, certify, islands_of
 from .mesh import PartMesh, Placement
 from .proved import narrower, proved_ranges
 
@@ -127,7 +130,8 @@ def puppet_part(part: PicturePart, place: Placement) -> PuppetPart:
 def meshed(
     draft: PuppetDraft, parts: Sequence[PicturePart], place: Placement, *, name: str, vertices: int = HULL_VERTICES
 ) -> GamePuppet:
-    """The puppet of a draft whose parts have these pictures, in the same order, and its meshes: one for each island.
+    """The puppet of a draft whose parts have these pictures, in the same order, and its meshes: one for each
+    island and each cap.
 
     A part gets fewer bones where a joint of its meshes turns too little, as in `puppet_of`. Raises NestedCagesError.
     """
@@ -139,38 +143,46 @@ def meshed(
         for part, (own, _) in made.items()
         for key, field in own.items()
     }
+    caps = caps_of(draft)
     meshes: list[PartMesh] = []
     for k, part in enumerate(parts):
+        name = draft.parts[k].name
+        held = [(cap.bone, picture) for cap in caps if cap.part == k and (picture := cap_picture(cap, part, place))]
+        behind = [(bone, each) for bone, cap in held for each in islands_of(cap.seen, cap.left, cap.top, vertices)]
+        for number, (bone, island) in enumerate(behind):
+            grid, weights = _stiff(place.up(island.loop), bone, len(draft.bones))
+            meshes.append(_textured(f"{name}.cap{number + 1}", part, island, grid, weights, place))
         for number, island in enumerate(islands[k]):
+            grid, weights = _stiff(hulls[k][number], draft.bone_of[k], len(draft.bones))
             carrier = fields.get((k, number))
-            grid = meshed_loop(counter_clockwise(hulls[k][number])) if carrier is None else carrier.grid
-            weights = np.zeros((len(grid.vertices), len(draft.bones)))
-            if carrier is None:
-                weights[:, draft.bone_of[k]] = 1.0
-            else:
+            if carrier is not None:
+                grid, weights = carrier.grid, np.zeros((len(carrier.grid.vertices), len(draft.bones)))
                 weights[:, carrier.first_bone : carrier.first_bone + len(carrier.bends) + 1] = carrier.weights
-            hull = len(grid.edge)
-            certify(place.down(grid.vertices[:hull]), island.pixels, island.left, island.top)
-            mesh = PartMesh(
-                draft.parts[k].name if number == 0 else f"{draft.parts[k].name}.island{number + 1}",
-                part.path,
-                part.identity,
-                grid.vertices,
-                hull,
-                grid.triangles,
-                weights,
-                island.left,
-                island.top,
-                island.pixels,
-                part.blend,
-                part.is_visible,
-            )
-            meshes.append(mesh)
+            own = name if number == 0 else f"{name}.island{number + 1}"
+            meshes.append(_textured(own, part, island, grid, weights, place))
     ranges = proved_ranges(draft.bones, meshes)
     records = tuple(_record_of(draft, k, part) for k, part in enumerate(parts))
     stiff = [draft.parts[part].name for part, (_, turns) in made.items() if all(turn == FREE for turn in turns)]
     notes = (*draft.notes, *(f"{part} is not painted where its bones meet, so it does not bend." for part in stiff))
     return GamePuppet(name, place, draft.bones, tuple(meshes), ranges, (), notes, records, draft=draft)
+
+
+def _stiff(loop: FloatArray, bone: int, bones: int) -> tuple[Triangulation, FloatArray]:
+    """The mesh of a hull (n, 2) that one bone moves, and its weights."""
+    grid = meshed_loop(counter_clockwise(loop))
+    weights = np.zeros((len(grid.vertices), bones))
+    weights[:, bone] = 1.0
+    return grid, weights
+
+
+def _textured(
+    name: str, part: PicturePart, island: Island, grid: Triangulation, weights: FloatArray, place: Placement
+) -> PartMesh:
+    """A mesh for an island of a part. Raises NestedCagesError unless it holds the island's pixels."""
+    hull = len(grid.edge)
+    certify(place.down(grid.vertices[:hull]), island.pixels, island.left, island.top)
+    shown = island.left, island.top, island.pixels, part.blend, part.is_visible
+    return PartMesh(name, part.path, part.identity, grid.vertices, hull, grid.triangles, weights, *shown)
 
 
 def _fields_of(
