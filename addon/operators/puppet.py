@@ -11,7 +11,7 @@ from .. import record
 from ..errors import UserError, counted
 from ..generation.job import Work
 from ..properties.kinds import choice, flag
-from ..puppets import armatures, clips, duplicates, moving
+from ..puppets import armatures, caps, clips, duplicates, moving
 from ..scene.areas import paints
 from ..scene.ownership import chosen
 from .base import JobOperator, Operator, pose
@@ -39,6 +39,7 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
 
     limits: flag("Limit Turns", "Limit each joint to the range in which nothing folds over itself", default=True)
     reach: flag("IK", "Let legs and arms follow the controls at their ends, instead of the turns of their bones")
+    caps: flag("Painted Joints", "Let paint stay behind at joints, so that nothing opens there", default=True)
     linear: flag("Blend as Engines", "Blend bones linearly, as game engines do, instead of with Preserve Volume")
 
     needs = staticmethod(lambda context: _selected_parts(context)[0])
@@ -49,7 +50,10 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
         duplicates.complete_puppets()
         objects, old = _selected_parts(context)
         self.tell_hidden(context, objects)
-        yield from make_puppet(self, context, objects, old, moving.Making(self.limits, self.linear, float(self.reach)))
+        yield from make_puppet(self, context, objects, old, self._making())
+
+    def _making(self) -> moving.Making:
+        return moving.Making(self.limits, self.linear, float(self.reach), self.caps)
 
 
 def make_puppet(
@@ -116,7 +120,7 @@ def _selected_parts(context: Context) -> tuple[list[Object], Object | None]:
     """The drawings of a puppet, and its armature if there is one: what is selected, with all that moves with it."""
     selected = list(context.selected_objects)
     ours = [obj for obj in selected if record.level_of(obj) is not None or record.is_helper(obj, *HELPERS)]
-    drawings = [obj for obj in selected if paints(obj) and obj not in ours]
+    drawings = [obj for obj in selected if paints(obj) and obj not in ours and not caps.is_cap(obj)]
     old = armatures.puppet_of(sorted(selected, key=lambda obj: obj.type != "ARMATURE"))
     known = armatures.drawings_of(old) if old is not None else []
     return [*known, *(obj for obj in drawings if obj not in known)], old

@@ -56,7 +56,7 @@ def puppet_of(objects: Sequence[Object]) -> Object | None:
 
 def drawings_of(armature: Object) -> list[Object]:
     """The drawings that a puppet moves."""
-    drawings = [child for child in armature.children if not part_of(child)]
+    drawings = [child for child in armature.children if not part_of(child) and not child.get(keys.CAP)]
     return [obj for obj in drawings if paints(obj) or field.shown_by(obj) != obj]
 
 

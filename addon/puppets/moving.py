@@ -26,7 +26,7 @@ from ..io import silhouettes
 from ..scene import filling
 from ..scene.ownership import select
 from ..scene.plane import Frame
-from . import armatures, controls, weights
+from . import armatures, caps, controls, weights
 
 # What the import adds to the name of a layer for a shape without a name.
 NUMBERED = re.compile(r"[ .]\d+$")
@@ -106,6 +106,8 @@ class Making:
     """Whether bones are blended as in game engines, instead of keeping volume."""
     reach: float = 0.0
     """How much legs and arms follow the controls at their ends, from 0 to 1."""
+    caps: bool = True
+    """Whether joints stay painted when parts turn."""
 
 
 def articulate(
@@ -152,6 +154,8 @@ def articulate(
                 if carrier is not None:
                     field.follow(obj, carriers[id(carrier)], carriers[id(carrier)])
     _remove(before.values())
+    context.view_layer.update()
+    caps.draw_caps(context, armature, given.frame, given.objects, puppet, puppet.caps if options.caps else ())
     select(context, armature)
     return armature, puppet
 

@@ -5,6 +5,7 @@ At rest a cap lies under the very paint that it repeats, so that the drawing loo
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,6 +31,9 @@ UNDER = 0.02
 CAP_SIMPLIFIED = 1e-3
 """Tolerance of outlines of caps, in the same."""
 
+UNSEEN = 1e-6
+"""Pieces of paint smaller than this part of the cap are not drawn."""
+
 
 @dataclass(frozen=True, eq=False)
 class Cap:
@@ -41,6 +45,20 @@ class Cap:
     """The bone of the part's parent that carries the joint."""
     outline: Mesh
     """One loop at rest: what lies in it is drawn."""
+
+    def pieces(self, triangles: FloatArray) -> Iterator[tuple[int, FloatArray, FloatArray]]:
+        """What of triangles (t, 3, 2) lies in the cap: a triangle's number, a ring (k, 2) in it, and for each of its
+        points the shares (k, 3) of the triangle's corners."""
+        shapely = load_shapely(NEEDED_FOR)
+        area = shapely.geometry.shape(self.outline.__geo_interface__)
+        solids = shapely.polygons(triangles)
+        for number in np.flatnonzero(shapely.intersects(solids, area)).tolist():
+            for piece in shapely.get_parts(shapely.intersection(solids[number], area)):
+                if piece.area > UNSEEN * area.area:
+                    ring = shapely.get_coordinates(shapely.normalize(piece).exterior)[-2::-1]
+                    first, *others = triangles[number]
+                    far = np.linalg.solve((np.array(others) - first).T, (ring - first).T).T
+                    yield number, ring, np.column_stack([1.0 - far.sum(axis=1), far])
 
 
 def caps_of(draft: PuppetDraft) -> tuple[Cap, ...]:

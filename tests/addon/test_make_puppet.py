@@ -20,6 +20,10 @@ ROOT = Path(__file__).resolve().parents[2]
 FOX = ROOT / "examples" / "fox.svg"
 
 
+def is_cap(obj: Object) -> bool:
+    return "nested_cages_cap" in obj.keys()  # noqa: SIM118
+
+
 def shape(obj: Object) -> np.ndarray:
     """(n, 3) points of an object as it is displayed, in the world."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -31,7 +35,8 @@ def shape(obj: Object) -> np.ndarray:
 
 def shapes() -> dict[str, np.ndarray]:
     bpy.context.view_layer.update()
-    return {obj.name: shape(obj) for obj in bpy.data.objects if obj.type == "MESH" and not obj.hide_render}
+    seen = [obj for obj in bpy.data.objects if obj.type == "MESH" and not obj.hide_render and not is_cap(obj)]
+    return {obj.name: shape(obj) for obj in seen}
 
 
 def turn(armature: Object, **degrees: float) -> None:
@@ -255,6 +260,52 @@ def test_vector_puppets_are_exported_as_pictures(tmp_path: Path) -> None:
     pixels = read_png(tmp_path / "arm.png")
     colours = {tuple(row) for row in pixels[pixels[..., 3] == 255].tolist()}
     assert {(0, 0, 255, 255), (255, 0, 0, 255), (0, 255, 0, 255), (0, 0, 0, 255)} <= colours
+
+
+def test_caps_keep_joints_painted_behind_their_drawings() -> None:
+    """A bar with square ends leaves paint on the one that it turns on: what the bar shows there, with its texture."""
+    material = bpy.data.materials.new("Paint")
+    bars: list[Any] = []
+    for name, left, right, z in (("upper", 0.0, 5.0, 0.0), ("lower", 4.6, 9.6, 0.1)):
+        corners = [(left, 0.0, 0.0), (right, 0.0, 0.0), (right, 2.0, 0.0), (left, 2.0, 0.0)]
+        data = bpy.data.meshes.new(name)
+        data.from_pydata(corners, [], [(0, 1, 2, 3)])
+        layer: Any = data.uv_layers.new()
+        layer.data.foreach_set("uv", [0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0])
+        data.materials.append(material)
+        bars.append(bpy.data.objects.new(name, data))
+        bpy.context.collection.objects.link(bars[-1])
+        bars[-1].location.z = z
+        bars[-1].select_set(True)
+    bpy.context.view_layer.objects.active = bars[0]
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    (cap,) = [obj for obj in bpy.data.objects if is_cap(obj)]
+    child = next(obj for obj in bars if obj.name == cap.name.removesuffix(" Cap"))
+    assert cap.parent_bone == next(obj.name for obj in bars if obj != child)
+    points = shape(cap)
+    assert (
+        (points >= shape(child).min(axis=0) - (1e-6, 1e-6, 1.0)) & (points <= shape(child).max(axis=0) + 1e-6)
+    ).all()
+    assert (np.abs(points[:, 2] - child.matrix_world.translation.z) > 1e-3).all()
+    assert (points[:, 2] < child.matrix_world.translation.z).all()
+    uv = np.array([corner.uv[:] for corner in cap.data.uv_layers[0].data])
+    used = [corner.vertex_index for corner in cap.data.loops]
+    wide = shape(child)[:, 0]
+    np.testing.assert_allclose(uv[:, 0], (points[used, 0] - wide.min()) / np.ptp(wide), atol=1e-6)
+    np.testing.assert_allclose(uv[:, 1], points[used, 1] / 2.0, atol=1e-6)
+    assert cap.data.materials[0] == material
+    turn(bpy.context.object, **{child.name: 90.0})
+    bpy.context.view_layer.update()
+    np.testing.assert_allclose(shape(cap), points, atol=1e-6)
+    for frame, hidden in ((2, False), (3, True)):
+        child.hide_viewport = child.hide_render = hidden
+        child.keyframe_insert("hide_viewport", frame=frame)
+        child.keyframe_insert("hide_render", frame=frame)
+    for frame, hidden in ((3, True), (2, False)):
+        bpy.context.scene.frame_set(frame)
+        assert cap.hide_viewport == cap.hide_render == hidden
+    bpy.ops.object.nested_cages_puppet(caps=False)
+    assert not [obj for obj in bpy.data.objects if is_cap(obj)]
 
 
 def test_nothing_selected_is_told() -> None:

@@ -1,0 +1,140 @@
+"""Caps of puppets in the scene: paint of a part that stays on its parent at their joint, so that nothing opens there.
+
+A cap is a piece of what its drawings show, with their materials and textures, directly behind them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import bpy
+import numpy as np
+from bpy.types import Context, Object
+from numpy.typing import NDArray
+
+from .. import keys
+from ..core import core
+from ..errors import FloatArray
+from ..scene import filling
+from ..scene.areas import SOLID
+from ..scene.plane import Frame, size, transform, world_matrix
+from . import armatures
+
+# Distance from a drawing to the next one behind it, as a fraction of the size of all, where there is none.
+BEHIND = 1e-3
+# Heights of a cap in that distance: of what its lowest and its highest drawing show.
+LOWEST, HIGHEST = 0.5, 0.25
+
+
+class Shown(NamedTuple):
+    """The triangles of an object, and what is painted on them."""
+
+    corners: FloatArray
+    """(t, 3, 2) in the frame."""
+    materials: NDArray[np.int32]
+    """(t,) numbers of materials."""
+    texture: FloatArray
+    """(t, 3, 2) its coordinates at corners."""
+
+
+def caps_of(armature: Object) -> list[Object]:
+    """The caps of a puppet."""
+    return [child for child in armature.children if is_cap(child)]
+
+
+def is_cap(obj: Object) -> bool:
+    """Whether an object is a cap."""
+    return bool(obj.get(keys.CAP))
+
+
+def draw_caps(
+    context: Context,
+    armature: Object,
+    frame: Frame,
+    drawings: Sequence[Sequence[Object]],
+    puppet: core.puppet.Puppet,
+    caps: Sequence[core.puppet.Cap],
+) -> None:
+    """Draws caps of a puppet at rest, in place of those that it had. Parts that show no faces get none.
+
+    drawings: those of each part.
+    """
+    bpy.data.batch_remove([block for old in caps_of(armature) for block in (old, old.data)])
+    depth = {obj: float(frame.from_world(np.array([obj.matrix_world.translation]))[1][0]) for each in drawings
+             for obj in each}  # fmt: skip
+    whole = BEHIND * frame.scale * size(np.concatenate([part.outline.vertices for part in puppet.draft.parts]))
+    for cap in caps:
+        own = [obj for obj in drawings[cap.part] if obj.type in SOLID]
+        if not own:
+            continue
+        low, high = (end(depth[obj] for obj in own) for end in (min, max))
+        gap = min((low - each for each in depth.values() if each < low), default=whole)
+        rise = (LOWEST - HIGHEST) * gap / max(high - low, gap)
+        heights = [frame.height + (low - LOWEST * gap + rise * (depth[obj] - low)) / frame.scale for obj in own]
+        name = f"{puppet.draft.parts[cap.part].name} Cap"
+        data = _piece_of(context, name, own, heights, cap, frame)
+        if data is not None:
+            _hang(data, own[0], armature, puppet.bones[cap.bone].name)
+
+
+def _hang(data: bpy.types.Mesh, drawing: Object, armature: Object, bone: str) -> None:
+    """Makes a cap that a bone moves, and that keys of its drawing's visibility hide too."""
+    made = bpy.data.objects.new(data.name, data)
+    drawing.users_collection[0].objects.link(made)
+    made.matrix_world = armature.matrix_world
+    made[keys.CAP] = True
+    armatures.hang(made, armature, bone)
+    for path in ("hide_viewport", "hide_render"):
+        driver = made.driver_add(path).driver
+        driver.type = "AVERAGE"
+        driver.variables.new().targets[0].id = drawing
+        driver.variables[0].targets[0].data_path = path
+
+
+def _piece_of(
+    context: Context,
+    name: str,
+    drawings: Sequence[Object],
+    heights: Sequence[float],
+    cap: core.puppet.Cap,
+    frame: Frame,
+) -> bpy.types.Mesh | None:
+    """What drawings show in a cap, each at its height in the frame; None if that is nothing."""
+    points, faces, numbers, texture = list[FloatArray](), list[range](), list[int](), list[FloatArray]()
+    materials: list[bpy.types.Material | None] = []
+    for obj, height in zip(drawings, heights, strict=True):
+        shown = _seen_of(context, obj, frame)
+        for triangle, ring, shares in cap.pieces(shown.corners):
+            first = faces[-1].stop if faces else 0
+            faces.append(range(first, first + len(ring)))
+            points.append(np.column_stack([ring, np.full(len(ring), height)]))
+            numbers.append(len(materials) + int(shown.materials[triangle]))
+            texture.append(shares @ shown.texture[triangle])
+        materials += [slot.material for slot in obj.material_slots] or [None]
+    if not faces:
+        return None
+    data = filling.new_mesh(name, np.concatenate(points), faces=[list(face) for face in faces])
+    for material in materials:
+        data.materials.append(material)
+    data.polygons.foreach_set("material_index", np.array(numbers, np.int32))
+    layer: Any = data.uv_layers.new(name="UVMap")
+    layer.data.foreach_set("uv", np.concatenate(texture).astype(np.float32).ravel())
+    return data
+
+
+def _seen_of(context: Context, obj: Object, frame: Frame) -> Shown:
+    """The triangles that an object shows."""
+    with filling.evaluated_mesh(obj.evaluated_get(context.evaluated_depsgraph_get())) as mesh:
+        if mesh is None:
+            return Shown(np.zeros((0, 3, 2)), np.zeros(0, np.int32), np.zeros((0, 3, 2)))
+        mesh.calc_loop_triangles()
+        flat = frame.from_world(transform(world_matrix(obj), filling.points_of(mesh)))[0]
+        corners = flat[filling.stored(mesh.loop_triangles, "vertices", 3, np.int32)]
+        materials = filling.stored(mesh.loop_triangles, "material_index", 1, np.int32).ravel()
+        layer: Any = mesh.uv_layers.active
+        texture = np.zeros_like(corners)
+        if layer is not None:
+            loops = filling.stored(mesh.loop_triangles, "loops", 3, np.int32)
+            texture = filling.stored(layer.data, "uv", 2).astype(np.float64)[loops]
+    return Shown(corners, materials.clip(0, max(len(obj.material_slots) - 1, 0)), texture)
