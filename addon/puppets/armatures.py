@@ -123,10 +123,12 @@ def choices_in(
         above = first = owner_of(chain[0].parent)
         while above is not None and part_of(above) not in known:
             above = owner_of(above.parent)
+        joint = places[0] if stays else None
         if first is None:
             choices[name] = replace(here, parent="")
-        elif above is not None:
-            joint = places[0] if stays else None
+        elif above is None:  # all that it hung on is gone
+            choices[name] = replace(here, joint=joint)
+        else:
             choices[name] = replace(here, parent=part_of(above), joint=joint, hold=core.puppet.Hold.JOINT)
     return choices
 

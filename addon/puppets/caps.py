@@ -38,9 +38,9 @@ class Shown(NamedTuple):
     """(t, 3, 2) its coordinates at corners."""
 
 
-def caps_of(armature: Object) -> list[Object]:
-    """The caps of a puppet."""
-    return [child for child in armature.children if is_cap(child)]
+def remove_caps(armature: Object) -> None:
+    """Removes the caps of a puppet."""
+    bpy.data.batch_remove([block for cap in armature.children if is_cap(cap) for block in (cap, cap.data)])
 
 
 def is_cap(obj: Object) -> bool:
@@ -56,11 +56,10 @@ def draw_caps(
     puppet: core.puppet.Puppet,
     caps: Sequence[core.puppet.Cap],
 ) -> None:
-    """Draws caps of a puppet at rest, in place of those that it had. Parts that show no faces get none.
+    """Draws caps of a puppet at rest. Parts that show no faces get none.
 
     drawings: those of each part.
     """
-    bpy.data.batch_remove([block for old in caps_of(armature) for block in (old, old.data)])
     depth = {obj: float(frame.from_world(np.array([obj.matrix_world.translation]))[1][0]) for each in drawings
              for obj in each}  # fmt: skip
     whole = BEHIND * frame.scale * size(np.concatenate([part.outline.vertices for part in puppet.draft.parts]))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -84,7 +84,7 @@ def _part_names(objects: Sequence[Object], old: Object | None) -> dict[Object, s
     """
     found: dict[Object, str] = {}
     for obj in objects:
-        stem = NUMBERED.sub("", obj.name)
+        stem = NUMBERED.sub("", COUNTED.sub("", obj.name))
         found[obj] = stem if stem in {layer.name for layer in obj.users_collection} else obj.name
     stems = Counter(COUNTED.sub("", name) for name in set(found.values()))
     found = {obj: stem if stems[stem := COUNTED.sub("", name)] == 1 else name for obj, name in found.items()}
@@ -136,6 +136,9 @@ def articulate(
             new.append(armature)
         else:
             armature, puppet = old, weights.by_hand(old, puppet, given.frame)
+            caps.remove_caps(armature)
+            for obj in armatures.drawings_of(armature):
+                armatures.hang(obj, armature)  # bones may go
         limits = solved.ranges if options.limits else ()
         puppet = armatures.draw_bones(context, armature, given.frame, puppet, limits)
         controls.add_controls(context, armature, puppet.figure, options.reach)
@@ -146,14 +149,14 @@ def articulate(
             if carrier is not None and id(carrier) not in carriers:
                 carriers[id(carrier)] = made = _carrier(context, objects[0], armature, given.frame, puppet, number)
                 weights.note_solved(made, solved.fields[number].weights)
-                new += [made, *record.helpers_of(made, record.FIELD)]
+                new += _with_field(made)
             for obj in objects:
                 field.release(obj)
                 obj[keys.DRAWN] = puppet.draft.parts[number].name
                 armatures.hang(obj, armature, "" if carrier else puppet.bones[puppet.draft.bone_of[number]].name)
                 if carrier is not None:
                     field.follow(obj, carriers[id(carrier)], carriers[id(carrier)])
-    _remove(before.values())
+    _replace(before, armature)
     context.view_layer.update()
     caps.draw_caps(context, armature, given.frame, given.objects, puppet, puppet.caps if options.caps else ())
     select(context, armature)
@@ -169,15 +172,19 @@ def _check_followers(given: Drawn, puppet: core.puppet.Puppet) -> None:
                 raise UserError(problem or f"'{obj.name}' is linked from another file: make it local first")
 
 
-def _remove(carriers: Iterable[Object]) -> None:
-    """Removes hidden meshes and their fields; the new ones get their names."""
-    gone = [each for carrier in carriers for each in (carrier, *record.helpers_of(carrier, record.FIELD))]
-    names = [each.name for each in gone]
+def _replace(carriers: Mapping[str, Object], armature: Object) -> None:
+    """Removes hidden meshes of parts and their fields; those that the armature has now get their names."""
+    names = {part: [each.name for each in _with_field(carrier)] for part, carrier in carriers.items()}
+    gone = [each for carrier in carriers.values() for each in _with_field(carrier)]
     bpy.data.batch_remove([block for each in gone for block in (each, each.data)])
-    for name in names:
-        again = bpy.data.objects.get(f"{name}.001")
-        if again is not None:
-            again.name = again.data.name = name
+    for part, made in weights.carriers_of(armature).items():
+        for each, name in zip(_with_field(made), names.get(part, ()), strict=False):
+            each.name = each.data.name = name
+
+
+def _with_field(carrier: Object) -> list[Object]:
+    """A hidden mesh and its field."""
+    return [carrier, *record.helpers_of(carrier, record.FIELD)]
 
 
 def _common_home(given: Drawn) -> Collection | None:
@@ -222,8 +229,7 @@ def _carrier(
     )
     for new in (made, still):
         obj.users_collection[0].objects.link(new)
-        new.matrix_world = armature.matrix_world
-        new.parent, new.matrix_parent_inverse = armature, armature.matrix_world.inverted_safe()
+        new.parent = armature  # where it stands: copies lose other transforms
         new.display_type = "WIRE"
         new.hide_viewport = new.hide_render = new.hide_select = True
         new[keys.PART] = name

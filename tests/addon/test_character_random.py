@@ -220,13 +220,15 @@ class Puppeteer(Animator):
         bending = [obj for obj in bpy.context.scene.objects if "Bend" in obj.name and obj.vertex_groups]
         mine = [obj for obj in bending if obj.parent == self.armature]
         mesh = self.random.choice(mine)
-        vertex = self.random.randrange(len(mesh.data.vertices))
-        mesh.vertex_groups[0].add([vertex], 0.5, "REPLACE")
-        mesh.vertex_groups[-1].add([vertex], 0.5, "REPLACE")
+        place = self.random.choice(mesh.data.vertices).co.copy()
+        spot = sorted(mesh.data.vertices, key=lambda vertex: (vertex.co - place).length)[:20]
+        for group in mesh.vertex_groups:
+            group.add([vertex.index for vertex in spot], 0.5, "REPLACE")
         name = mesh.name
         self.rig()
-        weights = [group.weight(vertex) for group in bpy.data.objects[name].vertex_groups]
-        np.testing.assert_allclose(weights, 0.5, atol=1e-3)
+        mesh = bpy.data.objects[name]  # whose vertices may be others
+        vertex = min(mesh.data.vertices, key=lambda vertex: (vertex.co - place).length).index
+        np.testing.assert_allclose([group.weight(vertex) for group in mesh.vertex_groups], 0.5, atol=1e-3)
 
     def hang(self) -> None:
         """Hangs a bone elsewhere, and makes the puppet again."""
@@ -255,7 +257,7 @@ class Puppeteer(Animator):
 
     def delete(self) -> None:
         if len(self.names) > 6:
-            name = self.random.choice([each for each in self.names if each != "Torso"])
+            name = self.random.choice([each for each in self.names if not each.startswith("Torso")])
             choose(bpy.data.objects[name])
             bpy.ops.object.delete()
             self.names.remove(name)

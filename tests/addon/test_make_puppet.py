@@ -228,6 +228,39 @@ def test_what_was_made_by_hand_stays(fox: tuple[Object, dict[str, np.ndarray]]) 
     assert "tail" not in moved(posed_shapes, shapes()) and "head" not in moved(posed_shapes, shapes())
 
 
+def test_puppets_made_again_elsewhere_are_copied_and_lose_their_body(
+    fox: tuple[Object, dict[str, np.ndarray]],
+) -> None:
+    armature, _ = fox
+    armature.location = (3.0, 1.0, 0.5)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.object.select_all(action="SELECT")
+    assert bpy.ops.object.duplicate() == {"FINISHED"}
+    copied = list(bpy.context.selected_objects)
+    bpy.context.view_layer.objects.active = rig = next(obj for obj in copied if obj.type == "ARMATURE")
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    bend = bpy.data.objects["tail Bend"]
+    assert [obj.name for obj in bpy.data.objects if obj.name.startswith("tail Bend.")] == ["tail Bend.001"]
+    for made in (bend, bpy.data.objects["tail Bend.001"]):
+        np.testing.assert_allclose(np.array(made.matrix_world), np.array(made.parent.matrix_world), atol=1e-6)
+    bodies = [obj for obj in copied if obj.name.startswith("body")]
+    bpy.data.batch_remove(bodies)
+    own = [bone for bone in rig.data.bones if bone["nested_cages_part"] not in ("", "body")]
+    heads = {bone.name: bone.head_local.copy() for bone in own}
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    for name, head in heads.items():
+        np.testing.assert_allclose(rig.data.bones[name].head_local, head, atol=1e-5, err_msg=name)
+    before, root = shapes(), rig.pose.bones["Root"]
+    root.rotation_euler[2] = 0.5
+    bpy.context.view_layer.update()
+    motion = np.array(rig.matrix_world @ root.matrix @ root.bone.matrix_local.inverted() @ rig.matrix_world.inverted())
+    after = shapes()
+    for obj in [each for each in rig.children if each.name in after]:
+        wanted = before[obj.name] @ motion[:3, :3].T + motion[:3, 3]
+        np.testing.assert_allclose(after[obj.name], wanted, atol=1e-3, err_msg=obj.name)
+
+
 ARM = """<svg xmlns="http://www.w3.org/2000/svg">
 <rect id="body" x="100" y="100" width="90" height="140" fill="#00f" stroke="#f00" stroke-width="6"/>
 <rect id="arm" x="10" y="120" width="130" height="24" rx="12" fill="#0f0"/>
