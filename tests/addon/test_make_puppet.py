@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 from bpy.types import Object
 
+from drawings import choose
 from nestedcages_core.exchange.pictures import read_png
+from test_character import figure, points
 
 pytest.importorskip("shapely")
 
@@ -344,3 +346,43 @@ def test_caps_keep_joints_painted_behind_their_drawings() -> None:
 def test_nothing_selected_is_told() -> None:
     with pytest.raises(RuntimeError, match="Select the parts of a drawing"):
         bpy.ops.object.nested_cages_puppet()
+
+
+def test_poses_are_assets_and_mirrored_as_pictures() -> None:
+    """What Blender pastes flipped by .L and .R is the mirrored picture, controls of limbs included."""
+    drawings = figure()
+    choose(*drawings.values())
+    assert bpy.ops.object.nested_cages_puppet(reach=True) == {"FINISHED"}
+    rig: Any = bpy.context.object
+
+    def picture() -> dict[str, np.ndarray]:
+        bpy.context.view_layer.update()
+        return {name: points(obj) for name, obj in drawings.items() if name != "Badge"}
+
+    def rest() -> None:
+        for each in rig.pose.bones:
+            each.rotation_euler, each.location = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+
+    turn(rig, Arm_L=25.0, Hand_L=-20.0, Leg_L=15.0, Neck=10.0)
+    rig.pose.bones["Leg.001 IK.L"].location = (0.1, 0.2, 0.0)
+    posed = picture()
+    action = bpy.data.actions.new("Lean")
+    rig.animation_data_create().action = action
+    for each in rig.pose.bones:
+        each.keyframe_insert("rotation_euler", frame=1)
+        each.keyframe_insert("location", frame=1)
+    rig.animation_data.action = None
+    action.asset_mark()
+    bpy.ops.pose.select_all(action="SELECT")
+    bpy.ops.pose.copy()
+    rest()
+    bpy.ops.pose.paste(flipped=True)
+    for name, flipped in picture().items():
+        other = name[:-1] + {"L": "R", "R": "L"}[name[-1]] if name[-2] == "." else name
+        mirrored = posed[other] * (-1.0, 1.0, 1.0)
+        far = np.linalg.norm(mirrored[:, None, :2] - flipped[None, :, :2], axis=2).min(axis=1)
+        assert far.max() < 0.02, name
+    rest()
+    rig.pose.apply_pose_from_action(action)
+    for name, applied in picture().items():
+        np.testing.assert_allclose(applied, posed[name], atol=1e-5, err_msg=name)
