@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import tracemalloc
 from collections.abc import Callable
 from dataclasses import fields, replace
 from itertools import pairwise
@@ -116,6 +117,12 @@ RECT, RED = "<rect width='1' height='1'/>", "{fill:red}"
 TOO_LONG, TOO_DEEP = "selectors of the style sheets, .* take too long", "too deeply"
 
 
+def chain(kind: str, link: str) -> str:
+    """Clips or masks that are themselves clipped by the next one, 300 deep."""
+    links = [f"<{kind} id='c{k}' {link}='url(#c{k + 1})'>{RECT}</{kind}>" for k in range(300)]
+    return "".join(links) + f"<rect width='1' height='1' {link}='url(#c0)'/>"
+
+
 @pytest.mark.parametrize(
     ("sheet", "body", "fault"),
     [
@@ -134,8 +141,10 @@ TOO_LONG, TOO_DEEP = "selectors of the style sheets, .* take too long", "too dee
          "values of more than 100,000 characters"),
         ("", RECT * 400, None),
         ("", "".join(f"<path d='M{k} 0h9v9h-9z'/>" for k in range(12)), "the 10 seconds allowed"),
+        ("", chain("clipPath", "clip-path"), TOO_DEEP),
+        ("", chain("mask", "mask"), TOO_DEEP),
     ],
-    ids=range(14),
+    ids=range(16),
 )  # fmt: skip
 def test_small_drawings_take_bounded_work(
     sheet: str, body: str, fault: str | None, monkeypatch: pytest.MonkeyPatch
@@ -204,3 +213,15 @@ def test_the_command_limits_drawings_as_the_reader_does(tmp_path: Path, capsys: 
     file.write_bytes(svg('<g id="g">' + "<g/>" * many + "</g>" + '<use href="#g"/>' * 100))
     assert main([str(file), "--levels", "12"]) == 1
     assert f"more than the {DRAWING_LIMITS.elements:,} elements allowed" in capsys.readouterr().err
+
+
+def test_points_of_curves_are_counted_before_they_take_memory() -> None:
+    """Long arcs through a small drawing: they have 24 million chords."""
+    arcs = " ".join(f"A1e5 1e-5 {k} 1 0 {k % 90} {k % 70}" for k in range(1000))
+    tracemalloc.start()
+    try:
+        with pytest.raises(NestedCagesError, match="points allowed"):
+            from_svg(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><path d="M0 0{arcs}z"/></svg>')
+        assert tracemalloc.get_traced_memory()[1] < 2**26
+    finally:
+        tracemalloc.stop()

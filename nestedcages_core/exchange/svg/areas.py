@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -106,9 +107,7 @@ class Areas:
         points = moved(path.points, matrix)
         if not np.abs(points).max() < MAX_COORDINATE:
             raise invalid_file("The drawing has coordinates that are not finite, or too large; correct them.")
-        points = flattened(points, path.degrees, tolerance)
-        self.quota.spend("points", len(points))
-        return points
+        return flattened(points, path.degrees, tolerance, partial(self.quota.spend, "points"))
 
     def _painted(self, shape: Shape, paint: Paint, areas: list[Area], outer: FloatArray) -> list[Area]:
         """The visible parts of areas."""

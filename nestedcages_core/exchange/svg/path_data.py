@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
@@ -236,13 +236,17 @@ def ellipse(centre: FloatArray, axes: FloatArray, begin: float = 0.0, angle: flo
     return np.asarray(unit @ axes.T + centre)
 
 
-def flattened(points: FloatArray, degrees: IntArray, tolerance: float) -> FloatArray:
+def flattened(
+    points: FloatArray, degrees: IntArray, tolerance: float, spend: Callable[[int], None] = lambda number: None
+) -> FloatArray:
     """(k, 2) points on consecutive curves, no farther than `tolerance` from them along the chords between.
 
-    points: control points, each curve's first one the last one before; degrees: 1 to 3. The number of chords is that
-    of Wang (1984): sqrt(d (d - 1) / 8 · max |second difference| / tolerance) for degree d.
+    points: control points, each curve's first one the last one before; degrees: 1 to 3; spend: told how many points
+    there will be before they are made. The number of chords is that of Wang (1984):
+    sqrt(d (d - 1) / 8 · max |second difference| / tolerance) for degree d.
     """
     if (degrees == LINE).all():
+        spend(len(points))
         return points
     ends = np.cumsum(degrees)
     counts = np.ones(len(degrees), dtype=np.int64)
@@ -255,6 +259,7 @@ def flattened(points: FloatArray, degrees: IntArray, tolerance: float) -> FloatA
         counts[which] = np.ceil(np.clip(wanted, 1, MAX_CHORDS))
         kinds.append((which, control))
     last = np.cumsum(counts)
+    spend(int(last[-1]) + 1)
     found = np.empty((last[-1] + 1, 2))
     found[0], found[last] = points[0], points[ends]
     for which, control in kinds:

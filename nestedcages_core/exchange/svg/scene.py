@@ -78,10 +78,7 @@ class Scene:
         name = name_of(item)
         if name not in GROUPS and name not in OUTLINED and name != "use" and name not in LEFT_OUT:
             return
-        if around.depth > MAX_DEPTH:
-            raise NestedCagesError(
-                "The drawing nests its elements too deeply; simplify its groups and references.", code="limit.exceeded"
-            )
+        _check_depth(around)
         style = self.styles.computed(item, around.style)
         opacity = around.opacity * share(style.get("opacity"))
         if style.get("display") == "none" or (around.purpose != CLIP and not opacity > 0.0):
@@ -238,9 +235,11 @@ class Scene:
                 purpose=purpose,
                 in_element=True,
                 in_layer=True,
+                depth=context.depth + 1,
                 users=(*context.users, item),
                 viewport=context.viewport.sized(1.0, 1.0) if of_box else context.viewport,
             )
+            _check_depth(inner)
             content = Group(clips=self._clips(own, replace(inner, matrix=np.eye(3))))
             for child in item:
                 self._add(child, inner, content)
@@ -248,3 +247,10 @@ class Scene:
             if tag == "mask":
                 found.append(mask_region(item, context.viewport, context.matrix))
         return found
+
+
+def _check_depth(context: Context) -> None:
+    """Raises NestedCagesError beyond the depth of nesting that is read."""
+    if context.depth > MAX_DEPTH:
+        problem = "The drawing nests its elements too deeply; simplify its groups and references."
+        raise NestedCagesError(problem, code="limit.exceeded")
