@@ -144,6 +144,7 @@ def test_shortcut_hulls_are_the_best_of_all_choices_of_vertices(monkeypatch: pyt
     assert shortcut_hull(fine, 3, solid) is None  # the convex hull has four corners
 
 
+@pytest.mark.slow
 def test_no_polygon_is_below_the_lower_bound(monkeypatch: pytest.MonkeyPatch) -> None:
     """A dozen-pointed outline: the bound is below cages, and for a ring at the optimum in closed form."""
     monkeypatch.syspath_prepend(str(BENCHMARKS))
@@ -302,5 +303,5 @@ def test_the_slowest_small_requests_take_bounded_work(monkeypatch: pytest.Monkey
     import slowest
 
     found = slowest.slowest(slowest.KEPT)
-    assert len(found) == len(slowest.KEPT) and found[0][0] < 100.0, found[0]
+    assert len(found) == len(slowest.KEPT) and found[0][0] < 200.0, found[0]
     assert not [said for _, _, said in found if ": STOPPED" in said or ": RAISED" in said]

@@ -98,6 +98,7 @@ def test_conclusions_say_when_runs_do_not_show_them(comparison: ModuleType) -> N
     assert conclusions.starts(apart, conclusions.KNOWN).failed == ("contacts differ less than starts",)
 
 
+@pytest.mark.slow
 def test_runs_survive_their_file_and_make_the_pages(comparison: ModuleType, tmp_path: Path) -> None:
     from comparison import check, pages, runs
 

@@ -130,6 +130,7 @@ def test_a_staged_extension_names_its_wheels(
     assert reached is None  # every Blender has a zip
 
 
+@pytest.mark.slow
 def test_the_zip_has_what_the_addon_needs_and_no_more(build_extension: ModuleType, tmp_path: Path) -> None:
     pytest.importorskip("bpy")
     path = tmp_path / "extension.zip"

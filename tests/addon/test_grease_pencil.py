@@ -428,6 +428,7 @@ def redrawn() -> Any:
     return obj
 
 
+@pytest.mark.slow
 def test_cages_follow_a_drawing_that_is_drawn_anew_and_are_held(addon) -> None:
     obj = redrawn()
     keys = {"levels": "12, 8", "frame_start": 1, "frame_end": 10}
@@ -573,6 +574,7 @@ def followed(addon: Any) -> None:
     assert not live.problem
 
 
+@pytest.mark.slow
 def test_live_goes_along_from_frame_to_frame(addon) -> None:
     obj, live = redrawn(), addon.following.live
     assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
@@ -591,6 +593,7 @@ def test_live_goes_along_from_frame_to_frame(addon) -> None:
         live.stop()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frame", [4, 7])
 def test_what_is_painted_on_a_later_frame_is_silhouetted_cut_out_and_rigged(addon, frame: int) -> None:
     obj = redrawn()

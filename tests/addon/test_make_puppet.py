@@ -134,6 +134,7 @@ def test_the_file_moves_without_the_extension(fox: tuple[Object, dict[str, np.nd
     assert shapes()["body 7"] == pytest.approx(before["body 7"] + np.array([3.0, 0.0, 0.0]), abs=1e-4)
 
 
+@pytest.mark.slow
 def test_limbs_reach_for_controls_within_their_ranges(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
     armature, before = fox
     armature.pose.bones["Root"].location[0] = 0.5
@@ -157,6 +158,7 @@ def test_limbs_reach_for_controls_within_their_ranges(fox: tuple[Object, dict[st
         assert low - 0.1 <= np.rad2deg(turned.z) <= high + 0.1
 
 
+@pytest.mark.slow
 def test_clips_repeat_and_fold_nothing(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
     armature, before = fox
     scene = bpy.context.scene
@@ -192,6 +194,7 @@ def test_clips_repeat_and_fold_nothing(fox: tuple[Object, dict[str, np.ndarray]]
     assert bpy.ops.object.nested_cages_select_fault() == {"FINISHED"}
 
 
+@pytest.mark.slow
 def test_what_was_made_by_hand_stays(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
     """A part is redrawn and another one added: names, poses, own bones, constraints and painted weights stay."""
     armature, _ = fox

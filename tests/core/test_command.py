@@ -108,6 +108,7 @@ def test_a_picture_becomes_an_outline(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "12 vertices" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_pictures_become_the_frames_of_an_animation(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     y, x = np.indices((40, 60))
     for frame in range(3):
@@ -552,6 +553,7 @@ def test_edges_along_directions_in_a_box(directions: str, drawing: Path, tmp_pat
     assert (cage.vertices >= low - 1e-9).all() and (cage.vertices <= high + 1e-9).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("merge", "loops"),
     slow_after(2, [([], 2), (["--loops", "one"], 1), (["--merge", "all"], 1), (["--merge", "0.2"], 2)]),

@@ -150,6 +150,7 @@ def test_pruning_keeps_what_implies_the_rest(around: tuple[Bodies, np.ndarray, P
     assert checked > 20
 
 
+@pytest.mark.slow
 def test_a_kept_list_has_all_pairs_that_may_meet(around: tuple[Bodies, np.ndarray, Pairs]) -> None:
     bodies, x, _ = around
     rng = np.random.default_rng(7)

@@ -98,6 +98,7 @@ def test_what_does_not_hold_the_land_is_refused(monkeypatch: pytest.MonkeyPatch)
         coverage_cages(regions, 12, width=0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", slow_after(1, [["--borders"], ["--borders", "0.02"]]))
 def test_the_command_writes_regions_with_their_properties(
     option: list[str], tmp_path: Path, capsys: pytest.CaptureFixture

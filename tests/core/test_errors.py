@@ -60,6 +60,7 @@ def _is_sentence(node: ast.expr) -> bool:
     return isinstance(node, ast.JoinedStr | ast.BinOp) or (isinstance(node, ast.Constant) and bool(node.value))
 
 
+@pytest.mark.slow
 def test_every_place_that_raises_names_a_code_and_data_of_the_table() -> None:
     used: set[str] = set()
     without: list[str] = []

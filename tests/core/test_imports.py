@@ -73,6 +73,7 @@ def test_the_core_starts_without_the_parts_of_scipy(imported: list[set[str]]) ->
     assert parts(imported[0], "nestedcages_core").isdisjoint(rooms)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="scipy tells Windows where its libraries are")
 def test_the_first_cage_needs_nothing_of_scipy_but_lapack(imported: list[set[str]]) -> None:
     assert {name for name in imported[1] if name.partition(".")[0] == "scipy"} == {lapack.NAME}

@@ -112,6 +112,7 @@ def test_caps_keep_the_joint_painted_and_show_nothing_at_rest() -> None:
     assert disc.difference(kept).area < 0.001 * disc.area < disc.difference(shapely.difference(kept, area)).area
 
 
+@pytest.mark.slow
 def test_a_choice_moves_a_part_to_another_parent_and_can_be_taken_back() -> None:
     draft = draft_puppet(figure())
     edited = draft.edited("hand_l", PartChoice(parent="torso", joint=(1.0, 0.0)))
@@ -260,6 +261,7 @@ def test_a_part_whose_joints_would_turn_too_little_has_fewer_bones() -> None:
     assert len(ranges) == 3
 
 
+@pytest.mark.slow
 def test_parts_of_several_areas_and_with_narrow_holes_have_fields() -> None:
     """Joints lie in the area that bends, not on the way to it; a hole too narrow for the clearance is filled."""
     tail = limb("tail", (5.0, 0.0), (12.0, 0.0), width=0.7).solid
@@ -331,6 +333,7 @@ def test_near_and_far_are_told_and_named_as_left_and_right() -> None:
     assert {bone.name for bone in draft.bones} >= {"leg.L", "leg.R", "arm.L", "arm.R"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("parts", [figure, strider], ids=["front", "side"])
 @pytest.mark.parametrize("clip", [walk, wave, idle])
 def test_clips_stay_within_the_ranges_and_repeat(

@@ -125,6 +125,7 @@ def test_a_hole_alone_has_its_solid_outside() -> None:
     assert np.allclose(found.gradient[1], -np.array([2.0, 0.1]) / np.hypot(2.0, 0.1), atol=0.3)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(
     heights=st.lists(st.integers(-4, 4), min_size=5, max_size=12),

@@ -436,6 +436,7 @@ def test_names_that_xml_cannot_hold_are_mended() -> None:
 # Unions
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10_000), st.booleans())
 def test_unions_agree_with_exact_winding_numbers(seed: int, evenodd: bool) -> None:

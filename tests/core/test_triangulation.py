@@ -101,6 +101,7 @@ def test_the_spacing_is_kept() -> None:
     assert np.median(lengths) > 0.07
 
 
+@pytest.mark.slow
 def test_coarse_parts_of_a_fine_mesh_are_graded() -> None:
     mesh = Mesh.from_loops([ring(2000)])
     assert len(triangulate(mesh, Sampling(0.1)).vertices) < 12_000
