@@ -146,20 +146,20 @@ def meshed(
     caps = caps_of(draft)
     meshes: list[PartMesh] = []
     for k, part in enumerate(parts):
-        name = draft.parts[k].name
+        own = draft.parts[k].name
         held = [(cap.bone, picture) for cap in caps if cap.part == k and (picture := cap_picture(cap, part, place))]
         behind = [(bone, each) for bone, cap in held for each in islands_of(cap.seen, cap.left, cap.top, vertices)]
         for number, (bone, island) in enumerate(behind):
             grid, weights = _stiff(place.up(island.loop), bone, len(draft.bones))
-            meshes.append(_textured(f"{name}.cap{number + 1}", part, island, grid, weights, place))
+            meshes.append(_textured(f"{own}.cap{number + 1}", part, island, grid, weights, place))
         for number, island in enumerate(islands[k]):
             grid, weights = _stiff(hulls[k][number], draft.bone_of[k], len(draft.bones))
             carrier = fields.get((k, number))
             if carrier is not None:
                 grid, weights = carrier.grid, np.zeros((len(carrier.grid.vertices), len(draft.bones)))
                 weights[:, carrier.first_bone : carrier.first_bone + len(carrier.bends) + 1] = carrier.weights
-            own = name if number == 0 else f"{name}.island{number + 1}"
-            meshes.append(_textured(own, part, island, grid, weights, place))
+            called = own if number == 0 else f"{own}.island{number + 1}"
+            meshes.append(_textured(called, part, island, grid, weights, place))
     ranges = proved_ranges(draft.bones, meshes)
     records = tuple(_record_of(draft, k, part) for k, part in enumerate(parts))
     stiff = [draft.parts[part].name for part, (_, turns) in made.items() if all(turn == FREE for turn in turns)]

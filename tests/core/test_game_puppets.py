@@ -316,7 +316,8 @@ def test_caps_keep_joints_painted_and_show_nothing_at_rest() -> None:
         pixels[100:140, left:right] = 90, 60, left % 256, alpha
         pixels[100, left:right, 3] //= 2
         bars.append(part(name, pixels))
-    made = game_puppet(bars, SIZE, choices={"upper": PartChoice(parent="")})
+    made = game_puppet(bars, SIZE, name="bars", choices={"upper": PartChoice(parent="")})
+    assert made.name == "bars"
     cap, lower, upper = made.meshes
     assert (cap.name, lower.name, upper.name) == ("lower.cap1", "lower", "upper")
     assert made.bones[cap.strongest].name == "upper"
