@@ -102,9 +102,17 @@ class Meetings:
 
 def _meeting_of(one: Any, other: Any, gap: float, reach: float) -> Meeting:
     shapely = load_shapely(NEEDED_FOR)
-    shared = shapely.intersection(one, other)
+    shared = _areas_of(shapely.intersection(one, other))
     area = float(shared.area)
     if area > 0.0:
         return Meeting(shared, area, 0.0)
     wide = 0.5 * gap + WIDENED * reach
-    return Meeting(shapely.intersection(one.buffer(wide), other.buffer(wide)), 0.0, gap)
+    return Meeting(_areas_of(shapely.intersection(one.buffer(wide), other.buffer(wide))), 0.0, gap)
+
+
+def _areas_of(shared: Any) -> Any:
+    """A geometry without the points and lines in which outlines touch beside its areas, since these have no radius."""
+    if shared.geom_type != "GeometryCollection":
+        return shared
+    shapely = load_shapely(NEEDED_FOR)
+    return shapely.multipolygons([part for part in shapely.get_parts(shared) if part.geom_type == "Polygon"])

@@ -112,6 +112,19 @@ def test_caps_keep_the_joint_painted_and_show_nothing_at_rest() -> None:
     assert disc.difference(kept).area < 0.001 * disc.area < disc.difference(shapely.difference(kept, area)).area
 
 
+def test_a_joint_lies_in_what_parts_share_and_not_where_they_touch_too() -> None:
+    """Outlines along pixels often touch beside an overlap; caps and bends need the radius at the joint."""
+    bent = shapely.union_all(
+        [shapely.box(8.0, 1.0, 12.0, 5.0), shapely.box(11.0, -2.0, 12.0, 5.0), shapely.box(2.0, -2.0, 12.0, 0.0)]
+    )
+    arm = shapely.box(0.0, 0.0, 10.0, 2.0)
+    assert shapely.intersection(arm, bent).geom_type == "GeometryCollection"
+    draft = draft_puppet([solid("bent", bent), solid("arm", arm)], {"bent": PartChoice(parent="")})
+    link = draft.links[1]
+    assert shapely.box(8.0, 1.0, 10.0, 2.0).contains(shapely.Point(link.joint)) and 0.4 < link.radius <= 0.5
+    assert puppet_of(draft).caps
+
+
 @pytest.mark.slow
 def test_a_choice_moves_a_part_to_another_parent_and_can_be_taken_back() -> None:
     draft = draft_puppet(figure())
