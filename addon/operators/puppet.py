@@ -11,7 +11,7 @@ from .. import record
 from ..errors import UserError, counted
 from ..generation.job import Work
 from ..properties.kinds import choice, flag
-from ..puppets import armatures, caps, clips, duplicates, moving
+from ..puppets import armatures, clips, duplicates, moving
 from ..scene.areas import paints
 from ..scene.ownership import chosen
 from .base import JobOperator, Operator, pose
@@ -50,10 +50,8 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
         duplicates.complete_puppets()
         objects, old = _selected_parts(context)
         self.tell_hidden(context, objects)
-        yield from make_puppet(self, context, objects, old, self._making())
-
-    def _making(self) -> moving.Making:
-        return moving.Making(self.limits, self.linear, float(self.reach), self.caps)
+        options = moving.Making(self.limits, self.linear, float(self.reach), self.caps)
+        yield from make_puppet(self, context, objects, old, options)
 
 
 def make_puppet(
@@ -120,7 +118,7 @@ def _selected_parts(context: Context) -> tuple[list[Object], Object | None]:
     """The drawings of a puppet, and its armature if there is one: what is selected, with all that moves with it."""
     selected = list(context.selected_objects)
     ours = [obj for obj in selected if record.level_of(obj) is not None or record.is_helper(obj, *HELPERS)]
-    drawings = [obj for obj in selected if paints(obj) and obj not in ours and not caps.is_cap(obj)]
+    drawings = [obj for obj in selected if paints(obj) and obj not in ours and not armatures.is_cap(obj)]
     old = armatures.puppet_of(sorted(selected, key=lambda obj: obj.type != "ARMATURE"))
     known = armatures.drawings_of(old) if old is not None else []
     return [*known, *(obj for obj in drawings if obj not in known)], old

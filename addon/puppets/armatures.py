@@ -56,8 +56,13 @@ def puppet_of(objects: Sequence[Object]) -> Object | None:
 
 def drawings_of(armature: Object) -> list[Object]:
     """The drawings that a puppet moves."""
-    drawings = [child for child in armature.children if not part_of(child) and not child.get(keys.CAP)]
+    drawings = [child for child in armature.children if not part_of(child) and not is_cap(child)]
     return [obj for obj in drawings if paints(obj) or field.shown_by(obj) != obj]
+
+
+def is_cap(obj: Object) -> bool:
+    """Whether an object is a cap, which keeps a joint painted."""
+    return bool(obj.get(keys.CAP))
 
 
 def carried_by(obj: Object, armature: Object) -> str:

@@ -40,12 +40,8 @@ class Shown(NamedTuple):
 
 def remove_caps(armature: Object) -> None:
     """Removes the caps of a puppet."""
-    bpy.data.batch_remove([block for cap in armature.children if is_cap(cap) for block in (cap, cap.data)])
-
-
-def is_cap(obj: Object) -> bool:
-    """Whether an object is a cap."""
-    return bool(obj.get(keys.CAP))
+    gone = [child for child in armature.children if armatures.is_cap(child)]
+    bpy.data.batch_remove([block for cap in gone for block in (cap, cap.data)])
 
 
 def draw_caps(

@@ -174,9 +174,9 @@ def _check_followers(given: Drawn, puppet: core.puppet.Puppet) -> None:
 
 def _replace(carriers: Mapping[str, Object], armature: Object) -> None:
     """Removes hidden meshes of parts and their fields; those that the armature has now get their names."""
-    names = {part: [each.name for each in _with_field(carrier)] for part, carrier in carriers.items()}
-    gone = [each for carrier in carriers.values() for each in _with_field(carrier)]
-    bpy.data.batch_remove([block for each in gone for block in (each, each.data)])
+    gone = {part: _with_field(carrier) for part, carrier in carriers.items()}
+    names = {part: [each.name for each in own] for part, own in gone.items()}
+    bpy.data.batch_remove([block for own in gone.values() for each in own for block in (each, each.data)])
     for part, made in weights.carriers_of(armature).items():
         for each, name in zip(_with_field(made), names.get(part, ()), strict=False):
             each.name = each.data.name = name

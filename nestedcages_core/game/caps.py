@@ -16,13 +16,17 @@ from .mesh import Placement
 
 def cap_picture(cap: Cap, part: PicturePart, place: Placement) -> PicturePart | None:
     """What a cap repeats of its part's picture; None if it would show at rest, where both are drawn."""
-    pixels = part.seen
+    corner = np.array([part.left, part.top])
+    around = np.maximum(place.down(cap.outline.vertices) - corner, 0.0)
+    (left, top), (right, bottom) = around.min(axis=0).astype(int), np.ceil(around.max(axis=0)).astype(int)
+    pixels = part.seen[top:bottom, left:right]
+    corner += (left, top)
     rows, columns = np.nonzero(pixels[..., 3] == 255)
-    centres = place.up(np.column_stack([columns, rows]) + np.array([part.left + 0.5, part.top + 0.5]))
+    centres = place.up(np.column_stack([columns, rows]) + corner + 0.5)
     shapely = load_shapely(NEEDED_FOR)
     inside = shapely.contains_xy(shapely.geometry.shape(cap.outline.__geo_interface__), *centres.T)
     if part.blend != NORMAL or not inside.any():
         return None
     kept = np.zeros_like(pixels)
     kept[rows[inside], columns[inside]] = pixels[rows[inside], columns[inside]]
-    return replace(part, pixels=kept, opacity=1.0)
+    return replace(part, left=int(corner[0]), top=int(corner[1]), pixels=kept, opacity=1.0)

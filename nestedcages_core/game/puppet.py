@@ -153,9 +153,10 @@ def meshed(
             grid, weights = _stiff(place.up(island.loop), bone, len(draft.bones))
             meshes.append(_textured(f"{own}.cap{number + 1}", part, island, grid, weights, place))
         for number, island in enumerate(islands[k]):
-            grid, weights = _stiff(hulls[k][number], draft.bone_of[k], len(draft.bones))
             carrier = fields.get((k, number))
-            if carrier is not None:
+            if carrier is None:
+                grid, weights = _stiff(hulls[k][number], draft.bone_of[k], len(draft.bones))
+            else:
                 grid, weights = carrier.grid, np.zeros((len(carrier.grid.vertices), len(draft.bones)))
                 weights[:, carrier.first_bone : carrier.first_bone + len(carrier.bends) + 1] = carrier.weights
             called = own if number == 0 else f"{own}.island{number + 1}"
