@@ -100,7 +100,6 @@ def words_are_plain(page: Path) -> None:
     assert [found[0] for found in STRANGE.finditer(text)] == []
 
 
-@pytest.mark.slow
 def test_messages_tooltips_and_docstrings_use_plain_words() -> None:
     found = []
     for path, source in sources("nestedcages_core", "addon").items():

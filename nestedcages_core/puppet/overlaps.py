@@ -111,8 +111,8 @@ def _meeting_of(one: Any, other: Any, gap: float, reach: float) -> Meeting:
 
 
 def _areas_of(shared: Any) -> Any:
-    """A geometry without the points and lines in which outlines touch beside its areas, since these have no radius."""
+    """A geometry without points and lines, in which outlines only touch: these have no radius."""
     if shared.geom_type != "GeometryCollection":
         return shared
     shapely = load_shapely(NEEDED_FOR)
-    return shapely.multipolygons([part for part in shapely.get_parts(shared) if part.geom_type == "Polygon"])
+    return shapely.MultiPolygon([part for part in shapely.get_parts(shared) if part.geom_type == "Polygon"])

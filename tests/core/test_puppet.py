@@ -125,6 +125,17 @@ def test_a_joint_lies_in_what_parts_share_and_not_where_they_touch_too() -> None
     assert puppet_of(draft).caps
 
 
+def test_parts_that_touch_along_an_edge_and_at_a_corner_hang_together() -> None:
+    """What they share has points and lines, and no area."""
+    one = shapely.union_all(
+        [shapely.box(0.0, 0.0, 4.0, 2.0), shapely.box(0.0, 0.0, 1.0, 6.0), shapely.box(0.0, 4.0, 3.0, 6.0)]
+    )
+    other = shapely.union_all([shapely.box(2.0, 2.0, 6.0, 3.0), shapely.box(3.0, 2.0, 6.0, 4.0)])
+    assert {part.geom_type for part in shapely.get_parts(shapely.intersection(one, other))} == {"Point", "LineString"}
+    draft = draft_puppet([solid("one", one), solid("other", other)], {"one": PartChoice(parent="")})
+    assert draft.links[1].parent == 0 and draft.links[1].gap == 0.0
+
+
 @pytest.mark.slow
 def test_a_choice_moves_a_part_to_another_parent_and_can_be_taken_back() -> None:
     draft = draft_puppet(figure())
