@@ -16,7 +16,7 @@ from ..geometry.loops import enclosing_pairs, extreme_places
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import ON_BOUNDARY, winding_number
 from ..libraries import load_shapely
-from .crossings import edges_in, spend_crossings
+from .crossings import spend_crossings, spend_nestings, spend_union
 from .hairlines import MARGIN, comes_close, has_hairlines, without_hairlines, without_short_edges
 from .limits import Quota
 
@@ -78,6 +78,7 @@ def solid(
     loops = [loop for area in cleaned for loop in area.loops]
     if not loops:
         raise no_outline("The shapes have no inside: every loop is shorter than three different points.")
+    spend_nestings(loops, quota)
     mesh = None
     with suppress(InvalidMeshError):
         mesh = Mesh.from_loops(loops)
@@ -93,7 +94,7 @@ def solid(
 def union_of(shapely: Any, areas: Sequence[Area], quota: Quota | None = None) -> Any:
     """The union of areas as a valid geometry. Raises NestedCagesError beyond the quota."""
     parts = regions(shapely, areas, quota)
-    spend_crossings(edges_in(shapely, parts), quota)
+    spend_union(shapely, parts, quota)
     return shapely.union_all(parts)
 
 
@@ -142,7 +143,7 @@ def united(
 
     Raises InvalidMeshError where nothing is inside, NestedCagesError beyond the quota.
     """
-    spend_crossings(edges_in(shapely, parts), quota)
+    spend_union(shapely, parts, quota)
     bounds = np.zeros(4) if np.all(shapely.is_empty(parts)) else shapely.total_bounds(parts)
     size = float(np.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]))
     if not size > 0.0:
@@ -159,7 +160,7 @@ def united(
         except InvalidMeshError as error:
             failed = failed or error
             continue
-        apart = not comes_close(mesh, ROUNDING * mesh.diagonal, shapely)
+        apart = not comes_close(mesh, ROUNDING * mesh.diagonal)
         found = mesh if apart or found is None else found
         if apart:
             break

@@ -16,6 +16,9 @@ MITRE_LIMIT = 50.0
 MARGIN = 1e-3
 """Depth, in widths, below which a difference from the offset region is the rounding of the offsets."""
 
+SAMPLE = 64
+"""Number of vertices that are looked at first, and by how much the next ones are more."""
+
 GRID = 1e-6
 """Spacing, in widths, of the grid that overlays are rounded to where they need one."""
 
@@ -51,19 +54,20 @@ def has_hairlines(mesh: Mesh, width: float) -> bool:
     return comes_close(mesh, width)
 
 
-def comes_close(mesh: Mesh, width: float, shapely: Any = None) -> bool:
-    """Whether parts of a mesh are that close, apart from short edges and sharp corners.
-
-    shapely: if loaded, its tree of edges is used, which crowds of vertices in one place do not slow down.
-    """
-    vertices, after = mesh.vertices, mesh.successor
-    if shapely is None:
-        vertex, edge = near_pairs(vertices, vertices, mesh.edge_ends, width)
-    else:
-        edges = shapely.linestrings(np.stack((vertices, mesh.edge_ends), axis=1))
-        vertex, edge = shapely.STRtree(edges).query(shapely.points(vertices), predicate="dwithin", distance=width)
-    end = after[edge]
-    return bool(((edge != vertex) & (end != vertex) & (edge != after[vertex]) & (after[end] != vertex)).any())
+def comes_close(mesh: Mesh, width: float) -> bool:
+    """Whether parts of a mesh are that close, apart from short edges and sharp corners."""
+    after, first, size = mesh.successor, 0, SAMPLE
+    order = np.random.default_rng(0).permutation(
+        len(mesh.vertices)
+    )  # crowds show in a sample, before they make all pairs
+    while first < len(order):
+        chosen = order[first : first + size]
+        place, edge = near_pairs(mesh.vertices[chosen], mesh.vertices, mesh.edge_ends, width)
+        vertex, end = chosen[place], after[edge]
+        if bool(((edge != vertex) & (end != vertex) & (edge != after[vertex]) & (after[end] != vertex)).any()):
+            return True
+        first, size = first + size, SAMPLE * size
+    return False
 
 
 def without_hairlines(shapely: Any, region: Any, *, gap: float, spike: float = 0.0) -> Hairlines:

@@ -27,7 +27,7 @@ class Limits:
     points: int = 5_000_000
     """Points of all outlines together."""
     seconds: int = 10
-    """Time for uniting outlines that cross, as their number of crossings tells it beforehand."""
+    """Time for uniting outlines, as the numbers of their crossings and of boxes that meet tell it beforehand."""
     pixels: int = 2**26
     """Pixels of a picture: 256 MB as 8-bit RGBA."""
 
@@ -64,9 +64,11 @@ class Quota:
         """Add to what a field counts. Raises NestedCagesError beyond the limit."""
         self.used[what] += amount
         allowed = getattr(self.limits, what)
-        if self.used[what] > allowed:
+        if int(self.used[what]) > allowed:
             has = f"more than the {allowed:,} {what} allowed"
-            crossing = f"more crossings of outlines than can be united in the {allowed:,} seconds allowed"
+            crossing = (
+                f"more outlines that cross or lie over each other than can be united in the {allowed:,} seconds allowed"
+            )
             raise _beyond(what, crossing if what == "seconds" else has)
 
     def spend_crossings(self, number: int, *, own: bool) -> None:

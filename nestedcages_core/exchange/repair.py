@@ -71,7 +71,7 @@ def repaired_mesh(
             faults = _faults(shapely, shape)
             shape = shapely.make_valid(shape, method="structure", keep_collapsed=False) if faults else shape
             touching = [f"{each}: repaired" for each in faults] or touching
-        mended = united(shapely, shapely.get_parts(shape), seam=width, spike=width, notes=narrow)
+        mended = united(shapely, shapely.get_parts(shape), seam=width, spike=width, quota=quota, notes=narrow)
     except shapely.errors.GEOSException as error:
         raise no_outline(f"{fault or 'narrow places'}, which cannot be repaired ({error}).") from error
     return mesh if mesh is not None and not narrow else mended, [*notes, *touching, *narrow]

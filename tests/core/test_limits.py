@@ -123,6 +123,11 @@ def chain(kind: str, link: str) -> str:
     return "".join(links) + f"<rect width='1' height='1' {link}='url(#c0)'/>"
 
 
+def ring(k: int) -> str:
+    """A square around the last one, closer than what is seen."""
+    return "M{0} {0}H{1}V{1}H{0}z".format(-1e-6 * k, 1.0 + 1e-6 * k)
+
+
 @pytest.mark.parametrize(
     ("sheet", "body", "fault"),
     [
@@ -140,21 +145,26 @@ def chain(kind: str, link: str) -> str:
         ("svg{" + "".join(f"--{a}:{f'var(--{b})' * 40};" for a, b in pairwise("abcdefghi")) + "fill:var(--a)}", RECT,
          "values of more than 100,000 characters"),
         ("", RECT * 400, None),
-        ("", "".join(f"<path d='M{k} 0h9v9h-9z'/>" for k in range(12)), "the 10 seconds allowed"),
+        ("", "".join(f"<path d='M{k} 0h9v9h-9z'/>" for k in range(60)), "the 10 seconds allowed"),
+        ("", f"<path fill-rule='evenodd' d='{''.join(map(ring, range(500)))}'/>", "the 10 seconds allowed"),
+        ("", "".join(f"<path d='{ring(k)}' fill='none' stroke='red'/>" for k in range(350)), "the 10 seconds allowed"),
+        ("", f"<path d='{''.join(map(ring, range(201)))}'/>", None),
         ("", chain("clipPath", "clip-path"), TOO_DEEP),
         ("", chain("mask", "mask"), TOO_DEEP),
     ],
-    ids=range(16),
+    ids=range(19),
 )  # fmt: skip
 def test_small_drawings_take_bounded_work(
     sheet: str, body: str, fault: str | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With a fortieth of the budget."""
     monkeypatch.setattr(selectors, "MOST_WORK", selectors.MOST_WORK // 40)
-    monkeypatch.setattr(crossings, "PAIRS_PER_SECOND", 10)
+    monkeypatch.setattr(crossings, "PAIRS_PER_SECOND", 100)
+    for name in ("MEETINGS_PER_SECOND", "NESTINGS_PER_SECOND"):
+        monkeypatch.setattr(crossings, name, 20_000)
     drawing = svg(f"<style>{sheet}</style>{body}")
     if fault is None:
-        assert from_svg(drawing).area == 1.0
+        assert from_svg(drawing).area == pytest.approx(1.0, rel=1e-3)
         return
     with pytest.raises(NestedCagesError, match=fault):
         from_svg(drawing)

@@ -13,7 +13,7 @@ from ...errors import invalid_file
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh.validation import MAX_COORDINATE
 from ...libraries import load_shapely
-from ..crossings import edges_in, spend_crossings
+from ..crossings import spend_union
 from ..fill import Area, Painted, bounds_of, strip_width, union_of
 from ..limits import Quota
 from .fading import visible
@@ -150,7 +150,7 @@ class Areas:
 
     def _of_two(self, operation: Callable[[Any, Any], Any], one: Any, other: Any) -> Any:
         """What an operation of shapely makes of two areas, their crossings counted before."""
-        spend_crossings(edges_in(load_shapely("Reading shapes that overlap"), [one, other]), self.quota)
+        spend_union(load_shapely("Reading shapes that overlap"), [one, other], self.quota)
         return operation(one, other)
 
     def _clipped(self, areas: list[Area], group: Group, clip: Clip, outer: FloatArray) -> list[Area]:
