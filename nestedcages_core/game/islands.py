@@ -8,24 +8,24 @@ import numpy as np
 import scipy
 
 from ..errors import NestedCagesError, invalid_setting
-from ..exchange.pictures import boundary_of_pixels, picture_cages
+from ..exchange.pictures import boundary_of_pixels, collision_outline
 from ..exchange.pictures.png import Pixels
-from ..geometry.arrays import BoolArray, FloatArray
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
-from ..hierarchy import Settings
 from ..verification import verify
-
-MARGIN = 1.0
-"""Least distance of a hull from opaque pixels, in pixels: what filtered textures blend in."""
 
 FINEST = 2.0**-6
 """Vertices are multiples of this, in pixels, so that files and float32 have them exactly."""
 
-JOINED = 2
-"""Islands at most this many pixels apart are one: their margins meet."""
+MARGIN, MOST_ISLANDS = 1, 64
+"""Least distance of a hull from opaque pixels, in pixels: what filtered textures blend in. Islands whose margins meet
+are one, and where more than so many are left, those farther apart are one too."""
 
-LEAST_VERTICES, MOST_VERTICES = 4, 64
-"""Of the hull of a small island, and of one that needs more than was wanted."""
+SQUARE = np.ones((3, 3))
+"""A pixel and all of its neighbours."""
+
+LEAST_VERTICES = 4
+"""Of the hull of a small island."""
 
 PER_SHARE = 0.5
 """Power of an island's share of the largest one's perimeter by which it gets fewer vertices than that."""
@@ -60,52 +60,46 @@ def islands_of(pixels: Pixels, left: int, top: int, vertices: int) -> list[Islan
     """
     if vertices < LEAST_VERTICES:
         raise invalid_setting(f"A hull has at least {LEAST_VERTICES} vertices, not {vertices}.")
+    pixels = np.pad(pixels, ((MARGIN, MARGIN), (MARGIN, MARGIN), (0, 0)))
     opaque = pixels[..., 3] > 0
-    solid = scipy.ndimage.binary_fill_holes(_bridged(opaque))
-    labels, count = scipy.ndimage.label(solid, np.ones((3, 3)))
+    labels, solid = _labelled(opaque)
     boxes = scipy.ndimage.find_objects(labels)
-    order = sorted(range(count), key=lambda k: -_extent(boxes[k]))
     found = []
-    for k in order:
-        rows, columns = boxes[k]
-        own = opaque & (labels == k + 1)
-        rows = slice(*(np.flatnonzero(own.any(axis=1))[[0, -1]] + (0, 1)))
-        columns = slice(*(np.flatnonzero(own.any(axis=0))[[0, -1]] + (0, 1)))
-        share = (_extent(boxes[k]) / _extent(boxes[order[0]])) ** PER_SHARE
-        cut = np.where(own[rows, columns, None], pixels[rows, columns], 0)
+    for k in sorted(range(len(boxes)), key=lambda k: -_extent(boxes[k])):
+        own = labels[boxes[k]] == k + 1
+        seen, within = opaque[boxes[k]] & own, solid[boxes[k]] & own
+        share = (_extent(boxes[k]) / max(map(_extent, boxes))) ** PER_SHARE
         wanted = max(LEAST_VERTICES, round(share * vertices))
-        x, y = left + int(columns.start), top + int(rows.start)
-        found.append(Island(x, y, cut, stored(_hull_of(own[rows, columns], wanted)) + np.array([x, y])))
+        if scipy.ndimage.label(seen, SQUARE)[1] == 1:
+            hull = collision_outline(seen, wanted, padding=MARGIN)
+        else:
+            hull = collision_outline(within if scipy.ndimage.label(within, SQUARE)[1] == 1 else own, wanted)
+        at = np.array([left, top]) - MARGIN + [boxes[k][1].start, boxes[k][0].start]
+        rows, columns = (np.flatnonzero(seen.any(axis=axis)) for axis in (1, 0))
+        cut = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        x, y = int(at[0] + columns[0]), int(at[1] + rows[0])
+        island = np.where(seen[cut][..., None], pixels[boxes[k]][cut], 0)
+        found.append(Island(x, y, island, stored(hull.vertices[hull.loops[0]]) + at))
     return found
+
+
+def _labelled(opaque: BoolArray) -> tuple[IntArray, BoolArray]:
+    """The number of the island of each pixel, 0 outside of all, and the pixels that hulls are made around.
+
+    These are the opaque ones with their margins, and what lies between those of one island.
+    """
+    distance, reach = scipy.ndimage.distance_transform_cdt(~opaque), MARGIN
+    while True:
+        near = distance <= reach
+        labels, count = scipy.ndimage.label(scipy.ndimage.binary_fill_holes(near), SQUARE)
+        if count <= MOST_ISLANDS:
+            return labels, scipy.ndimage.distance_transform_cdt(near) > reach - MARGIN
+        reach *= 2
 
 
 def stored(points: FloatArray) -> FloatArray:
     """Points rounded to what files and engines store exactly."""
     return np.asarray(np.round(points / FINEST) * FINEST)
-
-
-def _hull_of(opaque: BoolArray, vertices: int) -> FloatArray:
-    """(n, 2) a loop around the pixels that are True in (h, w), holes closed.
-
-    It has more vertices than wanted where these are too few. Raises NestedCagesError.
-    """
-    merged = None
-    while True:
-        try:
-            (cage,) = picture_cages(opaque, [vertices], padding=MARGIN, settings=merged).cages
-        except NestedCagesError:
-            if vertices >= MOST_VERTICES:
-                raise
-            vertices *= 2
-            continue
-        if len(cage.loops) == 1 or merged is not None:
-            return np.asarray(cage.vertices[cage.loops[0]])
-        merged = Settings(merge=float(2 * JOINED))
-
-
-def _bridged(opaque: BoolArray) -> BoolArray:
-    """The pixels, with those between islands that are near each other."""
-    return np.asarray(scipy.ndimage.binary_dilation(opaque, np.ones((JOINED + 1,) * 2)))
 
 
 def _extent(box: tuple[slice, slice]) -> float:

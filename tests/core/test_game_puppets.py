@@ -31,6 +31,7 @@ from nestedcages_core.game import (
     write_puppet,
 )
 from nestedcages_core.game.atlas import atlas_of, region_points
+from nestedcages_core.game.islands import MOST_ISLANDS, certify, islands_of
 from nestedcages_core.game.vector import coverage, parts_of_svg
 from nestedcages_core.puppet import PartChoice, idle
 from nestedcages_core.puppet.puppet import LEAST_TURN
@@ -109,6 +110,21 @@ def test_hulls_hold_every_opaque_pixel(puppet: GamePuppet, parts: list[PicturePa
         h, w = drawn.pixels.shape[:2]
         wanted = np.round(drawn.pixels[..., 3] * drawn.opacity)
         np.testing.assert_array_equal(alpha[drawn.top : drawn.top + h, drawn.left : drawn.left + w], wanted)
+
+
+def test_thousands_of_specks_have_few_hulls() -> None:
+    """Each within its margins, and each opaque pixel in one of them, at the canvas's edges too."""
+    alpha = np.where(np.random.default_rng(5).random((200, 300)) > 0.97, 255, 0)
+    pixels = np.dstack([np.arange(60_000).reshape(200, 300) % 251] * 3 + [alpha]).astype(np.uint8)
+    islands, seen = islands_of(pixels, 7, -3, 12), np.zeros_like(pixels)
+    assert 1 <= len(islands) <= MOST_ISLANDS
+    for island in islands:
+        certify(island.loop, island.pixels, island.left, island.top)
+        height, width = island.pixels.shape[:2]
+        place = slice(island.top + 3, island.top + 3 + height), slice(island.left - 7, island.left - 7 + width)
+        assert not (seen[place][..., 3] & island.pixels[..., 3]).any()
+        seen[place] |= island.pixels
+    assert (seen == np.where(alpha[..., None] > 0, pixels, 0)).all()
 
 
 def test_what_bends_has_joints_and_weights(puppet: GamePuppet) -> None:
