@@ -65,6 +65,7 @@ BUNDLES = (
     Bundle("blender4.2", "3.11", ("4.2.0", "5.1.0"), ("scipy==1.15.3", "shapely==2.1.2", *STYLE_SHEETS), X64_AND_MAC),
     Bundle("blender5.1", "3.13", ("5.1.0", None), ("scipy==1.17.1", "shapely==2.2.0", *STYLE_SHEETS), tuple(PLATFORMS)),
     # as Linux distributions build Blender, with their own Python
+    Bundle("python3.13", "3.13", ("4.2.0", "5.1.0"), ("scipy==1.17.1", "shapely==2.2.0", *STYLE_SHEETS), ("linux-x64",)),
     Bundle("python3.14", "3.14", ("5.1.0", None), ("scipy==1.17.1", "shapely==2.2.0", *STYLE_SHEETS), ("linux-x64",)),
 )
 
