@@ -24,7 +24,7 @@ from .generation import output
 from .generation.generate import Generation, Request, Result
 from .generation.job import Progress, Work
 from .generation.rules import Places
-from .notes import in_scene, larger, note
+from .notes import in_scene, is_told, larger, note
 from .properties.settings import GenerationProperties, all_values, filled, options_of
 from .record import CageSet
 from .rigging.pose import Pose, unmoved
@@ -98,7 +98,8 @@ def _put(
     cages = [level for result in results for level in result.levels]
     scale = results[0].drawing.frame.scale
     for said in dict.fromkeys(said for level in cages for said in level.report.notes):
-        tell("INFO" if said.code == record.TOLERANCE else "WARNING", in_scene(said, scale))
+        if is_told(said.code, said.data):
+            tell("INFO" if said.code == record.TOLERANCE else "WARNING", in_scene(said, scale))
     sizes = np.concatenate([np.cumprod([1.0 + level.excess for level in result.levels]) for result in results])
     around, shown = "", ", ".join(map(larger, sizes))
     if len(results) > 1:

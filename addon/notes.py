@@ -16,18 +16,20 @@ SENTENCES: Mapping[str, str] = {
     ),
     "places.empty": "'{name}' has nothing in a vertex group '{group}', so that was left out.",
     "drawing.hidden": "Left out of '{name}', since not shown: {hidden}.",
-    "loose.clearance": (
-        "{excess_percent:.0f} % larger than the drawing, since the gap is {share_percent:.3g} % of its size: ask for "
-        "less."
+    "loose.clearance": "{size}, since the gap is {share_percent:.3g} % of the drawing's size: ask for less.",
+    "loose.count": "{size}: {count} vertices are few for this drawing; ask for more.",
+    "loose.enough": "{size}: {better} vertices would make it less than {good_percent:.0f} % larger.",
+    "note.start fallback": (
+        "Your outline could not be used, and another one took its place: draw it around the drawing and all its parts, "
+        "with no holes that the drawing has not."
     ),
-    "loose.count": ("{excess_percent:.0f} % larger than the drawing: {count} vertices are few for it; ask for more."),
-    "loose.enough": (
-        "{excess_percent:.0f} % larger than the drawing: {better} vertices would make it less than "
-        "{good_percent:.0f} % larger."
+    "note.loops keep": (
+        "With all {wanted} loops it is {excess_percent:.0f} % larger; {given} would make it about "
+        "{better_percent:.0f} % larger: choose 'As Needed' for 'Loops'."
     ),
     "check.holds": "{when}'{outer}' encloses '{inner}': gap {clearance:.3g}, {excess_percent:.2f} % larger",
     "check.passes": "{when}'{outer}' encloses '{inner}', which passes over itself",
-    "check.frames": ("'{outer}' encloses '{inner}' on all frames from {first} to {last}: gap {clearance:.3g} at least"),
+    "check.frames": "'{outer}' encloses '{inner}' on all frames from {first} to {last}: gap {clearance:.3g} at least",
     "check.broken": "{when}'{outer}' does not enclose '{inner}': {text}",
     "check.invalid": "{when}{text}",
     "check.folded": "{when}'{inner}' {how}: {share_percent:.2g} % of its area{more}",
@@ -35,12 +37,13 @@ SENTENCES: Mapping[str, str] = {
 """Of the add-on's own codes: a format for their data; those of the core are in its `notes`."""
 
 
-# Code of the note on loops that a cage lacks.
+# Codes of notes on loops that a cage lacks, and on how a cage was made, which are in the report alone.
 LOOPS = "note.loops"
+ON_METHODS = ("note.start", "note.energy", "note.untightened", "note.pose", "note.text")
 # A size from which on it is told in times.
 MANY_TIMES = 10.0
 
-# Problems of certificates as an artist says them.
+# Problems of certificates, and of an outline to start from, as an artist says them.
 BROKEN: Mapping[str, str] = {
     "cage.invalid": "the cage crosses or touches itself",
     "fine.invalid": "what is in it crosses or touches itself",
@@ -49,12 +52,25 @@ BROKEN: Mapping[str, str] = {
     "cage.leaves_out": "a part is outside",
     "cage.loops_differ": "one has holes or parts that the other has not",
     "cage.too_close": "they are too close",
+    "flow.loops_differ": (
+        "your outline has not the parts and holes of the drawing: draw it around all of it, or tick 'Fall Back to Hull'"
+    ),
+    "flow.stuck": ("the drawing cannot shrink into your outline: draw it closer there, or tick 'Fall Back to Hull'"),
+    "reinflation.blocked": (
+        "the drawing cannot grow back in your outline: give it more vertices, or tick 'Fall Back to Hull'"
+    ),
+    "coarse.not_nested": "your outline does not lie inside the drawing: move it inside, or enter numbers",
 }
 
 
 def note(code: str, **data: Any) -> core.Fault:
     """A note with a code of the add-on."""
     return core.Fault(sentence(code, data), code, **data)
+
+
+def is_told(code: str, data: Mapping[str, Any]) -> bool:
+    """Whether a note is for the panel: what the user did was not kept, or could be better."""
+    return not code.startswith(ON_METHODS) or data.get("on") == "fallback"
 
 
 def in_scene(given: core.Fault, scale: float) -> core.Fault:
@@ -67,7 +83,9 @@ def sentence(code: str, data: Mapping[str, Any]) -> str:
     what this version does not know.
     """
     lost = str(data.get("lost", "")).strip(": ")
-    return f"{lost[:1].upper()}{lost[1:]}" if code == LOOPS and lost else str(errors.sentence(code, data, SENTENCES))
+    if code == LOOPS and lost:
+        return f"{lost[:1].upper()}{lost[1:]}"
+    return str(errors.sentence(code, data, SENTENCES))
 
 
 def larger(size: float) -> str:

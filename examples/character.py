@@ -20,8 +20,8 @@ from mathutils import Matrix, Vector
 from clip import join
 from demo import CAGES
 from extension import PACKAGE, registered
-from picture import aim, discs, faces, line, remove, set_up
-from waving import BONE, bones_at, points_at
+from picture import aim, discs, line, remove, set_up
+from waving import points_at
 
 BUILD = Path(__file__).resolve().parent.parent / "build" / "stories"
 SKIN, SHIRT, TROUSERS, DARK, HAIR = "#f2c098", "#d55e5e", "#3a5fa8", "#2b2b33", "#6b3f2a"
@@ -68,7 +68,7 @@ RISE = 0.06  # of the body in each step, in metres
 SHOWN = 4  # frame of the picture
 PIXELS, SAMPLES, MOMENT = 300, 8, 70  # of the GIF: width, samples per pixel, milliseconds of a picture
 LOW, SIZE = np.array([-2.0, -1.65]), np.array([4.0, 3.9])  # corner and size of the picture, in metres
-LINES = 0.1  # height of cage and bones above all parts
+LINES = 0.1  # height of the cage above all parts
 
 
 @dataclass(frozen=True)
@@ -152,13 +152,12 @@ def border(cage: bpy.types.Object) -> np.ndarray:
 
 
 def still(path: Path, frame: int, figure: Figure, pixels: int, samples: int) -> None:
-    """Renders a frame: the parts as they were imported, the cage around them and the bones."""
-    around, rhombs = points_at(figure.cage, frame), np.stack(bones_at(figure.armature, frame))
+    """Renders a frame: the parts as they were imported, and the cage around them."""
+    around = points_at(figure.cage, frame)
     scene = bpy.data.scenes.new("Picture")
     try:
         line(scene, list(around[border(figure.cage)] - LOW), CAGES[0], LINES, 0.022)
         discs(scene, around - LOW, CAGES[0], LINES, 0.04)
-        faces(scene, rhombs - LOW, BONE, LINES)
         aim(scene, SIZE[0], 0.0, SIZE[1])
         set_up(scene, path, (pixels, round(pixels * SIZE[1] / SIZE[0])), samples)
         scene.camera.location.x, scene.camera.location.y = LOW + 0.5 * SIZE

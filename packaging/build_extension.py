@@ -60,13 +60,16 @@ class Bundle:
 STYLE_SHEETS = ("tinycss2==1.5.1", "cssselect2==0.10.1", "webencodings==0.6.1")
 """Packages of Python alone that drawings with style sheets need."""
 
+NEWER = ("scipy==1.17.1", "shapely==2.2.0", *STYLE_SHEETS)
+"""From Python 3.13 on."""
+
 BUNDLES = (
     # scipy and shapely that work with the numpy of these Blenders, 1.24 and 1.26
     Bundle("blender4.2", "3.11", ("4.2.0", "5.1.0"), ("scipy==1.15.3", "shapely==2.1.2", *STYLE_SHEETS), X64_AND_MAC),
-    Bundle("blender5.1", "3.13", ("5.1.0", None), ("scipy==1.17.1", "shapely==2.2.0", *STYLE_SHEETS), tuple(PLATFORMS)),
+    Bundle("blender5.1", "3.13", ("5.1.0", None), NEWER, tuple(PLATFORMS)),
     # as Linux distributions build Blender, with their own Python
-    Bundle("python3.13", "3.13", ("4.2.0", "5.1.0"), ("scipy==1.17.1", "shapely==2.2.0", *STYLE_SHEETS), ("linux-x64",)),
-    Bundle("python3.14", "3.14", ("5.1.0", None), ("scipy==1.17.1", "shapely==2.2.0", *STYLE_SHEETS), ("linux-x64",)),
+    Bundle("python3.13", "3.13", ("4.2.0", "5.1.0"), NEWER, ("linux-x64",)),
+    Bundle("python3.14", "3.14", ("5.1.0", None), NEWER, ("linux-x64",)),
 )
 
 HASHES = Path(__file__).with_name("wheels.sha256")

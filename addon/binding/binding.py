@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
-from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -40,18 +39,11 @@ REST_ERROR = 1e-5
 MAX_NAMES = 3
 
 
-class Binding(NamedTuple):
-    """The largest error at rest as a fraction of the size, and sentences on which drawings follow, or why not."""
-
-    rest: float
-    original: str
-
-
-def in_step(context: Context, works: Iterable[Work[Binding]]) -> Work[list[Binding | UserError]]:
+def in_step(context: Context, works: Iterable[Work[str]]) -> Work[list[str | UserError]]:
     """The results of works that are advanced together; before each step of all, the scene is updated once, which takes
     a pass over all of it.
     """
-    running, results = dict(enumerate(works)), dict[int, Binding | UserError]()
+    running, results = dict(enumerate(works)), dict[int, str | UserError]()
     try:
         while running:
             context.view_layer.update()
@@ -71,19 +63,22 @@ def in_step(context: Context, works: Iterable[Work[Binding]]) -> Work[list[Bindi
     return [results[number] for number in sorted(results)]
 
 
-def bind(context: Context, cage_set: CageSet, method: str = "AUTO") -> Binding:
-    """Makes every level of an output collection follow the next one. Raises: UserError, with nothing changed."""
+def bind(context: Context, cage_set: CageSet, method: str = "AUTO") -> str:
+    """Makes every level of an output collection follow the next one; says which drawings follow, or why not.
+
+    Raises: UserError, with nothing changed.
+    """
     return _alone(context, steps(context, cage_set, method))
 
 
-def _alone(context: Context, work: Work[Binding]) -> Binding:
+def _alone(context: Context, work: Work[str]) -> str:
     (made,) = tasks.drain(in_step(context, [work]))
     if isinstance(made, UserError):
         raise made
     return made
 
 
-def steps(context: Context, cage_set: CageSet, method: str) -> Work[Binding]:
+def steps(context: Context, cage_set: CageSet, method: str) -> Work[str]:
     """The same, as a work for `in_step`."""
     levels = _levels(context, cage_set)
     yield Progress(0.0, STAGE)
@@ -100,7 +95,7 @@ def steps(context: Context, cage_set: CageSet, method: str) -> Work[Binding]:
         raise
 
 
-def rebind(context: Context, cage_set: CageSet, method: str = "AUTO") -> Work[Binding]:
+def rebind(context: Context, cage_set: CageSet, method: str = "AUTO") -> Work[str]:
     """Binds again, with the current vertices and transforms of cages and drawing. Raises: UserError.
 
     Bound objects return to their own shapes first. If the cages do not enclose these, nothing is changed. It can be
@@ -123,7 +118,7 @@ def newcomers(context: Context) -> Iterator[Object]:
             yield obj
 
 
-def take_in(context: Context, cage_set: CageSet) -> Work[Binding]:
+def take_in(context: Context, cage_set: CageSet) -> Work[str]:
     """Makes the selected drawings follow the cages of a bound output as well. Raises: UserError."""
     parts, finest, coarsest = list(newcomers(context)), cage_set.cages[0], cage_set.cages[-1]
     made = field.field_of(finest)
@@ -136,7 +131,7 @@ def take_in(context: Context, cage_set: CageSet) -> Work[Binding]:
             placement.attach(part, armature)
     cage_set.join(*parts)
     yield from ()
-    return Binding(0.0, f"{_named(parts)} bound, with what is in the cages already")
+    return f"{_named(parts)} bound, with what is in the cages already"
 
 
 def unbind(*sets: CageSet) -> list[str]:
@@ -199,7 +194,7 @@ def _check_enclosed(inner: Object, cage: Object) -> core.Certificate:
     return certificate
 
 
-def _connect(context: Context, cage_set: CageSet, levels: list[Object], method: str) -> Work[Binding]:
+def _connect(context: Context, cage_set: CageSet, levels: list[Object], method: str) -> Work[str]:
     """Makes a field for each cage, which what is inside follows."""
     before = cage_set.bound
     kind = next((each for each in (method, before) if each in field.NAMES), field.HARMONIC)
@@ -229,7 +224,7 @@ def _connect(context: Context, cage_set: CageSet, levels: list[Object], method: 
         bound_meshes.take_lines_out(obj)
     for obj, error in zip(levels, errors, strict=False):
         record.set_link(obj, field.NAMES[kind], error)
-    return Binding(max(errors), _take_along(context, originals, space, levels))
+    return _take_along(context, originals, space, levels)
 
 
 def _error(context: Context, obj: Object) -> float:

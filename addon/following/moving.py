@@ -54,7 +54,7 @@ def read_poses(context: Context, obj: Object, frames: Sequence[int], options: Re
                     _check_topology(drawings[0], drawing)
                 drawings.append(drawing)
             except UserError as error:
-                raise UserError(f"Frame {frame}: {error}") from error
+                raise UserError(f"Frame {frame}: {error}", error.fault) from error
     points = np.stack([np.concatenate(drawing.loops) for drawing in drawings[: 1 if redraws else None]])
     times = np.array(frames, dtype=np.float64)
     return Poses(drawings[0], times, points, scale, tuple(drawings) if redraws else ())
@@ -70,8 +70,8 @@ def _check_topology(first: Drawing, drawing: Drawing) -> None:
     if [len(loop) for loop in first.loops] != [len(loop) for loop in drawing.loops]:
         before, now = (f"{len(d.loops)} loops of {sum(map(len, d.loops))} vertices" for d in (first, drawing))
         raise UserError(
-            f"'{drawing.name}' changes its topology: {now} instead of {before} on the first frame; end before that "
-            "frame, or turn off what changes it"
+            f"'{drawing.name}' has {now} instead of {before} on the first frame: end before that frame, or turn "
+            "off what changes it"
         )
 
 
@@ -114,11 +114,11 @@ class Moving:
 def wanted_cages(levels: Sequence[Level], poses: Poses) -> tuple[Wanted, ...]:
     """Vertex counts of the cages, with notes. Raises: UserError."""
     if OWN in levels:
-        raise UserError("Cages that follow have vertex counts: leave own objects (*) out of the levels")
+        raise UserError("Cages that follow have vertex counts: leave own objects (*) out of 'Cages'")
     if not are_counts(levels):
-        raise UserError("Cages that follow have vertex counts: leave distances and excesses out of the levels")
+        raise UserError("Cages that follow have vertex counts: leave distances and areas such as +25% out of 'Cages'")
     if not levels:
-        raise UserError("Give a vertex count for at least one level, such as 64")
+        raise UserError("Enter a number of vertices in 'Cages', such as 64")
     return wanted_levels(levels, poses.drawing.mesh(), (), poses.drawing.name, keeps=False)
 
 

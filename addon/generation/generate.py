@@ -11,8 +11,8 @@ from math import ceil, pi
 from typing import Any
 
 from ..core import core, known, memory, remembered, steps
-from ..errors import UserError, counted
-from ..notes import note
+from ..errors import UserError
+from ..notes import BROKEN, larger, note
 from ..scene.convert import Drawing
 from .job import Progress, Work
 from .levels import Level, Wanted, are_counts, wanted_levels
@@ -55,9 +55,9 @@ def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: flo
         return ()
     around = clearance * (float(fine.edge_lengths.sum()) + pi * clearance) / fine.area
     if around > min(CLEARANCE_PART * excess, LOOSE):
-        return (note("loose.clearance", excess=float(excess), share=float(clearance / fine.diagonal)),)
-    better, loops = _enough(fine, count, clearance), counted(len(fine.loops), "loop")
-    facts = {"count": count, "loops": loops, "excess": float(excess)}
+        share = float(clearance / fine.diagonal)
+        return (note("loose.clearance", size=larger(1.0 + excess), share=share),)
+    better, facts = _enough(fine, count, clearance), {"count": count, "size": larger(1.0 + excess)}
     return (note("loose.enough", **facts, better=better, good=GOOD) if better else note("loose.count", **facts),)
 
 
@@ -73,6 +73,13 @@ def _enough(fine: core.Mesh, count: int, clearance: float) -> int | None:
         if hull.area <= (1.0 + GOOD) * fine.area:
             return count
     return None
+
+
+def _on_drawing(said: core.Fault, size: float) -> core.Fault:
+    """A note whose excess is over the drawing, not over the cage in it, given the area of that by the drawing's."""
+    if said.code != KNEE:
+        return said
+    return note(KNEE, **dict(said.data) | {name: size * (1.0 + said.data[name]) - 1.0 for name in ("excess", "less")})
 
 
 # What Blender stores coordinates in; cages and their motion are certified on these numbers.
@@ -154,7 +161,7 @@ class Generation:
     def __init__(self, requests: Sequence[Request], options: Options) -> None:
         self.options = options
         if options.inside and not are_counts(options.levels):
-            raise UserError("Inner cages have vertex counts: leave distances and excesses out of the levels")
+            raise UserError("Inner cages have vertex counts: leave distances and areas such as +25% out of 'Cages'")
         if options.inside and options.rules.convex:
             raise UserError("Convex cages lie around a drawing: leave 'Cage Inside' or 'Convex' off")
         self.results: list[Result] = []
@@ -173,7 +180,7 @@ class Generation:
         fine, options = request.fine.mesh(), self.options
         own = tuple(drawing.mesh() for drawing in request.coarse)
         if not own and not options.levels:
-            raise UserError("Give a vertex count for at least one level, such as 64")
+            raise UserError("Enter a number of vertices in 'Cages', such as 64")
         scale, convex = request.fine.frame.scale, options.rules.convex
         keeps = options.inside or (options.rules.loops == KEEP and not options.rules.merge)
         wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex, keeps=keeps)
@@ -217,7 +224,8 @@ class Generation:
                     yield Progress(step.fraction, f"{name}, level {step.level + 1}: {STAGES[step.stage]}")
             except core.NestedCagesError as error:
                 number = 1 + (len(error.partial) if error.partial is not None else 0)
-                raise UserError(f"'{name}, level {number}': {error}") from error
+                said = BROKEN.get(error.code, error)
+                raise UserError(f"'{name}', cage {number}: {said}", plan.request.fine.fault(error.fault)) from error
             finally:
                 run.close()
             levels = list(run.hierarchy)
@@ -229,7 +237,7 @@ class Generation:
             known().put(key, levels, sum(each.nbytes for motion in moved for each in motion))
         for each, level in zip(plan.levels, levels, strict=True):
             facts = (plan.fine, level.cage, each.level, level.report.wanted_clearance)
-            told = level.report.notes
+            told = tuple(_on_drawing(said, level.fine.area / plan.fine.area) for said in level.report.notes)
             checked = not (options.inside or options.rules.convex or any(each.code == KNEE for each in told))
             advice = remembered(partial(excess_note, *facts), ADVICE_BYTES, "advice", *facts) if checked else ()
             notes = (*plan.request.places.notes, *each.notes, *told, *advice)

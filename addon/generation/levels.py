@@ -134,7 +134,7 @@ def wanted_levels(
         raise UserError(
             f"'{name}': {levels.count(OWN)} of the levels should be an object of your own (*), and {len(own)} "
             f"{'is' if len(own) == 1 else 'are'} named: select your objects and then the drawing, and tick 'Selected "
-            "as Levels'"
+            "as Cages'"
         )
     sizes = [len(loop) for loop in fine.loops]
     if convex:  # this many vertices around each part

@@ -14,7 +14,7 @@ from ..errors import FloatArray, UserError, counted
 from ..following import live, moving, writing
 from ..generation.job import Work, share
 from ..generation.levels import OWN, are_counts, lengths, parse_levels
-from ..notes import larger
+from ..notes import is_told, larger
 from ..properties import groups
 from ..properties.kinds import flag, whole
 from ..properties.settings import all_values, filled, options_of
@@ -109,7 +109,8 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
             self.report({"WARNING"}, sentence)
         cages = [cage for result in results for cage in result.cages]
         for note in dict.fromkeys(note for cage in cages for note in cage.report.notes):
-            self.report({"WARNING"}, note)
+            if is_told(note.code, note.data):
+                self.report({"WARNING"}, note)
         shown = ", ".join(larger(size) for result in results for size in _mean_sizes(result))
         between = "" if any(poses.redrawn for poses in read) else " and between them"
         certified = f"certified on {counted(len(frames), 'frame')}{between}"

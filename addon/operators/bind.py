@@ -53,21 +53,20 @@ class LinkOperator(BindingOperator):
 
     shown_by = (OUTLINES,)
 
-    def each(self, context: Context, cage_set: CageSet) -> Work[binding.Binding]:
+    def each(self, context: Context, cage_set: CageSet) -> Work[str]:
         if not self.needs_bound and bool(cage_set.bound):
             return binding.take_in(context, cage_set)
         return (binding.rebind if self.needs_bound else binding.steps)(context, cage_set, self.method)
 
-    def all(self, context: Context, sets: Sequence[CageSet]) -> Work[list[binding.Binding | UserError]]:
+    def all(self, context: Context, sets: Sequence[CageSet]) -> Work[list[str | UserError]]:
         return binding.in_step(context, [self.each(context, cage_set) for cage_set in sets])
 
-    def finish(self, context: Context, done: Sequence[tuple[CageSet, binding.Binding]]) -> None:
+    def finish(self, context: Context, done: Sequence[tuple[CageSet, str]]) -> None:
         cages = [cage_set.cages[-1] for cage_set, _ in done]
-        error = max(made.rest for _, made in done)
         select(context, *cages)
         name = f"'{cages[0].name}'" if len(cages) == 1 else f"the {len(cages)} coarsest cages"
-        said = done[0][1].original if len(done) == 1 else f"{len(done)} drawings follow."
-        self.report({"INFO"}, f"Move {name} and the drawing follows; error {error:.1e} at rest. {said}")
+        said = done[0][1] if len(done) == 1 else f"{len(done)} drawings follow"
+        self.report({"INFO"}, f"Move {name} and the drawing follows. {said}")
 
 
 class OBJECT_OT_nested_cages_bind(LinkOperator, bpy.types.Operator):

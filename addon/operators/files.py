@@ -111,7 +111,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
 
     def work(self, context: Context) -> Work[None]:
         paths = paths_of(self)
-        if not paths:
+        if not paths or (paths[0].is_dir() and not any(paths[0].glob("*.[pP][nN][gG]"))):
             raise UserError("Choose a file to read")
         drawings = drawings_in(paths)
         rig = armatures.puppet_of(context.selected_objects) if self.repaint else None

@@ -97,8 +97,10 @@ class Drawing:
         if not len(points):
             every = np.concatenate(closest.loops)
             points = every[broad_phase.nearest(place[None], every)[1]]
-        closest_first = np.argsort(np.linalg.norm(points - place, axis=1), kind="stable")[:MOST_POINTS]
-        return Fault.at(closest.identity, self.frame.to_world(points[closest_first]))
+        away = np.linalg.norm(points - place, axis=1)
+        points = points[np.argsort(away, kind="stable")[:MOST_POINTS]]
+        crossing = place[None] if away.min() > reach else points[:0]
+        return Fault.at(closest.identity, self.frame.to_world(np.concatenate([crossing, points])))
 
     @property
     def _parts(self) -> list[Drawing]:
@@ -252,12 +254,14 @@ def _closed_loops(
     if opened and not options.close_open:
         raise _open_error(obj, opened)
     loops = [vertices[line] for line in (*lines.closed, *lines.opened)]
-    if not loops and len(vertices) and not len(edges):
+    if not np.isfinite(vertices).all():
+        raise UserError(f"'{obj.name}' has a point whose place is not a number: delete it")
+    if not loops and len(vertices) and not len(edges) and not (obj.type == "MESH" and not obj.data.polygons):
         raise UserError(f"'{obj.name}' is a solid and has no outline: select a flat drawing, or delete faces")
     if not loops and obj.type == "FONT" and not obj.data.body.strip():
         raise UserError(f"'{obj.name}' is a text without letters: write some (Tab)")
     if not loops:
-        raise UserError(f"'{obj.name}' has no outline: neither edges without faces nor an open boundary")
+        raise UserError(f"'{obj.name}' has no outline: draw a closed line, or select a flat drawing")
     extent = extent_of(loops)
     for number, loop in enumerate(loops):
         loops[number] = without_doubles(loop, extent)

@@ -54,12 +54,16 @@ def fitting(context: Context) -> str:
     sources = [source for each in sets_of_chosen(context) if (source := each.source) is not None]
     if any(image_on(obj) is not None for obj in (*sources, *objects)):
         return PICTURE
-    if any(obj.type == "ARMATURE" for obj in objects):
+    armatures = [obj for obj in objects if obj.type == "ARMATURE"]
+    if any(not record.is_helper(obj, record.HANDLES) for obj in armatures):
         return RIG
     drawings = [obj for obj in objects if paints(obj)]
-    if len(drawings) > 1 and not any(record.level_of(obj) is not None for obj in drawings) and _overlap(drawings):
+    by_themselves = settings_of(context).use_selected_as_levels or any(
+        record.level_of(obj) is not None for obj in drawings
+    )
+    if len(drawings) > 1 and not by_themselves and _overlap(drawings):
         return RIG
-    return CAGES if drawings else ""
+    return CAGES if drawings or armatures else ""
 
 
 def opened(context: Context) -> str:

@@ -14,8 +14,6 @@ from ..record import CageSet
 
 # Letters per line of a sentence: fits into the sidebar at its default width.
 NOTE_WIDTH = 36
-# Codes of notes on how a cage was made, which are in the report alone.
-ON_METHODS = ("note.start", "note.energy", "note.untightened", "note.outline", "note.pose", "note.text")
 # Code of the note on a few vertices more that would halve the excess, which is on a button.
 KNEE = "note.knee"
 HOLDS, BROKEN, EDITED, ADVICE, MADE = "CHECKMARK", "ERROR", "QUESTION", "INFO", "MOD_MESHDEFORM"
@@ -55,7 +53,7 @@ def health(context: Context, cage: Object) -> tuple[str, str]:
     advice = [
         notes.sentence(*each)
         for each in record.notes(node)
-        if not each[0].startswith((record.CHECK, *ON_METHODS, KNEE))
+        if notes.is_told(*each) and not each[0].startswith((record.CHECK, KNEE))
     ]
     if advice:
         return ADVICE, advice[0]

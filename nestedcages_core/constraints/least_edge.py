@@ -13,7 +13,7 @@ from ..decimation.budget import LEAST_PER_LOOP
 from ..errors import Fault, invalid_setting, note
 from ..geometry.arrays import TINY, FloatArray, IntArray
 from ..geometry.mesh import Mesh
-from ..geometry.precision import ROUND_OFF
+from ..geometry.precision import NEGLIGIBLE, ROUND_OFF
 from ..geometry.vectors import norm
 from ..solver.banded import Rows
 from .angles import BoundAngle
@@ -65,8 +65,8 @@ class LeastEdge(Constraint):
         if all(_is_as_long(cage.vertices[i], cage.edge_ends[i], self.length) for i in near):
             return None
         wanted, given = self.length, float(lengths[k])
-        if not self.must:
-            return note("note.edge", wanted=wanted, given=given)
+        if not self.must:  # a length that is told as the wanted one is no news
+            return None if given >= (1.0 - NEGLIGIBLE) * wanted else note("note.edge", wanted=wanted, given=given)
         x, y = cage.vertices[k].tolist()
         return Fault(
             f"The edge at ({x:.6g}, {y:.6g}) has a length of {given:.6g}; at least {wanted:.6g} is asked for: ask for "

@@ -62,13 +62,15 @@ class Pins(Constraint):
         return Springs(vertex, target[pin], PIN_STIFFNESS)
 
     def faults(self, cage: Mesh, fine: Mesh) -> Iterator[Fault]:
-        """A sentence for each pin that the cage misses."""
+        """A sentence on the pins that the cage misses."""
         inner = fine if self.level is None else self.level
         target, away = self._targets(inner, self.places, self.clearance)
-        for pin, aim, far in zip(self.places, target, away, strict=True):
-            missed = float(norm(cage.vertices - aim).min())
-            if missed > KEPT * far + PIN_REACH * inner.diagonal:
-                yield note("note.pin", place=pin, distance=missed)
+        distances = np.array([norm(cage.vertices - aim).min() for aim in target])
+        missed = distances > KEPT * away + PIN_REACH * inner.diagonal
+        if missed.any():
+            k = int(np.argmax(distances * missed))
+            facts = {"place": self.places[k], "distance": float(distances[k])}
+            yield note("note.pin", **facts, count=int(missed.sum()), pins=len(missed))
 
     def _targets(self, inner: Mesh, pins: FloatArray, clearance: float) -> tuple[FloatArray, FloatArray]:
         """(P, 2) targets of pins at a clearance from a mesh, and (P,) their distances from it."""

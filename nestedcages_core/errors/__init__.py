@@ -83,7 +83,7 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "note.untightened": (),
     "note.symmetry": ("symmetry", "difference", "on", "tolerance"),
     "note.outline": ("change", "area", "on"),
-    "note.pin": ("place", "distance"),
+    "note.pin": ("place", "distance", "count", "pins"),
     "note.edge": ("wanted", "given"),
     "note.angle": ("wanted", "given"),
     "note.tolerance": ("limit", "taken", "count", "fewest", "on"),

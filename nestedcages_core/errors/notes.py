@@ -7,10 +7,10 @@ from typing import Any
 
 NOTES: Mapping[str, str] = {
     "count least": "{asked} vertices are too few for this shape; the cage has {given}.",
-    "count mesh": "{asked} vertices were asked for, but the mesh inside has {given}, so the cage has {given}.",
+    "count mesh": "A cage has no more vertices than what it encloses: {given}, not {asked}.",
     "count loops": "The vertices per loop of the coarse mesh do not fit the mesh inside: they are redistributed.",
     "count symmetry": "{asked} vertices were asked for; with {symmetry} the cage can have {given}.",
-    "count constraint": "{asked} vertices were asked for; its constraints leave room for {given}.",
+    "count constraint": "{asked} vertices were asked for; what the cage has to keep leaves room for {given}.",
     "count grid": "On the grid, {asked} vertices make no convex cage: it has {given} at most.",
     "count fewer": "{asked} vertices were asked for; the tightest cage that was found has {given}.",
     "count hull": "{asked} vertices were asked for, but a hull has {given}: with these, the cage is as tight.",
@@ -18,20 +18,21 @@ NOTES: Mapping[str, str] = {
     "start flow": "Started from the {source}: the mesh could not shrink into a coarse mesh {first}.",
     "start reinflation": "Started from the {source}: the mesh could not return from a coarse mesh {first}.",
     "start curve": "Started from the {source}: with its vertices on the curve it would cross itself.",
-    "clearance gaps": "The gaps of the fine mesh leave room for a clearance of {given:.3g}, not {wanted:.3g}.",
-    "clearance inside": "The fine mesh is narrow: there is room for a clearance of {given:.3g}, not {wanted:.3g}.",
+    "clearance gaps": "The gaps of the shape leave {given:.3g} between it and the cage, not {wanted:.3g}.",
+    "clearance inside": "The shape is narrow, and leaves {given:.3g} between it and the cage, not {wanted:.3g}.",
     "loops": "The cage has {given}, but the mesh in it has {wanted}{lost}.",
     "loops keep": "Keeping all {wanted} loops makes the cage {excess_percent:.0f} % larger than the shape; {given} "
     'would make it about {better_percent:.0f} % larger: leave out loops="keep".',
-    "knee": "{better} vertices would make it {less_percent:.2g} % instead of {excess_percent:.2g} %.",
+    "knee": "{better} vertices would make it {less_percent:.3g} % larger instead of {excess_percent:.3g} %.",
     "energy": "The cage is the coarse mesh, where {energy} is smallest; Area() makes it tighter.",
     "untightened": "The coarse mesh is not tightened: details of the fine mesh are too small for that.",
     "symmetry grid": "The symmetry is moved by {difference:.3g} to the grid: {symmetry}.",
-    "symmetry none": "No symmetry was found within {tolerance_percent:.3g} % of the diagonal; the cage has none.",
-    "symmetry found": "Found {symmetry}; the drawing differs from its image by at most {difference:.3g}.",
-    "outline": "The drawing and its images cover {change_percent:.3g} % more than it: the cage encloses them all.",
-    "outline inside": "The drawing and its images have {area_percent:.3g} % of its area in common: the cage is there.",
-    "pin": "The closest cage vertex to the pin at ({place[0]:.6g}, {place[1]:.6g}) is {distance:.3g} away.",
+    "symmetry none": "The shape has no symmetry within {tolerance_percent:.3g} % of its size, so the cage has none.",
+    "symmetry found": "Found {symmetry}, to within {difference:.3g}.",
+    "outline": "Mirrored or turned, the shape covers {change_percent:.3g} % more: the cage encloses all of that.",
+    "outline inside": "The cage is in the {area_percent:.3g} % of the shape that are the same mirrored or turned.",
+    "pin": "{count} of {pins} pins have no vertex of the cage nearby: the farthest, at "
+    "({place[0]:.4g}, {place[1]:.4g}), is {distance:.3g} away from the next.",
     "edge": "There is no room for edges of {wanted:.6g}: the shortest has {given:.3g}; ask for fewer vertices.",
     "angle": "There is no room for angles of {wanted:.6g}°: the sharpest has {given:.3g}°.",
     "tolerance distance": "{count} vertices keep the cage within {limit:.6g} of the shape, as asked.",
@@ -60,8 +61,9 @@ LENGTHS: Mapping[str, tuple[str, ...]] = {
 def sentence(code: str, data: Mapping[str, Any], formats: Mapping[str, str] = NOTES) -> str:
     """What a note says, by `formats` of other programs first; the plain text, if there is any, for unknown ones."""
     percent = {f"{name}_percent": 100.0 * value for name, value in data.items() if isinstance(value, float)}
+    key = f"{code} {data.get('on', '')}".strip()
     try:
-        known = formats.get(code) or NOTES[f"{code.removeprefix('note.')} {data.get('on', '')}".strip()]
+        known = formats.get(key) or NOTES[key.removeprefix("note.")]
         return known.format(**data, **percent)
     except (KeyError, IndexError, ValueError, TypeError):
         return str(data.get("text", ""))

@@ -56,9 +56,10 @@ def parse_level(word: str, units: Mapping[str, float] = UNITS) -> int | Share | 
             return Share(value / 100.0)
         if not unit and not sign and number.isdecimal():
             return int(number)
-    named = f" Coordinates have no {unit} here; {number}u is {number} of their own units." if unit in LENGTHS else ""
-    known = ("a whole number of at least 1", "a percentage such as 8%", f"a distance such as 2{next(iter(units))}")
+    known = f"a number of vertices such as 24, a share of them such as 8%, a distance such as 2{next(iter(units))}"
+    named = f" Coordinates have no {unit} here; {number}u is {number} of their own units."
     raise NestingError(
-        f"A level is {', '.join(known)}, or an excess such as +25%; {word!r} is none of these.{named}",
+        f"A level is {known}, or more area such as +25%; {word!r} is none of these."
+        + (named if unit in LENGTHS and unit not in units else ""),
         code="level.invalid",
     )

@@ -24,7 +24,7 @@ class LostLoops(NamedTuple):
         filled, shared = len(self.filled), sum(map(len, self.joined))
         said = [f"{filled} hole{'s are' if filled > 1 else ' is'} filled"] if filled else []
         if self.joined:
-            said.append(f"{shared} loops share {len(self.joined)}")
+            said.append(f"{shared} parts share {'a loop' if len(self.joined) == 1 else f'{len(self.joined)} loops'}")
         return " and ".join(said)
 
     @property

@@ -38,7 +38,7 @@ def test_levels_are_percentages_distances_and_excesses(addon, core) -> None:
 
 @pytest.mark.parametrize("text", ["", "  ", "x", "64, x", "-3", "1.5", "%", ",", "1e3", "0", "120%", "2 px", "+2m"])
 def test_other_texts_are_refused(addon, text) -> None:
-    kinds = r"a whole number of at least 1, a percentage such as 8%, a distance such as 2m, or an excess such as \+25%"
+    kinds = r"a number of vertices such as 24, a share .* 8%, a distance such as 2m, or more area such as \+25%"
     with pytest.raises(addon.errors.UserError, match=rf"A level is {kinds};"):
         addon.generation.levels.parse_levels(text, UNITS)
 
@@ -94,7 +94,7 @@ def test_a_count_holds_where_loops_are_in_each_others_way_unless_all_are_kept(ad
 
 
 def test_without_levels_there_is_nothing_to_do(addon) -> None:
-    with pytest.raises(addon.errors.UserError, match="vertex count for at least one level"):
+    with pytest.raises(addon.errors.UserError, match="Enter a number of vertices"):
         addon.generation.generate.Generation([request(addon, [circle(48)])], addon.generation.generate.Options())
 
 

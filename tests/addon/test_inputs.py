@@ -220,6 +220,9 @@ def test_a_hidden_own_level_counts_with_its_modifiers(hide, kind) -> None:
         (lambda: scaled((0.0, 1.0, 1.0)), {}, "'Drawing' is scaled to nothing along X: give it a scale first"),
         (lambda: scaled((0.0, 0.0, 0.0)), {}, "'Drawing' is scaled to nothing along X and Y"),
         (lambda: text("Text", "  "), {}, "'Text' is a text without letters: write some"),
+        (lambda: wire("Dot", [star()[:1]], cyclic=False), {}, "'Dot' has no outline: draw a closed line"),
+        (lambda: wire("Lost", [np.array([(np.nan, 0.0), (1.0, 0.0), (0.0, 1.0)])]), {}, "place is not a number"),
+        (lambda: scaled((1.0, 1.0, 1.0)), {"levels": "0mm"}, "'0mm' is none of these.$"),
         (lambda: scaled((1.0, 1.0, 1.0)), {"levels": "12, *"}, "1 of the levels should be an object of your own"),
     ],
 )
@@ -242,7 +245,7 @@ def scaled(scale):
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({"levels": "12", "clearance": 1000.0}, "larger than the drawing, since the gap is 3"),
+        ({"levels": "12", "clearance": 1000.0}, "times as large, since the gap is 3"),
         ({"levels": "8%, 20%"}, "2 certified cages: "),
         ({"levels": "12"}, "3 certified cages for 3 drawings: "),
     ],

@@ -110,6 +110,18 @@ def cut_out() -> None:
     assert bpy.ops.object.nested_cages_cutout(levels="4") == {"FINISHED"}
 
 
+def handles() -> None:
+    poly_curve("Drawing", [star()])
+    assert bpy.ops.object.nested_cages_generate(levels="8") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind() == bpy.ops.object.nested_cages_add_handles() == {"FINISHED"}
+    assert bpy.context.mode == "POSE"
+
+
+def own_outline() -> None:
+    squares(0.0, 0.5)
+    bpy.context.scene.nested_cages.use_selected_as_levels = True
+
+
 # What is selected, the title of the door that opens, and the button to press, which is the first in it.
 FITTING = {
     "nothing": (lambda: None, "", ""),
@@ -121,6 +133,8 @@ FITTING = {
     "a picture": (image_empty, "PICTURE", "cutout"),
     "a rig in Pose Mode": (rigged, "RIG", "rig"),
     "a cutout in Pose Mode": (cut_out, "PICTURE", "cutout"),
+    "handles in Pose Mode": (handles, "CAGES", "generate"),
+    "an outline of one's own": (own_outline, "CAGES", "generate"),
 }
 
 
@@ -256,6 +270,38 @@ def test_a_button_takes_the_better_count(draw, monkeypatch) -> None:
     buttons.clear()
     draw("VIEW3D_PT_nested_cages_result")
     assert not buttons and len(bpy.data.objects["Drawing Cage 1"].data.vertices) == 16
+
+
+def test_sizes_are_over_the_drawing_on_each_level(addon) -> None:
+    text("Text", "Hi")
+    bpy.ops.object.nested_cages_generate(levels="20%, 8%")
+    nodes = [addon.record.node_of(bpy.data.objects[f"Text Cage {number}"]) for number in (1, 2)]
+    size = (1.0 + nodes[0].excess) * (1.0 + nodes[1].excess)
+    (told,) = (data for code, data in addon.record.notes(nodes[1]) if code == "note.knee")
+    assert told["excess"] == pytest.approx(size - 1.0, rel=1e-4) and 0.0 < told["less"] < told["excess"]
+
+
+def test_a_crossing_is_marked_where_it_is(addon) -> None:
+    poly_curve("Eight", [np.array([(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)])])
+    with pytest.raises(RuntimeError, match="'Eight' crosses or touches itself: move points apart"):
+        bpy.ops.object.nested_cages_generate()
+    assert addon.operators.base.last_fault[0].places[0] == (1.0, 1.0, 0.0)
+
+
+@pytest.mark.parametrize("fall_back", [True, False])
+def test_an_outline_that_does_not_fit_is_said_without_numbers_of_loops(addon, capfd, fall_back) -> None:
+    own = wire("Mine", [0.1 * star() + 5.0])
+    choose(own, poly_curve("Drawing", [star()]))
+    bpy.context.view_layer.objects.active = bpy.data.objects["Drawing"]
+    options = {"use_selected_as_levels": True, "fall_back": fall_back}
+    if fall_back:
+        bpy.ops.object.nested_cages_generate(**options)
+        health = addon.ui.results.health(bpy.context, bpy.data.objects["Drawing Cage 1"])[1]
+        assert health.startswith("Your outline could not be used") and "loop" not in capfd.readouterr().out
+        return
+    with pytest.raises(RuntimeError, match="'Drawing', cage 1: your outline has not the parts and holes of the draw"):
+        bpy.ops.object.nested_cages_generate(**options)
+    assert addon.operators.base.last_fault[0].places
 
 
 def test_a_fault_is_offered_in_the_panel(draw, addon) -> None:

@@ -226,7 +226,7 @@ def test_a_count_is_a_promise(tmp_path: Path, capsys: pytest.CaptureFixture) -> 
         report = tmp_path / "report.json"
         command = [str(tmp_path / name), "--levels", "10", "5", "--quiet"]
         assert main([*command, "--report", str(report)]) == 0
-        assert re.search(r"hole is filled|loops share", capsys.readouterr().err)
+        assert re.search(r"hole is filled|parts share", capsys.readouterr().err)
         shape = json.loads(report.read_text())["inputs"][0]["shapes"][0]
         first, second = shape["levels"]
         assert first["vertices"] <= 10 and second["vertices"] <= 5
@@ -428,8 +428,8 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
     ("options", "status", "sentence"),
     [
         (["letter.svg"], 2, "--levels"),
-        (["letter.svg", "--levels", "0"], 2, "whole number of at least 1"),
-        (["letter.svg", "--levels", "7.5"], 2, "whole number of at least 1"),
+        (["letter.svg", "--levels", "0"], 2, "a number of vertices such as 24"),
+        (["letter.svg", "--levels", "7.5"], 2, "a number of vertices such as 24"),
         (["letter.svg", "--levels", "24", "--clearance", "-1"], 2, "length above 0"),
         (["letter.svg", "--levels", "24", "--clearance", "inf"], 2, "length above 0"),
         (["letter.svg", "--levels", "24", "--threshold", "2"], 2, "from 0 to 1"),
@@ -443,7 +443,7 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
         (["letter.svg", "--levels", ","], 2, "at least one level"),
         (["letter.svg", "--levels", "24", "--format", "svg"], 2, "--format is for the standard output"),
         (["letter.svg", "fake.png", "--levels", "24", "-o", "out.svg"], 2, "put {stem} into the name"),
-        (["letter.svg", "--levels", "120%"], 2, "a percentage such as 8%"),
+        (["letter.svg", "--levels", "120%"], 2, "a share of them such as 8%"),
         (["letter.svg", "--levels", "24", "--limit", "size=3"], 2, "can be limited"),
         (["letter.svg", "--levels", "24", "-o", "-", "--report", "-"], 2, "takes one of"),
         (["*.svgz", "--levels", "24"], 1, "no file that can be read"),

@@ -78,7 +78,7 @@ def test_levels_can_be_texts_as_in_the_command(text: Any, same: Any) -> None:
 def test_texts_that_are_no_levels_are_told() -> None:
     with pytest.raises(NestingError, match=r"'5mm' is none of these\. Coordinates have no mm here; 5u is 5"):
         nested_cages(OUTER, "5mm")
-    with pytest.raises(NestingError, match="A level is a whole number of at least 1, a percentage such as 8%"):
+    with pytest.raises(NestingError, match="A level is a number of vertices such as 24, a share of them such as 8%"):
         nested_cages(OUTER, [24, ""])
     poses = np.stack([OUTER, OUTER + 0.1])
     assert len(animated_cages(OUTER, poses, "20%").levels[0].cage.vertices) == 12

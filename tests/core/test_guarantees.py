@@ -132,7 +132,9 @@ def test_a_cage_may_have_as_many_loops_of_other_kinds() -> None:
     """One loop around both parts and one that leaves the room between them free: two loops, as the parts have."""
     fine = Mesh.from_loops([disc(4, 0.5, -2.0, 0.0), disc(4, 0.5, 2.0, 0.0)])
     level = nested_cages(fine, [Mesh.from_loops([ring(4, 6.0), ring(4, 1.0)])], Settings(fallback=None)).levels[0]
-    note = "The cage has 1 outer loop and 1 hole, but the mesh in it has 2 outer loops and no holes: 2 loops share 1."
+    note = (
+        "The cage has 1 outer loop and 1 hole, but the mesh in it has 2 outer loops and no holes: 2 parts share a loop."
+    )
     assert level.report.notes == (note,)
     assert verify(level.cage, fine, level.report.wanted_clearance, same_loops=False)
     assert polygon(level.cage).contains_properly(polygon(fine))

@@ -169,7 +169,10 @@ def test_a_stuck_flow_falls_back_to_line_cycles_and_says_so() -> None:
     ("levels", "sentence"),
     [
         ([], "no levels"),
-        (["many"], r"A level is a whole number of at least 1, .* or an excess such as \+25%; 'many' is none of these"),
+        (
+            ["many"],
+            r"A level is a number of vertices such as 24, .* or more area such as \+25%; 'many' is none of these",
+        ),
         ([True], r"Level 1 must be a number of vertices, a Mesh or Within\(…\), not True"),
         (2, r"Level 1 asks for 2 vertices, but 1 loop needs at least 3\."),
         (None, r"A level must be a vertex count, .* a Mesh or Within\(…\), for instance \[64, 16\], not None"),

@@ -140,7 +140,7 @@ def test_what_is_lost_is_named() -> None:
     assert verdict and len(verdict.lost) == 1 and "is filled" in verdict.lost[0]
     together = nested_cages(bell(), 4)[0]
     assert together.report.lost == LostLoops((), ((0, 1, 2, 3, 4),))
-    assert "5 loops share 1" in " ".join(together.report.notes)
+    assert "5 parts share a loop" in " ".join(together.report.notes)
     assert "share one" in check(bell(), together).lost[0]
     kept = nested_cages(fine, 80)[0]
     assert kept.report.lost == LostLoops() and not check(fine, kept).lost

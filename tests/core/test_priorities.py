@@ -107,7 +107,7 @@ def test_more_pins_than_vertices_are_reported() -> None:
     pins = [int(k) for k in np.linspace(0, 400, 9)]
     level = nested_cages(fine, [8], Settings(pins=pins, loops="keep")).levels[0]
     check(level)
-    assert any("The closest cage vertex to the pin" in note for note in level.report.notes)
+    assert any("pins have no vertex of the cage nearby" in note for note in level.report.notes)
 
 
 @pytest.mark.slow
