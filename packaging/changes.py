@@ -89,7 +89,8 @@ def _changes(tree: ast.AST) -> Iterator[tuple[int, Callable[[], object]]]:
 
 def _judged(node: ast.AST) -> Iterator[ast.AST]:
     """The node and all below it whose change a test should see."""
-    if isinstance(node, ast.Raise | ast.JoinedStr | ast.Assert):
+    for_types = isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
+    if isinstance(node, ast.Raise | ast.JoinedStr | ast.Assert) or for_types:
         return
     yield node
     for name, value in ast.iter_fields(node):
