@@ -36,13 +36,19 @@ class Joins:
         self.open: Any = None if self.hole is None else self.shapely.Polygon(self.hole.ring)
         self.known: dict[tuple[int, int], Kind | None] = {}
         """What is made of two, by their identities; None if nothing is."""
+        self.new: list[Any] = []
+        """Solids of the parts that were made since that was found."""
+        self.tree: Any = None
+        """Of the solids of all parts."""
 
     def candidates(self) -> list[Kind]:
         """What a join would make."""
         solids = np.array([self.solids[id(part)] for part in self.parts])
         pairs: set[tuple[int, int]] = set()
+        self.tree = self.shapely.STRtree(solids)
+        self._forget_what_changed()
         if len(solids) > 1:
-            own, other = self.shapely.STRtree(solids).query_nearest(solids, exclusive=True, all_matches=False)
+            own, other = self.tree.query_nearest(solids, exclusive=True, all_matches=False)
             pairs = {(min(pair), max(pair)) for pair in zip(own.tolist(), other.tolist(), strict=True)}
         made = [self._known(self.parts[i], self.parts[j]) for i, j in sorted(pairs)]
         if self.hole is not None and len(solids):
@@ -59,13 +65,20 @@ class Joins:
             self.siblings[next(k for k, hole in enumerate(self.siblings) if hole is self.hole)] = made
             return
         made.holes[:] = holes
-        self.parts[:] = [*(part for part in self.parts if part not in made.joined), made]
-        solid = self.solids[id(made)]
-        self.known = {
-            key: part
-            for key, part in self.known.items()
-            if isinstance(part, Part) and not self.shapely.intersects(self.solids[id(part)], solid)
-        }
+        for part in made.joined:
+            self.parts.remove(part)
+        self.parts.append(made)
+        self.new.append(self.solids[id(made)])
+
+    def _forget_what_changed(self) -> None:
+        """Forget what is made next to parts that are new."""
+        if not self.new:
+            return
+        kept = {key: made for key, made in self.known.items() if isinstance(made, Part)}
+        near, _ = self.shapely.STRtree(self.new).query([self.solids[id(made)] for made in kept.values()], "intersects")
+        keys, changed = list(kept), set(near.tolist())
+        self.known = {key: kept[key] for k, key in enumerate(keys) if k not in changed}
+        self.new = []
 
     def _known(self, part: Part, other: Kind) -> Kind | None:
         key = id(part), id(other)
@@ -79,8 +92,7 @@ class Joins:
 
     def _met(self, solid: Any) -> list[Part]:
         """The parts that a polygon meets."""
-        met = self.shapely.intersects(solid, np.array([self.solids[id(part)] for part in self.parts]))
-        return [self.parts[k] for k in np.flatnonzero(met)]
+        return [self.parts[k] for k in np.sort(self.tree.query(solid, predicate="intersects"))]
 
     def _joined(self, one: Part, other: Part) -> Part | None:
         """Two parts and all that the outline around them meets, as one; None where there is no such outline."""
