@@ -69,6 +69,7 @@ class TwoSidedFlow:
         for tried, (stage, spacing, limit) in enumerate(stages):
             density = Spacing(spacing * unit, self.spacing * unit)
             energy = PenetrationEnergy(matching, self.margin * unit, density)
+            yield _fraction(tried, 0.0)  # many loops take long
             flow = EnergyFlow(energy, containment, system, self.smoothing * unit, self.longest_step * unit)
             descent = yield from mapped(flow.descend(steps[-1], limit), partial(_fraction, tried))
             steps, iterations = steps + descent.steps, iterations + descent.iterations

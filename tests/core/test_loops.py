@@ -71,6 +71,19 @@ def test_loops_are_kept_where_the_count_suffices() -> None:
         assert auto.cage == keep.cage and auto.report.notes == keep.report.notes
 
 
+@pytest.mark.parametrize(("side", "each", "looked"), [(4, 6, True), (18, 8, False)])
+def test_joins_are_looked_at_where_they_can_save_much(
+    side: int, each: int, looked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Joins] = []
+    monkeypatch.setattr(Joins, "candidates", lambda joins: asked.append(joins) or [])
+    disc = ring(24, 1.0)
+    fine = Mesh.from_loops([disc + 3.0 * np.array(place) for place in product(range(side), repeat=2)])
+    (level,) = nested_cages(fine, [each * side**2]).levels
+    assert level.report.excess > 0.05 and len(level.cage.loops) == side**2
+    assert bool(asked) == looked
+
+
 @pytest.mark.slow
 def test_the_choice_is_that_of_least_area() -> None:
     """Around specks one loop, around a frame with something in it a middle, around a cheap hole nothing of it."""

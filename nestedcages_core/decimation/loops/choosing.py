@@ -48,6 +48,10 @@ WORTHWHILE = 0.5
 MOST_JOINS = 24
 """Joins that are looked at beyond those."""
 
+WORTH_OF_A_LOOP = 3.0
+"""Area saved by losing a loop, at most, in parts of what it costs: k vertices cost about c / k², and k more elsewhere
+save about 2 c / k²."""
+
 
 @dataclass(frozen=True)
 class FewerLoops:
@@ -96,7 +100,7 @@ class FewerLoops:
             except NestingError as error:
                 failure = error
         lost = usual[0].coarse.area - fine.area if usual else np.inf
-        if lost <= COMFORTABLE * fine.area:
+        if usual and min(lost, _most_saved(fine, usual[0].coarse)) <= COMFORTABLE * fine.area:
             return usual
         symmetry, kept = kept.symmetry, replace(kept, preferred=None)
         choice, chosen = LoopChoice(fine, int(count), replace(kept, symmetry=None), clearance), self.outside
@@ -122,6 +126,13 @@ class FewerLoops:
         if isinstance(method, SeveralStarts):
             return (yield from method.starts(shape, count, clearance=clearance))
         return [Start(method.decimate(shape, count, clearance=clearance), in_words(method))]
+
+
+def _most_saved(fine: Mesh, coarse: Mesh) -> float:
+    """About the most area that fewer loops save: all that lie in holes may go, but others only by a few joins."""
+    costs = WORTH_OF_A_LOOP * np.abs(coarse.loop_areas - fine.loop_areas)
+    outermost = fine.parent_of_loop < 0
+    return float(costs[~outermost].sum() + np.sort(costs[outermost])[-2 * MOST_JOINS :].sum())
 
 
 def _with_images(shape: Mesh, symmetry: Symmetry | None) -> Mesh:
