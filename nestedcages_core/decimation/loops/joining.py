@@ -139,8 +139,8 @@ def _outline_of(shapely: Any, solid: Any, sense: int) -> FloatArray:
 def _with_bridge(shapely: Any, one: Any, other: Any) -> Any:
     """Two solids with a bridge between their nearest points, and the gap next to it closed."""
     bridge = shapely.shortest_line(one, other)
-    low, high = np.array(one.union(other).bounds).reshape(2, 2)
-    diagonal = float(np.hypot(*(high - low)))
+    left, low, right, high = shapely.total_bounds([one, other])
+    diagonal = float(np.hypot(right - left, high - low))
     gap = max(bridge.length, INPUT_ROUND_OFF * diagonal)
     reach = CLOSING * gap
     window = bridge.buffer(BESIDE * gap + 2.0 * reach)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -22,13 +23,13 @@ class LoopOutline:
     table: FloatArray = field(default_factory=lambda: np.array([np.inf]), init=False)
     """(K,) least area that a cage with 0, 1, … vertices here adds; infinite if not known."""
 
-    @property
+    @cached_property
     def area(self) -> float:
         """Area inside the outline."""
         here = self.ring - self.ring[0]
         return abs(0.5 * float(cross(here, np.roll(here, -1, axis=0)).sum()))
 
-    @property
+    @cached_property
     def own_area(self) -> float:
         """That inside the outlines of the drawing that it stands for."""
         return self.area
@@ -43,11 +44,11 @@ class Part(LoopOutline):
     joined: tuple[Part, ...] = ()
     """The parts that share the outline; none for a component of the drawing."""
 
-    @property
+    @cached_property
     def own_area(self) -> float:
         return sum(part.own_area for part in self.joined) if self.joined else self.area
 
-    @property
+    @cached_property
     def added(self) -> float:
         """Area that the outline adds to those of the components in it."""
         return self.area - self.own_area
@@ -75,11 +76,11 @@ class Hole(LoopOutline):
     inner: list[Hole] = field(default_factory=list)
     """The holes of all parts joined to its outline."""
 
-    @property
+    @cached_property
     def own_area(self) -> float:
         return self.area if self.before is None else self.before.own_area - sum(part.own_area for part in self.joined)
 
-    @property
+    @cached_property
     def added(self) -> float:
         """Area that joined parts and bridges to them take from it."""
         return self.own_area - self.area
