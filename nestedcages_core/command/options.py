@@ -343,7 +343,7 @@ def _check_files(options: argparse.ArgumentParser, given: argparse.Namespace, pa
             continue
         suffix = Path(path).suffix.lower()
         if path != given.report and suffix not in WRITTEN:
-            options.error(f"{Path(path).name}: a file is written if it ends in {', '.join(WRITTEN)}")
+            options.error(f"{Path(path).name or repr(path)}: a file is written if it ends in {', '.join(WRITTEN)}")
         animation = suffix == ".json" and all(kind_of(each) == "picture" for each in paths)
         if path != given.report and len(paths) > 1 and STEM not in path and not animation:
             options.error(f"{path}: each of several input files needs its own; put {STEM} into the name")

@@ -202,7 +202,8 @@ def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
     try:
         document = json.loads(text, parse_constant=constant)
     except (ValueError, RecursionError) as error:
-        raise invalid_file(f"This is not {what}: {error}.") from error
+        problem = "its brackets are nested too deeply" if isinstance(error, RecursionError) else error
+        raise invalid_file(f"This is not {what}: {problem}.") from error
     return document, bool(constants)
 
 

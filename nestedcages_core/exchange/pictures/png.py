@@ -52,13 +52,16 @@ def decode_png(data: bytes, *, limits: Limits | None = None) -> Pixels:
     if len(data) >= SIZE.stop:  # before Pillow allocates memory
         width, height = struct.unpack(">II", data[SIZE])
         limits.check("pixels", width * height)
-    picture = load_pictures().open
+    pillow = load_pictures()
+    picture = pillow.open
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             picture(io.BytesIO(data), formats=["PNG"]).verify()
             with picture(io.BytesIO(data), formats=["PNG"]) as image:
                 return _rgba(image)
+    except pillow.UnidentifiedImageError as error:
+        raise invalid_file("The PNG is damaged (it has no size); save it again.") from error
     except Exception as error:  # Pillow raises what it meets: OSError, SyntaxError, ValueError, zlib.error …
         raise invalid_file(f"The PNG is damaged ({error}); save it again.") from error
 
