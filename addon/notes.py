@@ -43,7 +43,7 @@ ON_METHODS = ("note.start", "note.energy", "note.untightened", "note.pose", "not
 # A size from which on it is told in times.
 MANY_TIMES = 10.0
 
-# Problems of certificates, and of an outline to start from, as an artist says them.
+# Problems of certificates, and why a cage cannot be made, as an artist says them.
 BROKEN: Mapping[str, str] = {
     "cage.invalid": "the cage crosses or touches itself",
     "fine.invalid": "what is in it crosses or touches itself",

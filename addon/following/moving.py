@@ -14,7 +14,7 @@ import numpy as np
 from bpy.types import Context, Object
 
 from ..core import core, known, memory, remembered
-from ..errors import FloatArray, UserError
+from ..errors import FloatArray, UserError, counted
 from ..generation.generate import STORED, Generation, Options, Request
 from ..generation.job import Progress, Work
 from ..generation.levels import OWN, Level, Wanted, are_counts, wanted_levels
@@ -68,7 +68,9 @@ def in_own_space(outline: Outline) -> Outline:
 def _check_topology(first: Drawing, drawing: Drawing) -> None:
     """Raises: UserError unless two drawings have as many loops with as many vertices, in the same order."""
     if [len(loop) for loop in first.loops] != [len(loop) for loop in drawing.loops]:
-        before, now = (f"{len(d.loops)} loops of {sum(map(len, d.loops))} vertices" for d in (first, drawing))
+        before, now = (
+            f"{counted(len(d.loops), 'loop')} of {sum(map(len, d.loops))} vertices" for d in (first, drawing)
+        )
         raise UserError(
             f"'{drawing.name}' has {now} instead of {before} on the first frame: end before that frame, or turn "
             "off what changes it"

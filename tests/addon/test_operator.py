@@ -412,7 +412,7 @@ REFUSALS = {
     "loops a rounding apart": (
         lambda: poly_curve("Touch", [circle(4), circle(4, 1.0, (2.0, 0.0))]),
         {"loops": "keep"},
-        "'Touch, level 1': There is no room for a cage near (1, ",
+        "'Touch', cage 1: There is no room for a cage near (1, ",
     ),
     "no numbers": (not_a_number, {}, "'Broken'"),
     "no room": (

@@ -68,8 +68,8 @@ def greedy_hull(request: Request, clearance: float) -> Stage[float, Mesh]:
         raise NestingError(count_fault(request.total, len(smallest.vertices)))
     tightest = _tightest(outline)
     raise NestingError(
-        f"There is no room for a cage near {in_words(tightest)}: a gap there is as small as "
-        "floating-point numbers can tell at these coordinates; widen it, or move the shape closer to the origin.",
+        f"There is no room for a cage near {in_words(tightest)}: a gap there is too narrow "
+        "for numbers of this size; widen it, or move the shape closer to the origin.",
         code="clearance.no_room",
         place=tightest,
     )
