@@ -69,8 +69,9 @@ def note(code: str, **data: Any) -> core.Fault:
 
 
 def is_told(code: str, data: Mapping[str, Any]) -> bool:
-    """Whether a note is for the panel: what the user did was not kept, or could be better."""
-    return not code.startswith(ON_METHODS) or data.get("on") == "fallback"
+    """Whether a note is for the panel: it says what the size of a cage does not, and not only how it was made."""
+    on = data.get("on")
+    return on == "fallback" or not (code.startswith(ON_METHODS) or (code == "note.tolerance" and on == "excess"))
 
 
 def in_scene(given: core.Fault, scale: float) -> core.Fault:

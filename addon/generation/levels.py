@@ -165,21 +165,13 @@ def are_counts(levels: Sequence[Level]) -> bool:
     return not any(isinstance(level, core.Within) for level in levels)
 
 
-def meanings(
-    levels: Sequence[Level],
-    drawings: Sequence[Sequence[int]],
-    size: float,
-    unit: tuple[str, float],
-    *,
-    keeps: bool = True,
-) -> str:
+def meanings(levels: Sequence[Level], drawings: Sequence[Sequence[int]], size: float, *, keeps: bool = True) -> str:
     """What levels come to for some drawings: "20 % = 4 to 93, 8 % = 4 to 37 vertices"; their vertices where all levels
     are counts.
 
-    drawings: vertices of the loops of each. size: the largest diagonal in units of the scene. unit: what the scene
-    marks lengths with, and its length. keeps: whether each loop needs vertices of its own.
+    drawings: vertices of the loops of each. size: the largest diagonal in units of the scene. keeps: whether each loop
+    needs vertices of its own.
     """
-    name, length = unit
     said: list[str] = []
     shares = [level for level in levels if isinstance(level, core.hierarchy.Share)]
     for level in levels:
@@ -187,9 +179,9 @@ def meanings(
             counts = _span([level.of(sizes, keeps=keeps) for sizes in drawings])
             said.append(f"{100.0 * level.fraction:.4g} % = {counts}{' vertices' if level is shares[-1] else ''}")
         elif isinstance(level, core.Within) and level.excess is not None:
-            said.append(f"+{100.0 * level.excess:.4g} % = {1.0 + level.excess:.4g} times the area")
+            said.append(f"{1.0 + level.excess:.4g} times the area")
         elif isinstance(level, core.Within) and size > 0.0:
-            said.append(f"{level.limit / length:.4g} {name} = {100.0 * level.limit / size:.3g} % of the size")
+            said.append(f"{100.0 * level.limit / size:.3g} % of the size")
     return ", ".join(said) or f"of {_span([sum(sizes) for sizes in drawings])} vertices"
 
 

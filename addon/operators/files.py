@@ -281,7 +281,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
     )
     triangles: flag("Triangles", "Add triangles to a collision outline, for engines that need them")
     pieces: whole(
-        "Convex Pieces",
+        "Pieces",
         "Add convex pieces of at most this many vertices to a collision outline, for engines that need these, such "
         "as Box2D, which takes 8; 0 adds none",
         min=0,

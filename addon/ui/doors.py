@@ -181,6 +181,8 @@ BEHIND: dict[str, Callable[[Any, Context], None]] = {RIG: _rig_door, PICTURE: _p
 def counts(context: Context) -> str:
     """The vertices of the cages of all selected drawings: "20 % = 4 to 93 vertices"; empty if they are not known."""
     settings, known = settings_of(context), lengths(scene_of(context))
+    if settings.use_selected_as_levels:
+        return ""
     drawings = [obj for obj in chosen(context)[:MOST] if record.level_of(obj) is None and obj.mode == "OBJECT"]
     sizes = [of_one for obj in drawings if sum(of_one := loop_sizes(obj, settings.resolution))]
     try:
@@ -189,7 +191,7 @@ def counts(context: Context) -> str:
         return ""
     size = max((obj.dimensions.length for obj in drawings), default=0.0)
     keeps = settings.inside or settings.loops == KEEP
-    return meanings(levels, sizes, size, next(iter(known.items())), keeps=keeps) if levels else ""
+    return meanings(levels, sizes, size, keeps=keeps) if levels else ""
 
 
 class SCENE_OT_nested_cages_door(Operator, bpy.types.Operator):

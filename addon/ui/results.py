@@ -26,7 +26,7 @@ def draw_set(layout: Any, context: Context, cage_set: CageSet) -> None:
     for cage in cage_set.cages:
         state, sentence = health(context, cage)
         size *= 1.0 + record.node_of(cage).excess
-        name = cage.name.removeprefix(f"{cage_set.record.title} ")
+        name = cage.name.removeprefix(f"{cage_set.record.title} ").removeprefix("Inner ")
         column.label(
             text=f"{name}: {len(cage.data.vertices)} vertices, {notes.larger(size)}", icon=state, translate=False
         )
