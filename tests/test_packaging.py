@@ -141,15 +141,20 @@ def test_the_zip_has_what_the_addon_needs_and_no_more(build_extension: ModuleTyp
         archive.extractall(tmp_path / "nested_cages")
     core = tmp_path / "nested_cages" / "nestedcages_core"
     rooms = {entry.name for entry in (ROOT / "nestedcages_core").iterdir()} - {"__pycache__"}
-    assert rooms - {entry.name for entry in core.iterdir()} == {"__main__.py", "batch", "command"}
+    left_out = {"__main__.py", "batch", "command", "checker.py", "checker_distance.py"}
+    assert rooms - {entry.name for entry in core.iterdir()} == left_out
     assert {entry.name for entry in core.parent.iterdir()} == {
         "__init__.py", "addon", "blender_manifest.toml", "LICENSE", "nestedcages_core"
     }  # fmt: skip
-    processes = {"subprocess", "multiprocessing", "concurrent", "socket", "urllib"}
+    processes = {"asyncio", "subprocess", "multiprocessing", "concurrent", "socket", "urllib"}
     for path in core.parent.rglob("*.py"):
         nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
         imported = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
         imported |= {node.module or "" for node in nodes if isinstance(node, ast.ImportFrom) and not node.level}
+        threads = [
+            node for node in nodes if isinstance(node, ast.Attribute | ast.Name) and "Thread" in ast.unparse(node)
+        ]
+        assert not threads, path.name
         called = {node.func.id for node in nodes if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}
         assert not processes & {name.partition(".")[0] for name in imported}, path.name
         assert not {"eval", "exec", "__import__"} & called, path.name
@@ -177,6 +182,9 @@ def test_the_manifest_keeps_the_rules_of_the_extensions_site() -> None:
     assert set(manifest["tags"]) <= set(TAGS.split(", "))
     assert "blender" not in manifest["name"].lower()
     assert all(re.fullmatch(r"\d{4}(-\d{4})? \S.*", holder) for holder in manifest["copyright"])
+    holders = " ".join(manifest["copyright"])
+    for bundled in ("SciPy", "OpenBLAS", "LAPACK", "libgfortran", "Shapely", "GEOS", "tinycss2", "cssselect2"):
+        assert bundled in holders, bundled
     assert "network" not in manifest["permissions"]
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from ..core import core, known, memory, remembered, steps
 from ..errors import UserError
-from ..notes import BROKEN, larger, note
+from ..notes import BROKEN, note
 from ..scene.convert import Drawing
 from .job import Progress, Work
 from .levels import Level, Wanted, are_counts, wanted_levels
@@ -55,10 +55,9 @@ def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: flo
         return ()
     around = clearance * (float(fine.edge_lengths.sum()) + pi * clearance) / fine.area
     if around > min(CLEARANCE_PART * excess, LOOSE):
-        share = float(clearance / fine.diagonal)
-        return (note("loose.clearance", size=larger(1.0 + excess), share=share),)
-    better, facts = _enough(fine, count, clearance), {"count": count, "size": larger(1.0 + excess)}
-    return (note("loose.enough", **facts, better=better, good=GOOD) if better else note("loose.count", **facts),)
+        return (note("loose.clearance", share=float(clearance / fine.diagonal)),)
+    better = _enough(fine, count, clearance)
+    return (note("loose.enough", better=better, good=GOOD) if better else note("loose.count", count=count),)
 
 
 def _enough(fine: core.Mesh, count: int, clearance: float) -> int | None:

@@ -245,7 +245,7 @@ def scaled(scale):
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({"levels": "12", "clearance": 1000.0}, "times as large, since the gap is 3"),
+        ({"levels": "12", "clearance": 1000.0}, "The gap is 3"),
         ({"levels": "8%, 20%"}, "2 certified cages: "),
         ({"levels": "12"}, "3 certified cages for 3 drawings: "),
     ],
