@@ -12,8 +12,7 @@ import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
-from ..energies import Area, Energy
-from ..energies.area import LostArea
+from ..energies import Energy
 from ..energies.base import EdgeCost
 from ..errors import Fault, NestingError
 from ..geometry.arrays import FloatArray
@@ -65,8 +64,6 @@ class Settling:
         """The level with its cage on the numbers, certified; None if there is none."""
         yield from self.progress.begin("verification")
         found = yield from self._moved(level, Way.of(level), level.report, self.numbers)
-        if found is None and self.plan.group is None:
-            found = yield from self._moved(level, self._widened(level), level.report, self.numbers)
         if found is None:
             return None
         self.progress.stop_clock()
@@ -126,18 +123,6 @@ class Settling:
                 except NestingError as error:
                     logger.debug("numbers %g apart: %s", numbers.spacing, error)
         return None
-
-    def _widened(self, level: Level) -> Way:
-        """The steps of the level tightened with more clearance."""
-        units = SolverUnits.of(level.fine)
-        cage, fine = units.from_input(level.cage), units.from_input(level.fine)
-        bodies = Bodies.of(cage, fine, side=self.plan.side)
-        energy = Area() if level.side > 0 else LostArea(fine.area)
-        clearance = units.clearance(level.report.wanted_clearance + self.rooms[0])
-        run = self.choices.tightening.run(bodies, cage.vertices, fine.vertices, clearance=clearance, energy=energy)
-        wider = [units.to_input(step) for step in run]
-        way = Way.of(level)
-        return way._replace(reinflation=way.reinflation.with_tightening(wider)) if wider else way
 
 
 def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float) -> Stage[float, list[FloatArray]]:

@@ -339,7 +339,7 @@ def test_a_margin_for_stored_numbers_is_there_at_the_first_trial(monkeypatch: py
     """Far from the origin, rounding would take from the clearance of a level, and of a motion that is read once."""
     fine = star(5, 40).moved((star(5, 40).vertices + 300.0).astype(np.float32).astype(float))
     chosen = Settings(stored=np.float32, clearance=0.01)
-    monkeypatch.setattr(Settling, "_widened", lambda *_: pytest.fail("tightened a second time"))
+    monkeypatch.setattr(Settling, "rooms", property(lambda _: pytest.fail("made a second time")))
     assert check(fine, nested_cages(fine, [8], chosen), 0.01, motions=4)
     poses = (fine.vertices + np.array([0.125 * k, 0.0]) for k in range(3))
     assert check(fine, animated_cages(fine, poses, [8], chosen), 0.01, motions=4)

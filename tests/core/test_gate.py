@@ -166,27 +166,6 @@ def iter_of(result: Any) -> Any:
     yield
 
 
-def test_tightening_with_more_clearance_is_judged(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its steps lead to the place on the grid that is taken in the end."""
-    true = settling.Settling._widened
-    refuse = [True]
-
-    def wrong(self: Any, level: Level) -> Way:
-        way, refuse[0] = true(self, level), False
-        return of(way, cages=with_detour(way.reinflation.cage_steps))
-
-    placed = settling.placements
-
-    def none_at_first(*asked: Any) -> Any:
-        points = yield from placed(*asked)
-        return [] if refuse[0] else points
-
-    monkeypatch.setattr(settling.Settling, "_widened", wrong)
-    monkeypatch.setattr(settling, "placements", none_at_first)
-    assert is_refused(nested_cages, TEETH, 12, grid=0.25)
-    assert not refuse[0]
-
-
 @pytest.mark.parametrize("factor", [0.999, 1.001])
 def test_stored_steps_are_judged(factor: float, monkeypatch: pytest.MonkeyPatch) -> None:
     def wrong(points: np.ndarray, stored: str) -> np.ndarray:
