@@ -183,12 +183,25 @@ class Generation:
         scale, convex = request.fine.frame.scale, options.rules.convex
         keeps = options.inside or (options.rules.loops == KEEP and not options.rules.merge)
         wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex, keeps=keeps)
-        settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
+        try:
+            settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
+        except core.NestedCagesError as error:
+            raise UserError(self._said(error, request)) from error
         clearance = options.clearance / scale or options.clearance_share * fine.diagonal or None
         plan = Plan(request, fine, wanted, replace(settings, clearance=clearance, stored=STORED))
         if clearance is not None and keeps and not (convex or own or options.inside):
             check_room(fine, clearance, len(wanted), request.fine)
         return plan
+
+    def _said(self, error: core.NestedCagesError, request: Request) -> str:
+        """An error of the core in words of the panel."""
+        methods, kinds = self.options.methods, self.options.rules.kinds(request.places)
+        others = {"inside": self.options.inside, "as published": methods.as_published}
+        others["evenly resampled"] = methods.decimation == "ARC_LENGTH"
+        kinds += [name for name, holds in others.items() if holds]
+        if error.code == "setting.conflict" and len(kinds) > 1:
+            return f"Cages cannot be {', '.join(kinds[:-1])} and {kinds[-1]} at once: leave one of these out"
+        return BROKEN.get(error.code, str(error))
 
     def __iter__(self) -> Work[None]:
         total = sum(len(plan.levels) for plan in self._plans)
@@ -223,7 +236,7 @@ class Generation:
                     yield Progress(step.fraction, f"{name}, level {step.level + 1}: {STAGES[step.stage]}")
             except core.NestedCagesError as error:
                 number = 1 + (len(error.partial) if error.partial is not None else 0)
-                said = BROKEN.get(error.code, error)
+                said = self._said(error, plan.request)
                 raise UserError(f"'{name}', cage {number}: {said}", plan.request.fine.fault(error.fault)) from error
             finally:
                 run.close()

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..core import core
-from ..errors import FloatArray, UserError
+from ..errors import FloatArray
 
 AUTO, KEEP, ONE = "auto", "keep", "one"
 LOOPS = (
@@ -69,27 +69,24 @@ class Rules:
     directions: str = NONE
 
     def settings(self, settings: core.Settings, fine: core.Mesh, scale: float, places: Places) -> core.Settings:
-        """The core's settings with these rules for a drawing. Raises: UserError.
+        """The core's settings with these rules for a drawing. Raises: NestedCagesError.
 
         scale: the scene's length of the drawing's unit.
         """
-        try:
-            return replace(
-                settings,
-                convex=self.convex,
-                grid=self.grid / scale or None,
-                loops=self.loops,
-                merge=self.merge / scale or None,
-                symmetry=self._symmetry(fine),
-                weights=places.weights or None,
-                pins=places.pins,
-                joints=places.joints,
-                min_edge=self.min_edge / scale or None,
-                min_angle=float(np.degrees(self.min_angle)) or None,
-                constraints=() if self.directions == NONE else (core.AxisAligned(DEGREES[self.directions]),),
-            )
-        except core.NestedCagesError as error:
-            raise UserError(str(error)) from error
+        return replace(
+            settings,
+            convex=self.convex,
+            grid=self.grid / scale or None,
+            loops=self.loops,
+            merge=self.merge / scale or None,
+            symmetry=self._symmetry(fine),
+            weights=places.weights or None,
+            pins=places.pins,
+            joints=places.joints,
+            min_edge=self.min_edge / scale or None,
+            min_angle=float(np.degrees(self.min_angle)) or None,
+            constraints=() if self.directions == NONE else (core.AxisAligned(DEGREES[self.directions]),),
+        )
 
     def kinds(self, places: Places | None = None) -> list[str]:
         """What cages are by these rules, in words."""

@@ -111,10 +111,10 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
         for note in dict.fromkeys(note for cage in cages for note in cage.report.notes):
             if is_told(note.code, note.data):
                 self.report({"WARNING"}, note)
-        shown = ", ".join(larger(size) for result in results for size in _mean_sizes(result))
+        shown = ", ".join(larger(size) for result in results for size in _sizes(result))
         between = "" if any(poses.redrawn for poses in read) else " and between them"
         certified = f"certified on {counted(len(frames), 'frame')}{between}"
-        self.report({"INFO"}, f"{counted(len(cages), 'cage')} {certified}; on average {shown}")
+        self.report({"INFO"}, f"{counted(len(cages), 'cage')} {certified}; typically {shown}")
 
     def _set_range(self, scene: Scene) -> None:
         """Takes the frames that are not set from the scene."""
@@ -123,9 +123,9 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
                 setattr(self, name, getattr(scene, name))
 
 
-def _mean_sizes(result: moving.Moving) -> FloatArray:
-    """Mean area of each cage over its keys, by the drawing's."""
-    excess = [np.mean([each.excess for each in cage.report.certificates]) for cage in result.cages]
+def _sizes(result: moving.Moving) -> FloatArray:
+    """Median area of each cage over its keys, as the panel has it, by the drawing's."""
+    excess = [np.median([each.excess for each in cage.report.certificates]) for cage in result.cages]
     return np.cumprod(1.0 + np.array(excess))
 
 

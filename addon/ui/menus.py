@@ -7,7 +7,6 @@ from typing import Any
 import bpy
 from bpy.types import Context
 
-from ..operators.files import SHAPE_ITEMS
 from ..properties.kinds import registration
 from ..properties.settings import copy_values, settings_of
 
@@ -21,8 +20,6 @@ ENTRIES: tuple[dict[str, Any], ...] = (
         "rig": "ARMATURE_DATA",
         "puppet": "OUTLINER_OB_ARMATURE",
         "clip": "ACTION",
-    }
-    | {
         "follow": "CON_FOLLOWTRACK",
         "live": "REC",
         "rebind": "FILE_REFRESH",
@@ -46,11 +43,7 @@ class VIEW3D_MT_nested_cages(bpy.types.Menu):
             for name, icon in group.items():
                 layout.operator(f"object.nested_cages_{name}", icon=icon)
             layout.separator()
-        for shape, name, _ in SHAPE_ITEMS:
-            convert = layout.operator(
-                "object.nested_cages_to_objects", text=f"Convert Cages to {name}", icon="OUTLINER_OB_MESH"
-            )
-            convert.shape = shape
+        layout.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
         layout.operator("object.nested_cages_pieces", icon="MOD_EXPLODE")
         layout.separator()
         for name, icon in ON_FILES.items():

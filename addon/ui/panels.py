@@ -129,9 +129,6 @@ class VIEW3D_PT_nested_cages_use(PartPanel, bpy.types.Panel):
     def draw(self, context: Context) -> None:
         layout = self.layout
         column = layout.column(align=True)
-        column.operator(
-            "object.nested_cages_to_objects", text="Convert Cages to Curves", icon="OUTLINER_OB_CURVE"
-        ).shape = "CURVE"
         column.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
         column.operator("object.nested_cages_pieces", icon="MOD_EXPLODE")
         layout.operator("object.nested_cages_export", icon="EXPORT")

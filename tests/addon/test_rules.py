@@ -112,7 +112,8 @@ def test_rules_that_exclude_each_other_are_refused() -> None:
     poly_curve("Drawing", [star()])
     for rules, said in (
         ({"symmetry": "ROTATION", "symmetry_order": 5, "grid": 0.1}, "symmetr"),
-        ({"min_angle": 0.5, "convex": True}, "Convex cages"),
+        ({"min_angle": 0.5, "convex": True}, "Cages cannot be convex and limited in edges or angles at once"),
+        ({"symmetry": "FOUND", "as_published": True}, "Cages cannot be symmetric and as published at once"),
     ):
         with pytest.raises(RuntimeError, match=said):
             bpy.ops.object.nested_cages_generate(levels="16", **rules)
@@ -201,7 +202,7 @@ def test_close_parts_are_merged(addon) -> None:
     bpy.ops.object.nested_cages_generate(levels="5", merge=0.5)
     assert len(points(cages()[0])) == 5
     assert ("note.loops", "") in noted(addon)
-    with pytest.raises(RuntimeError, match="merge does not go with"):
+    with pytest.raises(RuntimeError, match="Cages cannot be symmetric and merged at once: leave one"):
         bpy.ops.object.nested_cages_generate(levels="12", merge=0.5, symmetry="FOUND")
 
 
