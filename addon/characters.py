@@ -20,7 +20,7 @@ from .animation.timeline import Timing
 from .binding import binding, field
 from .binding.copies import complete
 from .core import blamed, core, gate, triangulation
-from .errors import FloatArray, UserError
+from .errors import Fault, FloatArray, UserError
 from .generation import output
 from .generation.generate import STORED, Generation, Options, Request, Result
 from .generation.job import Work
@@ -219,7 +219,9 @@ def json_of(context: Context, cage_set: CageSet, *, flip_y: bool, frames: bool) 
             column[:] = painted[cage.vertex_groups[bone.name].index]
     lost = np.flatnonzero(weights.sum(axis=1) <= 0.0)
     if len(lost):
-        raise UserError(f"Vertex {lost[0]} of '{cage.name}' follows no bone of '{armature.name}': paint weights there")
+        points = transform(world_matrix(cage), filling.points_of(filling.mesh_of(cage))[lost])
+        message = f"A part of '{cage.name}' follows no bone of '{armature.name}': paint weights there"
+        raise UserError(message, Fault.at(cage.session_uid, points))
     shape, around = filling.shape_of(fine), filling.shape_of(cage)
     with blamed(f"'{fine.name}'"):
         coordinates = core.cage_coordinates(shape, around)

@@ -59,6 +59,9 @@ BROKEN: Mapping[str, str] = {
     "reinflation.blocked": (
         "the drawing cannot grow back in your outline: give it more vertices, or tick 'Fall Back to Hull'"
     ),
+    "edges.not_aligned": (
+        "its edges cannot be along the axes with all else that is asked: use more vertices, or choose other 'Edges'"
+    ),
     "coarse.not_nested": "your outline does not lie inside the drawing: move it inside, or enter numbers",
 }
 

@@ -29,8 +29,8 @@ from .base import JobOperator, Operator, SetOperator, last_fault
 
 
 class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
-    """Check that cages are simple and strictly enclose their contents on this frame, and select what is at fault; of a
-    puppet, that none of its parts folds over itself
+    """Check that cages do not cross themselves and enclose their contents on this frame, and select what is at
+    fault; of a puppet, that none of its parts folds over itself
     """
 
     bl_label = "Verify Cages"
