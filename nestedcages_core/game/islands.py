@@ -19,7 +19,7 @@ FINEST = 2.0**-6
 
 MARGIN, MOST_ISLANDS = 1, 64
 """Least distance of a hull from opaque pixels, in pixels: what filtered textures blend in. Islands whose margins meet
-are one, and where more than so many are left, those farther apart are one too."""
+are one, and those farther apart where there are more than this many."""
 
 SQUARE = np.ones((3, 3))
 """A pixel and all of its neighbours."""
