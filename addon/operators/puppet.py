@@ -11,7 +11,7 @@ from .. import record
 from ..errors import UserError, counted
 from ..generation.job import Work
 from ..properties.kinds import choice, flag
-from ..puppets import armatures, clips, duplicates, moving
+from ..puppets import armatures, caps, clips, duplicates, moving
 from ..scene.areas import paints
 from ..scene.ownership import chosen
 from .base import JobOperator, Operator, pose
@@ -73,6 +73,10 @@ def make_puppet(
         armature, puppet = yield from moving.articulate(context, given, old, options)
     pose(context, armature)
     operator.tell_skipped(list(given.problems))
+    bare = {given.parts[cap.part].name for cap in puppet.caps if not caps.with_faces(given.objects[cap.part])}
+    if options.caps and bare:
+        names = ", ".join(sorted(bare))
+        operator.report({"INFO"}, f"Joints of Grease Pencil are not painted: lengthen '{names}' beyond theirs")
     for note in puppet.draft.notes:
         operator.report({"WARNING"}, note)
     turns = {bone.name: min(-each.low, each.high) for bone, each in zip(puppet.bones, puppet.ranges, strict=True)}

@@ -38,6 +38,11 @@ class Shown(NamedTuple):
     """(t, 3, 2) its coordinates at corners."""
 
 
+def with_faces(drawings: Sequence[Object]) -> list[Object]:
+    """Those that caps can be cut from."""
+    return [obj for obj in drawings if obj.type in SOLID]
+
+
 def remove_caps(armature: Object) -> None:
     """Removes the caps of a puppet."""
     gone = [child for child in armature.children if armatures.is_cap(child)]
@@ -60,7 +65,7 @@ def draw_caps(
              for obj in each}  # fmt: skip
     whole = BEHIND * frame.scale * size(np.concatenate([part.outline.vertices for part in puppet.draft.parts]))
     for cap in caps:
-        own = [obj for obj in drawings[cap.part] if obj.type in SOLID]
+        own = with_faces(drawings[cap.part])
         if not own:
             continue
         low, high = (end(depth[obj] for obj in own) for end in (min, max))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from bpy.types import Object
 
-from drawings import choose
+from drawings import choose, grease_pencil
 from nestedcages_core.exchange.pictures import read_png
 from test_character import figure, points
 
@@ -344,6 +344,16 @@ def test_caps_keep_joints_painted_behind_their_drawings() -> None:
         assert cap.hide_viewport == cap.hide_render == hidden
     bpy.ops.object.nested_cages_puppet(caps=False)
     assert not [obj for obj in bpy.data.objects if is_cap(obj)]
+
+
+def test_joints_of_grease_pencil_are_told(capfd: pytest.CaptureFixture[str]) -> None:
+    for name, left in (("upper", 0.0), ("lower", 4.6)):
+        bar = grease_pencil(name, [np.array([[left, 0.0], [left + 5.0, 0.0], [left + 5.0, 2.0], [left, 2.0]])])
+        bar.select_set(True)
+    bpy.context.view_layer.objects.active = bar
+    for options, told in ({}, True), ({"caps": False}, False):
+        assert bpy.ops.object.nested_cages_puppet(**options) == {"FINISHED"}
+        assert ("Joints of Grease Pencil are not painted" in capfd.readouterr().out) == told
 
 
 def test_nothing_selected_is_told() -> None:
