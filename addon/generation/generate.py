@@ -161,8 +161,6 @@ class Generation:
         self.options = options
         if options.inside and not are_counts(options.levels):
             raise UserError("Inner cages have vertex counts: leave distances and areas such as +25% out of 'Cages'")
-        if options.inside and options.rules.convex:
-            raise UserError("Convex cages lie around a drawing: leave 'Cage Inside' or 'Convex' off")
         self.results: list[Result] = []
         self.problems: list[UserError] = []
         self._plans: list[Plan] = []
@@ -199,7 +197,7 @@ class Generation:
         others = {"inside": self.options.inside, "as published": methods.as_published}
         others["evenly resampled"] = methods.decimation == "ARC_LENGTH"
         kinds += [name for name, holds in others.items() if holds]
-        if error.code == "setting.conflict" and len(kinds) > 1:
+        if error.code in ("setting.conflict", "convex.impossible") and len(kinds) > 1:
             return f"Cages cannot be {', '.join(kinds[:-1])} and {kinds[-1]} at once: leave one of these out"
         return BROKEN.get(error.code, str(error))
 

@@ -49,7 +49,7 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], tuple[st
     """
     exchange, ending = core.exchange, path.suffix.lower()
     if path.exists() and ending not in (*SVG, *MAPS):
-        raise UserError(f"'{path.name}' is not a supported file type: choose .svg, .geojson or .json")
+        raise UserError(f"'{path.name}' is not a supported file type: choose .svg, .geojson, .json, .psd, .ora or .kra")
     content = content_of(path)
     with blamed(f"'{path.name}' cannot be read"):
         if ending in SVG:

@@ -76,7 +76,7 @@ def painted_loops(
             problems.append(error)
     name = objects[0].name
     if not areas:
-        raise problems[0] if problems else UserError(f"'{name}' is seen from the side: choose another plane")
+        raise problems[0] if problems else UserError(f"'{name}' is seen from the side or scaled to nothing: turn it")
     yield Progress(0.5, "uniting painted areas")
     loops = united(name, areas)
     if gap > 0.0:

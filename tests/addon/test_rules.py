@@ -71,7 +71,7 @@ def test_convex_cages_have_so_many_vertices_around_each_part() -> None:
             assert len(part.exterior.coords) - 1 == count
             assert part.convex_hull.area == pytest.approx(part.area, rel=1e-6)
         assert shape.contains_properly(fine)
-    with pytest.raises(RuntimeError, match="leave 'Cage Inside' or 'Convex' off"):
+    with pytest.raises(RuntimeError, match="Cages cannot be convex and inside at once"):
         bpy.ops.object.nested_cages_generate(levels="6", convex=True, inside=True)
 
 
