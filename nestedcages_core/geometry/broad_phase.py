@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from .arrays import FloatArray, IntArray
-from .distance import SMALLEST_LENGTH, point_edge
+from .distance import SMALLEST_LENGTH
 from .predicates.sweep import expanded
 from .vectors import bounds
 
@@ -88,7 +88,7 @@ def near_pairs(points: FloatArray, starts: FloatArray, ends: FloatArray, radius:
         pair = _in_boxes(p, low, high)
     j = pair // len(points)
     i = pair - j * len(points)
-    close = (_distance(p, a, b, i, j) < radius).nonzero()[0]
+    close = (_of_pairs(p, a, b, i, j)[0] < radius).nonzero()[0]
     return i.take(close), j.take(close)
 
 
@@ -121,8 +121,9 @@ def _in_strips(p: FloatArray, low: FloatArray, high: FloatArray) -> IntArray | N
     return pair
 
 
-def _distance(p: FloatArray, a: FloatArray, b: FloatArray, i: IntArray, j: IntArray) -> FloatArray:
-    """(K,) the distance of `point_edge` between points i and edges j, of coordinates (2, P) and (2, E), (2, E)."""
+def _of_pairs(p: FloatArray, a: FloatArray, b: FloatArray, i: IntArray, j: IntArray) -> tuple[FloatArray, FloatArray]:
+    """(K,), (K,) distance and parameter of `point_edge` between points i and edges j, of coordinates (2, P) and (2, E),
+    (2, E)."""
     edge_x, edge_y = b - a
     squared_length = np.maximum(edge_x * edge_x + edge_y * edge_y, SMALLEST_LENGTH**2).take(j)
     edge_x, edge_y = edge_x.take(j), edge_y.take(j)
@@ -134,13 +135,16 @@ def _distance(p: FloatArray, a: FloatArray, b: FloatArray, i: IntArray, j: IntAr
     np.minimum(parameter, 1.0, out=parameter)
     x -= parameter * edge_x
     y -= parameter * edge_y
-    distance: FloatArray = np.sqrt(x * x + y * y)
-    return distance
+    x *= x
+    y *= y
+    x += y
+    return np.sqrt(x, out=x), parameter
 
 
 def _near_pairs_by_cells(
     points: FloatArray, starts: FloatArray, ends: FloatArray, radius: float
 ) -> tuple[IntArray, IntArray]:
+    p, a, b = points.T.copy(), starts.T.copy(), ends.T.copy()
     low, high = bounds(np.concatenate([points, starts, ends]))
     lengths = np.hypot(*(ends - starts).T)
     pieces = PIECES * (len(points) + len(starts))
@@ -186,9 +190,11 @@ def _near_pairs_by_cells(
         item = np.repeat(np.arange(low_item, high_item), counts)
         i = order[position_in_group(counts) + begin[item]]
         j = edge[piece[item]]
-        pair = point_edge(points[i], starts[j], ends[j])
-        holder = np.minimum((pair.parameter * piece_count[j]).astype(np.int64), piece_count[j] - 1)
-        keep = (holder == place[piece[item]]) & (pair.distance < radius)
+        distance, parameter = _of_pairs(p, a, b, i, j)
+        close = (distance < radius).nonzero()[0]
+        i, j = i.take(close), j.take(close)
+        holder = np.minimum((parameter.take(close) * piece_count.take(j)).astype(np.int64), piece_count.take(j) - 1)
+        keep = holder == place.take(piece.take(item.take(close)))
         found.append((i[keep], j[keep]))
         low_item = high_item
     if not found:

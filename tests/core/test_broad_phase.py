@@ -7,7 +7,7 @@ import pytest
 
 from nestedcages_core.geometry import broad_phase
 from nestedcages_core.geometry.broad_phase import near_pairs
-from nestedcages_core.geometry.distance import PointEdge, point_edge
+from nestedcages_core.geometry.distance import point_edge
 
 
 def scene(seed: int, long_share: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -45,11 +45,13 @@ def test_crowds_of_points_get_cells_of_their_own_size(monkeypatch: pytest.Monkey
     ends = np.concatenate((np.roll(points, -1, axis=0), long[1]))
     measured = []
 
-    def counted(p: np.ndarray, a: np.ndarray, b: np.ndarray) -> PointEdge:
-        measured.append(len(p))
-        return point_edge(p, a, b)
+    measure = broad_phase._of_pairs
 
-    monkeypatch.setattr(broad_phase, "point_edge", counted)
+    def counted(*asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        measured.append(len(asked[-1]))
+        return measure(*asked)
+
+    monkeypatch.setattr(broad_phase, "_of_pairs", counted)
     found = set(zip(*(k.tolist() for k in near_pairs(points, starts, ends, 0.01)), strict=True))
     assert sum(measured) < 0.2 * len(points) * len(starts)
     assert found == all_pairs(points, starts, ends, 0.01)
