@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import platform
+import subprocess
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -248,3 +251,21 @@ def test_the_very_same_request_is_answered_at_once(options: dict[str, Any], monk
     assert again.cages == first.cages
     assert again[0].report == first[0].report
     assert not np.shares_memory(again[0].flow.steps, first[0].flow.steps)
+
+
+GROWING = """
+import resource, numpy as np
+import nestedcages_core.geometry.arrays
+faults = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+before = faults()
+for size in range(1, 32):
+    np.empty(size * 2**14).fill(1.0)
+print((faults() - before) * resource.getpagesize() / (size * 2**17))
+"""
+"""Prints how much fresh memory arrays take of which each is larger than those before, in parts of the largest."""
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="other libraries keep memory by rules of their own")
+def test_freed_memory_is_used_again() -> None:
+    done = subprocess.run([sys.executable, "-c", GROWING], capture_output=True, text=True, check=True)
+    assert float(done.stdout) < 2.0
