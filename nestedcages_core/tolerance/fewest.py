@@ -17,12 +17,13 @@ from ..energies import CageEnergy
 from ..errors import InvalidMeshError, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh, Nesting
+from ..geometry.vectors import norm
 from ..level.builder import LevelBuilder
 from ..level.report import Level, Progress
 from ..tasks import Stage
 from ..tightening import Tightening, TighteningOutcome
 from .minimal_nested import Band
-from .reach import beyond, reach
+from .reach import REACH_PRECISION, beyond, reach
 from .within import Within
 
 MAX_ROUNDS, SHARE_STEP = 7, 0.005
@@ -62,7 +63,7 @@ def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) 
         raise search.failure()
     bounded = need.distance is not None and builder.plan.side > 0 and not builder.plan.outline.per_loop
     bound = search.bound if bounded else None
-    told = need.note(len(level.cage.vertices), search.taken_by(level.cage), bound)
+    told = need.note(len(level.cage.vertices), search.taken, bound)
     return replace(level, report=replace(level.report, fewest=bound, notes=(*level.report.notes, told)))
 
 
@@ -107,9 +108,10 @@ class _CountSearch:
         self.bound = LEAST_PER_LOOP * (1 if builder.plan.outline.per_loop else len(fine.loops))
         self.best: Level | None = None
         self.taken = np.inf
+        """What the best level takes; if there is none, the least of those tried."""
         self.error: NestedCagesError | None = None
-        self._measured = np.empty((0, 2)), np.inf
-        """What was measured last: the vertices of a cage and what it takes."""
+        self._within = np.empty((0, 2)), np.inf
+        """The vertices of the last cage found to be within the tolerance, and at least what it takes."""
 
     @property
     def count(self) -> int:
@@ -146,8 +148,10 @@ class _CountSearch:
             mesh = next((each for each in meshes if each is not None), None)
             if mesh is None:
                 return
-            places = beyond(mesh, self.fine, self.need.limit)
+            limit = (1.0 - REACH_PRECISION) * self.need.limit  # with room to restore the clearance
+            taken, places = beyond(mesh, self.fine, limit, SLACK * limit)
             if len(places) == 0:
+                self._within = mesh.vertices, taken
                 break
             for band in bands:
                 band.add(places)
@@ -179,7 +183,7 @@ class _CountSearch:
         middle = (low + self.count) // 2
         if self.need.excess is None or self.best is None:
             return middle
-        aim = ceil(self.count * sqrt(self.taken_by(self.best.cage) / self.need.limit))
+        aim = ceil(self.count * sqrt(self.taken / self.need.limit))
         return min(max(middle, aim), self.count - 1)
 
     def _guess(self) -> Stage[Progress, int | None]:
@@ -196,17 +200,18 @@ class _CountSearch:
         """Whether the best level has few vertices above the bound."""
         return self.count <= self.bound + CLOSE_TO_BOUND * len(self.fine.loops)
 
-    def taken_by(self, cage: Mesh) -> float:
-        """The distance or the excess of a cage; of one inside, those of the fine mesh around it."""
-        met = self.is_met(cage)
-        return self._measured[1] if met else self.need.measured(cage, self.fine, self.side, SLACK * self.need.limit)
-
     def is_met(self, cage: Mesh) -> bool:
         """Whether a cage stays within the tolerance."""
-        limit = self.need.limit
-        if not np.array_equal(self._measured[0], cage.vertices):
-            self._measured = cage.vertices, self.need.measured(cage, self.fine, self.side, SLACK * limit, limit)
-        return self._measured[1] <= limit
+        limit, (before, taken) = self.need.limit, self._within
+        alike = self.need.distance is not None and before.shape == cage.vertices.shape
+        moved = float(norm(cage.vertices - before).max()) if alike else np.inf
+        if moved <= REACH_PRECISION * limit and taken + moved <= limit:
+            taken += moved  # no point gets farther away than a vertex moves
+        else:
+            taken = self.need.measured(cage, self.fine, self.side, SLACK * limit, limit)
+        if taken <= limit:
+            self._within = cage.vertices, taken
+        return taken <= limit
 
     def failure(self) -> NestedCagesError:
         """Why there is no level."""
@@ -265,7 +270,9 @@ class _CountSearch:
             return False
         met = self.is_met(level.cage)
         if met:
-            self.best = self.builder.best = level
+            self.best, self.taken = level, self._within[1]
+            self.builder.best = level
         elif self.best is None:
-            self.taken = min(self.taken, self.taken_by(level.cage))
+            slack = SLACK * self.need.limit
+            self.taken = min(self.taken, self.need.measured(level.cage, self.fine, self.side, slack))
         return met

@@ -275,10 +275,8 @@ def _angles_between(feet: ComplexArray, tips: ComplexArray) -> FloatArray:
 
 def _extremes(angles: FloatArray, extreme: np.ufunc) -> FloatArray:
     """(N,) extremes of the first angles, in both directions, of a matrix (N, N)."""
-    known = np.tri(len(angles), dtype=bool)
-    rows = extreme.reduce(np.where(known, angles, angles[0, 0]), axis=1)
-    columns = extreme.reduce(np.where(known.T, angles, angles[0, 0]), axis=0)
-    return np.asarray(extreme.accumulate(extreme(rows, columns)))
+    both = np.where(np.tri(len(angles), dtype=bool), extreme(angles, angles.T), angles[0, 0])
+    return np.asarray(extreme.accumulate(extreme.reduce(both, axis=1)))
 
 
 def _midline(feet: ComplexArray, tips: ComplexArray) -> Line | None:

@@ -9,6 +9,7 @@ does the mean of the distances to two segments. Triangles whose bound is above t
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.distance import point_edge
@@ -21,6 +22,12 @@ from ..geometry.vectors import norm
 
 REACH_PRECISION = 1e-4
 """Relative width of the interval that contains the reach; its upper end is returned."""
+
+LONG_EDGES = 2.0
+"""Mean edge of the fine mesh, in limits, from which triangles that leave out its solid are fewer."""
+
+APART = 4.0
+"""Distance between places that are farther than the limit, in limits."""
 
 
 def reach(cage: Mesh, fine: Mesh, slack: float = 0.0, limit: float = np.inf) -> float:
@@ -37,29 +44,26 @@ def stays_within(cage: Mesh, fine: Mesh, distance: float) -> bool:
     return len(_reach(cage, fine, distance)[1]) == 0
 
 
-def beyond(cage: Mesh, fine: Mesh, distance: float) -> FloatArray:
-    """(P, 2) places of a cage that are farther than a distance; none if its reach, bounded from above, is not."""
-    return _reach(cage, fine, distance)[1]
+def beyond(cage: Mesh, fine: Mesh, limit: float, slack: float) -> tuple[float, FloatArray]:
+    """`reach`, and places (P, 2) of the cage, from all parts of it, that are farther than the limit."""
+    return _reach(cage, fine, limit, slack, everywhere=True)
 
 
-def _reach(cage: Mesh, fine: Mesh, limit: float, slack: float = np.inf) -> tuple[float, FloatArray]:
-    """The reach, or any number above the limit, and places (P, 2) that are farther than the limit."""
+def _reach(
+    cage: Mesh, fine: Mesh, limit: float, slack: float = np.inf, *, everywhere: bool = False
+) -> tuple[float, FloatArray]:
+    """`reach`, and places (P, 2) that are farther than the limit; everywhere: not only the first that are found."""
     search = EdgeSearch(fine.loop_order.vertices, fine.loop_order.ends, len(fine.vertices))
     far = search.closest(cage.vertices).distance
     largest = float(far.max())
-    if largest > limit:
-        return largest, cage.vertices[far > limit]
+    places = cage.vertices[far > limit]
+    if len(places) and not everywhere:
+        return largest, places
     between = cage
-    if float(fine.edge_lengths.sum()) > min(limit, slack + largest) * len(fine.vertices):
+    if float(fine.edge_lengths.sum()) > LONG_EDGES * min(limit, slack + largest) * len(fine.vertices):
         between = Mesh.from_loops([mesh.vertices[loop] for mesh in (cage, fine) for loop in mesh.loops])
     tiles = triangulate(between)
-    return _in_triangles(tiles.vertices[tiles.triangles], search, limit, slack, largest)
-
-
-def _in_triangles(
-    corners: FloatArray, search: EdgeSearch, limit: float, slack: float, largest: float
-) -> tuple[float, FloatArray]:
-    """`_reach` for triangles (T, 3, 2) that cover the cage outside of the fine mesh; largest: a distance found."""
+    corners = tiles.vertices[tiles.triangles]
     near = search.closest(corners.reshape(-1, 2)).edge.reshape(-1, 3)
     for _ in range(MOST_HALVINGS):
         corners, near = _longest_first(corners, near)
@@ -68,21 +72,27 @@ def _in_triangles(
         radius = norm(corners[:, 1:] - middle[:, None]).max(axis=1)
         # all of a triangle that is smaller than the distance of its middle is in the solid, or out of it
         apart = np.flatnonzero(distance > radius)
-        inside = apart[winding_number(middle[apart], search.starts, search.ends) == 1]
-        distance[inside] = -np.inf
-        largest = max(largest, float(distance[apart].max(initial=0.0)))
+        inside = winding_number(middle[apart], search.starts, search.ends) == 1
+        distance[apart[inside]] = -np.inf
+        outside = apart[~inside]
+        largest = max(largest, float(distance[outside].max(initial=0.0)))
         if largest > limit:
-            return largest, middle[distance > limit]
+            places = np.concatenate([places, middle[outside[distance[outside] > limit]]])
+            if not everywhere:
+                return largest, places
         enough = min(limit, slack + (1.0 + REACH_PRECISION) * largest)
         kept = np.flatnonzero(distance + radius > enough)
         edges = np.column_stack((near, nearest))[kept]
         kept = kept[distance_bounds(corners[kept], edges, search.starts, search.ends) > enough]
+        if len(places):
+            near_places = scipy.spatial.distance.cdist(middle[kept], places).min(axis=1) <= APART * limit
+            kept = kept[~near_places]
         if len(kept) == 0:
-            return max(enough, largest), middle[:0]
+            return max(enough, largest), places
         corners, near = np.tile(corners[kept], (2, 1, 1)), np.tile(near[kept], (2, 1))
         for part, corner in ((slice(len(kept)), 1), (slice(len(kept), None), 0)):
             corners[part, corner], near[part, corner] = middle[kept], nearest[kept]
-    return np.inf, corners.mean(axis=1)
+    return np.inf, np.concatenate([places, corners.mean(axis=1)])
 
 
 def _longest_first(corners: FloatArray, near: IntArray) -> tuple[FloatArray, IntArray]:

@@ -14,8 +14,10 @@ from hypothesis import strategies as st
 
 from marks import slow_after
 from nestedcages_core import Mesh, NestedCagesError, NestingError, Settings, Within, inner_cages, nested_cages, verify
+from nestedcages_core.cache import forget
 from nestedcages_core.hierarchy import Share, level_words, parse_level, wanted_levels
 from nestedcages_core.tasks import drain
+from nestedcages_core.tolerance import reach as reaches
 from nestedcages_core.tolerance.fewest import _CountSearch
 from nestedcages_core.tolerance.minimal_nested import Band
 from nestedcages_core.tolerance.reach import REACH_PRECISION, beyond, reach, stays_within
@@ -132,10 +134,46 @@ def test_the_inside_of_a_shape_is_at_no_distance() -> None:
     fine = Mesh.from_loops([[*np.column_stack([side, 0.0 * side]), [10, 0], [10, 10], [0, 10]]])
     cage = Mesh.from_loops([[[-1, -1], [11, -1], [11, 11], [-1, 11]]])
     assert np.sqrt(2.0) <= reach(cage, fine) <= np.sqrt(2.0) * (1.0 + 1.01 * REACH_PRECISION)
-    assert sorted(beyond(cage, fine, 1.2).tolist()) == sorted(cage.vertices.tolist())
-    assert len(beyond(cage, fine, 1.42)) == 0
+    assert sorted(beyond(cage, fine, 1.2, np.inf)[1].tolist()) == sorted(cage.vertices.tolist())
+    assert len(beyond(cage, fine, 1.42, np.inf)[1]) == 0
     lower = cage.moved(cage.vertices - [[0, 2], [0, 0], [0, 0], [0, 0]])
-    assert beyond(lower, fine, 1.5).tolist() == [[-1.0, -3.0]]  # vertices first, then places in between
+    assert beyond(lower, fine, 2.0, np.inf)[1].tolist() == [[-1.0, -3.0]]  # what is near it is left out
+
+
+def test_places_that_are_too_far_are_found_in_all_bays() -> None:
+    """Two bays behind mouths of 0.2: one 2 wide, one 0.5, which takes more halvings to find."""
+    walls = [[0, 0], [9, 0], [9, 4], [7.1, 4], [7.1, 3], [7.25, 3], [7.25, 2], [6.75, 2], [6.75, 3], [6.9, 3], [6.9, 4]]
+    bays = [*walls, [2.1, 4], [2.1, 3], [3, 3], [3, 1], [1, 1], [1, 3], [1.9, 3], [1.9, 4], [0, 4]]
+    lid = Mesh.from_loops([[[-0.01, -0.01], [9.01, -0.01], [9.01, 4.01], [-0.01, 4.01]]])
+    taken, places = beyond(lid, Mesh.from_loops([bays]), 0.2, np.inf)
+    assert taken > 0.2
+    assert {bool(x > 5.0) for x, _ in places} == {False, True}
+    outline = shapely.Polygon(bays)
+    assert all(outline.distance(shapely.Point(place)) > 0.2 for place in places)
+    alone = beyond(lid, Mesh.from_loops([bays]), 0.9, np.inf)[1]
+    assert len(alone) > 0
+    assert (alone[:, 0] < 5.0).all()
+
+
+def test_no_cage_within_a_distance_is_measured_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not even after a round trip to the units of the solvers, nor to tell what the best one takes."""
+    fine = star(7)
+    distance, within = 0.01 * fine.diagonal, []
+
+    def counted(*arguments: Any, **options: Any) -> tuple[float, Any]:
+        taken, places = measure(*arguments, **options)
+        if len(places) == 0:
+            within.append(arguments[0].vertices)
+        return taken, places
+
+    measure = reaches._reach
+    monkeypatch.setattr(reaches, "_reach", counted)
+    forget()
+    report = nested_cages(fine, [Within(distance=distance)]).levels[0].report
+    assert len(within) > 0
+    for k, one in enumerate(within):
+        assert not any(one.shape == other.shape and np.allclose(one, other, atol=1e-7) for other in within[:k])
+    assert 0.0 < report.notes[-1].data["taken"] <= distance
 
 
 def test_what_is_measured_is_compared_with_the_limit() -> None:
