@@ -8,11 +8,10 @@ from typing import Any
 from .core import core, errors
 
 SENTENCES: Mapping[str, str] = {
-    "level.small": "A level of {asked} is too small: {given} vertices are used, 3 for each loop of the cage.",
+    "level.small": "{asked} vertices are too few: {given} are used, 3 for each loop of the cage.",
     "level.share": "{share:g} % of {total} vertices is too few for a close fit of each loop: {given} are used.",
     "level.order": (
-        "Levels go from fine to coarse: level {level} asks for {asked} vertices, more than the {given} of the cage in "
-        "it, so it has {given} too. Give the larger number first."
+        "Cage {level} has {given} vertices, not {asked}: no more than the cage in it. Give the larger number first."
     ),
     "places.empty": "'{name}' has nothing in a vertex group '{group}', so that was left out.",
     "drawing.hidden": "Left out of '{name}', since not shown: {hidden}.",

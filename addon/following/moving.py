@@ -142,7 +142,7 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
     settings, cages = replace(options.methods.settings(), clearance=clearance, stored=STORED), list[core.MovingLevel]()
     inner, frames, points = fine, poses.frames, poses.points
     for number, each in enumerate(wanted):
-        at = f"{name}, level {number + 1}"
+        at = f"{name}, cage {number + 1}"
         key = memory.key_of("moving", inner, frames, points, each.level, settings, cyclic)
         made = known().get(key)
         if made is None:
@@ -153,7 +153,7 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
                 for step in run:
                     yield Progress((number + step.fraction) / len(wanted), f"{at}: {step.stage}")
             except core.NestedCagesError as error:
-                raise UserError(f"'{at}': {_said(error, frames)}") from error
+                raise UserError(f"'{name}', cage {number + 1}: {_said(error, frames)}") from error
             finally:
                 run.close()
             (made,) = run.moving.levels

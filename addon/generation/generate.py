@@ -224,14 +224,14 @@ class Generation:
         """Fills `finished`. Raises: UserError."""
         options, name = self.options, plan.request.fine.name
         wanted = [each.level for each in plan.levels]
-        yield Progress(0.0, f"{name}, level 1")  # shown before anything is computed
+        yield Progress(0.0, f"{name}, cage 1")  # shown before anything is computed
         key = memory.key_of("levels", plan.fine, *wanted, plan.settings, options.inside, options.shrink)
         levels = known().get(key)
         if levels is None:
             run = (core.InnerCagesRun if options.inside else core.NestedCagesRun)(plan.fine, wanted, plan.settings)
             try:
                 for step in run:
-                    yield Progress(step.fraction, f"{name}, level {step.level + 1}: {STAGES[step.stage]}")
+                    yield Progress(step.fraction, f"{name}, cage {step.level + 1}: {STAGES[step.stage]}")
             except core.NestedCagesError as error:
                 number = 1 + (len(error.partial) if error.partial is not None else 0)
                 said = self._said(error, plan.request)
@@ -252,4 +252,4 @@ class Generation:
             advice = remembered(partial(excess_note, *facts), ADVICE_BYTES, "advice", *facts) if checked else ()
             notes = (*plan.request.places.notes, *each.notes, *told, *advice)
             finished.append(replace(level, report=replace(level.report, notes=tuple(dict.fromkeys(notes)))))
-        yield Progress(1.0, f"{name}, level {len(levels)}")
+        yield Progress(1.0, f"{name}, cage {len(levels)}")

@@ -10,7 +10,7 @@ from bpy.types import Context, Scene
 
 from ..animation import visibility
 from ..binding.copies import complete
-from ..errors import FloatArray, UserError, counted
+from ..errors import UserError, counted
 from ..following import live, moving, writing
 from ..generation.job import Work, share
 from ..generation.levels import OWN, are_counts, lengths, parse_levels
@@ -111,7 +111,12 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
         for note in dict.fromkeys(note for cage in cages for note in cage.report.notes):
             if is_told(note.code, note.data):
                 self.report({"WARNING"}, note)
-        shown = ", ".join(larger(size) for result in results for size in _sizes(result))
+        # as the panel has them
+        sizes = [
+            np.cumprod([1.0 + np.median([each.excess for each in cage.report.certificates]) for cage in result.cages])
+            for result in results
+        ]
+        shown = ", ".join(map(larger, np.concatenate(sizes)))
         between = "" if any(poses.redrawn for poses in read) else " and between them"
         certified = f"certified on {counted(len(frames), 'frame')}{between}"
         self.report({"INFO"}, f"{counted(len(cages), 'cage')} {certified}; typically {shown}")
@@ -121,12 +126,6 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
         for name in ("frame_start", "frame_end"):
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(scene, name))
-
-
-def _sizes(result: moving.Moving) -> FloatArray:
-    """Median area of each cage over its keys, as the panel has it, by the drawing's."""
-    excess = [np.median([each.excess for each in cage.report.certificates]) for cage in result.cages]
-    return np.cumprod(1.0 + np.array(excess))
 
 
 class OBJECT_OT_nested_cages_live(Operator, bpy.types.Operator):

@@ -235,7 +235,7 @@ def test_pictures_without_a_cage_are_skipped_and_opaque_ones_told(capfd) -> None
     large.empty_display_size, small.empty_display_size, rectangle.empty_display_size = 300.0, 1.0, 1.0
     cut(levels="1e-4u", bind=False)
     told = capfd.readouterr().out
-    assert "Skipped: 'large, level 1': No cage within a distance" in told and "1 picture skipped" in told
+    assert "Skipped: 'large', cage 1: No cage within a distance" in told and "1 picture skipped" in told
     assert "'solid.png' has no transparent pixels, so its outline is a rectangle" in told
     assert "'part.png' has no" not in told
     assert {"part", "solid"} <= set(bpy.data.objects.keys()) and "large" not in bpy.data.objects

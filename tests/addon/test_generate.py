@@ -106,10 +106,10 @@ def test_progress_goes_up_to_one_over_all_drawings(addon) -> None:
     assert fractions[0] >= 0.0
     assert fractions[-1] == 1.0
     assert {message.partition(":")[0] for message in messages} == {
-        "One, level 1",
-        "One, level 2",
-        "Two, level 1",
-        "Two, level 2",
+        "One, cage 1",
+        "One, cage 2",
+        "Two, cage 1",
+        "Two, cage 2",
     }
     assert [result.drawing.name for result in generation.results] == ["One", "Two"]
 

@@ -101,7 +101,7 @@ def test_a_slice_ends_by_time_and_not_by_stage(addon) -> None:
     while not work.advance(0.0):
         shown.append(work.message)
     for stage in STAGES:
-        assert f"Drawing, level 1: {addon.generation.generate.STAGES[stage]}" in shown
+        assert f"Drawing, cage 1: {addon.generation.generate.STAGES[stage]}" in shown
     assert job(addon).advance(1e9)
 
 
