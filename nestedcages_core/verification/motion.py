@@ -230,10 +230,10 @@ def _by_halving(first: FloatArray, last: FloatArray) -> BoolArray:
         left = (~_never_beside(first, last, margin)).nonzero()[0]
         if len(left) == 0:
             break
-        crowded = np.bincount(pair.take(left), minlength=count) > MAX_PIECES
-        if crowded.any():
-            certified[crowded] = False
-            left = left[~crowded[pair.take(left)]]
+        meeting = _meet(first.take(left, axis=2), last.take(left, axis=2), margin.take(left))
+        certified[pair.take(left[meeting])] = False
+        certified[np.bincount(pair.take(left), minlength=count) > MAX_PIECES] = False
+        left = left[certified.take(pair.take(left))]
         pair = pair.take(left)
         first, last = first.take(left, axis=2), last.take(left, axis=2)
         middle = 0.5 * (first + last)
@@ -269,6 +269,17 @@ def _never_beside(first: FloatArray, last: FloatArray, margin: FloatArray) -> Bo
     sides = np.stack([*ends, *last_ends])
     beyond = _above(sides, margin) | _above(-sides, margin)
     return np.asarray(before_start | _above(ahead, errors) | beyond[0] | beyond[1])
+
+
+def _meet(first: FloatArray, last: FloatArray, margin: FloatArray) -> BoolArray:
+    """(K,) whether the point certainly passes the line of the edge, next to it all the time."""
+    (edge, *ends), (last_edge, *last_ends) = first, last
+    side, errors = _bernstein(edge, last_edge, ends[0], last_ends[0], margin, cross=True)
+    passes = (np.abs(side[::2]) > errors[::2]).all(axis=0) & (side[0] * side[2] < 0.0)
+    ahead, errors = _bernstein(edge, last_edge, ends[0], last_ends[0], margin, cross=False)
+    passes &= _above(ahead, errors)
+    ahead, errors = _bernstein(edge, last_edge, ends[1], last_ends[1], margin, cross=False)
+    return np.asarray(passes & _above(-ahead, errors))
 
 
 def _above(values: FloatArray, errors: FloatArray) -> BoolArray:

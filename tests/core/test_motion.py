@@ -10,6 +10,7 @@ import pytest
 
 from nestedcages_core import Mesh, NestedCagesError, verify_motion
 from nestedcages_core.checker import touches, whole_numbers
+from nestedcages_core.verification import motion
 from nestedcages_core.verification.motion import COEFFICIENT_ROUNDING, UNDERFLOW, _bernstein, never_meet
 from shapes import ring
 
@@ -96,6 +97,27 @@ def test_contact_in_passing_is_never_certified() -> None:
         before += [p0, a0, a0 + along - turning / parts]
         after += [p1, a1, a1 + along + turning * (1 - 1 / parts)]
     assert not never_meet(*(np.array(x).reshape(count, 3, 2).transpose(1, 2, 0) for x in (before, after))).any()
+
+
+def test_crossings_are_told_after_few_halvings(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A point that runs straight through an edge that turns, at 200 places of it and angles."""
+    random, calls = np.random.default_rng(2), []
+    angle, turn, at = random.uniform(0.0, 6.0, 200), random.uniform(-1.0, 1.0, 200), random.uniform(-0.4, 0.4, 200)
+
+    def placed(s: float, beside: float) -> np.ndarray:
+        along = np.stack([np.cos(angle + turn * s), np.sin(angle + turn * s)])
+        still = np.stack([np.cos(angle), np.sin(angle)])
+        point = at * still + beside * np.stack([-still[1], still[0]])
+        return np.stack([point, -along, along])
+
+    def counted(*arguments: np.ndarray, **options: bool) -> tuple[np.ndarray, np.ndarray]:
+        calls.append(1)
+        return bernstein(*arguments, **options)
+
+    bernstein = motion._bernstein
+    monkeypatch.setattr(motion, "_bernstein", counted)
+    assert not never_meet(placed(-0.5, -0.5), placed(0.5, 0.5)).any()
+    assert len(calls) < 60
 
 
 def test_bad_steps_are_rejected() -> None:
