@@ -14,6 +14,7 @@ import argparse
 import sys
 from contextlib import ExitStack
 from dataclasses import dataclass
+from importlib.util import find_spec
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from clone import ROOT
 from speed import Worker, checkout, forgetting
 
 SHAPES = """
+import sys
 import numpy as np
 from nestedcages_core import *
 import nestedcages_core as core
@@ -50,6 +52,35 @@ def circles(n):
     ring = 0.02 * np.column_stack([np.cos(angle), np.sin(angle)])
     return '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1 1">' + "".join(
         f'<circle cx="{x:.5f}" cy="{y:.5f}" r="0.02"/>' for x, y in place) + "</svg>"
+
+def strokes(seed):
+    import shapely
+    t, ends = np.linspace(0.0, 1.0, 40)[:, None], np.random.default_rng(seed).normal(size=(4, 2, 2))
+    lines = [shapely.LineString(2.0 * t * (1.0 - t) * a + t**2 * b) for a, b in ends]  # from the origin
+    joined = shapely.union_all([line.buffer(0.1) for line in lines])
+    return Mesh.from_loops([np.array(joined.exterior.coords)[:-1]])
+
+def with_cages(n):
+    global bpy
+    if "bpy" not in sys.modules:
+        import bpy
+        sys.path.insert(0, "benchmarks")
+        from binding import extension
+        extension().register()
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    for k in range(n):
+        data = bpy.data.curves.new(f"Drawing {k}", "CURVE")
+        spline, points = data.splines.new("POLY"), loop(24, 4.0 * (k % 10), 4.0 * (k // 10), waves=5)
+        spline.points.add(len(points) - 1)
+        spline.points.foreach_set("co", np.column_stack([points, np.zeros(len(points)), np.ones(len(points))]).ravel())
+        spline.use_cyclic_u = True
+        made = bpy.data.objects.new(data.name, data)
+        bpy.context.scene.collection.objects.link(made)
+        bpy.context.view_layer.objects.active = made
+    for step in (lambda: bpy.ops.object.nested_cages_generate(levels="12"), lambda: None):
+        for each in bpy.data.objects:
+            each.select_set(each.type == "CURVE")
+        step()
 
 def path(n):
     points = " ".join(f"{x:.6f},{y:.6f}" for x, y in loop(n))
@@ -88,7 +119,8 @@ def cases() -> list[Case]:
     for n in (1_000, 5_000):
         ready = f"f, move = pulled({n}); c = nested_cages(f, [32]).levels[0].cage; e = 1e-5 * f.diagonal"
         step = "g = f.moved(f.vertices + move).validated(); c = core.followed(c, f, g, e); f = g"
-        found.append(Case(f"following {n:,}, worst of 20 poses", ready, step, steps=20))
+        beside = plain[n].name if n in plain else ""
+        found.append(Case(f"following {n:,}, worst of 20 poses", ready, step, beside, steps=20))
     for n in (1_000, 10_000):
         found.append(Case(f"convex pieces {n:,}", f"f = blob({n})", "core.convex_pieces(f)", ""))
     for n in (10_000, 100_000):
@@ -98,9 +130,17 @@ def cases() -> list[Case]:
     found.append(
         Case("rotation of order 200", square, "nested_cages(f, [200], Settings(symmetry=Rotation((.5, .5), 200)))")
     )
-    found.append(
-        Case("grid 0.01, 1,000", "f = blob(1000)", "nested_cages(f, [32], Settings(grid=0.01))", plain[1_000].name)
-    )
+    for count in (16, 32, 64):
+        alone = Case(f"1,000 at {count}, plain", "f = blob(1000)", f"nested_cages(f, [{count}])")
+        found.append(alone)
+        for part in (0.002, 0.01, 0.02):
+            timed = f"nested_cages(f, [{count}], Settings(grid={part} * f.diagonal))"
+            found.append(Case(f"grid {part:g} of the size, 1,000 at {count}", alone.ready, timed, alone.name))
+    for seed in (0, 1, 2):
+        found.append(Case(f"strokes {seed} at 16", f"f = strokes({seed})", "nested_cages(f, [16])"))
+    if find_spec("bpy"):
+        for n in (10, 60):
+            found.append(Case(f"bind {n} drawings", f"with_cages({n})", "bpy.ops.object.nested_cages_bind()"))
     return found
 
 
@@ -122,10 +162,13 @@ def exponent(sizes: dict[int, str], seconds: dict[str, float]) -> str:
 def work(shapes: str) -> None:
     """In a worker: CPU seconds of each case that comes in, everything forgotten before it is made ready."""
     import operator
+    import os
     import pickle
     import sys
     import time
 
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # Blender prints its reports
     names: dict = {}
     exec(shapes, names)
     forget = forgetting()
@@ -146,8 +189,8 @@ def work(shapes: str) -> None:
                 seconds.append(max(map(operator.sub, clock[1:], clock)))
         except Exception as error:
             why = str(error) or type(error).__name__
-        pickle.dump((float("nan") if why else min(seconds), why), sys.stdout.buffer)
-        sys.stdout.buffer.flush()
+        pickle.dump((float("nan") if why else min(seconds), why), answers)
+        answers.flush()
 
 
 def main() -> int:

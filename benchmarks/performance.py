@@ -1,6 +1,6 @@
 """Renews the numbers of docs/performance.md: runs the benchmarks one after the other; all they print is kept too.
 
-    python benchmarks/performance.py                  # all of it: some ten minutes on a machine without other work
+    python benchmarks/performance.py                  # all of it: some twenty minutes on a machine without other work
     python benchmarks/performance.py table1 growth    # only these
     python benchmarks/performance.py table1 --program-times TIMES.csv
 
@@ -32,8 +32,8 @@ RUNS: dict[str, tuple[str, str]] = {
     "shapes": ("shapes.py", r"ratio|start, to"),
     "speed": ("speed.py --against bb3b310 --cases 48 --repeats 1", r"time |excess "),
     "corners": (
-        "corners.py --against bb3b310 837f1d56",
-        r"\| (\| bb3b310|within 1 %|grid|loops 1,|1,000 at 1[23]|100,000|following 5|SVG of 100)",
+        "corners.py --against bb3b310 837f1d56 --repeats 2",
+        r"\| (\| bb3b310|within|grid|loops|1,000 at 1[23]|100,000|following|SVG of 100|strokes|bind|growth|vertices)|$",
     ),
     "start": ("start.py", r".*"),
     "slider": ("slider.py", r"500 |\| (slider|vertices|clearance)|The cages|$"),
