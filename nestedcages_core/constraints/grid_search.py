@@ -28,8 +28,10 @@ from ..tasks import Stage
 from .free_edges import FreeEdges, Near, Segments
 
 REACHES = (1, 2, 3, 4)
-"""Reach of first layers around a vertex and its path outwards, in grid steps; larger ones where no cage is found. All
-but the first and the last are those around a choice to improve: the next where the one before finds nothing better."""
+"""Reach of first layers around a vertex and its path outwards, in grid steps; larger ones where no cage is found."""
+
+AROUND = ((2, 2), (3, 1), (1, 3))
+"""Reaches around a choice to improve, of vertices by turns: the next where the one before finds nothing better."""
 
 MAX_PUSH = 6.0
 """Largest displacement of a vertex, in grid steps, that first layers allow for."""
@@ -64,7 +66,7 @@ def put_on_grid(
         if found is None and not stuck.any():
             return None
         reach += stuck
-    reaches = list(REACHES[1:-1])
+    reaches = list(AROUND)
     for number in range(rounds):
         try:
             better, _ = search.chosen(search.layers_around(found, reaches[0]))
@@ -150,10 +152,11 @@ class _CoordinateDescent:
         layers = np.split(near, np.flatnonzero(np.diff(vertex)) + 1)
         return self._allowed(_Layers(cage.vertices, [layer[:MAX_LAYER] for layer in layers]))
 
-    def layers_around(self, choice: IntArray, reach: int) -> _Layers:
-        """Points around those of a choice (m, 2)."""
-        square = _square(reach)
-        return self._allowed(_Layers(self.grid.points(choice), [place + square for place in choice]))
+    def layers_around(self, choice: IntArray, reaches: tuple[int, int]) -> _Layers:
+        """Points around those of a choice (m, 2), of vertices by turns."""
+        squares = [_square(reach) for reach in reaches]
+        places = [place + squares[k % 2] for k, place in enumerate(choice)]
+        return self._allowed(_Layers(self.grid.points(choice), places))
 
     def _allowed(self, layers: _Layers) -> _Layers:
         """The layers without points that are too close to the fine mesh or beyond a line between two edges."""
