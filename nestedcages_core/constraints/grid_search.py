@@ -33,6 +33,9 @@ REACHES = (1, 2, 3, 4)
 AROUND = ((2, 2), (3, 1), (1, 3))
 """Reaches around a choice to improve, of vertices by turns: the next where the one before finds nothing better."""
 
+FEW, AROUND_FEW = 8, ((2, 2), (3, 3))
+"""Vertices up to which all reach farther at once, which takes little time then."""
+
 MAX_PUSH = 6.0
 """Largest displacement of a vertex, in grid steps, that first layers allow for."""
 
@@ -66,7 +69,7 @@ def put_on_grid(
         if found is None and not stuck.any():
             return None
         reach += stuck
-    reaches = list(AROUND)
+    reaches = list(AROUND if len(cage.vertices) > FEW else AROUND_FEW)
     for number in range(rounds):
         try:
             better, _ = search.chosen(search.layers_around(found, reaches[0]))
