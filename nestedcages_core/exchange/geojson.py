@@ -202,7 +202,9 @@ def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
     try:
         document = json.loads(text, parse_constant=constant)
     except (ValueError, RecursionError) as error:
-        problem = "its brackets are nested too deeply" if isinstance(error, RecursionError) else error
+        problem: object = "its brackets are nested too deeply" if isinstance(error, RecursionError) else error
+        if "int_max_str_digits" in str(error):  # Python's advice, to programmers
+            problem = "a whole number in it has thousands of digits"
         raise invalid_file(f"This is not {what}: {problem}.") from error
     return document, bool(constants)
 

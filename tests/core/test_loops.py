@@ -55,6 +55,19 @@ def cloud() -> Mesh:
 SHAPES = [bell, target, cloud, islands]
 
 
+def test_parts_lie_in_each_other_deeper_than_python_calls() -> None:
+    depth = 2 * sys.getrecursionlimit()
+    nest: Part | Hole = Part(SQUARE, [])
+    for k in range(1, depth):
+        ring = (1.0 + k / depth) * SQUARE
+        nest = Hole(ring, [nest]) if isinstance(nest, Part) else Part(ring, [nest])
+    whole = Part(3.0 * SQUARE, [nest] if isinstance(nest, Hole) else [])
+    assert isinstance(nest, Hole) and whole.size == depth + 1 and nest.size == depth
+    signs = np.where(np.arange(depth) % 2, -1.0, 1.0)
+    assert whole.solid == pytest.approx(9.0 + float((signs * (1.0 + np.arange(depth) / depth) ** 2).sum()))
+    assert nest.open_area == pytest.approx(9.0 - whole.solid)
+
+
 @pytest.mark.parametrize("count", slow_after(1, [5, 8, 3, 12, 17], thorough_after=3))
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.__name__)
 def test_no_cage_has_more_vertices_than_asked_for(shape: Any, count: int) -> None:

@@ -179,7 +179,7 @@ def test_what_is_no_polygon_is_said_with_its_place_by_every_reader(name: str, tm
         ('{"type": "Polygon", "coordinates": {"a": 1}}', "not a list"),
         ('{"type": "GeometryCollection", "geometries": 3}', "list of geometries is 3"),
         (b"\xff\xfe\x00", "not GeoJSON"),
-        ("1" * 9999, "not GeoJSON"),
+        ("1" * 9999, "not GeoJSON: a whole number in it has thousands of digits"),
         (None, "from text or bytes, not from NoneType"),
         (5, "from text or bytes, not from int"),
         (Path("a.geojson"), "from text or bytes, not from"),

@@ -56,12 +56,18 @@ class Part(LoopOutline):
     @property
     def solid(self) -> float:
         """Area of the drawing in it."""
-        return self.own_area - sum(hole.open_area for hole in self.holes)
+        area, parts = 0.0, [self]
+        while parts:  # parts may lie in each other deeper than Python calls functions
+            part = parts.pop()
+            drawn = [hole.drawn for hole in part.holes]
+            area += part.own_area - sum(hole.area for hole in drawn)
+            parts += [inner for hole in drawn for inner in hole.parts]
+        return area
 
     @property
     def size(self) -> int:
         """The number of loops in it."""
-        return 1 + sum(hole.size for hole in self.holes)
+        return sum(1 for _ in outlines([self]))
 
 
 @dataclass(eq=False)
@@ -88,14 +94,20 @@ class Hole(LoopOutline):
     @property
     def open_area(self) -> float:
         """Area that the drawing gains when the hole is filled, and the parts in it vanish."""
-        if self.before is not None:
-            return self.before.open_area
-        return self.area - sum(part.solid for part in self.parts)
+        return self.drawn.area - sum(part.solid for part in self.drawn.parts)
+
+    @property
+    def drawn(self) -> Hole:
+        """The hole of the drawing that it stands for."""
+        hole = self
+        while hole.before is not None:
+            hole = hole.before
+        return hole
 
     @property
     def size(self) -> int:
         """The number of loops that filling it saves."""
-        return 1 + sum(part.size for part in self.parts) + sum(hole.size for hole in self.inner)
+        return 1 + sum(1 for _ in outlines(self.parts)) + sum(hole.size for hole in self.inner)
 
 
 Kind: TypeAlias = Part | Hole
