@@ -48,6 +48,9 @@ WORTHWHILE = 0.5
 MOST_JOINS = 24
 """Joins that are looked at beyond those."""
 
+JOINED_AT_ONCE = 16
+"""Part of the loops, 1 in this many, that are joined before the others are looked at again."""
+
 WORTH_OF_A_LOOP = 3.0
 """Area saved by losing a loop, at most, in parts of what it costs: k vertices cost about c / k², and k more elsewhere
 save about 2 c / k²."""
@@ -179,14 +182,23 @@ class LoopChoice:
             return
         self._reduce()
         yield from self._search(list(outlines(self.parts)))
-        for _ in range(MOST_JOINS):
-            sunk = self.filled + sum(each.added for each in outlines(self.parts))
-            move = min(self._joining(), key=lambda move: move.added, default=None)
+        left = MOST_JOINS
+        while left > 0:
+            before = [each.added for each in outlines(self.parts)]
+            sunk, at_once = self.filled + sum(before), min(left, max(1, len(before) // JOINED_AT_ONCE))
             least = min(most, float(self.costs()[: (self.count if at is None else at) + 1].min()))
-            if move is None or move.made is None or sunk + move.added >= least:
+            made, gone = list[Kind](), set[int]()
+            for move in sorted(self._joining(), key=lambda move: move.added)[:at_once]:
+                touched = {id(each) for each in move.touched}
+                if sunk + move.added >= least or move.made is None or gone & touched:
+                    break
+                move.apply()
+                made.append(move.made)
+                sunk, gone = sunk + move.added, gone | touched
+            if not made:
                 break
-            move.apply()
-            yield from self._search([move.made])
+            left -= len(made)
+            yield from self._search(made)
 
     def shapes(self, *, is_needed: bool) -> Iterator[Mesh]:
         """Shapes around the drawing with fewer loops, the best one first; the convex hull last where one is needed.
