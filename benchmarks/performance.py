@@ -32,7 +32,7 @@ RUNS: dict[str, tuple[str, str]] = {
     "shapes": ("shapes.py", r"ratio|start, to"),
     "speed": ("speed.py --against bb3b310 --cases 48 --repeats 1", r"time |excess "),
     "corners": (
-        "corners.py --against bb3b310 837f1d56 --repeats 2",
+        "corners.py --against bb3b310 837f1d56",
         r"\| (\| bb3b310|within|grid|loops|1,000 at 1[23]|100,000|following|SVG of 100|strokes|bind|growth|vertices)|$",
     ),
     "start": ("start.py", r".*"),

@@ -107,7 +107,7 @@ def checkout(commit: str) -> Iterator[Path]:
 class Worker:
     """A process that runs a function of this file or another with the package of one work tree."""
 
-    def __init__(self, tree: Path, function: Callable[..., None], *arguments: str) -> None:
+    def __init__(self, tree: Path, function: Callable[..., None], *arguments: object) -> None:
         source = f"{inspect.getsource(forgetting)}\n{inspect.getsource(function)}\n"
         # the matrices here are small: threads of the linear algebra would only wait for each other
         self.process = subprocess.Popen(
