@@ -38,6 +38,8 @@ def plane_of(context: Context, active: Object, plane: str) -> Frame:
         points = np.array([corner[:] for corner in active.bound_box], dtype=np.float64)
         if active.type in READERS:
             points = lines_of(context, active).vertices.astype(np.float64)
+        if len(points) == 0:
+            raise UserError(f"'{active.name}' is empty: draw something in it, or choose another plane")
         matrix = world_matrix(active)
         return own_frame(matrix, points) or fitted_frame(matrix, points)
     if plane == "VIEW":

@@ -31,7 +31,7 @@ def test_clamping_is_noted() -> None:
     assert clamped(16, fine) == (16, ())
     count, (note,) = clamped(64, fine)
     assert count == 16
-    assert note == "64 vertices were asked for, but the mesh inside has 16, so the cage has 16."
+    assert note == "A cage has no more vertices than what it encloses: 16, not 64."
 
 
 @pytest.mark.parametrize("levels", [[64], [64, 500], [12, 16]])
@@ -41,7 +41,7 @@ def test_levels_above_the_drawings_own_are_clamped(levels: list[int]) -> None:
     for level, wanted in zip(hierarchy.levels, sorted(levels, reverse=True), strict=True):
         assert_nested(level.cage, level.fine)
         assert len(level.cage.vertices) == min(wanted, inside)
-        assert any("were asked for" in note for note in level.report.notes) == (wanted > inside)
+        assert any("no more vertices than what it encloses" in note for note in level.report.notes) == (wanted > inside)
         inside = len(level.cage.vertices)
 
 

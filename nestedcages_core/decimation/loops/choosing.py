@@ -133,6 +133,8 @@ class FewerLoops:
 
 def _most_saved(fine: Mesh, coarse: Mesh) -> float:
     """About the most area that fewer loops save: all that lie in holes may go, but others only by a few joins."""
+    if len(coarse.loops) != len(fine.loops):  # some methods of decimation change them
+        return np.inf
     costs = WORTH_OF_A_LOOP * np.abs(coarse.loop_areas - fine.loop_areas)
     outermost = fine.parent_of_loop < 0
     return float(costs[~outermost].sum() + np.sort(costs[outermost])[-2 * MOST_JOINS :].sum())
