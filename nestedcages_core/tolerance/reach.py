@@ -9,9 +9,9 @@ does the mean of the distances to two segments. Triangles whose bound is above t
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.broad_phase import nearest as nearest_places
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_HALVINGS
@@ -85,8 +85,7 @@ def _reach(
         edges = np.column_stack((near, nearest))[kept]
         kept = kept[distance_bounds(corners[kept], edges, search.starts, search.ends) > enough]
         if len(places):
-            near_places = scipy.spatial.distance.cdist(middle[kept], places).min(axis=1) <= APART * limit
-            kept = kept[~near_places]
+            kept = kept[nearest_places(middle[kept], places)[0] > APART * limit]
         if len(kept) == 0:
             return max(enough, largest), places
         corners, near = np.tile(corners[kept], (2, 1, 1)), np.tile(near[kept], (2, 1))
