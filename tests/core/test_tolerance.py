@@ -312,7 +312,7 @@ def test_levels_as_people_write_them() -> None:
         parse_level(*level_words("12,5 %"))
     assert parse_level("3mm", {"m": 1.0, "mm": 1e-3}) == Within(distance=0.003)
     for word in ("0", "2.5", "+25", "-2px", "px", "+%", "+3px", "nan", "infpx", "101%", "2m", "1e3", "+", "0px", "."):
-        with pytest.raises(NestedCagesError, match=r"such as 2px, or an excess such as \+25%;"):
+        with pytest.raises(NestedCagesError, match=r"such as 2px, or more area such as \+25%;"):
             parse_level(word)
     with pytest.raises(NestedCagesError, match="a distance such as 2m, or"):
         parse_level("x", {"m": 1.0})
