@@ -40,6 +40,10 @@ PUSHED_AREA = 0.005
 SHORTEST = 1.0 / 32.0
 """Fraction of the time between two given poses below which no keys are added and pushing may add any area."""
 
+MOST_TRIALS = 600
+"""Number of intervals that are looked at before a key is given up: pushes reopen those beside them, over and over where
+it is tight. Usual keys take up to 25, one of a thin bar that turns by 1.5 radians takes 507."""
+
 
 @dataclass(eq=False)
 class Instant:
@@ -105,7 +109,9 @@ class Straightener:
     def settle(self, key: Instant) -> None:
         """Make the interval after a key, and those that change with it, collision-free. Raises NestingError."""
         open_: list[Instant] = [key]
-        while open_:
+        for _ in range(MOST_TRIALS):
+            if not open_:
+                return
             begin = open_.pop()
             end = begin.after
             if end is None or self.is_free(begin, end):
@@ -121,12 +127,13 @@ class Straightener:
             elif begin.part > SHORTEST and not (begin.handed_out and end.handed_out):
                 open_ += self._halved(begin, end)
             else:
-                raise NestingError(
-                    f"The motion from pose {begin.pose.number} to the next could not be certified free of collisions; "
-                    "give more poses between them, a larger clearance or more cage vertices.",
-                    code="motion.collides",
-                    pose=begin.pose.number,
-                )
+                break
+        raise NestingError(
+            f"The motion from pose {begin.pose.number} to the next could not be certified free of collisions; "
+            "give more poses between them, a larger clearance or more cage vertices.",
+            code="motion.collides",
+            pose=begin.pose.number,
+        )
 
     def _pushed(self, begin: Instant, end: Instant) -> tuple[FloatArray, FloatArray] | None:
         """Cages of both keys pushed outwards by the missing distance; None where another key is better."""

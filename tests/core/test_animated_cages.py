@@ -21,7 +21,9 @@ from nestedcages_core import (
     verify_motion,
 )
 from nestedcages_core.checker import check as check_moving
+from nestedcages_core.motion import between
 from nestedcages_core.motion import level as motion_level
+from nestedcages_core.motion.between import Instant
 from nestedcages_core.motion.following import Follower, carried
 from shapes import disc, ring, star
 
@@ -173,6 +175,25 @@ def test_fast_turns_get_keys_or_room() -> None:
     level = animated_cages(fine, poses, [10]).levels[0]
     check(level, fine, poses, 0.0)
     assert level.report.keys_added > 0
+
+
+def test_a_motion_that_is_too_tight_is_given_up_after_a_number_of_trials(monkeypatch: pytest.MonkeyPatch) -> None:
+    trials = 0
+
+    def counted(motion: motion_level.LevelMotion, begin: Instant, end: Instant) -> bool:
+        nonlocal trials
+        trials += 1
+        return is_free(motion, begin, end)
+
+    is_free = motion_level.LevelMotion._is_free
+    monkeypatch.setattr(motion_level.LevelMotion, "_is_free", counted)
+    monkeypatch.setattr(between, "MOST_TRIALS", 20)
+    x = np.linspace(0.0, 10.0, 40)
+    bar = np.concatenate([np.stack([x, 0.0 * x], axis=1), np.stack([x[::-1], 0.0 * x + 0.1], axis=1)])
+    poses = [turned(bar, angle) for angle in (0.0, 1.5, 3.0)]  # the second turn takes 507 trials
+    with pytest.raises(NestingError, match="to the next could not be certified") as caught:
+        animated_cages(Mesh.from_loops([bar]), poses, 10)
+    assert caught.value.code == "motion.collides" and 20 <= trials <= 60
 
 
 def test_a_stream_is_read_as_it_is_needed() -> None:
