@@ -11,6 +11,7 @@ import numpy as np
 from ..character import Bone
 from ..errors import invalid_file
 from ..exchange import Limits
+from ..exchange.geojson import loaded_json
 from ..geometry.arrays import FloatArray
 from ..puppet import Hold, JointRange
 from .animation import Animation
@@ -83,16 +84,15 @@ def _sparse(rows: FloatArray) -> list[list[list[float]]]:
 
 def from_puppet_json(text: str | bytes, *, limits: Limits = KEPT_LIMITS) -> GamePuppet:
     """The puppet of a JSON by `to_puppet_json`; its meshes have empty pictures. Raises NestedCagesError."""
-    limits.check("bytes", len(text))
+    document, _ = loaded_json(text, "a puppet", limits)
     try:
-        document = json.loads(text)
         if not isinstance(document, Mapping) or document.get("format") != FORMAT:
             raise invalid_file(f'This is no puppet: its format is not "{FORMAT}".')
         if document.get("version") != VERSION:
             raise invalid_file(f"The puppet is of another version than {VERSION}; make it again.")
         limits.check("elements", sum(len(document[key]) for key in ("bones", "parts", "meshes")))
         return _puppet_of(document)
-    except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
+    except (ValueError, LookupError, TypeError, AttributeError) as error:
         raise invalid_file(f"The puppet is damaged ({type(error).__name__}: {error}); make it again.") from error
 
 

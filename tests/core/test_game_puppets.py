@@ -441,5 +441,7 @@ def test_damaged_puppet_files_end_in_a_sentence(puppet: GamePuppet) -> None:
             assert str(error).endswith(".")
     with pytest.raises(NestedCagesError, match="no puppet"):
         from_puppet_json("{}")
+    with pytest.raises(NestedCagesError, match="This is not a puppet: its brackets are nested too deeply"):
+        from_puppet_json("[" * 200_000)
     with pytest.raises(NestedCagesError, match="damaged"):
         from_puppet_json(text.replace('"parent": 0', '"parent": 77'))
