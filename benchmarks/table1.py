@@ -127,7 +127,7 @@ def main(arguments: list[str] | None = None) -> int:
         if row.reference_excess is not None:
             excesses.append((ours.excess, row.reference_excess))
     print(table(lines))
-    where = "recorded on another machine" if options.data == TABLE_1 else "of its build on the same machine"
+    where = "recorded on another machine" if options.data == TABLE_1 else "measured on the same machine"
     print(f"\nC++: {where}")
     if ratios and excesses:
         mean, (here, there) = statistics.geometric_mean(ratios), map(statistics.median, zip(*excesses, strict=True))
