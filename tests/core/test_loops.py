@@ -68,6 +68,21 @@ def test_parts_lie_in_each_other_deeper_than_python_calls() -> None:
     assert nest.open_area == pytest.approx(9.0 - whole.solid)
 
 
+def test_parts_too_deep_to_choose_from_get_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    of_parts, calls = Tree.of_parts, 0
+
+    def shallow(tree: Tree, parts: list[Part]) -> Any:
+        nonlocal calls
+        calls += 1
+        if calls > 1:
+            raise RecursionError
+        return of_parts(tree, parts)
+
+    monkeypatch.setattr(Tree, "of_parts", shallow)
+    with pytest.raises(NestedCagesError, match="lie in each other too deeply"):
+        nested_cages(target(), [9])
+
+
 @pytest.mark.parametrize("count", slow_after(1, [5, 8, 3, 12, 17], thorough_after=3))
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.__name__)
 def test_no_cage_has_more_vertices_than_asked_for(shape: Any, count: int) -> None:
