@@ -98,7 +98,7 @@ def test_narrow_shapes_get_less_than_the_default_clearance_but_not_less_than_ask
     thin = Mesh.from_loops([[[0.0, 0.0], [1.0, 0.0], [1.0, 1e-6], [0.0, 1e-6]]])
     level = inner_cages(thin, [4]).levels[0]
     assert level.report.wanted_clearance < DEFAULT_CLEARANCE
-    assert "room for a clearance" in level.report.notes[0]
+    assert "is narrow, and leaves" in level.report.notes[0]
     assert_inside(level)
     with pytest.raises(NestingError):
         inner_cages(thin, [4], Settings(clearance=1e-5))

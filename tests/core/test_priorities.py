@@ -127,7 +127,7 @@ def test_limits_without_room_mean_fewer_vertices_or_are_reported() -> None:
     level = nested_cages(Mesh.from_loops([ring(64)]), [40], Settings(min_edge=0.3)).levels[0]
     check(level)
     assert level.cage.edge_lengths.min() >= 0.3
-    assert "leave room for 16" in level.report.notes[0]
+    assert "leaves room for 16" in level.report.notes[0]
     level = nested_cages(Mesh.from_loops([ring(64)]), [3], Settings(min_edge=20.0)).levels[0]
     check(level)
     assert level.cage.edge_lengths.min() >= 20.0 and level.report.notes == ()

@@ -174,7 +174,7 @@ def test_rotations_are_found_and_nothing_is_said_to_be_nothing() -> None:
     assert found.order == 5
     crooked = Mesh.from_loops([[(0, 0), (4, 0), (4.3, 1), (1, 1.4), (0.5, 5)]])
     level = nested_cages(crooked, [4], Settings(symmetry=Found())).levels[0]
-    assert "No symmetry was found" in level.report.notes[0]
+    assert "has no symmetry" in level.report.notes[0]
 
 
 def test_bad_symmetries_are_rejected() -> None:
