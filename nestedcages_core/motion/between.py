@@ -41,8 +41,8 @@ SHORTEST = 1.0 / 32.0
 """Fraction of the time between two given poses below which no keys are added and pushing may add any area."""
 
 MOST_TRIALS = 600
-"""Number of intervals that are looked at before a key is given up: pushes reopen those beside them, over and over where
-it is tight. Usual keys take up to 25, one of a thin bar that turns by 1.5 radians takes 507."""
+"""Number of intervals that are looked at before a key is given up: pushes reopen those next to them, over and over
+where it is tight. Usual keys take up to 25, one of a thin bar that turns by 1.5 radians takes 507."""
 
 
 @dataclass(eq=False)
