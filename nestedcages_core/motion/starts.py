@@ -41,8 +41,7 @@ def first_cage(
         moving = follower(cage, poses[at])
         if _mean_cost(moving, cage, poses, at) >= least:
             continue
-        ways = poses[: at + 1 : at], poses[: at + 1]  # in one step where it can be, as costs are
-        back = next((mesh for way in ways if (mesh := _followed_back(moving, cage, way)) is not None), None)
+        back = _followed_back(moving, cage, poses[: at + 1])
         cost = np.inf if back is None else _mean_cost(follower(back, poses[0]), back, poses, 0)
         if back is not None and cost < least:
             best, least = back, cost

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -42,33 +40,6 @@ def waving(frames: int = 9, loops: list[np.ndarray] | None = None) -> tuple[Mesh
         shift = 0.05 * size * np.sin(phase + 4.0 * fine.vertices[:, ::-1] / size)
         poses.append(turned(fine.vertices + shift, 0.2 * np.sin(phase)))
     return fine, np.array(poses)
-
-
-def test_the_choice_of_the_first_cage_takes_as_long_for_more_poses(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Here a cage of a later pose is better at first, too; it goes back there in one step."""
-    fine, calls = star(6, 60), []
-
-    def counted(*arguments: Any) -> Any:
-        calls.append(1)
-        return follow(*arguments)
-
-    def chosen(*arguments: Any) -> Any:
-        cage = first_cage(*arguments)
-        choices.append((len(calls), np.array_equal(cage.vertices, first.vertices)))
-        return cage
-
-    follow, first_cage, choices = Follower.next, motion_level.first_cage, list[tuple[int, bool]]()
-    monkeypatch.setattr(Follower, "next", counted)
-    monkeypatch.setattr(motion_level, "first_cage", chosen)
-    for frames in (12, 24):
-        turn = 2.0 * np.pi * np.arange(frames) / frames
-        size = fine.diagonal
-        poses = fine.vertices + 0.05 * size * np.sin(turn[:, None, None] + 4.0 * fine.vertices[:, ::-1] / size)
-        first = nested_cages(fine.moved(poses[0]).validated(), [10]).levels[0].cage
-        calls.clear()
-        next(stream_cages(fine, poses, 10))
-    assert [len(choices), *(same for _, same in choices)] == [2, False, False]
-    assert max(number for number, _ in choices) < 24
 
 
 SMALL = [star(5, 30).vertices]
