@@ -204,26 +204,6 @@ def test_more_vertices_are_never_worse_where_one_loop_has_long_edges() -> None:
     assert areas == sorted(areas, reverse=True)
 
 
-@pytest.mark.parametrize(("seed", "count", "tried"), [(84, 16, False), (115, 12, True)])
-def test_a_hull_is_tried_only_where_crossings_cost_area(
-    seed: int, count: int, tried: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """In random shapes whose best cycles cross: clearing them takes 0.3 and 10 % of the excess."""
-    from benchmarks.random_shapes import random_shape
-
-    drawn, calls = random_shape(seed), []
-    assert drawn is not None
-
-    def counted(*arguments: Any) -> Any:
-        calls.append(1)
-        return (yield from hull(*arguments))
-
-    hull = OuterHull.hull
-    monkeypatch.setattr(OuterHull, "hull", counted)
-    LineCycles().decimate(drawn[1], count)
-    assert bool(calls) == tried
-
-
 def test_both_ways_of_starting_lead_to_the_same_cage() -> None:
     fine = letter_a()
     curve, outside = (

@@ -83,8 +83,6 @@ class Around:
         self.searches: dict[int, Search] = {}
         """Of each loop that stands for its images."""
         self.rounds = 0
-        self.least = 0.0
-        """Area of the best cycles, crossings aside, in the input's units."""
         self.few_turns = False
 
     def run(self, bias: float) -> Stage[float, tuple[float, Mesh]]:
@@ -100,9 +98,6 @@ class Around:
             for _ in together([searches[loop].refine(number) for loop, number in numbers.items()]):
                 yield len(searches) / loops
             numbers = self._shares(searches)
-            if self.rounds == 0:
-                more = sum(self._copies(k) * float(searches[k].totals[number]) for k, number in numbers.items())
-                self.least = (self.outline.area + more) * self.frame.scale**2
             choice = Choice.of(searches, numbers, self.images)
             i, j = choice.crossings()
             if len(i) == 0:

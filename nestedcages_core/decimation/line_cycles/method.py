@@ -46,9 +46,6 @@ MOST_LOOPS = 96
 """Number of loops up to which cycles are sought, some 6 ms each; for more the hull takes an eighth of the time, and its
 excess is larger by a twentieth."""
 
-MOST_LOST = 0.05
-"""Part of the excess that clears crossings up to which no hull is tried: of those, none was smaller."""
-
 BIASES = (1.0, 1e9, 0.3)
 """Rules for which of two crossing edges is shortened; the best result is kept (docs/ablation.md: line cycles: ways to
 clear crossings)."""
@@ -139,13 +136,13 @@ def _found(request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]
     if kept.is_free and (largest > MOST_LINES or len(request.outline.sizes) > MOST_LOOPS):
         return (yield from OuterHull().hull(request, clearance)), source_of(request.side)
     try:
-        mesh, lost = yield from cycles_around(request, clearance)
+        mesh, rounds = yield from cycles_around(request, clearance)
     except NoCyclesError:
         if not kept.rules:
             raise
         loose = replace(request, kept=replace(kept, rules=()))  # to be moved later
-        mesh, lost = yield from cycles_around(loose, clearance)
-    if lost > MOST_LOST and kept.is_free:
+        mesh, rounds = yield from cycles_around(loose, clearance)
+    if rounds and kept.is_free:
         with suppress(NestingError):
             hull = yield from OuterHull().hull(request, clearance)
             if request.side * hull.area < request.side * mesh.area:
@@ -153,8 +150,8 @@ def _found(request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]
     return mesh, SOURCE
 
 
-def cycles_around(request: Request, clearance: float) -> Stage[float, tuple[Mesh, float]]:
-    """The mesh of the best cycles, and which part of its excess clears crossings. Raises NestingError."""
+def cycles_around(request: Request, clearance: float) -> Stage[float, tuple[Mesh, int]]:
+    """The mesh of the best cycles, and how often crossings were cleared. Raises NestingError."""
     kept = request.kept
     outline = symmetrised(without_gaps(request.outline, ROUND_OFF * request.outline.diameter), kept.symmetry)
     if kept.importance is not None:
@@ -172,7 +169,7 @@ def cycles_around(request: Request, clearance: float) -> Stage[float, tuple[Mesh
         try:
             if len(far) == 0 and is_narrow(outline, request.regions, 2.0 * HULL_OFFSET * outline.diameter):
                 raise NoCyclesError("Gaps are too narrow for such lines.", code="count.too_small")
-            mesh, lost = yield from _best(request, outline, shift)
+            mesh, rounds = yield from _best(request, outline, shift)
             break
         except NoCyclesError as error:
             if len(far):  # the tightening may find the room
@@ -181,14 +178,14 @@ def cycles_around(request: Request, clearance: float) -> Stage[float, tuple[Mesh
                 continue
             if "total" in error.data:  # more lines are needed, whatever they are next to
                 raise
-            mesh, lost = yield from _next_to_offset(request, outline, clearance)
+            mesh, rounds = yield from _next_to_offset(request, outline, clearance)
             break
     if wanted > HULL_OFFSET and not kept.symmetry:
         mesh = request.with_room(mesh, clearance)
-    return mesh, lost
+    return mesh, rounds
 
 
-def _next_to_offset(request: Request, outline: Loops, clearance: float) -> Stage[float, tuple[Mesh, float]]:
+def _next_to_offset(request: Request, outline: Loops, clearance: float) -> Stage[float, tuple[Mesh, int]]:
     """`cycles_around` with lines next to the strict offset, in which gaps are narrow or filled."""
     from ..hull.offset import (
         cleared,  # few outlines need an offset
@@ -204,8 +201,8 @@ def _next_to_offset(request: Request, outline: Loops, clearance: float) -> Stage
     return (yield from _best(request, outline, EXACT_SHIFT))
 
 
-def _best(request: Request, outline: Loops, shift: FloatArray | float) -> Stage[float, tuple[Mesh, float]]:
-    """The mesh of least area of several ways to clear crossings, and `cycles_around`. Raises NoCyclesError."""
+def _best(request: Request, outline: Loops, shift: FloatArray | float) -> Stage[float, tuple[Mesh, int]]:
+    """The mesh of least area of several ways to clear crossings, and how often. Raises NoCyclesError."""
     best: tuple[float, Mesh] | None = None
     error: NoCyclesError | None = None
     around = Around(request, outline, shift)
@@ -228,5 +225,5 @@ def _best(request: Request, outline: Loops, shift: FloatArray | float) -> Stage[
         most = outline.area + (1.0 + MAX_EXCESS_OF_SYMMETRY) * (best[0] - outline.area)
         alike = yield from symmetric_mesh(request, outline, shift, most)
         if alike is not None:
-            return alike, 0.0
-    return best[1], (best[0] - around.least) / (best[0] - outline.area) if around.rounds else 0.0
+            return alike, 0
+    return best[1], around.rounds
