@@ -57,9 +57,8 @@ def has_hairlines(mesh: Mesh, width: float) -> bool:
 def comes_close(mesh: Mesh, width: float) -> bool:
     """Whether parts of a mesh are that close, apart from short edges and sharp corners."""
     after, first, size = mesh.successor, 0, SAMPLE
-    order = np.random.default_rng(0).permutation(
-        len(mesh.vertices)
-    )  # crowds show in a sample, before they make all pairs
+    # crowds show in a sample, before they make all pairs
+    order = np.random.default_rng(0).permutation(len(mesh.vertices))
     while first < len(order):
         chosen = order[first : first + size]
         place, edge = near_pairs(mesh.vertices[chosen], mesh.vertices, mesh.edge_ends, width)

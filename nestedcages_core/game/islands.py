@@ -63,22 +63,22 @@ def islands_of(pixels: Pixels, left: int, top: int, vertices: int) -> list[Islan
     pixels = np.pad(pixels, ((MARGIN, MARGIN), (MARGIN, MARGIN), (0, 0)))
     opaque = pixels[..., 3] > 0
     labels, solid = _labelled(opaque)
-    boxes = scipy.ndimage.find_objects(labels)
+    boxes = sorted(enumerate(scipy.ndimage.find_objects(labels), 1), key=lambda each: -_extent(each[1]))
     found = []
-    for k in sorted(range(len(boxes)), key=lambda k: -_extent(boxes[k])):
-        own = labels[boxes[k]] == k + 1
-        seen, within = opaque[boxes[k]] & own, solid[boxes[k]] & own
-        share = (_extent(boxes[k]) / max(map(_extent, boxes))) ** PER_SHARE
+    for number, box in boxes:
+        own = labels[box] == number
+        seen, within = opaque[box] & own, solid[box] & own
+        share = (_extent(box) / _extent(boxes[0][1])) ** PER_SHARE
         wanted = max(LEAST_VERTICES, round(share * vertices))
         if scipy.ndimage.label(seen, SQUARE)[1] == 1:
             hull = collision_outline(seen, wanted, padding=MARGIN)
         else:
             hull = collision_outline(within if scipy.ndimage.label(within, SQUARE)[1] == 1 else own, wanted)
-        at = np.array([left, top]) - MARGIN + [boxes[k][1].start, boxes[k][0].start]
+        at = np.array([left, top]) - MARGIN + [box[1].start, box[0].start]
         rows, columns = (np.flatnonzero(seen.any(axis=axis)) for axis in (1, 0))
         cut = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
         x, y = int(at[0] + columns[0]), int(at[1] + rows[0])
-        island = np.where(seen[cut][..., None], pixels[boxes[k]][cut], 0)
+        island = np.where(seen[cut][..., None], pixels[box][cut], 0)
         found.append(Island(x, y, island, stored(hull.vertices[hull.loops[0]]) + at))
     return found
 

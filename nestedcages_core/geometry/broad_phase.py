@@ -84,7 +84,7 @@ def near_pairs(points: FloatArray, starts: FloatArray, ends: FloatArray, radius:
     pair = _in_strips(p, low, high) if STRIPS_FROM < tests <= STRIPS_LIMIT else None
     if pair is None:
         if tests > ALL_BOXES_LIMIT:
-            return _near_pairs_by_cells(points, starts, ends, radius)
+            return _near_pairs_by_cells(p, a, b, radius)
         pair = _in_boxes(p, low, high)
     j = pair // len(points)
     i = pair - j * len(points)
@@ -141,10 +141,9 @@ def _of_pairs(p: FloatArray, a: FloatArray, b: FloatArray, i: IntArray, j: IntAr
     return np.sqrt(x, out=x), parameter
 
 
-def _near_pairs_by_cells(
-    points: FloatArray, starts: FloatArray, ends: FloatArray, radius: float
-) -> tuple[IntArray, IntArray]:
-    p, a, b = points.T.copy(), starts.T.copy(), ends.T.copy()
+def _near_pairs_by_cells(p: FloatArray, a: FloatArray, b: FloatArray, radius: float) -> tuple[IntArray, IntArray]:
+    """`near_pairs` of coordinates (2, P) and (2, E), (2, E)."""
+    points, starts, ends = p.T, a.T, b.T
     low, high = bounds(np.concatenate([points, starts, ends]))
     lengths = np.hypot(*(ends - starts).T)
     pieces = PIECES * (len(points) + len(starts))
