@@ -13,7 +13,7 @@ from ..generation.job import Work
 from ..properties.kinds import choice, flag
 from ..puppets import armatures, caps, clips, duplicates, moving
 from ..scene.areas import paints
-from ..scene.ownership import chosen
+from ..scene.ownership import check_local, chosen
 from .base import JobOperator, Operator, pose
 from .views import OUTLINES
 
@@ -58,10 +58,10 @@ def make_puppet(
     operator: Operator, context: Context, objects: Sequence[Object], old: Object | None, options: moving.Making
 ) -> Work[None]:
     """Makes a puppet of drawings, or makes the old one again, in Pose Mode, and tells what to look at."""
-    if old is not None and not old.is_editable:
-        raise UserError(f"'{old.name}' is linked from another file: make it local first")
-    if old is not None and not old.visible_get():
-        raise UserError(f"'{old.name}' is hidden: show it first")
+    if old is not None:
+        check_local(old)
+        if not old.visible_get():
+            raise UserError(f"'{old.name}' is hidden: show it first")
     if any(map(armatures.is_skinned, objects)):
         raise UserError(
             "A painting follows its bones as they are: hang them elsewhere, move them and paint weights, without this"

@@ -23,8 +23,7 @@ def repaint(context: Context, rig: Object, painting: game.Painting) -> tuple[lis
     """Changes a puppet to a painting: its objects, the armature last, and what changed. Raises: UserError."""
     if keys.KEPT not in rig.keys():  # noqa: SIM118
         raise UserError(f"'{rig.name}' is no puppet of a painting: import the painting without 'Repaint Selected'")
-    if not rig.is_editable:
-        raise UserError(f"'{rig.name}' is linked from another file: make it local first")
+    ownership.check_local(rig)
     with blamed(f"'{rig.name}'"):
         puppet, changes = game.repainted(_old(rig), painting.parts, painting.size)
     if context.mode != "OBJECT":

@@ -77,13 +77,18 @@ def check_free(objects: Iterable[Object]) -> None:
     for obj in objects:
         if obj.mode != "OBJECT":
             raise UserError(f"'{obj.name}' is being edited: go back to Object Mode first")
-        if obj.override_library is not None:
-            raise UserError(
-                f"'{obj.name}' is an override of another file: it can be posed and keyed here, but for this open that "
-                "file, or make it local first (Object > Relations > Make Local)"
-            )
-        if not obj.is_editable or not obj.data.is_editable:
-            raise UserError(f"'{obj.name}' is linked from another file: open that file, or make it local first")
+        check_local(obj)
+
+
+def check_local(obj: Object) -> None:
+    """Raises: UserError if an object belongs to another file. Overrides lose additions."""
+    if obj.override_library is not None:
+        raise UserError(
+            f"'{obj.name}' is an override of another file: it can be posed and keyed here, but for this open that "
+            "file, or make it local first (Object > Relations > Make Local)"
+        )
+    if not obj.is_editable or not obj.data.is_editable:
+        raise UserError(f"'{obj.name}' is linked from another file: open that file, or make it local first")
 
 
 def sets_of_active(context: Context) -> list[CageSet]:

@@ -399,3 +399,64 @@ def test_poses_are_assets_and_mirrored_as_pictures() -> None:
     rig.pose.apply_pose_from_action(action)
     for name, applied in picture().items():
         np.testing.assert_allclose(applied, posed[name], atol=1e-5, err_msg=name)
+
+
+@pytest.mark.slow
+def test_an_override_is_posed_and_walks_and_says_what_it_cannot(tmp_path: Path) -> None:
+    drawings = figure()
+    home = bpy.data.collections.new("Character")
+    bpy.context.scene.collection.children.link(home)
+    for obj in drawings.values():
+        home.objects.link(obj)
+        bpy.context.scene.collection.objects.unlink(obj)
+    choose(*drawings.values())
+    assert bpy.ops.object.nested_cages_puppet(reach=True) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    library, shot = str(tmp_path / "character.blend"), str(tmp_path / "shot.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=library)
+    names = set(drawings) - {"Badge"}
+
+    def parts() -> dict[str, Object]:
+        """Those that belong to this file: its own ones, or overrides."""
+        return {obj.name: obj for obj in bpy.data.objects if obj.library is None}
+
+    def picture() -> dict[str, np.ndarray]:
+        bpy.context.view_layer.update()
+        return {name: points(obj) for name, obj in parts().items() if name in names}
+
+    def pose() -> None:
+        bones: Any = parts()["Character Puppet"].pose.bones
+        bones["Leg.001 IK.L"].location, bones["Neck"].rotation_euler[2] = (0.1, 0.2, 0.0), 0.3
+
+    def assert_shows(wanted: dict[str, np.ndarray]) -> None:
+        for name, seen in picture().items():
+            np.testing.assert_allclose(seen, wanted[name], atol=1e-5, err_msg=name)
+
+    rest = picture()
+    pose()
+    posed = picture()
+    assert {"Leg.L", "Head", "Neck"} == {name for name in names if np.abs(posed[name] - rest[name]).max() > 1e-3}
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(library, link=True) as (_, wanted):
+        wanted.collections = ["Character"]
+    bpy.context.scene.collection.children.link(wanted.collections[0])
+    wanted.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+    assert_shows(rest)
+    pose()
+    assert_shows(posed)
+    bpy.ops.wm.save_as_mainfile(filepath=shot)
+    bpy.ops.wm.open_mainfile(filepath=shot)
+    assert_shows(posed)
+    armature: Any = parts()["Character Puppet"]
+    choose(armature)
+    with pytest.raises(RuntimeError, match="'Character Puppet' is an override of another file"):
+        bpy.ops.object.nested_cages_puppet()
+    assert_shows(posed)
+    assert bpy.ops.object.nested_cages_clip(kind="WALK") == {"FINISHED"}
+    bpy.context.scene.frame_set(7)
+    walking = picture()
+    assert np.abs(walking["Leg.R"] - posed["Leg.R"]).max() > 0.05
+    bpy.ops.wm.save_as_mainfile(filepath=shot)
+    bpy.ops.wm.open_mainfile(filepath=shot)
+    assert_shows(walking)
+    assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
