@@ -10,10 +10,10 @@ from bpy.types import Context, Object
 from .. import record
 from ..errors import UserError, counted
 from ..generation.job import Work
-from ..properties.kinds import choice, flag
-from ..puppets import armatures, caps, clips, duplicates, moving
+from ..properties.kinds import choice, flag, text
+from ..puppets import armatures, caps, clips, controls, duplicates, moving
 from ..scene.areas import paints
-from ..scene.ownership import check_local, chosen
+from ..scene.ownership import check_local, chosen, scene_of
 from .base import JobOperator, Operator, pose
 from .views import OUTLINES
 
@@ -106,16 +106,46 @@ class OBJECT_OT_nested_cages_clip(Operator, bpy.types.Operator):
 
     def run(self, context: Context) -> None:
         duplicates.complete_puppets()
-        armature = armatures.puppet_of(chosen(context))
-        assert armature is not None
-        if not armature.is_editable:
-            raise UserError(f"'{armature.name}' is linked from another file: make it local first")
+        armature = _chosen_puppet(context)
         action = clips.add_clip(context, armature, self.kind.lower())
         frames = round(action.frame_end - action.frame_start)
         folds = clips.beyond(armature)
         if folds:
             self.report({"WARNING"}, f"Frame {min(folds)}: a bone turns further than is proved: verify the animation")
         self.report({"INFO"}, f"'{action.name}': {frames} frames that repeat{'' if folds else '; nothing folds'}")
+
+
+class OBJECT_OT_nested_cages_snap(Operator, bpy.types.Operator):
+    """Let a limb follow its control, or turn by its bones if it follows, in the pose that it shows. What has keys gets
+    keys on this frame, all with Auto Keying
+    """
+
+    bl_label = "Snap FK/IK"
+    modes = ("OBJECT", "POSE")
+
+    control: text("Control", "Control of the limb; if empty, limbs with selected bones", options={"SKIP_SAVE"})
+
+    needs = staticmethod(lambda context: armatures.puppet_of(chosen(context)))
+    missing = "Select a puppet, or a drawing that it moves"
+
+    def run(self, context: Context) -> None:
+        armature = _chosen_puppet(context)
+        limbs = controls.limbs_of(armature)
+        picked = {bone.name for bone in context.selected_pose_bones or ()}
+        wanted = [end for end, chain in limbs.items() if picked & {end, *(bone.name for bone in chain)}]
+        for end in [self.control] if self.control in limbs else wanted:
+            controls.snap(armature, end, scene_of(context).tool_settings.use_keyframe_insert_auto)
+        if self.control not in limbs and not wanted:
+            raise UserError("Select a bone or the control of a limb with IK")
+
+
+def _chosen_puppet(context: Context) -> Object:
+    """The puppet to be animated. Raises: UserError."""
+    armature = armatures.puppet_of(chosen(context))
+    assert armature is not None
+    if not armature.is_editable:
+        raise UserError(f"'{armature.name}' is linked from another file: make it local first")
+    return armature
 
 
 def _selected_parts(context: Context) -> tuple[list[Object], Object | None]:

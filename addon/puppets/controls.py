@@ -10,9 +10,10 @@ from typing import Any
 
 import bpy
 from bpy.types import Object
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from .. import keys
+from ..animation.shape_keys import curves_of
 from ..core import core
 from ..scene.ownership import select
 from .armatures import part_of
@@ -74,6 +75,37 @@ def add_controls(context: bpy.types.Context, armature: Object, figure: core.pupp
 def reach_of(posed: Any) -> Any:
     """The constraint by which a bone reaches for its control; None without one."""
     return posed.constraints.get(REACH)
+
+
+def limbs_of(armature: Object) -> dict[str, list[Any]]:
+    """The bones of each limb that reaches, from its end to its joint, by name of its control."""
+    found = ((posed, reach_of(posed)) for posed in armature.pose.bones)
+    return {to.subtarget: [end, *end.parent_recursive[: to.chain_count - 1]] for end, to in found if to is not None}
+
+
+def snap(armature: Object, control: str, keyed: bool) -> None:
+    """Lets a limb that turns by its bones follow its control, else turn by its bones, in the pose that it shows.
+
+    keyed: whether to key what changes; what has keys is keyed anyway.
+    """
+    chain, target = limbs_of(armature)[control], armature.pose.bones[control]
+    reaches = reach_of(chain[0])
+    shown = [armature.convert_space(pose_bone=posed, matrix=posed.matrix, from_space="POSE", to_space="LOCAL")
+             for posed in chain]  # fmt: skip
+    target.matrix = Matrix.Translation(chain[0].tail - target.head) @ target.matrix
+    for posed, local in zip(chain, shown, strict=True):  # IK starts from them too
+        posed.matrix_basis = local
+    reaches.influence = float(reaches.influence == 0.0)
+    known = {curve.data_path for curve in curves_of(armature)}
+    for owner, path in ((target, "location"), (reaches, "influence"), *((posed, _turn_of(posed)) for posed in chain)):
+        if keyed or f"{owner.path_from_id()}.{path}" in known:
+            owner.keyframe_insert(path)
+
+
+def _turn_of(posed: Any) -> str:
+    """The property by which a bone is turned."""
+    own = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
+    return own.get(posed.rotation_mode, "rotation_euler")
 
 
 def _set_control(control: Any, purpose: str, head: Vector, along: Vector) -> None:

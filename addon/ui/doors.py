@@ -141,7 +141,9 @@ def _rig_door(layout: Any, context: Context) -> None:
             row.operator("object.nested_cages_clip", text=name).kind = kind
         column = layout.column(align=True)
         for reach in filter(None, map(reach_of, puppet.pose.bones)):
-            column.prop(reach, "influence", text=reach.subtarget, slider=True, translate=False)
+            row = column.row(align=True)
+            row.prop(reach, "influence", text=reach.subtarget, slider=True, translate=False)
+            row.operator("object.nested_cages_snap", text="", icon="SNAP_ON").control = reach.subtarget
         layout.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
     layout.operator("object.nested_cages_import", text="Import Puppet", icon="IMPORT").outlines = "PUPPET"
 

@@ -20,6 +20,7 @@ ENTRIES: tuple[dict[str, Any], ...] = (
         "rig": "ARMATURE_DATA",
         "puppet": "OUTLINER_OB_ARMATURE",
         "clip": "ACTION",
+        "snap": "SNAP_ON",
         "follow": "CON_FOLLOWTRACK",
         "live": "REC",
         "rebind": "FILE_REFRESH",

@@ -20,7 +20,7 @@ OPERATORS = {
     **dict.fromkeys(("follow", "live"), "motion"),
     **dict.fromkeys(("to_objects", "pieces", "export", "import"), "export"),
     **dict.fromkeys(("from_image", "cutout"), "pictures"),
-    **dict.fromkeys(("puppet", "clip", "rig", "suggest_bones"), "characters"),
+    **dict.fromkeys(("puppet", "clip", "snap", "rig", "suggest_bones"), "characters"),
     "select_fault": "messages",
     "silhouette": "silhouette",
 }

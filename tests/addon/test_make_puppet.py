@@ -460,3 +460,58 @@ def test_an_override_is_posed_and_walks_and_says_what_it_cannot(tmp_path: Path) 
     bpy.ops.wm.open_mainfile(filepath=shot)
     assert_shows(walking)
     assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
+
+
+def test_limbs_snap_between_their_controls_and_their_bones(addon: Any) -> None:
+    curves_of = addon.animation.shape_keys.curves_of
+    choose(*figure().values())
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    armature: Any = bpy.context.object
+    bones = armature.pose.bones
+    leg = [bones["Leg.L"], bones["Leg.001.L"]]
+    control, reach = bones["Leg.001 IK.L"], leg[1].constraints["IK"]
+
+    def ends() -> np.ndarray:
+        bpy.context.view_layer.update()
+        return np.array([each.tail[:2] for each in bones if "IK" not in each.name])
+
+    def snap(**options: str) -> set[str]:
+        return bpy.ops.object.nested_cages_snap(**options)
+
+    bones["Root"].location[0], bones["Torso"].rotation_euler[2] = 0.3, 0.2
+    for turns in ((0.5, -0.7), (-0.4, 0.9)):  # the knee to both sides
+        for each, turn in zip(leg, turns, strict=True):
+            each.rotation_euler[2] = turn
+        shown = ends()
+        assert snap(control=control.name) == {"FINISHED"} and reach.influence == 1.0
+        np.testing.assert_allclose(ends(), shown, atol=1e-3)
+        control.location += type(control.location)((0.1, 0.2, 0.0))
+        shown = ends()
+        assert snap(control=control.name) == {"FINISHED"} and reach.influence == 0.0
+        np.testing.assert_allclose(ends(), shown, atol=1e-5)
+    control.location[1] -= 9.0  # out of reach
+    reach.influence = 0.5
+    shown = ends()
+    assert snap(control=control.name) == snap(control=control.name) == {"FINISHED"} and reach.influence == 1.0
+    np.testing.assert_allclose(ends(), shown, atol=1e-3)
+    assert armature.animation_data is None
+    bpy.ops.pose.select_all(action="DESELECT")
+    with pytest.raises(RuntimeError, match="Select a bone or the control of a limb"):
+        snap()
+    leg[0].keyframe_insert("rotation_euler", frame=1)
+    reach.keyframe_insert("influence", frame=1)
+    bpy.context.scene.frame_set(9)
+    bpy.ops.pose.select_all(action="SELECT")
+    others = [each for each in bones if (each.constraints.get("IK") or reach) != reach]
+    assert snap() == {"FINISHED"} and reach.influence == 0.0
+    assert len(others) == 3 and all(each.constraints["IK"].influence == 1.0 for each in others)
+
+    def keyed() -> dict[str, int]:
+        return {curve.data_path: len(curve.keyframe_points) for curve in curves_of(armature)}
+
+    first = {f"{leg[0].path_from_id()}.rotation_euler": 2, f"{reach.path_from_id()}.influence": 2}
+    assert keyed() == first
+    bpy.context.scene.tool_settings.use_keyframe_insert_auto = True
+    assert snap(control=control.name) == {"FINISHED"}
+    own = {f"{leg[1].path_from_id()}.rotation_euler": 1, f"{control.path_from_id()}.location": 1}
+    assert keyed() == first | own
