@@ -196,18 +196,26 @@ def _common_home(given: Drawn) -> Collection | None:
 
 @contextmanager
 def at_rest(context: Context, objects: Sequence[Object], armature: Object | None) -> Iterator[None]:
-    """Temporarily shows drawings, and the armature that moves them, as they were drawn."""
+    """Temporarily shows drawings, and the armature that moves them, as they were drawn.
+
+    Disabled ones too, such as mouths that others are swapped for: else Blender has them where they were seen last.
+    """
     empties = [obj for obj in objects if field.shown_by(obj) != obj]
+    hidden = [obj for obj in objects if obj.hide_viewport]
     before = armature.data.pose_position if armature is not None else ""
     with field.unposed(obj for obj in objects if obj not in empties):
         try:
             for empty in empties:
                 empty.instance_type = "COLLECTION"
+            for obj in hidden:
+                obj.hide_viewport = False
             if armature is not None:
                 armature.data.pose_position = "REST"
                 context.view_layer.update()
             yield
         finally:
+            for obj in hidden:
+                obj.hide_viewport = True
             for empty in empties:
                 empty.instance_type = "COLLECTION" if field.shown_by(empty) == empty else "NONE"
             if armature is not None:

@@ -14,7 +14,7 @@ from bpy.types import Object
 
 from drawings import choose, grease_pencil
 from nestedcages_core.exchange.pictures import read_png
-from test_character import figure, points
+from test_character import LIMBS, capsule, face, figure, points
 
 pytest.importorskip("shapely")
 
@@ -515,3 +515,53 @@ def test_limbs_snap_between_their_controls_and_their_bones(addon: Any) -> None:
     assert snap(control=control.name) == {"FINISHED"}
     own = {f"{leg[1].path_from_id()}.rotation_euler": 1, f"{control.path_from_id()}.location": 1}
     assert keyed() == first | own
+
+
+@pytest.mark.parametrize("by", ["keys", "eye"])
+def test_swapped_mouths_and_hands_stay_when_the_puppet_is_made_again(by: str) -> None:
+    """Hidden ones too, though Blender doesn't move what is hidden."""
+    drawings = figure()
+    pairs = (("Hand.L", "Open Hand.L"), ("Smile", "Frown"))
+    for name, loop, height in (
+        ("Open Hand.L", capsule(LIMBS["Hand.L"][0], (1.55, 1.3), 0.13), 0.0055),
+        ("Smile", capsule((-0.05, 1.6), (0.05, 1.6), 0.03), 0.02),
+        ("Frown", capsule((-0.05, 1.6), (0.05, 1.6), 0.04), 0.021),
+    ):
+        drawings[name] = face(name, loop)
+        drawings[name].location.z = height
+    choose(*drawings.values())
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    armature: Any = bpy.context.object
+
+    def swap(frame: int) -> None:
+        bpy.context.scene.frame_set(frame)
+        for pair in pairs:
+            for number, name in enumerate(pair):
+                obj, hidden = drawings[name], frame != (1, 5)[number]
+                if by == "eye":
+                    obj.hide_set(hidden)
+                elif armature.animation_data is None:
+                    obj.hide_viewport = obj.hide_render = hidden
+                    obj.keyframe_insert("hide_viewport", frame=frame)
+                    obj.keyframe_insert("hide_render", frame=frame)
+        bpy.context.view_layer.update()
+
+    def seen() -> dict[str, np.ndarray]:
+        found: dict[str, np.ndarray] = {}
+        for frame in (5, 1):
+            swap(frame)
+            found |= {name: points(obj) for name, obj in drawings.items() if obj.visible_get() and name != "Badge"}
+        return found
+
+    seen()
+    turn(armature, Arm_L=30.0, Neck=25.0)
+    armature.keyframe_insert("location")
+    before = seen()
+    heads = {each.name: each.head_local.copy() for each in armature.data.bones}
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    assert [drawings[name].visible_get() for pair in pairs for name in pair] == [True, False] * 2
+    assert set(before) == set(drawings) - {"Badge"}
+    for name, wanted in seen().items():
+        np.testing.assert_allclose(wanted, before[name], atol=1e-4, err_msg=name)
+    for each in armature.data.bones:
+        np.testing.assert_allclose(each.head_local, heads[each.name], atol=1e-5, err_msg=each.name)
