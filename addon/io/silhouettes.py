@@ -93,9 +93,9 @@ def painted_loops(
 
 def _has_room(loop: FloatArray) -> bool:
     """Whether a loop is not seen from the side."""
-    x, y = (loop - loop[0]).T
-    twice = abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
-    return twice > EDGE_ON * float(np.ptp(x) ** 2 + np.ptp(y) ** 2)
+    x, y = (loop - loop[0]).T  # at 0, which the last edge, from the last point to the first, adds
+    twice = abs(float(x[:-1] @ y[1:] - y[:-1] @ x[1:]))
+    return twice > EDGE_ON * float((x.max() - x.min()) ** 2 + (y.max() - y.min()) ** 2)
 
 
 def place_silhouette(

@@ -45,7 +45,8 @@ class Painted:
 
     def cleaned(self) -> Painted:
         """The same without repeated points and loops of zero area."""
-        different = [points[(points != np.roll(points, -1, axis=0)).any(axis=1)] for points in self.loops]
+        following = [np.concatenate([points[1:], points[:1]]) for points in self.loops]  # faster than np.roll
+        different = [p[(p != after).any(axis=1)] for p, after in zip(self.loops, following, strict=True)]
         return Painted([loop for loop in different if len(loop) > 2], self.evenodd)
 
 
