@@ -34,6 +34,15 @@ def complete() -> None:
                 visibility.enter(cage_set)
 
 
+def own_copy(obj: Object, beside: Object) -> Object:
+    """A copy of an object with a mesh of its own, in the collections of another one."""
+    own = obj.copy()
+    own.data = filling.mesh_of(obj).copy()
+    for home in beside.users_collection:
+        home.objects.link(own)
+    return own
+
+
 def _own_members(cage_set: CageSet) -> bool:
     """Copies the fine mesh and coarser cages that belong to the original; returns whether there were any."""
     copied = False
@@ -41,10 +50,7 @@ def _own_members(cage_set: CageSet) -> bool:
         obj, inner = shared[0], cage_set.cages[-1]
         carrier, there = placement.carrier_of(obj)
         beside, _ = placement.carrier_of(cage_set.finest)
-        own = obj.copy()
-        own.data = filling.mesh_of(obj).copy()
-        for home in cage_set.finest.users_collection:
-            home.objects.link(own)
+        own = own_copy(obj, cage_set.finest)
         if carrier is not None and beside is not None:  # the copy of the drawing carries the copies that were made
             placement.carry(own, beside, there)
         own.hide_set(obj.hide_get())
@@ -90,10 +96,7 @@ def _own_field(cage_set: CageSet, cage: Object) -> bool:
     shared = field.field_of(cage)
     if shared is None or record.shown(shared, record.FIELD) == cage:
         return False
-    own = shared.copy()
-    own.data = filling.mesh_of(shared).copy()
-    for home in cage.users_collection:
-        home.objects.link(own)
+    own = own_copy(shared, cage)
     record.drop(record.new_node(cage).helpers, [shared])
     record.make_helper(own, record.FIELD, cage)
     for obj in (*cage_set.members, *cage_set.originals):

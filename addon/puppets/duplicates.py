@@ -8,8 +8,8 @@ import bpy
 from bpy.types import Depsgraph, Object, Scene
 
 from .. import record
-from ..binding import field
-from ..scene import display, filling
+from ..binding import copies, field
+from ..scene import display
 from .armatures import drawings_of, is_puppet, part_of
 
 
@@ -45,11 +45,8 @@ def _own_carrier(carrier: Object, armature: Object, beside: Object) -> Object:
     """A copy of a hidden mesh and of its field, for a copy of its armature."""
     still = field.field_of(carrier)
     assert still is not None
-    own, own_still = carrier.copy(), still.copy()
-    for new in (own, own_still):
-        new.data = filling.mesh_of(new).copy()
-        beside.users_collection[0].objects.link(new)
-        new.parent = armature
+    own, own_still = (copies.own_copy(each, beside) for each in (carrier, still))
+    own.parent = own_still.parent = armature
     record.drop(record.new_node(own).helpers, [still])
     record.make_helper(own_still, record.FIELD, own)
     for modifier in own.modifiers:
