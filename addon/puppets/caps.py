@@ -6,6 +6,7 @@ A cap is a piece of what its drawings show, with their materials and textures, d
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import bpy
@@ -23,8 +24,8 @@ from . import armatures
 
 # Distance from a drawing to the next one behind it, as a fraction of the size of all, where there is none.
 BEHIND = 1e-3
-# Heights of a cap in that distance: of what its lowest and its highest drawing show.
-LOWEST, HIGHEST = 0.5, 0.25
+# Heights of a cap in that distance: of what its lowest and its highest drawing show, and of ink at its edge.
+LOWEST, HIGHEST, INK = 0.5, 0.25, 0.2
 
 
 class Shown(NamedTuple):
@@ -71,9 +72,10 @@ def draw_caps(
         low, high = (end(depth[obj] for obj in own) for end in (min, max))
         gap = min((low - each for each in depth.values() if each < low), default=whole)
         rise = (LOWEST - HIGHEST) * gap / max(high - low, gap)
-        heights = [frame.height + (low - LOWEST * gap + rise * (depth[obj] - low)) / frame.scale for obj in own]
-        name = f"{puppet.draft.parts[cap.part].name} Cap"
-        data = _piece_of(context, name, own, heights, cap, frame)
+        own.sort(key=lambda obj: depth[obj])
+        behind = [*(LOWEST * gap - rise * (depth[obj] - low) for obj in own), INK * gap]
+        heights = [frame.height + (low - each) / frame.scale for each in behind]
+        data = _piece_of(context, puppet.draft.parts[cap.part], own, heights, cap, frame)
         if data is not None:
             _hang(data, own[0], armature, puppet.bones[cap.bone].name)
 
@@ -94,27 +96,41 @@ def _hang(data: bpy.types.Mesh, drawing: Object, armature: Object, bone: str) ->
 
 def _piece_of(
     context: Context,
-    name: str,
+    part: core.puppet.PuppetPart,
     drawings: Sequence[Object],
     heights: Sequence[float],
     cap: core.puppet.Cap,
     frame: Frame,
 ) -> bpy.types.Mesh | None:
-    """What drawings show in a cap, each at its height in the frame; None if that is nothing."""
+    """What drawings show in a cap, the lowest first, each at its height in the frame, and ink at the last; None if
+    that is nothing."""
     points, faces, numbers, texture = list[FloatArray](), list[range](), list[int](), list[FloatArray]()
     materials: list[bpy.types.Material | None] = []
-    for obj, height in zip(drawings, heights, strict=True):
+
+    def add(ring: FloatArray, height: float, material: int, uv: FloatArray) -> None:
+        first = faces[-1].stop if faces else 0
+        faces.append(range(first, first + len(ring)))
+        points.append(np.column_stack([ring, np.full(len(ring), height)]))
+        numbers.append(material)
+        texture.append(uv)
+
+    everything = list[Shown]()
+    for obj, height in zip(drawings, heights, strict=False):
         shown = _seen_of(context, obj, frame)
+        shown = shown._replace(materials=shown.materials + len(materials))
         for triangle, ring, shares in cap.pieces(shown.corners):
-            first = faces[-1].stop if faces else 0
-            faces.append(range(first, first + len(ring)))
-            points.append(np.column_stack([ring, np.full(len(ring), height)]))
-            numbers.append(len(materials) + int(shown.materials[triangle]))
-            texture.append(shares @ shown.texture[triangle])
+            add(ring, height, int(shown.materials[triangle]), shares @ shown.texture[triangle])
         materials += [slot.material for slot in obj.material_slots] or [None]
+        everything.append(shown)
     if not faces:
         return None
-    data = filling.new_mesh(name, np.concatenate(points), faces=[list(face) for face in faces])
+    corners, paints, uv = (np.concatenate(each) for each in zip(*everything, strict=True))
+    ink = cap.ink(part, partial(_paints_at, corners, paints))
+    if ink is not None:
+        there = uv[np.flatnonzero(paints == ink.paint)[0]].mean(axis=0)
+        for ring in ink.rings:
+            add(ring, heights[-1], ink.paint, np.tile(there, (len(ring), 1)))
+    data = filling.new_mesh(f"{part.name} Cap", np.concatenate(points), faces=[list(face) for face in faces])
     for material in materials:
         data.materials.append(material)
     data.polygons.foreach_set("material_index", np.array(numbers, np.int32))
@@ -138,3 +154,13 @@ def _seen_of(context: Context, obj: Object, frame: Frame) -> Shown:
             loops = filling.stored(mesh.loop_triangles, "loops", 3, np.int32)
             texture = filling.stored(layer.data, "uv", 2).astype(np.float64)[loops]
     return Shown(corners, materials.clip(0, max(len(obj.material_slots) - 1, 0)), texture)
+
+
+def _paints_at(corners: FloatArray, paints: NDArray[np.int32], places: FloatArray) -> NDArray[np.int64]:
+    """The paint (n,) of the last triangle (t, 3, 2) at each place (n, 2), -1 where there is none."""
+    found = np.full(len(places), -1)
+    near = ((corners.max(axis=1) >= places.min(axis=0)) & (corners.min(axis=1) <= places.max(axis=0))).all(axis=1)
+    for (one, other, third), paint in zip(corners[near], paints[near], strict=True):
+        sides = [np.cross(end - start, places - start) for start, end in ((one, other), (other, third), (third, one))]
+        found[(np.max(sides, axis=0) <= 0.0) | (np.min(sides, axis=0) >= 0.0)] = paint
+    return found

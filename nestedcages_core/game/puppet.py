@@ -146,8 +146,9 @@ def meshed(
     caps = caps_of(draft)
     meshes: list[PartMesh] = []
     for k, part in enumerate(parts):
-        own = draft.parts[k].name
-        held = [(cap.bone, picture) for cap in caps if cap.part == k and (picture := cap_picture(cap, part, place))]
+        drawn, own = draft.parts[k], draft.parts[k].name
+        pictures = [(cap.bone, cap_picture(cap, drawn, part, place)) for cap in caps if cap.part == k]
+        held = [(bone, picture) for bone, picture in pictures if picture is not None]
         behind = [(bone, each) for bone, cap in held for each in islands_of(cap.seen, cap.left, cap.top, vertices)]
         for number, (bone, island) in enumerate(behind):
             grid, weights = _stiff(place.up(island.loop), bone, len(draft.bones))

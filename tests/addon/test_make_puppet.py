@@ -346,6 +346,32 @@ def test_caps_keep_joints_painted_behind_their_drawings() -> None:
     assert not [obj for obj in bpy.data.objects if is_cap(obj)]
 
 
+def test_caps_have_the_ink_of_their_drawings() -> None:
+    """Bars with a line around them: the edge of the cap, where paint was cut, has it too."""
+    materials = [bpy.data.materials.new(name) for name in ("Ink", "Fill")]
+    for name, left, z in (("upper", 0.0, 0.0), ("lower", 4.6, 0.1)):
+        right = left + 5.0
+        rings = [[(left + d, d, 0.0), (right - d, d, 0.0), (right - d, 2.0 - d, 0.0), (left + d, 2.0 - d, 0.0)]
+                 for d in (0.0, 0.1)]  # fmt: skip
+        data = bpy.data.meshes.new(name)
+        data.from_pydata([*rings[0], *rings[1]], [], [(0, 1, 2, 3), (4, 5, 6, 7)])
+        for material in materials:
+            data.materials.append(material)
+        data.polygons.foreach_set("material_index", [0, 1])
+        bar = bpy.data.objects.new(name, data)
+        bpy.context.collection.objects.link(bar)
+        bar.location.z = z
+        bar.select_set(True)
+    bpy.context.view_layer.objects.active = bar
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    (cap,) = [obj for obj in bpy.data.objects if is_cap(obj)]
+    points = shape(cap)
+    above = [(points[list(each.vertices), 2] > points[:, 2].max() - 1e-6).all() for each in cap.data.polygons]
+    painted = [cap.data.materials[each.material_index].name for each in cap.data.polygons]
+    assert {name for name, edge in zip(painted, above, strict=True) if edge} == {"Ink"}
+    assert {name for name, edge in zip(painted, above, strict=True) if not edge} == {"Ink", "Fill"}
+
+
 def test_joints_of_grease_pencil_are_told(capfd: pytest.CaptureFixture[str]) -> None:
     for name, left in (("upper", 0.0), ("lower", 4.6)):
         bar = grease_pencil(name, [np.array([[left, 0.0], [left + 5.0, 0.0], [left + 5.0, 2.0], [left, 2.0]])])

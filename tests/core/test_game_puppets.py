@@ -350,6 +350,21 @@ def test_caps_keep_joints_painted_and_show_nothing_at_rest() -> None:
     assert disc.difference(seen).area < 0.02 * disc.area < disc.difference(painted).area
 
 
+def test_caps_have_ink() -> None:
+    """The line around a bar goes on where its cap was cut."""
+    upper, lower = (np.zeros((SIZE[1], SIZE[0], 4), np.uint8) for _ in range(2))
+    upper[100:140, 100:200] = 0, 200, 0, 255
+    lower[100:140, 190:260] = 20, 10, 20, 255
+    lower[104:136, 194:256] = 90, 60, 190, 255
+    bars = [part("lower", lower), part("upper", upper)]
+    cap = game_puppet(bars, SIZE, choices={"upper": PartChoice(parent="")}).meshes[0]
+    rows, columns = np.nonzero(cap.pixels[..., 3])
+    away = np.hypot(rows + cap.top + 0.5 - 120.0, columns + cap.left + 0.5 - 195.0)
+    rim = away > away.max() - 3.0
+    assert (cap.pixels[rows[rim], columns[rim]] == (20, 10, 20, 255)).all()
+    assert (cap.pixels[rows[away < away.max() - 7.0], columns[away < away.max() - 7.0], 2] == 190).any()
+
+
 def mesh_of(puppet: GamePuppet, name: str) -> PartMesh:
     return next(mesh for mesh in puppet.meshes if mesh.name == name)
 

@@ -112,6 +112,27 @@ def test_caps_keep_the_joint_painted_and_show_nothing_at_rest() -> None:
     assert disc.difference(kept).area < 0.001 * disc.area < disc.difference(shapely.difference(kept, area)).area
 
 
+def test_ink_goes_on_along_the_edge_of_a_cap() -> None:
+    """As wide as around the part, and only where paint was cut; a part of one paint has no ink."""
+    lower, upper = (solid(name, shapely.box(x, 0.0, x + 5.0, 2.0)) for name, x in (("lower", 4.6), ("upper", 0.0)))
+    draft = draft_puppet([lower, upper], {"upper": PartChoice(parent="")})
+    (cap,) = puppet_of(draft).caps
+    filled = shapely.buffer(lower.solid, -0.1)
+
+    def paints(places: np.ndarray) -> np.ndarray:
+        return np.where(
+            shapely.contains_xy(lower.solid, *places.T), np.where(shapely.contains_xy(filled, *places.T), 3, 7), -1
+        )
+
+    ink = cap.ink(lower, paints)
+    assert ink is not None and ink.paint == 7
+    assert cap.solid.buffer(1e-9).contains(ink.area)
+    cut = shapely.Point(draft.links[0].joint).buffer(cap.radius).boundary.intersection(cap.solid.buffer(1e-3))
+    assert 0.09 < ink.area.area / cut.length < 0.11
+    assert sum(shapely.Polygon(ring).area for ring in ink.rings) == pytest.approx(ink.area.area)
+    assert cap.ink(lower, lambda places: np.zeros(len(places), int)) is None
+
+
 def test_a_joint_lies_in_what_parts_share_and_not_where_they_touch_too() -> None:
     """Outlines along pixels often touch beside an overlap; caps and bends need the radius at the joint."""
     bent = shapely.union_all(
