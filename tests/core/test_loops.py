@@ -24,7 +24,7 @@ from nestedcages_core import (
 )
 from nestedcages_core.decimation import LineCycles
 from nestedcages_core.decimation.loops import FewerLoops, Tradeoff
-from nestedcages_core.decimation.loops.joining import Joins
+from nestedcages_core.decimation.loops.joining import Joins, WorkLeft
 from nestedcages_core.decimation.loops.knapsack import Tree
 from nestedcages_core.decimation.loops.parts import Hole, Part, open_regions, outermost_parts, outlines
 from nestedcages_core.verification import LostLoops
@@ -152,8 +152,19 @@ def test_the_knapsack_finds_the_best_of_all_choices(count: int) -> None:
     assert np.isclose(best_split(chosen, count), tree.least[least])
 
 
+def test_joins_end_when_their_work_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No join is made after that, and the cage is that of the convex hull."""
+    made: list[object] = []
+    joined = Joins._joined
+    monkeypatch.setattr(Joins, "_joined", lambda *given: made.append(given) or joined(*given))
+    monkeypatch.setattr("nestedcages_core.decimation.loops.joining.WORK", 2_000)
+    fine = Mesh.from_loops([ring(12, 0.3) + np.array([k % 6, k // 6]) for k in range(30)])
+    (level,) = nested_cages(fine, [20])
+    assert len(made) <= 2_000 // 500 and len(level.cage.loops) == 1 and level.report.strict
+
+
 def test_joined_outlines_contain_what_they_join() -> None:
-    joins = Joins(next(iter(open_regions(outermost_parts(bell())))))
+    joins = Joins(next(iter(open_regions(outermost_parts(bell())))), WorkLeft())
     for part in joins.candidates():
         around = polygon(Mesh.from_loops([part.ring]))
         assert isinstance(part, Part) and around.contains_properly(polygon(Mesh.from_loops([part.joined[0].ring])))
@@ -163,9 +174,9 @@ def test_joined_outlines_contain_what_they_join() -> None:
 def test_parts_join_the_outline_of_the_hole_that_they_are_in() -> None:
     parts = outermost_parts(target())
     region = next(region for region in open_regions(parts) if region.hole is not None and region.parts)
-    (made,) = Joins(region).candidates()
+    (made,) = Joins(region, WorkLeft()).candidates()
     assert isinstance(made, Hole) and made.joined == tuple(region.parts) and len(made.inner) == 1
-    Joins(region).apply(made)
+    Joins(region, WorkLeft()).apply(made)
     assert made in list(outlines(parts)) and made.added > 0.0
     assert made.open_area == pytest.approx(outermost_parts(target())[0].holes[0].open_area)
 

@@ -25,7 +25,7 @@ from ..base import NOTHING_KEPT, Count, Decimation, KeepingStarts, Kept, Several
 from ..budget import LEAST_PER_LOOP
 from ..line_cycles import LineCycles
 from ..line_cycles.least_areas import least_areas
-from .joining import Joins
+from .joining import Joins, WorkLeft
 from .knapsack import Option, Tree
 from .parts import Hole, Kind, OpenRegion, open_regions, outermost_parts, outlines
 
@@ -172,6 +172,7 @@ class LoopChoice:
         """Area of the holes that are filled at once."""
         self.joins: dict[int, Joins] = {}
         """Of each region, by the identity of its hole."""
+        self.work = WorkLeft()
         self.missing: NestedCagesError | None = None
         """The error that shapely is missing, without which parts are not joined."""
 
@@ -182,7 +183,8 @@ class LoopChoice:
         """
         if most < np.inf and min((move.added for move in self._moves()), default=np.inf) >= most:
             return
-        self._reduce()
+        if not self._reduce():
+            return
         yield from self._search(list(outlines(self.parts)))
         left = MOST_JOINS
         while left > 0:
@@ -244,8 +246,8 @@ class LoopChoice:
         least = float(tree.least[count])
         return least, tree.chosen(count) if np.isfinite(least) else []
 
-    def _reduce(self) -> None:
-        """Lose the cheapest loops until there are few enough to look at."""
+    def _reduce(self) -> bool:
+        """Lose the cheapest loops until there are few enough to look at; returns whether there was enough work left."""
         most = max(1, self.count // VERTICES_PER_LOOP)
         while (excess := sum(part.size for part in self.parts) - most) > 0:
             left, gone = max(1, excess // LOST_AT_ONCE), set[int]()
@@ -257,6 +259,7 @@ class LoopChoice:
                     gone |= touched
             if not gone:
                 break
+        return self.work.left >= 0
 
     def _moves(self) -> Iterator[Move]:
         """All that may be done next."""
@@ -272,7 +275,9 @@ class LoopChoice:
             if len(region.parts) < (2 if region.hole is None else 1):
                 continue
             try:
-                joins = self.joins.get(id(region.hole)) or self.joins.setdefault(id(region.hole), Joins(region))
+                joins = self.joins.get(id(region.hole)) or self.joins.setdefault(
+                    id(region.hole), Joins(region, self.work)
+                )
             except NestedCagesError as error:
                 self.missing = error
                 return

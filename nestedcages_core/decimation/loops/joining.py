@@ -24,12 +24,29 @@ CLOSING = 0.75
 BESIDE = 6.0
 """Distance from the bridge within which the gap is closed, in its lengths."""
 
+WORK, EACH = 8_000_000, 500
+"""Vertices of outlines that are joined for a drawing, each time that a join is tried, and what else a join counts: a
+minute."""
+
+
+class WorkLeft:
+    """What may still be spent on the joins of a drawing."""
+
+    def __init__(self) -> None:
+        self.left = WORK
+
+    def spend(self, *outlines: FloatArray) -> bool:
+        """Count a join of outlines (k, 2); returns whether there was work left for it."""
+        self.left -= EACH + sum(map(len, outlines))
+        return self.left >= 0
+
 
 class Joins:
     """The joins in a region of each part with the nearest one, or with the outline of the hole."""
 
-    def __init__(self, region: OpenRegion) -> None:
+    def __init__(self, region: OpenRegion, work: WorkLeft) -> None:
         """Raises NestedCagesError without shapely."""
+        self.work = work
         self.shapely = load_shapely("Joining parts")
         self.parts, self.hole, self.siblings = region
         self.solids = {id(part): self.shapely.Polygon(part.ring) for part in self.parts}
@@ -83,6 +100,8 @@ class Joins:
     def _known(self, part: Part, other: Kind) -> Kind | None:
         key = id(part), id(other)
         if key not in self.known:
+            if not self.work.spend(part.ring, other.ring):
+                return None
             try:
                 made = self._joined(part, other) if isinstance(other, Part) else self._opened(part, other)
             except self.shapely.errors.GEOSException:  # coordinates next to the limits
