@@ -133,29 +133,53 @@ def rings_of(shape: Any) -> list[Any]:
         raise ValueError("a shape is a mesh, rings of points (x, y), or a Polygon or MultiPolygon of GeoJSON")
     rings = [np.array([p[:2] for p in ring], float) for ring in ([shape] if _depth(shape) == 2 else shape)]
     rings = [ring[:-1] if (ring[0] == ring[-1]).all() else ring for ring in rings]
-    whole = np.split(whole_numbers(np.concatenate(rings))[0], np.cumsum([len(ring) for ring in rings])[:-1])
-    ends = [(ring, np.roll(ring, -1, axis=0)) for ring in whole]
-    for k, (a, b) in enumerate(ends):
-        is_hole = sum(winding(a[0], *other) != 0 for j, other in enumerate(ends) if j != k) % 2 == 1
-        rings[k] = rings[k] if (dot_cross(a, b)[1].sum() < 0) == is_hole else rings[k][::-1]
-    return rings
+    x = np.concatenate(rings)
+    whole = whole_numbers(x)[0]
+    loops, after = consecutive([len(ring) for ring in rings])
+    is_hole = (windings(x, whole, after, loops) != 0).sum(axis=1) % 2 == 1
+    areas = dot_cross(whole, whole[after])[1]
+    return [ring if (areas[loop].sum() < 0) == hole else ring[::-1]
+            for ring, loop, hole in zip(rings, loops, is_hole, strict=True)]  # fmt: skip
 
 
-def winding(point: Any, a: Any, b: Any) -> int:
-    """How often a loop of edges a-b (K, 2) runs around a point (2,) that is not on it."""
-    up, down = (a[:, 1] <= point[1]) & (b[:, 1] > point[1]), (a[:, 1] > point[1]) & (b[:, 1] <= point[1])
-    _, side = dot_cross(b - a, point - a)
-    return int((up & (side > 0)).sum()) - int((down & (side < 0)).sum())
+def consecutive(lengths: list[int]) -> tuple[list[Any], Any]:
+    """The vertices of each of some loops, one loop after the other, and the vertex after each."""
+    loops = np.split(np.arange(sum(lengths)), np.cumsum(lengths)[:-1])
+    return loops, np.concatenate([np.roll(loop, -1) for loop in loops])
+
+
+def windings(x: Any, whole: Any, after: Any, loops: list[Any]) -> Any:
+    """(L, L) how often around the first vertex of each loop, which is on no other, each other one runs.
+
+    x, whole: vertices (n, 2) and the same in whole numbers. Edges that cross the ray to the right are counted.
+    """
+    found, of = np.zeros((len(loops), len(loops)), int), np.repeat(np.arange(len(loops)), [len(loop) for loop in loops])
+    first, (left, right) = np.array([loop[0] for loop in loops]), np.sort([x[:, 0], x[after, 0]], axis=0)
+    for part in np.array_split(np.arange(len(loops)), 1 + len(loops) * len(x) // BLOCK):
+        at_x, at_y = x[first[part], :, None].transpose(1, 0, 2)
+        begins_below, ends_below = x[:, 1] <= at_y, x[after, 1] <= at_y
+        k, e = np.nonzero((begins_below != ends_below) & (right >= at_x) & (of != part[:, None]))
+        up, beyond = begins_below[k, e], left[e] > at_x[k, 0]
+        near = np.flatnonzero(~beyond)
+        a, b, p = whole[e[near]], whole[after[e[near]]], whole[first[part[k[near]]]]
+        beyond[near] = (dot_cross(b - a, p - a)[1] > 0) == up[near]
+        np.add.at(found, (part[k], of[e]), np.where(up, 1, -1) * beyond)
+    return found
 
 
 def overlapping(low: Any, high: Any, other_low: Any, other_high: Any) -> Any:
-    """(2, K) pairs of boxes that share a point."""
-    found = []
-    for part in np.array_split(np.arange(len(low)), 1 + len(low) * len(other_low) // BLOCK):
-        x, y = ((low[part, None, k] <= other_high[:, k]) & (other_low[:, k] <= high[part, None, k]) for k in (0, 1))
-        i, j = np.nonzero(x & y)
-        found.append(np.stack([part[i], j]))
-    return np.concatenate(found, axis=1)
+    """(2, K) pairs of boxes that share a point, in order."""
+    order, found = other_low[:, 0].argsort(), [np.zeros((2, 0), int)]
+    begins, widest = other_low[order, 0], np.nextafter((other_high - other_low)[:, 0].max(initial=0.0), np.inf)
+    first = begins.searchsorted(np.nextafter(low[:, 0] - widest, -np.inf))
+    count = begins.searchsorted(high[:, 0], "right") - first
+    for part in np.array_split(np.arange(len(low)), 1 + int(count.sum()) // BLOCK):
+        i = np.repeat(part, count[part])
+        j = order[np.arange(len(i)) - np.repeat(np.cumsum(count[part]) - count[part] - first[part], count[part])]
+        shared = ((low[i] <= other_high[j]) & (other_low[j] <= high[i])).all(axis=1)
+        found.append(np.stack([i[shared], j[shared]]))
+    pairs = np.concatenate(found, axis=1)
+    return pairs[:, np.lexsort(pairs[::-1])]
 
 
 class Loops:
@@ -164,8 +188,7 @@ class Loops:
     def __init__(self, *shapes: Any) -> None:
         read = [(ring, k) for k, shape in enumerate(shapes) for ring in rings_of(shape)]
         self.x, lengths = np.concatenate([ring for ring, _ in read]), [len(ring) for ring, _ in read]
-        self.loops = np.split(np.arange(len(self.x)), np.cumsum(lengths)[:-1])
-        self.after = np.concatenate([np.roll(loop, -1) for loop in self.loops])
+        self.loops, self.after = consecutive(lengths)
         self.loop_is_fine = np.array([k == 1 for _, k in read])
         self.is_fine = np.repeat(self.loop_is_fine, lengths)
         self.whole, self.factor = whole_numbers(self.x)
@@ -193,8 +216,7 @@ class Loops:
     @cached_property
     def turns(self) -> Any:
         """(L, L) how often each loop is inside of each other one, by its first vertex."""
-        ends = [(self.whole[loop], self.whole[self.after[loop]]) for loop in self.loops]
-        return np.array([[0 if other is own else winding(own[0][0], *other) for other in ends] for own in ends])
+        return windings(self.x, self.whole, self.after, self.loops)
 
     @property
     def parents(self) -> list[int]:

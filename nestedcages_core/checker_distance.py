@@ -69,7 +69,7 @@ def farther_than(distance: float, x: Any, after: Any, is_fine: Any, tolerance: F
         if gaps[worst].min() > float(refused) and not _within(refused, middle[worst], a, b).any():
             place = f"({middle[worst, 0].real:.6g}, {middle[worst, 0].imag:.6g})"
             return [f"the cage is farther than {distance:.9g} from the fine mesh near {place}"]
-        near = gaps.argsort(axis=1)[:, :NEAREST]
+        near = gaps.argpartition(min(NEAREST, len(a)) - 1, axis=1)[:, :NEAREST]
         bounds = _gap(piece[:, None] - a[near][..., None], (b - a)[near][..., None]).max(axis=2)
         best = near[np.arange(len(near)), bounds.argmin(axis=1), None]
         left = bounds.min(axis=1) > float(accepted)
@@ -97,9 +97,11 @@ def _within(limit: Fraction, *points_and_edges: Any) -> Any:
 def _trapezoids(start: Any, end: Any, is_fine: Any) -> Any:
     """(T, 4) corners of the trapezoids, in order."""
     low, high = np.minimum(start.real, end.real), np.maximum(start.real, end.real)
-    pieces = []
-    for x in pairwise(np.unique([low, high])):
-        k = np.flatnonzero((low <= x[0]) & (high >= x[1]))
+    slabs, pieces = np.array([*pairwise(np.unique([low, high]))]), []
+    groups = [(group, np.flatnonzero((low <= group[-1, 0]) & (high >= group[0, 1])))
+              for group in np.array_split(slabs, int(len(slabs) ** 0.5))]  # fmt: skip
+    for x, near in ((x, near) for group, near in groups for x in group):
+        k = near[(low[near] <= x[0]) & (high[near] >= x[1])]
         along = end[k] - start[k]
         y = start[k].imag + along.imag * ((np.array(x)[:, None] - start[k].real) / along.real)
         upwards = y.sum(axis=0).argsort()

@@ -40,7 +40,7 @@ from shapes import comb, disc, islands, letter_a, letter_a_coarse, ring, square_
 SQUARE = np.array([[0, 0], [4, 0], [4, 4], [0, 4]], float)
 FAST = Settings(decimation=OuterHull(), fallback=OuterHull())
 
-MOST_LINES = 308
+MOST_LINES = 327
 """Lines of code in both files, without what explains it: what can be read in a quarter of an hour."""
 
 
