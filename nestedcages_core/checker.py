@@ -136,7 +136,7 @@ def rings_of(shape: Any) -> list[Any]:
     x = np.concatenate(rings)
     whole = whole_numbers(x)[0]
     loops, after = consecutive([len(ring) for ring in rings])
-    is_hole = (windings(x, whole, after, loops) != 0).sum(axis=1) % 2 == 1
+    is_hole = (turns_around(x, whole, after, loops) != 0).sum(axis=1) % 2 == 1
     areas = dot_cross(whole, whole[after])[1]
     return [ring if (areas[loop].sum() < 0) == hole else ring[::-1]
             for ring, loop, hole in zip(rings, loops, is_hole, strict=True)]  # fmt: skip
@@ -148,7 +148,7 @@ def consecutive(lengths: list[int]) -> tuple[list[Any], Any]:
     return loops, np.concatenate([np.roll(loop, -1) for loop in loops])
 
 
-def windings(x: Any, whole: Any, after: Any, loops: list[Any]) -> Any:
+def turns_around(x: Any, whole: Any, after: Any, loops: list[Any]) -> Any:
     """(L, L) how often around the first vertex of each loop, which is on no other, each other one runs.
 
     x, whole: vertices (n, 2) and the same in whole numbers. Edges that cross the ray to the right are counted.
@@ -216,7 +216,7 @@ class Loops:
     @cached_property
     def turns(self) -> Any:
         """(L, L) how often each loop is inside of each other one, by its first vertex."""
-        return windings(self.x, self.whole, self.after, self.loops)
+        return turns_around(self.x, self.whole, self.after, self.loops)
 
     @property
     def parents(self) -> list[int]:
