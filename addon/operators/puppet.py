@@ -76,7 +76,7 @@ def make_puppet(
     bare = {given.parts[cap.part].name for cap in puppet.caps if not caps.with_faces(given.objects[cap.part])}
     if options.caps and bare:
         names = ", ".join(sorted(bare))
-        operator.report({"INFO"}, f"Joints of Grease Pencil are not painted: lengthen '{names}' beyond theirs")
+        operator.report({"INFO"}, f"Joints of Grease Pencil are not painted: draw '{names}' on beyond their joints")
     for note in puppet.draft.notes:
         operator.report({"WARNING"}, note)
     turns = {bone.name: min(-each.low, each.high) for bone, each in zip(puppet.bones, puppet.ranges, strict=True)}
