@@ -18,6 +18,9 @@ SWAPS: dict[type, type] = {
 SCALE = 1.02
 """Factor on floating-point constants."""
 
+UNJUDGED = {"strict", "repr"}
+"""Keywords that no result depends on: of `zip`, where lengths are equal, and of `field`, for people who look at it."""
+
 
 class Mutant(NamedTuple):
     """One change of a file."""
@@ -61,7 +64,7 @@ def _heads(tree: ast.AST) -> Iterator[range]:
 
 
 def _changes(tree: ast.AST) -> Iterator[tuple[int, Callable[[], object]]]:
-    """Line and action of each change of a tree; messages, annotations and docstrings stay."""
+    """Line and action of each change of a tree; messages, logs, annotations and docstrings stay."""
     for node in _judged(tree):
         line = getattr(node, "lineno", 0)
         if isinstance(node, ast.Compare):
@@ -82,7 +85,9 @@ def _changes(tree: ast.AST) -> Iterator[tuple[int, Callable[[], object]]]:
             block = getattr(node, name, None)
             for k, statement in enumerate(block if isinstance(block, list) else ()):
                 if isinstance(statement, ast.AugAssign) or (
-                    isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call | ast.Yield)
+                    isinstance(statement, ast.Expr)
+                    and isinstance(statement.value, ast.Call | ast.Yield)
+                    and not _is_log(statement)
                 ):
                     yield statement.lineno, lambda b=block, k=k: b.__setitem__(k, ast.Pass())
 
@@ -90,12 +95,27 @@ def _changes(tree: ast.AST) -> Iterator[tuple[int, Callable[[], object]]]:
 def _judged(node: ast.AST) -> Iterator[ast.AST]:
     """The node and all below it whose change a test should see."""
     for_types = isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
-    if isinstance(node, ast.Raise | ast.JoinedStr | ast.Assert) or for_types:
+    if isinstance(node, ast.Raise | ast.JoinedStr | ast.Assert) or for_types or _is_log(node):
+        return
+    if (isinstance(node, ast.keyword) and node.arg in UNJUDGED) or _asks_for_inside(node):
         return
     yield node
+    shaped = isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "reshape"
     for name, value in ast.iter_fields(node):
         if name in {"annotation", "returns", "decorator_list"}:
             continue
         for child in value if isinstance(value, list) else [value]:
-            if isinstance(child, ast.AST):
+            # any negative length of reshape is the one to be found
+            if isinstance(child, ast.AST) and not (shaped and ast.unparse(child) == "-1"):
                 yield from _judged(child)
+
+
+def _asks_for_inside(node: ast.AST) -> bool:
+    """Whether a node is a comparison ``side < 0``: a side is 1 or -1, so that ``<= 0`` and ``< 1`` are the same."""
+    return isinstance(node, ast.Compare) and ast.unparse(node).split(".")[-1] == "side < 0"
+
+
+def _is_log(node: ast.AST) -> bool:
+    """Whether a node is a statement that writes to the log."""
+    call = node.value if isinstance(node, ast.Expr) else None
+    return isinstance(call, ast.Call) and ast.unparse(call.func).startswith("logger.")

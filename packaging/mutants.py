@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import functools
 import gc
+import importlib
 import inspect
 import json
 import os
@@ -41,12 +42,16 @@ TESTS = {
     "geometry/mesh/nesting.py": "test_nesting.py test_verification.py",
     "verification/certificate.py": "test_verification.py",
     "verification/motion.py": "test_motion.py test_deliberate_faults.py",
-    "tolerance/": "test_tolerance.py test_deliberate_faults.py",
+    "tolerance/": "test_outcomes.py test_tolerance.py test_deliberate_faults.py test_gate.py test_checker.py",
     "decimation/merging.py": "test_merging.py",
-    "decimation/line_cycles/": "test_line_cycles_oracle.py test_line_cycles.py",
-    "level/": "test_gate.py test_attempts.py test_guarantees.py test_stages.py",
-    "motion/": "test_gate.py test_animated_cages.py test_sequence.py",
-    "constraints/": "test_constraints.py test_needs_together.py test_grid.py test_convex_cages.py test_symmetry.py",
+    "decimation/line_cycles/": "test_outcomes.py test_line_cycles_oracle.py test_line_cycles.py test_counts.py "
+    "test_loops.py test_needs_together.py test_symmetry.py test_priorities.py test_constraints.py",
+    "level/": "test_outcomes.py test_gate.py test_attempts.py test_guarantees.py test_stages.py test_line_cycles.py "
+    "test_inner_cages.py test_hierarchy.py test_loops.py test_errors.py test_limits.py test_grid.py test_counts.py",
+    "motion/": "test_outcomes.py test_gate.py test_animated_cages.py test_sequence.py test_deliberate_faults.py "
+    "test_constraints.py test_stages.py test_convex_cages.py test_swept.py",
+    "constraints/": "test_outcomes.py test_constraints.py test_needs_together.py test_grid.py test_convex_cages.py "
+    "test_symmetry.py test_strange_constraints.py test_axis_aligned.py test_priorities.py test_gate.py test_imports.py",
     "checker.py": "test_checker.py",
     "checker_distance.py": "test_checker.py",
 }
@@ -125,6 +130,8 @@ class Session:
     def __init__(self, mutants: list[Mutant], jobs: int) -> None:
         self.mutants, self.jobs = mutants, jobs
         self.targets = {str(ROOT / mutant.path) for mutant in mutants}
+        for path in {mutant.path for mutant in mutants}:  # what is imported in a fork would be as it was
+            importlib.import_module(path.removesuffix(".py").removesuffix("/__init__").replace("/", "."))
         self.failed = False
         self.survivors: list[int] = []
         self.on_import: list[int] = []

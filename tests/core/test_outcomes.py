@@ -1,0 +1,496 @@
+"""Outcomes of searches on small shapes, as recorded: what changes one by more than round-off is seen, and is meant.
+
+Better and worse cages are both certified, so that no other test tells them apart. With each outcome goes, for each file
+of the rooms below, how often its functions answered, and sums over their first answers. To record those of today, run
+``PYTHONPATH=.:tests python tests/core/test_outcomes.py``: the differences tell which cages become better or worse.
+Then run it with ``agree`` on other versions of Python and numpy, to drop answers that their round-off decides.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import inspect
+import json
+import pkgutil
+import sys
+from collections.abc import Callable, Iterator
+from itertools import product
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nestedcages_core import (
+    IPC,
+    BoundaryARAP,
+    InitialDisplacement,
+    LineCycles,
+    Mesh,
+    Mirror,
+    NestedCagesError,
+    OuterHull,
+    Progress,
+    Rotation,
+    ShapeKeeping,
+    Within,
+    animated_cages,
+    inner_cages,
+    nested_cages,
+)
+from nestedcages_core.cache import forget
+from nestedcages_core.constraints import AxisAligned, Box, LeastAngle, LeastEdge, LoopClearance, Outside
+from nestedcages_core.decimation.base import Kept
+from nestedcages_core.decimation.importance import Importance
+from nestedcages_core.decimation.line_cycles.least_areas import least_areas
+from nestedcages_core.tasks import drain
+from nestedcages_core.tolerance.minimal_nested import Band
+from nestedcages_core.tolerance.reach import beyond, reach
+from shapes import annulus, comb, jagged, letter_a, letter_a_coarse, ring
+from shapes import star as star_of
+
+ROOMS = ("decimation.line_cycles", "tolerance", "level", "motion", "constraints")
+UNWATCHED = {"_cross", "_dot", "meets", "_passes", "_gate", "_side", "rows", "short", "settled", "_level"}
+"""Functions that are called often, or as often as a solver needs steps, or answer with the time they took."""
+MOST_ANSWERS = 40
+"""Answers of a function that are added up; further ones are only counted."""
+FAR = 1e3
+"""Size of numbers that are only counted: nothing is that far away."""
+RECORD = Path(__file__).with_name("outcomes.json")
+Outcome = list[Any]
+
+
+def spiral() -> Mesh:
+    turn = np.linspace(0.0, 6.0 * np.pi, 90)
+    ray = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    middle = (0.2 + 0.8 * turn / turn[-1])[:, None] * ray
+    return Mesh.from_loops([np.concatenate([middle + 0.05 * ray, (middle - 0.05 * ray)[::-1]])])
+
+
+def random(seed: int, count: int = 24) -> Mesh:
+    return Mesh.from_loops([jagged(np.random.default_rng(seed), count)])
+
+
+def parts(*placed: tuple[int, int, float, float, float]) -> Mesh:
+    """Random loops by seed, count, size and place."""
+    return Mesh.from_loops([size * random(seed, count).vertices + [x, y] for seed, count, size, x, y in placed])
+
+
+def of_mesh(mesh: Mesh) -> Outcome:
+    """Numbers that differ wherever two cages do."""
+    lengths = mesh.edge_lengths
+    return [len(mesh.vertices), mesh.area, float(lengths.sum()), float((lengths**2).sum())]
+
+
+def around(fine: Mesh, count: Any, *, clearance: float = 0.0, side: int = 1, **kept: Any) -> Callable[[], Outcome]:
+    """Line cycles that keep something."""
+
+    def run() -> Outcome:
+        method = LineCycles() if side > 0 else LineCycles().inside
+        starts = drain(method.starts_keeping(fine, count, Kept(**kept), clearance=clearance))
+        return [[start.source, *of_mesh(start.coarse)] for start in starts]
+
+    return run
+
+
+def bent(mesh: Mesh) -> Mesh:
+    """A drawing without symmetry, so that no two cages are as good as each other and round-off decides nothing."""
+    x, y = mesh.vertices.T
+    return mesh.moved(np.stack([x + 0.07 * np.sin(2.0 * y + 1.0), y + 0.05 * np.sin(3.0 * x + 0.4)], axis=1))
+
+
+SHAPES = {
+    "letter": bent(letter_a(2)), "star": bent(star_of(5, 60)), "comb": bent(comb(3, 0.05, 0.5, 12)),
+    "ring": parts((7, 24, 1.0, 0.1, 0.0), (8, 9, 0.3, 0.0, 0.1)), "spiral": bent(spiral()),
+    "islands": parts((9, 15, 1.0, 0.0, 0.0), (10, 9, 0.7, 1.9, 0.2), (11, 7, 0.3, 1.0, 1.1)),
+    **{f"random {k}": random(k) for k in range(4)},
+}  # fmt: skip
+NO_PINS = np.zeros((0, 2))
+
+
+def line_cycles() -> Iterator[tuple[str, Callable[[], Outcome]]]:
+    for number, (name, fine) in enumerate(SHAPES.items()):
+        loops, x = len(fine.loops), fine.vertices[:, 0]
+        for count in (17, 30 if number % 2 else 9):
+            yield f"{name}, {count}", around(fine, max(count, 3 * loops))
+        options: list[tuple[Any, dict[str, Any]]] = [
+            (20, {"clearance": 0.02 * fine.diagonal}),
+            (18, {"side": -1}),
+            ([5 + k for k in range(loops)], {}),
+            (17, {"importance": Importance(fine, 1.0 + 9.0 * (x > 0.0), NO_PINS)}),
+            (17, {"importance": Importance(fine, None, fine.vertices[[2, 11, 19]])}),
+            *((18, {"rules": (rule,)}) for rule in RULES),
+        ]
+        for k in range(number, number + 3):
+            wanted, each = options[3 * k % 10 % len(options)]
+            yield f"{name}, {3 * k % 10 % len(options)}", around(fine, wanted, **each)
+
+
+RULES = LeastEdge(0.2), LeastAngle(50.0), AxisAligned(), LoopClearance(0.02, 0.01)
+
+
+def flower(leaves: int, *, loops: int = 1, count: int = 60, twist: float = 0.0) -> Mesh:
+    """Leaves around the origin, the first one to the right, in rings that are smaller and smaller."""
+    turn = 2.0 * np.pi * np.arange(count) / count
+    radius = 1.0 + 0.3 * np.cos(leaves * turn) + 0.07 * np.cos(2 * leaves * turn + twist)
+    return Mesh.from_loops([0.6**k * radius[:, None] * ring(count) for k in range(loops)])
+
+
+def symmetric_cycles() -> Iterator[tuple[str, Callable[[], Outcome]]]:
+    level, pair = Mirror((0.0, 0.0), (1.0, 0.0)), Mesh.from_loops([0.5 * ring(13) + (0, 1), 0.5 * ring(13) - (0, 1)])
+    for name, (fine, *orders) in {
+        "1": (flower(1, count=23),), "2": (flower(2, loops=2, count=40, twist=1.0), 2), "3": (flower(3), 3),
+        "4": (flower(4, twist=0.5), 2, 4), "5": (flower(5, count=65), 5), "pair": (pair,), "6": (flower(6), 3),
+    }.items():  # fmt: skip
+        for count in (12, 17):
+            yield f"{name}, mirror, {count}", around(fine, count, symmetry=level)
+        yield f"{name}, preferred", around(fine, 15, preferred=level)
+        for order in orders:
+            yield f"{name}, {order} times", around(fine, 15, symmetry=Rotation((0.0, 0.0), order))
+        yield (
+            f"{name}, pins",
+            around(fine, 16, symmetry=level, importance=Importance(fine, None, fine.vertices[[3, 7]])),
+        )
+
+
+def counts_of_cycles() -> Iterator[tuple[str, Callable[[], Outcome]]]:
+    def fewest(fine: Mesh, excess: float) -> Callable[[], Outcome]:
+        return lambda: [drain(LineCycles().fewest(fine, 24, (1.0 + excess) * fine.area))]
+
+    def least(fine: Mesh) -> Callable[[], Outcome]:
+        def run() -> Outcome:
+            found = drain(least_areas(fine, 24, Kept(), range(len(fine.loops)), 0.01 * fine.diagonal))
+            return [[k, [area for area in areas.tolist() if np.isfinite(area)]] for k, areas in sorted(found.items())]
+
+        return run
+
+    for number, (name, fine) in enumerate(SHAPES.items()):
+        excess = (0.05, 0.4, 2.0)[number % 3]
+        yield f"{name}, {excess}", fewest(fine, excess)
+        yield f"{name}, all counts", least(fine)
+
+
+def bands() -> Iterator[tuple[str, Callable[[], Outcome]]]:
+    def of(fine: Mesh, distance: float) -> Callable[[], Outcome]:
+        def run() -> Outcome:
+            outcome: Outcome = []
+            for loop in range(len(fine.loops)):
+                band = Band(fine, loop, distance)
+                for number in range(2):
+                    walks = band.walks(1e-3 * distance, share=1.0 - 0.01 * number, enough=4 * number)
+                    outcome.append([len(band.places), band.fewest_links(0.0), *map(of_loop, walks)])
+                    band.add(fine.vertices[:2] + distance)
+            return outcome
+
+        return run
+
+    cases = [("letter", 0.1), ("star", 0.02), ("spiral", 0.03), ("comb", 0.05)]
+    cases += [(f"random {k}", distance) for k in range(4) for distance in ((0.003, 0.06) if k % 2 else (0.02,))]
+    for name, distance in cases:
+        yield f"{name}, {distance}", of(SHAPES[name], distance * SHAPES[name].diagonal)
+
+
+def of_loop(loop: np.ndarray) -> Outcome:
+    return of_mesh(Mesh.from_loops([loop]))
+
+
+def reaches() -> Iterator[tuple[str, Callable[[], Outcome]]]:
+    def of(fine: Mesh, count: int) -> Callable[[], Outcome]:
+        def run() -> Outcome:
+            cage = LineCycles().decimate(fine, count)
+            taken = reach(cage, fine)
+            rough, places = beyond(cage, fine, 0.5 * taken, 0.1 * taken)
+            return [taken, rough, len(places), float(np.abs(places).sum())]
+
+        return run
+
+    for name in ("letter", "star", "ring", "random 0", "random 1", "random 2"):
+        yield name, of(SHAPES[name], 9)
+
+
+def of_motion(steps: np.ndarray) -> Outcome:
+    return [len(steps), float(np.abs(np.diff(steps, axis=0)).sum()), float((steps * np.arange(1.0, 3.0)).sum())]
+
+
+def of_notes(notes: Any) -> Outcome:
+    return [
+        [note.code, *(value for value in note.data.values() if isinstance(value, str | int | float))] for note in notes
+    ]
+
+
+def caged(make: Any, fine: Mesh, wanted: Any, **options: Any) -> Callable[[], Outcome]:
+    """Levels of a whole run."""
+
+    def run() -> Outcome:
+        outcome: Outcome = []
+        for level in make(fine, wanted, **options):
+            report, moving = level.report, level.reinflation
+            outcome += [[report.start, report.fewest, report.clearance, *of_mesh(level.cage)]]
+            outcome += [of_motion(moving.cage_steps), of_motion(moving.moving_steps), of_notes(report.notes)]
+        return outcome
+
+    return run
+
+
+SMALL = {
+    "letter": bent(letter_a(1)), "star": bent(star_of(5, 40)), "random 0": random(0),
+    "ring": parts((7, 15, 1.0, 0.1, 0.0), (8, 7, 0.3, 0.0, 0.1)),
+    "two": parts((1, 24, 1.0, 0.0, 0.0), (2, 24, 1.0, 1.9, 0.3)), "random 5": random(5, 40),
+}  # fmt: skip
+LEVEL, OBLIQUE = Mirror((0.0, 0.0), (1.0, 0.0)), AxisAligned((0.0, 60.0, 120.0))
+OBSTACLE = Mesh.from_loops([0.1 * ring(9) + (1.2, 0.1)])
+SETTINGS: dict[str, dict[str, Any]] = {
+    "nothing": {}, "clearance": {"clearance": 0.02}, "more clearance": {"clearance": 0.2}, "keep": {"loops": "keep"},
+    "one": {"loops": "one"}, "grid": {"grid": 0.05}, "coarse grid": {"grid": 0.3}, "float32": {"stored": np.float32},
+    "float16": {"stored": np.float16, "clearance": 0.001}, "convex": {"convex": True}, "merge": {"merge": 0.3},
+    "convex grid": {"convex": True, "grid": 0.1}, "mirror": {"symmetry": LEVEL},
+    "axes": {"constraints": [AxisAligned()]}, "mirror grid": {"symmetry": LEVEL, "grid": 0.05},
+    "turns": {"symmetry": Rotation((0.0, 0.0), 3)}, "mirror float32": {"symmetry": LEVEL, "stored": np.float32},
+    "turns grid": {"symmetry": Rotation((0.0, 0.0), 4), "grid": 0.05}, "pins": {"pins": [1, 7]},
+    "joints": {"joints": [(0.2, 0.1)]}, "edge": {"min_edge": 0.3}, "angle": {"min_angle": 40.0},
+    "edge grid": {"min_edge": 0.3, "grid": 0.05}, "box": {"constraints": [Box((-9.0, -9.0), (1.5, 9.0))]},
+    "oblique": {"constraints": [OBLIQUE]}, "loops": {"constraints": [LoopClearance(0.03, 0.01)]},
+    "obstacle": {"constraints": [Outside(OBSTACLE, 0.02)]}, "hull": {"decimation": OuterHull()},
+}  # fmt: skip
+
+
+def levels() -> Iterator[tuple[str, Callable[[], Outcome]]]:
+    names = ["star", "random 0", "ring", "random 5"]
+    for number, (setting, options) in enumerate(SETTINGS.items()):
+        name = "two" if setting in ("one", "merge", "loops", "obstacle", "keep") else names[number % 4]
+        yield f"{name}, {setting}", caged(nested_cages, SMALL[name], 14, **options)
+    for number, (name, fine) in enumerate(SMALL.items()):
+        if number % 2:
+            yield f"{name}, levels", caged(nested_cages, fine, ["90%", 12, 8], stored=np.float32)
+        yield f"{name}, inside", caged(inner_cages, fine, [12])
+    star, letter, two = SMALL["star"], SMALL["letter"], SMALL["two"]
+    yield "own mesh", caged(nested_cages, letter, bent(letter_a_coarse()))
+    yield "own mesh, grid", caged(nested_cages, letter, bent(letter_a_coarse()), grid=0.05)
+    yield "shrunk mesh", caged(nested_cages, star, star.moved(0.8 * star.vertices), stored=np.float32)
+    yield "inside, grid", caged(inner_cages, letter, 20, grid=0.05)
+    yield "inside, mirror", caged(inner_cages, star, 12, symmetry=LEVEL, clearance=0.01)
+    yield "no room", caged(nested_cages, annulus(24, 0.995), 12, loops="keep")
+    for energy in (BoundaryARAP(), InitialDisplacement(), ShapeKeeping()):
+        yield f"{type(energy).__name__}", caged(nested_cages, two, 14, energy=energy)
+    yield "IPC", caged(nested_cages, star, 12, contact=IPC())
+
+
+def tolerances() -> Iterator[tuple[str, Callable[[], Outcome]]]:
+    wanted = {"far": Within(distance=0.2), "near": Within(distance=0.03), "excess": Within(excess=0.3)}
+    options: dict[str, dict[str, Any]] = {
+        "nothing": {}, "grid": {"grid": 0.05}, "convex": {"convex": True}, "hull": {"decimation": OuterHull()},
+    }  # fmt: skip
+    names = ("star", "random 0", "random 5")
+    for number, (need, each) in enumerate(product(wanted, options)):
+        name = names[number // 4]
+        yield f"{name}, {need}, {each}", caged(nested_cages, SMALL[name], wanted[need], **options[each])
+    yield "inside, far", caged(inner_cages, SMALL["star"], Within(distance=0.2))
+    yield "inside", caged(inner_cages, SMALL["ring"], Within(excess=0.25))
+    yield "two", caged(nested_cages, SMALL["two"], Within(excess=0.5))
+    yield (
+        "levels",
+        caged(nested_cages, SMALL["star"], [Within(distance=0.05), Within(distance=0.3), Within(excess=1.5)]),
+    )
+
+
+def motions() -> Iterator[tuple[str, Callable[[], Outcome]]]:
+    def moved(fine: Mesh, poses: np.ndarray, wanted: Any, **options: Any) -> Callable[[], Outcome]:
+        def run() -> Outcome:
+            outcome: Outcome = []
+            for level in animated_cages(fine, poses, wanted, **options).levels:
+                outcome += [len(level.times), float(level.times.sum()), level.report.clearance.tolist()]
+                outcome += [of_mesh(level.cage), of_motion(level.cage_steps), of_notes(level.report.notes)]
+            return outcome
+
+        return run
+
+    few, star = random(3, 12), bent(star_of(3, 15))
+    two = parts((4, 9, 1.0, 0.0, 0.0), (6, 9, 1.0, 2.0, 0.3))
+    slow, wild = moving(few, 3, 0.2), moving(few, 3, 0.5)
+    yield "slow", moved(few, slow, [8, 5])
+    yield "wild", moved(few, wild, [7], weights=1.0 + 5.0 * (few.vertices[:, 0] > 0.0), pins=[2])
+    yield "edge", moved(few, slow, [7], min_edge=0.3, grid=0.01)
+    yield "cyclic", moved(star, moving(star, 3, 0.2), [7], cyclic=True, clearance=0.01)
+    yield "float16", moved(star, moving(star, 2, 0.3), [7], stored=np.float16, times=[1.0, 1.5])
+    yield "two", moved(two, moving(two, 2, 0.2), [9])
+    yield "mirror", moved(star_of(4, 16), moving(star_of(4, 16), 2, 0.0), [8], symmetry=LEVEL)
+
+
+def moving(fine: Mesh, count: int, size: float) -> np.ndarray:
+    """Poses that wave, turn and grow."""
+    poses = []
+    for phase in np.arange(count) / (count - 1.0) * 1.5 * np.pi:
+        c, s = np.cos(size * np.sin(phase)), np.sin(size * np.sin(phase))
+        points = fine.vertices * (1.0 + 0.1 * np.sin(phase)) + size * 0.3 * np.sin(phase + 3.0 * fine.vertices[:, ::-1])
+        poses.append(points @ np.array([[c, s], [-s, c]]))
+    return np.array(poses)
+
+
+GROUPS = {
+    "line cycles": line_cycles, "symmetric cycles": symmetric_cycles, "counts of cycles": counts_of_cycles,
+    "bands": bands, "reaches": reaches, "levels": levels, "tolerances": tolerances, "motions": motions,
+}  # fmt: skip
+
+
+class Answers:
+    """Watches the functions of the rooms: how often those of each file answer, and a sum of their answers."""
+
+    def __init__(self) -> None:
+        self.sums: dict[str, list[Any]] = {}
+        self.calls: dict[FunctionType, int] = {}
+        self.places: list[tuple[Any, str, Any, Any]] = []
+        """Objects with the name of an attribute, what it is, and what watches it."""
+        modules = [
+            importlib.import_module(found.name)
+            for room in map("nestedcages_core.{}".format, ROOMS)
+            for found in pkgutil.walk_packages(importlib.import_module(room).__path__, room + ".")
+        ]
+        watched: dict[FunctionType, Any] = {}
+        for module in modules:
+            classes = [each for each in vars(module).values() if isinstance(each, type)]
+            for owner in (module, *(each for each in classes if each.__module__ == module.__name__)):
+                for name, each in list(vars(owner).items()):
+                    kind = type(each) if isinstance(each, classmethod | staticmethod) else None
+                    true = each.__func__ if kind else each
+                    if not isinstance(true, FunctionType) or true.__module__ != module.__name__ or name[:2] == "__":
+                        continue
+                    if name not in UNWATCHED:
+                        watched[true] = self.watch(true, module.__name__.removeprefix("nestedcages_core."))
+                        if owner is not module:
+                            self.places.append((owner, name, each, kind(watched[true]) if kind else watched[true]))
+        for module in [each for name, each in sys.modules.items() if name.startswith("nestedcages_core")]:
+            for name, each in list(vars(module).items()):
+                if isinstance(each, FunctionType) and each in watched:
+                    self.places.append((module, name, each, watched[each]))
+
+    def watch(self, true: FunctionType, file: str) -> Any:
+        def generator(*args: Any, **options: Any) -> Any:
+            steps, sent = true(*args, **options), None
+            try:
+                while True:
+                    step = steps.send(sent)
+                    self.add(file, true, step)
+                    sent = yield step
+            except StopIteration as stop:
+                self.add(file, true, stop.value)
+                return stop.value
+            finally:
+                steps.close()
+
+        def function(*args: Any, **options: Any) -> Any:
+            answer = true(*args, **options)
+            self.add(file, true, answer)
+            return answer
+
+        return functools.wraps(true)(generator if inspect.isgeneratorfunction(true) else function)
+
+    def add(self, file: str, function: FunctionType, answer: Any) -> None:
+        entry = self.sums.setdefault(file, [0, 0, 0.0])
+        entry[0] += 1
+        self.calls[function] = number = self.calls.get(function, 0) + 1
+        if number > MOST_ANSWERS:
+            return
+        for part in parts_of(answer):
+            if isinstance(part, int):
+                entry[1] = (31 * entry[1] + part) % 1_000_003
+            else:
+                entry[2] += (1.0 + number % 7) * part
+
+    def during(self, run: Callable[[], Outcome]) -> Outcome:
+        """The outcome and the answers of a run."""
+        forget()
+        self.sums, self.calls = {}, {}
+        for owner, name, _, watching in self.places:
+            setattr(owner, name, watching)
+        try:
+            outcome = run()
+        except NestedCagesError as error:
+            outcome = [error.code]
+        finally:
+            for owner, name, true, _ in self.places:
+                setattr(owner, name, true)
+        return [outcome, self.sums]
+
+
+def parts_of(answer: Any) -> Iterator[int | float]:
+    """Numbers that differ wherever two answers do; none for what has no numbers."""
+    if isinstance(answer, bool | int | np.bool_ | np.integer):
+        yield int(answer)
+    elif isinstance(answer, float | np.floating):
+        yield float(answer) if abs(answer) < FAR else 1
+    elif isinstance(answer, np.ndarray) and answer.dtype.kind in "biuf":
+        yield len(answer)
+        weights = WEIGHTS[np.arange(answer.size) % len(WEIGHTS)]
+        numbers = answer.astype(np.float64).ravel()
+        if answer.dtype.kind != "f":
+            yield int(numbers @ np.floor(1000.0 * weights))
+        else:
+            finite = np.abs(numbers) < FAR
+            yield int(finite @ np.floor(1000.0 * weights))
+            yield float(numbers[finite] @ weights[finite]) / max(1, len(numbers))
+    elif isinstance(answer, Mesh):
+        yield from parts_of(answer.vertices)
+    elif isinstance(answer, Progress):
+        yield answer.fraction
+    elif isinstance(answer, tuple | list | dict):
+        for each in answer.values() if isinstance(answer, dict) else answer:
+            yield from parts_of(each)
+
+
+WEIGHTS = 1.0 + np.random.default_rng(0).random(997)
+
+
+def near(outcome: Any) -> Any:
+    if isinstance(outcome, dict):
+        return {name: near(each) for name, each in outcome.items()}
+    if isinstance(outcome, list):
+        return [near(each) for each in outcome]
+    return pytest.approx(outcome, rel=1e-6, abs=1e-7) if isinstance(outcome, float) else outcome
+
+
+CASES = [(group, name, run) for group, cases in GROUPS.items() for name, run in cases()]
+
+
+@pytest.mark.parametrize(("group", "name", "run"), CASES)
+def test_outcomes_are_the_recorded_ones(group: str, name: str, run: Callable[[], Outcome]) -> None:
+    outcome, answers = watching().during(run)
+    expected, expected_answers = RECORDED[group][name]
+    assert outcome == near(expected)
+    assert {file: answers.get(file) for file in expected_answers} == near(expected_answers)
+
+
+@functools.cache
+def watching() -> Answers:
+    return Answers()
+
+
+RECORDED = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.exists() else {}
+
+
+def rounded(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: rounded(each) for name, each in sorted(value.items())}
+    return (
+        [rounded(each) for each in value]
+        if isinstance(value, list | tuple)
+        else (float(f"{value:.9g}") if isinstance(value, float) else value)
+    )
+
+
+def agreed(group: str, name: str, answers: dict[str, Any]) -> dict[str, Any]:
+    """Those answers that are as recorded."""
+    known = RECORDED[group][name][1]
+    return {file: known[file] for file, each in answers.items() if file in known and each == near(known[file])}
+
+
+if __name__ == "__main__":
+    lines: dict[str, list[str]] = {group: [] for group in GROUPS}
+    for group, name, run in CASES:
+        outcome, answers = watching().during(run)
+        if sys.argv[1:] == ["agree"]:
+            outcome, answers = RECORDED[group][name][0], agreed(group, name, answers)
+        lines[group].append(f"{json.dumps(name)}: {json.dumps(rounded([outcome, answers]), separators=(',', ':'))}")
+    groups = [f"{json.dumps(group)}: {{\n" + ",\n".join(each) + "\n}" for group, each in lines.items()]
+    RECORD.write_text("{\n" + ",\n".join(groups) + "\n}\n", encoding="utf-8")
