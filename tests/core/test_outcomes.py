@@ -15,10 +15,11 @@ import json
 import pkgutil
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from itertools import product
 from pathlib import Path
 from types import FunctionType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -31,9 +32,11 @@ from nestedcages_core import (
     Mesh,
     Mirror,
     NestedCagesError,
+    NestingError,
     OuterHull,
     Progress,
     Rotation,
+    Settings,
     ShapeKeeping,
     Within,
     animated_cages,
@@ -41,10 +44,25 @@ from nestedcages_core import (
     nested_cages,
 )
 from nestedcages_core.cache import forget
-from nestedcages_core.constraints import AxisAligned, Box, LeastAngle, LeastEdge, LoopClearance, Outside
-from nestedcages_core.decimation.base import Kept
+from nestedcages_core.constraints import AxisAligned, Box, Constraint, LeastAngle, LeastEdge, LoopClearance, Outside
+from nestedcages_core.constraints.convex import Convex
+from nestedcages_core.constraints.pins import Pins
+from nestedcages_core.constraints.symmetric import Symmetric
+from nestedcages_core.contact.pairs import Bodies
+from nestedcages_core.decimation.base import Kept, Outline
 from nestedcages_core.decimation.importance import Importance
+from nestedcages_core.decimation.line_cycles.candidates import candidates
+from nestedcages_core.decimation.line_cycles.chain import Chain
 from nestedcages_core.decimation.line_cycles.least_areas import least_areas
+from nestedcages_core.decimation.line_cycles.places import NormalFrame
+from nestedcages_core.decimation.request import Request
+from nestedcages_core.errors import Fault
+from nestedcages_core.level.counts import with_least
+from nestedcages_core.level.gate import Way
+from nestedcages_core.level.report import STAGES, LevelProgress
+from nestedcages_core.level.settling import _paths
+from nestedcages_core.level.tightest_place import too_narrow
+from nestedcages_core.level.units import SolverUnits
 from nestedcages_core.tasks import drain
 from nestedcages_core.tolerance.minimal_nested import Band
 from nestedcages_core.tolerance.reach import beyond, reach
@@ -318,6 +336,128 @@ def motions() -> Iterator[tuple[str, Callable[[], Outcome]]]:
     yield "mirror", moved(star_of(4, 16), moving(star_of(4, 16), 2, 0.0), [8], symmetry=LEVEL)
 
 
+def constraints() -> Iterator[tuple[str, Callable[[], Outcome]]]:
+    """What each constraint answers to each of its questions, about a cage that keeps it and one that does not."""
+
+    def of(given: Constraint, fine: Mesh, cage: Mesh, side: int) -> Callable[[], Outcome]:
+        def run() -> Outcome:
+            about = SolverUnits.of(fine)
+            loops = Request.of(fine, 9).outline
+            frame = NormalFrame.of(loops)
+            chain = Chain(frame.into(loops.vertices))
+            at, points = np.arange(chain.size), about.points(cage.vertices)
+            lines = candidates(chain, at, 3.0, 0.01)
+            own, outline = given, Outline(fine, fine)
+            with suppress(NestedCagesError):
+                own = given.of(fine, side)
+            with suppress(NestedCagesError):
+                outline = own.outline(outline, side)
+            own = own.around(outline.mesh)
+            bound = own.bound(about.from_input(cage), about.from_input(fine), about)
+
+            def rows(radius: float) -> list[Any]:
+                found = [(*terms.rows.__dict__.values(), terms.room) for terms in bound.rows(points, radius)]
+                return [*map(list, found)]
+
+            asked: list[Callable[[], Any]] = [
+                lambda: outline.mesh, lambda: given.of(fine, side).must, lambda: own.turn_limits,
+                lambda: own.distances(fine),
+                lambda: [own.count(fine, count) for count in (3, 8, 13, 40)],
+                lambda: own.candidates(chain, at, lines, frame, 0.01)[:3], lambda: own.free(lines, frame),
+                lambda: own.reach(chain, own.candidates(chain, at, lines, frame, 0.01), 0.01),
+                lambda: own.started(cage, side), lambda: own.restored(cage, cage.vertices[None]),
+                lambda: list(own.faults(cage, fine)), lambda: own.mended(cage), lambda: bound.short(points),
+                lambda: bound.settled(points, cage.successor), lambda: rows(0.0), lambda: rows(0.03), lambda: rows(0.5),
+            ]  # fmt: skip
+            return [answered(each) for each in asked]
+
+        return run
+
+    def answered(ask: Callable[[], Any]) -> Outcome:
+        try:
+            return list(parts_of(ask()))
+        except NestedCagesError as error:
+            return [error.code, *parts_of(error.data)]
+
+    x = np.array([3.0, 2.0])
+    for name, seed in {"tight": 1, "loose": 2}.items():
+        fine = Mesh.from_loops([5.0 * random(seed, 12).vertices + x])
+        cage = LineCycles().decimate(fine, 7)
+        if name == "loose":
+            cage = Mesh.from_loops([1.3 * (cage.vertices - x) + x])
+        width, bay = fine.diagonal, Mesh.from_loops([0.4 * ring(5) + x + [6.2, 0.4]])
+        places = fine.vertices[[1, 5]]
+        for number, given in enumerate((
+            AxisAligned(), AxisAligned((20.0, 80.0, 150.0)), LeastAngle(55.0), LeastEdge(0.25 * width),
+            Box((-1.5, -3.0), (7.5, 7.2)), Box((-0.1, -0.1), (2.0, 2.0)), Outside(bay, 0.3), Outside(bay, 2.0),
+            LoopClearance(0.1 * width, 0.2), LoopClearance(loops=(0.01,)), Convex(), Pins(places, 0.01),
+            Pins(places, 0.4), Symmetric(Mirror(tuple(x.tolist()), (1.0, 0.3))),
+            Symmetric(Rotation(tuple(x.tolist()), 3)),
+        )):  # fmt: skip
+            side = -1 if number % 4 == 1 and name == "tight" else 1
+            yield f"{name}, {number} {type(given).__name__}", of(given, fine, cage, side)
+
+
+def pieces() -> Iterator[tuple[str, Callable[[], Outcome]]]:
+    """Parts of levels by themselves."""
+    fine, two = SMALL["random 0"], parts((1, 9, 1.0, 0.0, 0.0), (2, 7, 0.5, 1.7, 0.3), (3, 5, 0.3, 0.1, 1.6))
+    holes = parts((7, 15, 1.0, 0.1, 0.0), (8, 7, 0.2, 0.3, 0.1), (4, 5, 0.15, -0.2, -0.1))
+    cage = LineCycles().decimate(fine, 6)
+    for name, mesh in {"two": two, "holes": holes, "ring": SMALL["ring"], "one": fine}.items():
+        for wanted in (0.01, 1.0):
+            yield f"narrow {name}, {wanted}", lambda mesh=mesh, wanted=wanted: list(parts_of(too_narrow(mesh, wanted)))
+
+    def shown() -> Outcome:
+        progress = LevelProgress(1, 3)
+        steps: list[float] = []
+        for number, expected in enumerate((1, 3, 3)):
+            progress.next_start(expected)
+            for stage in STAGES:
+                steps += [each.fraction for each in progress.begin(stage)]
+                for done in (0.3, -1.0, 0.7, 2.0):
+                    steps += [each.fraction for each in progress.show(done, f"step {number}")]
+        return [*steps, progress.starts_so_far]
+
+    def continued() -> Outcome:
+        way = Way.at_rest(fine, cage)
+        steps = [cage.vertices * (1.0 + 0.01 * k) for k in range(4)]
+        way = way._replace(reinflation=way.reinflation.with_tightening(steps))
+        bodies, outcome = Bodies.of(way.cage, fine), []
+        for there in (way.cage.vertices, way.cage.vertices + 0.03):
+            paths = list(_paths(way, there, bodies, 0.05))
+            outcome.append([list(parts_of([path.moving_steps, path.cage_steps])) for path in paths])
+        return outcome
+
+    yield "progress", shown
+    yield "paths", continued
+    for least, named in ((9, 14), (12, 13), (7, 30), (20, 20), (10, 24)):
+        yield f"least {least} of {named}", fewer(fine, least, named)
+
+
+class From(NamedTuple):
+    """A decimation that works from a number of vertices on, and keeps what it was asked for."""
+
+    least: int
+    asked: list[int]
+
+    def decimate(self, fine: Mesh, count: int, *, clearance: float = 0.0) -> Mesh:
+        self.asked.append(count)
+        if count < self.least:
+            raise NestingError("Too few.", code="count.too_small", total=count, least=self.least + 1)
+        return LineCycles().decimate(fine, min(count, 12))
+
+
+def fewer(fine: Mesh, least: int, named: int) -> Callable[[], Outcome]:
+    def run() -> Outcome:
+        first, second = From(least, []), From(least + 1, [])
+        error = NestingError("Too few.", code="count.too_small", total=4, least=named)
+        settings = Settings(decimation=first, fallback=second)  # type: ignore[arg-type]
+        found = drain(with_least([error], settings, fine, (1e-5,)))
+        return [found is error, list(parts_of(found.data)), first.asked, second.asked]
+
+    return run
+
+
 def moving(fine: Mesh, count: int, size: float) -> np.ndarray:
     """Poses that wave, turn and grow."""
     poses = []
@@ -331,6 +471,7 @@ def moving(fine: Mesh, count: int, size: float) -> np.ndarray:
 GROUPS = {
     "line cycles": line_cycles, "symmetric cycles": symmetric_cycles, "counts of cycles": counts_of_cycles,
     "bands": bands, "reaches": reaches, "levels": levels, "tolerances": tolerances, "motions": motions,
+    "constraints": constraints, "pieces": pieces,
 }  # fmt: skip
 
 
@@ -434,6 +575,9 @@ def parts_of(answer: Any) -> Iterator[int | float]:
         yield from parts_of(answer.vertices)
     elif isinstance(answer, Progress):
         yield answer.fraction
+    elif isinstance(answer, Fault):
+        yield sum(map(ord, answer.code))
+        yield from parts_of(answer.data)
     elif isinstance(answer, tuple | list | dict):
         for each in answer.values() if isinstance(answer, dict) else answer:
             yield from parts_of(each)
