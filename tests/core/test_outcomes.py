@@ -63,6 +63,8 @@ from nestedcages_core.level.report import STAGES, LevelProgress
 from nestedcages_core.level.settling import _paths
 from nestedcages_core.level.tightest_place import too_narrow
 from nestedcages_core.level.units import SolverUnits
+from nestedcages_core.motion.animated import certified_still
+from nestedcages_core.motion.following import followed
 from nestedcages_core.tasks import drain
 from nestedcages_core.tolerance.minimal_nested import Band
 from nestedcages_core.tolerance.reach import beyond, reach
@@ -204,7 +206,7 @@ def bands() -> Iterator[tuple[str, Callable[[], Outcome]]]:
 
         return run
 
-    cases = [("letter", 0.1), ("star", 0.02), ("spiral", 0.03), ("comb", 0.05)]
+    cases = [("letter", 0.2), ("star", 0.02), ("spiral", 0.03), ("comb", 0.1)]
     cases += [(f"random {k}", distance) for k in range(4) for distance in ((0.003, 0.06) if k % 2 else (0.02,))]
     for name, distance in cases:
         yield f"{name}, {distance}", of(SHAPES[name], distance * SHAPES[name].diagonal)
@@ -253,15 +255,15 @@ def caged(make: Any, fine: Mesh, wanted: Any, **options: Any) -> Callable[[], Ou
 
 
 SMALL = {
-    "letter": bent(letter_a(1)), "star": bent(star_of(5, 40)), "random 0": random(0),
+    "letter": bent(letter_a(1)), "star": bent(star_of(5, 20)), "random 0": random(0),
     "ring": parts((7, 15, 1.0, 0.1, 0.0), (8, 7, 0.3, 0.0, 0.1)),
-    "two": parts((1, 24, 1.0, 0.0, 0.0), (2, 24, 1.0, 1.9, 0.3)), "random 5": random(5, 40),
+    "two": parts((1, 15, 1.0, 0.0, 0.0), (2, 12, 1.0, 1.9, 0.3)), "random 5": random(5, 20),
 }  # fmt: skip
 LEVEL, OBLIQUE = Mirror((0.0, 0.0), (1.0, 0.0)), AxisAligned((0.0, 60.0, 120.0))
 OBSTACLE = Mesh.from_loops([0.1 * ring(9) + (1.2, 0.1)])
 SETTINGS: dict[str, dict[str, Any]] = {
-    "nothing": {}, "clearance": {"clearance": 0.02}, "more clearance": {"clearance": 0.2}, "keep": {"loops": "keep"},
-    "one": {"loops": "one"}, "grid": {"grid": 0.05}, "coarse grid": {"grid": 0.3}, "float32": {"stored": np.float32},
+    "nothing": {}, "clearance": {"clearance": 0.02}, "more clearance": {"clearance": 0.1}, "keep": {"loops": "keep"},
+    "one": {"loops": "one"}, "grid": {"grid": 0.05}, "coarse grid": {"grid": 0.2}, "float32": {"stored": np.float32},
     "float16": {"stored": np.float16, "clearance": 0.001}, "convex": {"convex": True}, "merge": {"merge": 0.3},
     "convex grid": {"convex": True, "grid": 0.1}, "mirror": {"symmetry": LEVEL},
     "axes": {"constraints": [AxisAligned()]}, "mirror grid": {"symmetry": LEVEL, "grid": 0.05},
@@ -271,6 +273,9 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "edge grid": {"min_edge": 0.3, "grid": 0.05}, "box": {"constraints": [Box((-9.0, -9.0), (1.5, 9.0))]},
     "oblique": {"constraints": [OBLIQUE]}, "loops": {"constraints": [LoopClearance(0.03, 0.01)]},
     "obstacle": {"constraints": [Outside(OBSTACLE, 0.02)]}, "hull": {"decimation": OuterHull()},
+    "shape grid": {"energy": ShapeKeeping(), "grid": 0.08}, "pins grid": {"pins": [2], "grid": 0.08},
+    "short edges": {"min_edge": 0.9, "grid": 0.3}, "wishes": {"min_angle": 59.0},
+    "turns of squares": {"symmetry": Rotation((0.03, 0.0), 4), "grid": 0.1}, "too clear": {"clearance": 1e7},
 }  # fmt: skip
 
 
@@ -303,8 +308,10 @@ def tolerances() -> Iterator[tuple[str, Callable[[], Outcome]]]:
     names = ("star", "random 0", "random 5")
     for number, (need, each) in enumerate(product(wanted, options)):
         name = names[number // 4]
-        yield f"{name}, {need}, {each}", caged(nested_cages, SMALL[name], wanted[need], **options[each])
-    yield "inside, far", caged(inner_cages, SMALL["star"], Within(distance=0.2))
+        if each != "grid" or need == "near":
+            yield f"{name}, {need}, {each}", caged(nested_cages, SMALL[name], wanted[need], **options[each])
+    yield "few, excess, grid", caged(nested_cages, random(3, 9), wanted["excess"], grid=0.1)
+    yield "inside, far", caged(inner_cages, SMALL["random 5"], Within(distance=0.2))
     yield "inside", caged(inner_cages, SMALL["ring"], Within(excess=0.25))
     yield "two", caged(nested_cages, SMALL["two"], Within(excess=0.5))
     yield (
@@ -333,7 +340,24 @@ def motions() -> Iterator[tuple[str, Callable[[], Outcome]]]:
     yield "cyclic", moved(star, moving(star, 3, 0.2), [7], cyclic=True, clearance=0.01)
     yield "float16", moved(star, moving(star, 2, 0.3), [7], stored=np.float16, times=[1.0, 1.5])
     yield "two", moved(two, moving(two, 2, 0.2), [9])
+    yield "still", lambda: [list(parts_of(list(vars(stills(few, slow)).values())))]
+    yield "followed", lambda: list(parts_of(follow(few, slow)))
+    yield "shown", lambda: list(parts_of([animated_cages(few, slow[:2], [6]).frames]))
+    for name, options in {"convex": {"convex": True}, "tolerance": {}, "crossing": {}}.items():
+        wanted = Within(distance=0.1) if name == "tolerance" else 7
+        poses = np.stack([slow[0], slow[0] * [-0.2, 1.0]]) if name == "crossing" else slow
+        yield name, moved(few, poses, wanted, **options)
     yield "mirror", moved(star_of(4, 16), moving(star_of(4, 16), 2, 0.0), [8], symmetry=LEVEL)
+
+
+def stills(fine: Mesh, poses: np.ndarray) -> Any:
+    union = Mesh.from_loops([1.6 * fine.vertices.max() * ring(7)])
+    return drain(certified_still(union, fine, poses, clearance=0.01))
+
+
+def follow(fine: Mesh, poses: np.ndarray) -> Mesh | None:
+    before, after = fine.moved(poses[0]), fine.moved(poses[1])
+    return followed(LineCycles().decimate(before, 7), before, after, 1e-4, Settings())
 
 
 def constraints() -> Iterator[tuple[str, Callable[[], Outcome]]]:
@@ -377,7 +401,7 @@ def constraints() -> Iterator[tuple[str, Callable[[], Outcome]]]:
         try:
             return list(parts_of(ask()))
         except NestedCagesError as error:
-            return [error.code, *parts_of(error.data)]
+            return [error.code, letters(str(error)), *parts_of(error.data)]
 
     x = np.array([3.0, 2.0])
     for name, seed in {"tight": 1, "loose": 2}.items():
@@ -428,10 +452,30 @@ def pieces() -> Iterator[tuple[str, Callable[[], Outcome]]]:
             outcome.append([list(parts_of([path.moving_steps, path.cage_steps])) for path in paths])
         return outcome
 
+    yield "settings", lambda: [refused(kind, *each) for kind, *given in REFUSED for each in given]
     yield "progress", shown
     yield "paths", continued
     for least, named in ((9, 14), (12, 13), (7, 30), (20, 20), (10, 24)):
         yield f"least {least} of {named}", fewer(fine, least, named)
+
+
+REFUSED: list[tuple[Any, ...]] = [
+    (LeastEdge, (0.0,), (1e-3,), (np.inf,), (np.nan,), ("1",), (-1.0,)),
+    (LeastAngle, (0.0,), (0.5,), (59.5,), (60.0,), (60.5,), ("1",), (np.nan,)),
+    (AxisAligned, ((),), ((0.0,),), ((10.0, 190.0),), ((0.0, 181.0),), ((np.nan, 1.0),), ((180.0, 90.0),)),
+    (Box, ((0.0, 0.0), (0.0, 1.0)), ((0.0, 0.0), (1.0, 0.5)), ((0.0, 0.0), (1.0, -1.0)), ((np.nan, 0.0), (1.0, 1.0))),
+    (LoopClearance, (), (-1.0,), (0.5,), (0.5, -0.5), (0.0, 0.5), (np.inf,), (0.0, 0.0, (1, 2.0)), (0.0, 0.0, (-1.0,))),
+    (Within, (), (0.0,), (0.5,), (-1.0,), (0.5, 0.5), (None, 0.5), (np.inf,), (True,), ("1",)),
+    (LineCycles, (), (False, -1), (True, 0), (1,)),
+    (Outside, (OBSTACLE,), (OBSTACLE, -0.5), (OBSTACLE, 0.5), (OBSTACLE, np.inf)),
+]
+
+
+def refused(kind: Any, *given: Any) -> Outcome:
+    try:
+        return [repr(kind(*given))]
+    except NestedCagesError as error:
+        return [error.code, letters(str(error))]
 
 
 class From(NamedTuple):
@@ -548,11 +592,16 @@ class Answers:
         try:
             outcome = run()
         except NestedCagesError as error:
-            outcome = [error.code]
+            outcome = [error.code, letters(str(error))]
         finally:
             for owner, name, true, _ in self.places:
                 setattr(owner, name, true)
         return [outcome, self.sums]
+
+
+def letters(text: str) -> int:
+    """A sum over the letters of a text, whatever its numbers are."""
+    return sum((1 + k % 7) * ord(each) for k, each in enumerate(filter(str.isalpha, text)))
 
 
 def parts_of(answer: Any) -> Iterator[int | float]:
@@ -576,7 +625,7 @@ def parts_of(answer: Any) -> Iterator[int | float]:
     elif isinstance(answer, Progress):
         yield answer.fraction
     elif isinstance(answer, Fault):
-        yield sum(map(ord, answer.code))
+        yield letters(f"{answer.code} {answer}")
         yield from parts_of(answer.data)
     elif isinstance(answer, tuple | list | dict):
         for each in answer.values() if isinstance(answer, dict) else answer:
