@@ -49,16 +49,19 @@ def _collection(path: Path, limits: Limits, layers: Sequence[str] | None) -> dic
             problem = f"has no layer {missing[0]!r}" if missing else "has no layer with polygons"
             raise invalid_file(f"{path.name} {problem}; its layers: {', '.join(there) or 'none'}.")
         features: list[dict[str, Any]] = []
+        points = 0
         for layer in wanted:
             limits.check("elements", len(features) + pyogrio.read_info(path, layer=layer)["features"])
             about, _, geometries, columns = pyogrio.raw.read(path, layer=layer)
             shapes = shapely.from_wkb(geometries)
+            points += int(shapely.get_num_coordinates(shapes).sum())  # polygons of TopoJSON share arcs
+            limits.check("points", points)
             for row, shape in enumerate(shapes):
                 named = zip(about["fields"], columns, strict=True)
                 properties = {str(name): _json_value(values[row]) for name, values in named}
                 geometry = None if shape is None else shapely.geometry.mapping(shape)
                 features.append({"type": "Feature", "properties": properties, "geometry": geometry})
-    except (pyogrio.errors.DataSourceError, pyogrio.errors.DataLayerError) as error:
+    except (pyogrio.errors.DataSourceError, pyogrio.errors.DataLayerError, shapely.errors.ShapelyError) as error:
         raise invalid_file(f"{path.name} cannot be read by GDAL: {error}") from error
     crs = about["crs"]
     named_crs = {} if crs in (None, "EPSG:4326") else {"crs": {"type": "name", "properties": {"name": crs}}}

@@ -30,6 +30,8 @@ from nestedcages_core.exchange import (
     to_svg,
     write_geojson,
 )
+from nestedcages_core.exchange.gis_files import map_document
+from nestedcages_core.exchange.limits import Limits
 from shapes import polygon, ring
 
 SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]
@@ -385,6 +387,30 @@ def test_files_of_map_programs_are_read(suffix: str, tmp_path: Path, capsys: pyt
     assert [(each.properties["name"], each.properties["people"]) for each in read] == [("west", 3), ("east", 4)]
     assert main([str(path), "--levels", "6", "--layers", "sea", "-o", str(out), "--quiet"]) == 1
     assert f"land{suffix} has no layer 'sea'; its layers: land" in capsys.readouterr().err
+
+
+@pytest.mark.filterwarnings("ignore:Non closed ring:RuntimeWarning")
+def test_a_shapefile_with_an_open_ring_gets_a_sentence(tmp_path: Path) -> None:
+    pyogrio = pytest.importorskip("pyogrio")
+    path, squares = tmp_path / "land.shp", shapely.to_wkb([shapely.box(0, 0, 2, 2)])
+    pyogrio.raw.write(
+        path, squares, [np.arange(1)], ["id"], geometry_type="Polygon", driver="ESRI Shapefile", crs="EPSG:4326"
+    )
+    content = bytearray(path.read_bytes())
+    content[156:164] = np.float64(9.0).tobytes()  # the first point, but not the last
+    path.write_bytes(content)
+    with pytest.raises(NestedCagesError, match=r"land\.shp cannot be read by GDAL: .*closed"):
+        read_geojson(path)
+
+
+def test_polygons_that_share_arcs_count_their_points(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pyogrio")
+    lands = {"type": "GeometryCollection", "geometries": [{"type": "Polygon", "arcs": [[0]]}] * 20}
+    path = tmp_path / "land.topojson"
+    path.write_text(json.dumps({"type": "Topology", "arcs": [[*ring(50).tolist(), [1, 0]]], "objects": {"a": lands}}))
+    monkeypatch.setattr(shapely.geometry, "mapping", pytest.fail)  # what takes the memory
+    with pytest.raises(NestedCagesError, match="more than the 999 allowed"):
+        map_document(path, Limits(points=999))
 
 
 def test_without_pyogrio_one_sentence_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
