@@ -64,7 +64,7 @@ class Quota:
         """Add to what a field counts. Raises NestedCagesError beyond the limit."""
         self.used[what] += amount
         allowed = getattr(self.limits, what)
-        if int(self.used[what]) > allowed:
+        if self.used[what] > allowed:
             has = f"more than the {allowed:,} {what} allowed"
             crossing = (
                 f"more outlines that cross or lie over each other than can be united in the {allowed:,} seconds allowed"

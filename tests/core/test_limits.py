@@ -108,9 +108,22 @@ def test_what_reaches_a_limit_is_read_and_one_more_is_not(
     read, given, used = CASES[number]
     for each in ("CROSSINGS_PER_SECOND", "SELF_CROSSINGS_PER_SECOND") if name == "seconds" else ():
         monkeypatch.setattr(limits, each, 1)
+    for each in (
+        "PAIRS_PER_SECOND",
+        "MEETINGS_PER_SECOND",
+        "NESTINGS_PER_SECOND",
+    ):  # boxes that meet count parts of a second
+        monkeypatch.setattr(crossings, each, np.inf)
     assert read(given, replace(Limits(), **{name: used[name]})) is not None
     with pytest.raises(NestedCagesError, match=f"raise the limit for {name}, or make the input smal"):
         read(given, replace(Limits(), **{name: used[name] - 1}))
+
+
+def test_parts_of_a_second_count() -> None:
+    quota = limits.Quota(Limits(seconds=1))
+    quota.spend("seconds", 1.0)
+    with pytest.raises(NestedCagesError, match="in the 1 seconds allowed"):
+        quota.spend("seconds", 1e-3)
 
 
 RECT, RED = "<rect width='1' height='1'/>", "{fill:red}"

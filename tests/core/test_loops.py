@@ -58,29 +58,21 @@ SHAPES = [bell, target, cloud, islands]
 def test_parts_lie_in_each_other_deeper_than_python_calls() -> None:
     depth = 2 * sys.getrecursionlimit()
     nest: Part | Hole = Part(SQUARE, [])
+    nest.table = table = np.array([np.inf, np.inf, np.inf, 0.0])
     for k in range(1, depth):
         ring = (1.0 + k / depth) * SQUARE
         nest = Hole(ring, [nest]) if isinstance(nest, Part) else Part(ring, [nest])
+        nest.table = table
     whole = Part(3.0 * SQUARE, [nest] if isinstance(nest, Hole) else [])
+    whole.table = table
     assert isinstance(nest, Hole) and whole.size == depth + 1 and nest.size == depth
     signs = np.where(np.arange(depth) % 2, -1.0, 1.0)
     assert whole.solid == pytest.approx(9.0 + float((signs * (1.0 + np.arange(depth) / depth) ** 2).sum()))
     assert nest.open_area == pytest.approx(9.0 - whole.solid)
-
-
-def test_parts_too_deep_to_choose_from_get_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    of_parts, calls = Tree.of_parts, 0
-
-    def shallow(tree: Tree, parts: list[Part]) -> Any:
-        nonlocal calls
-        calls += 1
-        if calls > 1:
-            raise RecursionError
-        return of_parts(tree, parts)
-
-    monkeypatch.setattr(Tree, "of_parts", shallow)
-    with pytest.raises(NestedCagesError, match="lie in each other too deeply"):
-        nested_cages(target(), [9])
+    outer = [whole, nest, *nest.parts]
+    for count, kept in ((3, outer[:1]), (8, outer[:1]), (9, outer)):
+        tree = Tree(count).of_parts([whole])
+        assert set(tree.chosen(int(tree.least.argmin()))) == set(kept)
 
 
 @pytest.mark.parametrize("count", slow_after(1, [5, 8, 3, 12, 17], thorough_after=3))

@@ -26,7 +26,7 @@ from ..budget import LEAST_PER_LOOP
 from ..line_cycles import LineCycles
 from ..line_cycles.least_areas import least_areas
 from .joining import Joins, WorkLeft
-from .knapsack import Option, Tree
+from .knapsack import Tree
 from .parts import Hole, Kind, OpenRegion, open_regions, outermost_parts, outlines
 
 COMFORTABLE = 0.05
@@ -228,20 +228,11 @@ class LoopChoice:
 
     def costs(self) -> FloatArray:
         """(K,) about the least area that a cage of 0, 1, … vertices adds."""
-        return np.asarray(self.filled + self._tree().least)
-
-    def _tree(self, price: float = 0.0) -> Option:
-        try:
-            return Tree(self.count, price).of_parts(self.parts)
-        except RecursionError as error:
-            raise NestingError(
-                "Parts lie in each other too deeply to choose which loops to keep; ask for fewer vertices.",
-                code="limit.exceeded",
-            ) from error
+        return np.asarray(self.filled + Tree(self.count).of_parts(self.parts).least)
 
     def _best(self, price: float = 0.0) -> tuple[float, list[Kind]]:
         """The least area that is added at a price of each loop, and the outlines to keep; none if not known."""
-        tree = self._tree(price)
+        tree = Tree(self.count, price).of_parts(self.parts)
         count = int(tree.least.argmin())
         least = float(tree.least[count])
         return least, tree.chosen(count) if np.isfinite(least) else []

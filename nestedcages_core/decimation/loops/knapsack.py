@@ -6,8 +6,9 @@ vertices at all, of several options together by distributing the vertices, of al
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -21,9 +22,21 @@ class Option:
     least: FloatArray
     """(K,) the least area that a cage of exactly 0, 1, … vertices adds; infinite where there is none."""
 
+    kept: Sequence[Kind] = ()
+    """The outlines that it keeps of its own."""
+
+    def split(self, count: int) -> list[tuple[Option, int]]:
+        """The options that the best cage of a number of vertices takes, and their numbers."""
+        return []
+
     def chosen(self, count: int) -> list[Kind]:
         """The outlines that the best cage of a number of vertices keeps."""
-        raise NotImplementedError
+        kept, left = list[Kind](), [(self, count)]
+        while left:
+            option, number = left.pop()
+            kept += option.kept
+            left += reversed(option.split(number))
+        return kept
 
 
 @dataclass(eq=False)
@@ -35,10 +48,7 @@ class KeptLoop(Option):
     """Area that each loop costs in addition."""
 
     def __post_init__(self) -> None:
-        self.least = self.what.table + self.what.added + self.price
-
-    def chosen(self, count: int) -> list[Kind]:
-        return [self.what]
+        self.least, self.kept = self.what.table + self.what.added + self.price, (self.what,)
 
 
 @dataclass(eq=False)
@@ -49,9 +59,6 @@ class Filled(Option):
 
     def __post_init__(self) -> None:
         self.least = np.array([self.hole.open_area])
-
-    def chosen(self, count: int) -> list[Kind]:
-        return []
 
 
 class Together(Option):
@@ -70,13 +77,12 @@ class Together(Option):
             self.picks.append(sums.argmin(axis=0))
             self.least = sums.min(axis=0)
 
-    def chosen(self, count: int) -> list[Kind]:
-        kept: list[Kind] = []
+    def split(self, count: int) -> list[tuple[Option, int]]:
+        parts = list[tuple[Option, int]]()
         for option, pick in zip(reversed(self.options), reversed(self.picks), strict=True):
-            number = int(pick[count])
-            kept += option.chosen(number)
-            count -= number
-        return kept
+            parts.append((option, int(pick[count])))
+            count -= parts[-1][1]
+        return parts
 
 
 class Either(Option):
@@ -88,10 +94,14 @@ class Either(Option):
         for option in self.options:
             self.least[: len(option.least)] = np.minimum(self.least[: len(option.least)], option.least)
 
-    def chosen(self, count: int) -> list[Kind]:
+    def split(self, count: int) -> list[tuple[Option, int]]:
         first, second = self.options
         is_first = count < len(first.least) and first.least[count] == self.least[count]
-        return (first if is_first else second).chosen(count)
+        return [(first if is_first else second, count)]
+
+
+Making: TypeAlias = Generator["Making", Option, Option]
+"""Makes an option from others, each of which it asks for: parts may lie in each other deeper than Python calls."""
 
 
 class Tree:
@@ -103,20 +113,39 @@ class Tree:
 
     def of_parts(self, parts: Sequence[Part]) -> Option:
         """Some parts and their holes."""
-        holes = [hole for part in parts for hole in part.holes]
-        return Together([*map(self._of_part, parts), *map(self._of_hole, holes)], self.most)
+        made: Option | None = None
+        stack = [self._of_parts(parts)]
+        while stack:
+            try:
+                stack.append(next(stack[-1]) if made is None else stack[-1].send(made))
+                made = None
+            except StopIteration as end:
+                stack.pop()
+                made = end.value
+        assert made is not None
+        return made
 
-    def _of_part(self, part: Part) -> Option:
+    def _of_parts(self, parts: Sequence[Part]) -> Making:
+        holes = [hole for part in parts for hole in part.holes]
+        return self._together([*map(self._of_part, parts), *map(self._of_hole, holes)])
+
+    def _together(self, making: Sequence[Making], *options: Option) -> Making:
+        made = list(options)
+        for each in making:
+            made.append((yield each))
+        return Together(made, self.most)
+
+    def _of_part(self, part: Part) -> Making:
         """The outline of a part, or those of the parts that share it."""
         kept = KeptLoop(part, self.price)
-        return Either(kept, Together([*map(self._of_part, part.joined)], self.most)) if part.joined else kept
+        return Either(kept, (yield self._together([*map(self._of_part, part.joined)]))) if part.joined else kept
 
-    def _of_hole(self, hole: Hole) -> Option:
+    def _of_hole(self, hole: Hole) -> Making:
         """A hole and the parts in it, or nothing of it."""
-        return Either(Filled(hole), self._within(hole))
+        return Either(Filled(hole), (yield self._within(hole)))
 
-    def _within(self, hole: Hole) -> Option:
+    def _within(self, hole: Hole) -> Making:
         """The outline of a hole and what may become of the parts in it, and of those joined to it."""
-        inner = map(self._of_hole, hole.inner)
-        kept = Together([KeptLoop(hole, self.price), self.of_parts(hole.parts), *inner], self.most)
-        return kept if hole.before is None else Either(kept, self._within(hole.before))
+        inside = self._of_parts(hole.parts), *map(self._of_hole, hole.inner)
+        kept = yield self._together(inside, KeptLoop(hole, self.price))
+        return kept if hole.before is None else Either(kept, (yield self._within(hole.before)))
