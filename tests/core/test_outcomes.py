@@ -64,7 +64,11 @@ from nestedcages_core.level.settling import _paths
 from nestedcages_core.level.tightest_place import too_narrow
 from nestedcages_core.level.units import SolverUnits
 from nestedcages_core.motion.animated import certified_still
-from nestedcages_core.motion.following import followed
+from nestedcages_core.motion.between import Instant, Straightener
+from nestedcages_core.motion.between import around as keys_from
+from nestedcages_core.motion.following import Follower, followed
+from nestedcages_core.motion.poses import Pose
+from nestedcages_core.motion.promises import Promises
 from nestedcages_core.tasks import drain
 from nestedcages_core.tolerance.minimal_nested import Band
 from nestedcages_core.tolerance.reach import beyond, reach
@@ -283,12 +287,13 @@ def levels() -> Iterator[tuple[str, Callable[[], Outcome]]]:
     names = ["star", "random 0", "ring", "random 5"]
     for number, (setting, options) in enumerate(SETTINGS.items()):
         name = "two" if setting in ("one", "merge", "loops", "obstacle", "keep") else names[number % 4]
+        name = "random 0" if setting in ("coarse grid", "more clearance", "short edges") else name
         yield f"{name}, {setting}", caged(nested_cages, SMALL[name], 14, **options)
     for number, (name, fine) in enumerate(SMALL.items()):
         if number % 2:
             yield f"{name}, levels", caged(nested_cages, fine, ["90%", 12, 8], stored=np.float32)
         yield f"{name}, inside", caged(inner_cages, fine, [12])
-    star, letter, two = SMALL["star"], SMALL["letter"], SMALL["two"]
+    star, letter = SMALL["star"], SMALL["letter"]
     yield "own mesh", caged(nested_cages, letter, bent(letter_a_coarse()))
     yield "own mesh, grid", caged(nested_cages, letter, bent(letter_a_coarse()), grid=0.05)
     yield "shrunk mesh", caged(nested_cages, star, star.moved(0.8 * star.vertices), stored=np.float32)
@@ -296,7 +301,7 @@ def levels() -> Iterator[tuple[str, Callable[[], Outcome]]]:
     yield "inside, mirror", caged(inner_cages, star, 12, symmetry=LEVEL, clearance=0.01)
     yield "no room", caged(nested_cages, annulus(24, 0.995), 12, loops="keep")
     for energy in (BoundaryARAP(), InitialDisplacement(), ShapeKeeping()):
-        yield f"{type(energy).__name__}", caged(nested_cages, two, 14, energy=energy)
+        yield f"{type(energy).__name__}", caged(nested_cages, SMALL["random 5"], 9, energy=energy)
     yield "IPC", caged(nested_cages, star, 12, contact=IPC())
 
 
@@ -336,18 +341,63 @@ def motions() -> Iterator[tuple[str, Callable[[], Outcome]]]:
     slow, wild = moving(few, 3, 0.2), moving(few, 3, 0.5)
     yield "slow", moved(few, slow, [8, 5])
     yield "wild", moved(few, wild, [7], weights=1.0 + 5.0 * (few.vertices[:, 0] > 0.0), pins=[2])
-    yield "edge", moved(few, slow, [7], min_edge=0.3, grid=0.01)
+    yield "edge", moved(few, slow[:2], [7], min_edge=0.3, grid=0.01)
     yield "cyclic", moved(star, moving(star, 3, 0.2), [7], cyclic=True, clearance=0.01)
     yield "float16", moved(star, moving(star, 2, 0.3), [7], stored=np.float16, times=[1.0, 1.5])
     yield "two", moved(two, moving(two, 2, 0.2), [9])
+    for options in SETTLED:
+        yield ", ".join(map(str, options.values())), lambda options=options: settled(**options)
     yield "still", lambda: [list(parts_of(list(vars(stills(few, slow)).values())))]
     yield "followed", lambda: list(parts_of(follow(few, slow)))
     yield "shown", lambda: list(parts_of([animated_cages(few, slow[:2], [6]).frames]))
-    for name, options in {"convex": {"convex": True}, "tolerance": {}, "crossing": {}}.items():
+    for name, kept in {"convex": {"convex": True}, "tolerance": {}, "crossing": {}}.items():
         wanted = Within(distance=0.1) if name == "tolerance" else 7
         poses = np.stack([slow[0], slow[0] * [-0.2, 1.0]]) if name == "crossing" else slow
-        yield name, moved(few, poses, wanted, **options)
+        yield name, moved(few, poses, wanted, **kept)
     yield "mirror", moved(star_of(4, 16), moving(star_of(4, 16), 2, 0.0), [8], symmetry=LEVEL)
+
+
+def settled(refusals: int, handed: str, steps: int, *, period: float = 0.0, part: float = 1.0) -> Outcome:
+    """What becomes of an interval between three keys whose motion is refused so many times."""
+    fine = random(3, 9)
+    poses = [fine.moved(each) for each in moving(fine, 3, 0.3)]
+    cage, settings = LineCycles().decimate(poses[0], 6), Settings()
+    follower = Follower.of(cage, poses[0], SolverUnits.of(poses[0]), 0.02, Promises.of(settings, poses[0]))
+    asked: list[float] = []
+
+    def is_free(begin: Instant, end: Instant) -> bool:
+        asked.append(begin.part)
+        return len(asked) > refusals
+
+    straightener, keys = Straightener(follower, is_free, period), list[Instant]()
+    for number, pose in enumerate(poses):
+        own = LineCycles().decimate(pose, 6)
+        time = 0.0 if period and number == 2 else 2.0 * number
+        cages = [follower.units.points(own.vertices) * (1.0 + 0.03 * (steps - k)) for k in range(steps)]
+        keys.append(straightener.instant(Pose(number, time, pose.vertices, True), cages))
+        keys[-1].handed_out = str(number) in handed
+        keys[-1].part = part
+    keys[0].link(keys[1])
+    keys[1].link(keys[2])
+    code = ""
+    try:
+        straightener.settle(keys[1])
+    except NestedCagesError as error:
+        code = error.code
+    after = list(keys_from(keys[0]))
+    rest = [[key.pose.time, key.part, key.rounds, len(key.cages), *parts_of(key.cage)] for key in after]
+    return [code, len(asked), float(np.sum(asked)), *rest]
+
+
+SETTLED: list[dict[str, Any]] = [
+    *({"refusals": count, "handed": "", "steps": 1} for count in (0, 1, 6)),
+    *({"refusals": 2, "handed": handed, "steps": 1} for handed in ("1", "12")),
+    *({"refusals": 7, "handed": handed, "steps": 1, "part": 1.0 / 32.0} for handed in ("", "1", "2", "0")),
+    {"refusals": 3, "handed": "0", "steps": 5},
+    {"refusals": 30, "handed": "", "steps": 1, "part": 1.0 / 32.0},
+    {"refusals": 5, "handed": "", "steps": 4, "part": 0.5},
+    {"refusals": 3, "handed": "", "steps": 1, "period": 6.0},
+]
 
 
 def stills(fine: Mesh, poses: np.ndarray) -> Any:
