@@ -40,6 +40,17 @@ class LeastEdge(Constraint):
         if not isinstance(self.length, int | float | np.number) or not 0.0 < float(self.length) < np.inf:
             raise invalid_setting(f"min_edge must be a finite length above 0, not {self.length!r}.")
 
+    def of(self, about: Mesh, side: int) -> LeastEdge:
+        """The same, unless the drawing vanishes beside it and areas would overflow."""
+        if NEGLIGIBLE * self.length > about.diagonal:
+            raise invalid_setting(
+                f"min_edge={self.length:.6g} is more than {1.0 / NEGLIGIBLE:.0g} times as long as the diagonal of the "
+                f"drawing, {about.diagonal:.6g}; ask for less.",
+                name="min_edge",
+                value=self.length,
+            )
+        return self
+
     def count(self, outline: Mesh, count: int) -> int:
         """At most as many vertices as edges of this length fit along the outline."""
         loops = [outline.vertices[loop] for loop in outline.loops]

@@ -74,7 +74,7 @@ def constraints_of(settings: Settings, about: Mesh, side: int) -> Asked:
     if settings.min_edge is not None:
         from ..constraints.least_edge import LeastEdge
 
-        kept.append(LeastEdge(settings.min_edge, must=False))
+        kept.append(LeastEdge(settings.min_edge, must=False).of(about, side))
     if settings.min_angle is not None:
         from ..constraints.least_angle import LeastAngle
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pytest
@@ -320,6 +321,12 @@ def test_rows_of_an_obstacle_are_derivatives() -> None:
     check_rows(bound, units.points(cage.vertices))
     inside = Outside(Mesh.from_loops([0.1 * ring(5)])).bound(cage, cage, SolverUnits(np.zeros(2), 1.0, 0.0))
     assert (inside.short(cage.vertices) >= 1.0).all()
+
+
+@pytest.mark.parametrize("asked", [{"min_edge": 1e300}, {"constraints": [LeastEdge(1e300)]}], ids=str)
+def test_edges_that_no_drawing_is_seen_beside_are_refused(asked: dict[str, Any]) -> None:
+    with pytest.raises(NestedCagesError, match=r"min_edge=1e\+300 is more than 1e\+06 times as long"):
+        nested_cages(Mesh.from_loops([ring(9)]), 5, **asked)
 
 
 @pytest.mark.slow
