@@ -136,18 +136,17 @@ class _CountSearch:
 
     def _try_walks_in(self, bands: list[Band], bounds: list[int]) -> Stage[Progress, None]:
         """Polygons of longest links in a band around each loop; bounds: of their links."""
-        mesh, enough = None, bounds
+        enough = bounds
         for number in range(MAX_ROUNDS):
             made, share = zip(bands, enough, strict=True), 1.0 - SHARE_STEP * (2**number - 1)
             polygons = [band.walks(self.builder.clearances[0], share=share, enough=links) for band, links in made]
-            enough = [
-                max(links, len(found[0])) if found else links for links, found in zip(enough, polygons, strict=True)
-            ]
+            enough = [max(links, len(each[0])) if each else links for links, each in zip(enough, polygons, strict=True)]
             polygons = self._filled(polygons, bounds)
             meshes = (self._nested([each[k] for each in polygons]) for k in range(min(map(len, polygons))))
-            mesh = next((each for each in meshes if each is not None), None)
-            if mesh is None:
+            found = next((each for each in meshes if each is not None), None)
+            if found is None:
                 return
+            mesh = found
             limit = (1.0 - REACH_PRECISION) * self.need.limit  # with room to restore the clearance
             taken, places = beyond(mesh, self.fine, limit, SLACK * limit)
             if len(places) == 0:
@@ -155,8 +154,8 @@ class _CountSearch:
                 break
             for band in bands:
                 band.add(places)
-        if mesh is not None:  # the tightening may correct what goes a little too far
-            yield from self._try(mesh, within=len(places) == 0)
+        # the tightening may correct what goes a little too far
+        yield from self._try(mesh, within=len(places) == 0)
 
     def try_counts(self) -> Stage[Progress, None]:
         """Try vertex counts below the best one; if there is none yet, upwards from the bound, then by bisection."""
