@@ -177,7 +177,7 @@ def main() -> int:
             certified_all, keys_all, free_all = (
                 certified_all + certified,
                 keys_all + len(level.times),
-                free_all + free.holds,
+                free_all + bool(free),
             )
             cells = [name, len(poses[0]), count, f"{certified} of {len(level.times)}", added]
             cells += ["all" if free else "not all", f"{np.median(ratio):.3f}", f"{max(ratio):.3f}"]
