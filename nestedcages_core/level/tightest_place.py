@@ -9,7 +9,7 @@ import numpy as np
 
 from ..decimation.hull.small_holes import largest_circle
 from ..errors import Fault
-from ..geometry.arrays import IntArray
+from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE
 from ..geometry.signed_distance import EdgeSearch
@@ -68,18 +68,17 @@ def _gap_of_loops(fine: Mesh, loops: IntArray) -> Bound:
     """The bound by the two of several loops (K,) that are closest to each other: a cage of each runs between them."""
     starts = np.concatenate([fine.loops[k] for k in loops])
     owner = fine.loop_of_vertex[starts]
-    least, pair, middle = np.inf, (-1, -1), np.zeros(2)
-    for k in loops:
+    places: list[tuple[float, int, int, FloatArray]] = []
+    for k in loops.tolist():
         others = starts[owner != k]
         points = fine.vertices[fine.loops[k]]
         nearest = EdgeSearch(fine.vertices[others], fine.vertices[fine.successor[others]]).closest(points)
         closest = int(nearest.distance.argmin())
-        if nearest.distance[closest] < least:
-            least = float(nearest.distance[closest])
-            begin = others[nearest.edge[closest]]
-            end, along = fine.successor[begin], nearest.parameter[closest]
-            met = fine.vertices[begin] + along * (fine.vertices[end] - fine.vertices[begin])
-            pair, middle = (int(k), int(fine.loop_of_vertex[begin])), 0.5 * (points[closest] + met)
+        begin = others[nearest.edge[closest]]
+        met = fine.vertices[begin] + nearest.parameter[closest] * (fine.edge_ends - fine.vertices)[begin]
+        middle = 0.5 * (points[closest] + met)
+        places.append((float(nearest.distance[closest]), k, int(fine.loop_of_vertex[begin]), middle))
+    least, *pair, middle = min(places, key=lambda each: each[0])
     one, other = sorted(pair)
     return Bound(
         0.5 * least,
