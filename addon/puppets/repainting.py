@@ -11,7 +11,7 @@ from bpy.types import Context, Object
 from .. import keys
 from ..core import blamed, game
 from ..errors import FloatArray, UserError
-from ..scene import ownership
+from ..scene import filling, ownership
 from ..scene.ownership import scene_of
 from . import armatures, exported, imported
 
@@ -24,15 +24,21 @@ def repaint(context: Context, rig: Object, painting: game.Painting) -> tuple[lis
     if keys.KEPT not in rig.keys():  # noqa: SIM118
         raise UserError(f"'{rig.name}' is no puppet of a painting: import the painting without 'Repaint Selected'")
     ownership.check_local(rig)
+    old = _old(rig)
     with blamed(f"'{rig.name}'"):
-        puppet, changes = game.repainted(_old(rig), painting.parts, painting.size)
+        puppet, changes = game.repainted(old, painting.parts, painting.size)
+    painted = {obj.vertex_groups[member.group].name for obj in exported.parts_of(rig)
+               for vertex in filling.mesh_of(obj).vertices for member in vertex.groups
+               if member.weight > 0.0}  # fmt: skip
+    other = sorted(painted - {bone.name for bone in old.bones})
     if context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     names = {mesh.name for mesh in puppet.meshes}
     gone = [obj for obj in exported.parts_of(rig) if obj[keys.MADE] not in names]
     bpy.data.batch_remove([block for obj in gone for block in (obj, obj.data)])
     home = ownership.home_of(scene_of(context), rig)
-    return imported.stage(context, home, rig, puppet, rig[keys.CANVAS][2]), (*changes.sentences, *puppet.notes)
+    told = [f"The weights of '{name}' are gone: it is no bone of the puppet." for name in other]
+    return imported.stage(context, home, rig, puppet, rig[keys.CANVAS][2]), (*changes.sentences, *puppet.notes, *told)
 
 
 def _old(rig: Object) -> game.GamePuppet:

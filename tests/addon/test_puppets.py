@@ -210,6 +210,22 @@ def test_a_repainted_puppet_keeps_what_was_made_with_it(painting: Path, capfd: p
     assert {obj.active_material.name for obj in rig.children} == {"tail", "body", "arm", "hat"}
 
 
+def test_weights_of_own_bones_are_told_when_a_painting_is_read_again(
+    painting: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    parts, rig = imported(painting)
+    bpy.ops.object.mode_set(mode="EDIT")
+    for name in ("own", "unused"):
+        bone = rig.data.edit_bones.new(name)
+        bone.head, bone.tail = (0.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    parts["arm"].vertex_groups.new(name="own").add([0], 1.0, "REPLACE")
+    with bpy.context.temp_override(selected_objects=[rig], active_object=rig):
+        assert bpy.ops.object.nested_cages_import(filepath=str(painting), repaint=True) == {"FINISHED"}
+    said = "".join(capfd.readouterr())
+    assert "The weights of 'own' are gone" in said and "'unused'" not in said
+
+
 def test_pictures_of_a_folder_are_a_painting(tmp_path: Path) -> None:
     for number in range(3):
         pixels = np.zeros((40, 60, 4), np.uint8)
