@@ -62,9 +62,6 @@ THIRD: dict[str, Callable[[], Sheet]] = {
     )
 }
 
-TUNED = FIRST | SECOND | THIRD
-"""Those that the weights of the graph are fitted to."""
-
 FOURTH: dict[str, Callable[[], Sheet]] = {
     draw.__name__: draw
     for draw in (
@@ -80,3 +77,6 @@ FOURTH: dict[str, Callable[[], Sheet]] = {
         fourth.skeleton,
     )
 }
+
+TUNED = FIRST | SECOND | THIRD | FOURTH
+"""Those that the weights of the graph are fitted to."""

@@ -1,7 +1,7 @@
 """What speaks for and against one part hanging on another, and for a part being the root, in numbers.
 
 None of them changes when the drawing is moved, turned or scaled, and but for names none reads anything but shapes and
-their order in the stack. Mirrored parts, and near and far ones, share their evidence: they hang alike.
+their order in the stack. Mirrored parts, and near and far ones, share their evidence but for names: they hang alike.
 """
 
 from __future__ import annotations
@@ -130,8 +130,8 @@ class Evidence:
         found["on_root"] = (parent == root) * free
         twin = np.array(twins_of(self.parts, root))
         number = {pair: k for k, pair in enumerate(self.pairs)}
-        other = [number.get((twin[c], twin[p]), k) for k, (c, p) in enumerate(self.pairs)]
-        return {name: 0.5 * (column + column[other]) for name, column in found.items()}
+        other = [k if twin[c] == c else number.get((twin[c], twin[p]), k) for k, (c, p) in enumerate(self.pairs)]
+        return {k: column if k == "names" else 0.5 * (column + column[other]) for k, column in found.items()}
 
     def _ways(self, root: int) -> FloatArray:
         """(n,) lengths of the shortest ways to the root, from middle to joint to middle."""

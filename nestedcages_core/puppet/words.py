@@ -15,15 +15,32 @@ DEPTHS = {"near": "near", "far": "far", "behind": "far"}
 ENDS = {"front": "fore", "fore": "fore", "back": "hind", "rear": "hind", "hind": "hind"}
 """Words for the ends of an animal."""
 
+HEIGHTS = {"up": "up", "top": "up", "low": "low", "bottom": "low"}
+"""Words for what is above and below, such as jaws."""
+
 _TORSO = "torso body chest thorax coat dress robe shirt jacket spine"
 _HIPS = "hips pelvis waist abdomen skirt trousers"
 _ARM, _FOREARM = "upper_arm arm sleeve", "forearm lower_arm"
 _THIGH, _SHIN = "thigh upper_leg leg", "shin calf lower_leg"
 _FACE = "eye brow eyebrow cheek ear hair fringe beard moustache hat helmet horn antler antenna feeler jaw snout muzzle "
 _FACE += "beak trunk tusk visor face mask glasses plume crest"
+_HANDS = "hand paw claw glove fist"
+_TOOLS = "sword hilt handle shield staff stick spear bow axe wand"
 
 _HANGS_ON = (
-    ("pupil iris glint lash", "eye"),
+    ("pupil iris glint lash lid", "eye"),
+    ("eye brow eyebrow", "head skull helmet face mask visor"),
+    ("lens", "glasses"),
+    ("brim", "hat"),
+    ("mane", f"neck head {_TORSO}"),
+    ("knee", f"{_SHIN} {_THIGH}"),
+    ("elbow cuff", f"{_FOREARM} {_ARM}"),
+    ("shoulder", f"{_ARM} {_TORSO}"),
+    ("button pocket zip tie badge", _TORSO),
+    ("buckle", "belt"),
+    ("blade guard", f"{_TOOLS}"),
+    ("nail", "finger thumb toe"),
+    ("sole lace", "foot shoe boot"),
     ("nostril", "nose snout muzzle beak head skull face"),
     ("nose mouth whisker", "snout muzzle head skull face"),
     ("tooth tongue", "mouth head skull jaw"),
@@ -38,13 +55,14 @@ _HANGS_ON = (
     (_FOREARM, _ARM),
     ("hand claw glove fist", f"{_FOREARM} {_ARM}"),
     ("paw", f"{_FOREARM} {_ARM} {_SHIN} {_THIGH}"),
-    ("finger thumb sword shield staff", "hand paw claw glove fist"),
+    ("finger thumb", f"{_HANDS} wing"),
+    (_TOOLS, f"{_HANDS} {_FOREARM}"),
     (_THIGH, f"{_HIPS} {_TORSO}"),
     (_SHIN, _THIGH),
     ("foot hoof shoe boot ankle", f"{_SHIN} {_THIGH}"),
     ("toe", "foot paw hoof shoe boot"),
 )
-PARENTS = {word: tuple(parents.split()) for words, parents in _HANGS_ON for word in words.split()}
+PARENTS = {word: tuple(parents.split()) for words, parents in _HANGS_ON[::-1] for word in words.split()}
 """What each part of a body hangs on."""
 
 TRUNKS = frozenset(f"{_TORSO} {_HIPS}".split())
@@ -65,7 +83,9 @@ class Words:
     noun: str
     """The part of a body; empty if the name says none that is known."""
     labels: tuple[frozenset[str], ...]
-    """Words for its side, its depth and its end of the body, and its numbers."""
+    """Words for its side, its depth, its end of the body and its height, and its numbers."""
+    others: tuple[str, ...] = ()
+    """All words but these."""
 
 
 def name_words(name: str) -> list[str]:
@@ -94,16 +114,17 @@ def words_of(name: str) -> Words:
     """What a name says about its part."""
     words = [word.lower() for word in name_words(name)]
     side = side_of(name)
-    depths, ends = (frozenset(table[word] for word in words if word in table) for table in (DEPTHS, ENDS))
+    tables = DEPTHS, ENDS, HEIGHTS
+    labels = [frozenset(table[word] for word in words if word in table) for table in tables]
     numbers = frozenset(word for word in words if word.isdigit())
-    nouns = [word for word in words if word not in {**DEPTHS, **ENDS, **SIDES} and not word.isdigit()]
+    nouns = [word for word in words if word not in {**DEPTHS, **ENDS, **HEIGHTS, **SIDES} and not word.isdigit()]
     noun = nouns[-1] if nouns else ""
     for half in {"upper", "lower"} & set(nouns):
         other = next((word for word in nouns if word in PARENTS), "leg")
         noun = f"{half}_{other}" if other in ("arm", "leg") else other
     singular = noun[:-1] if noun not in PARENTS and noun not in TRUNKS and noun.endswith("s") else noun
     known = singular if singular in PARENTS or singular in TRUNKS else ""
-    return Words(known, (frozenset(side), depths, ends, numbers))
+    return Words(known, (frozenset(side), *labels, numbers), tuple(nouns))
 
 
 def agreement(child: Words, parent: Words) -> float:
@@ -112,6 +133,8 @@ def agreement(child: Words, parent: Words) -> float:
     for own, other in zip(child.labels, parent.labels, strict=True):
         if own and other and not own & other:
             factor *= OTHER_SIDE
+    if parent.others and parent.others == child.others[: len(parent.others)] != child.others:
+        return factor * NAMED  # a tip of a tail, a band of a hat
     if child.noun in PARENTS and parent.noun:
         factor *= NAMED if parent.noun in PARENTS[child.noun] else MISNAMED
     return factor
