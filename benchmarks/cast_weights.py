@@ -3,7 +3,7 @@
     python benchmarks/cast_weights.py            # the weights of nestedcages_core/puppet/scores.py
     python benchmarks/cast_weights.py --held-out # each character by the weights of all others
 
-Multinomial logistic regression with a quadratic penalty: first weights of shapes, on drawings without names, then that
+Multinomial logistic regression with a quadratic penalty: first weights of shapes, on drawings without names, then those
 of names.
 """
 
@@ -21,6 +21,7 @@ import cast
 from nestedcages_core.exchange import puppet_parts
 from nestedcages_core.puppet import PuppetPart, draft_puppet, scores
 from nestedcages_core.puppet.evidence import Evidence
+from nestedcages_core.puppet.words import NAMES as OF_NAMES
 
 ROOT_PENALTY, LINK_PENALTY = 0.1, 1.5
 """Of squared weights; the likelihood of held-out characters is flat around these."""
@@ -106,7 +107,7 @@ def main() -> int:
         for kind, penalty, own in ((0, ROOT_PENALTY, scores.ROOT_WEIGHTS), (1, LINK_PENALTY, scores.LINK_WEIGHTS)):
             bare, named = (joined([both[k][kind] for both in some]) for k in (0, 1))
             shapes = weights_of(bare, penalty)
-            del shapes["names"]
+            shapes = {name: weight for name, weight in shapes.items() if name not in OF_NAMES}
             own.clear()
             own.update(weights_of(named, penalty, shapes))
         if left_out is not None:

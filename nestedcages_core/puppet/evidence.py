@@ -18,7 +18,7 @@ from ..libraries import load_shapely
 from .overlaps import Meeting, Meetings
 from .parts import NEEDED_FOR, PuppetPart
 from .sides import alike_pairs, twins_of
-from .words import TRUNKS, Words, agreement, words_of
+from .words import NAMES, TRUNKS, Words, agreement, words_of
 
 CONTAINED, MOSTLY = 0.8, 0.7
 """A part lies in another one with at least this part of its area; it lies on one with at least that."""
@@ -131,7 +131,7 @@ class Evidence:
         twin = np.array(twins_of(self.parts, root))
         number = {pair: k for k, pair in enumerate(self.pairs)}
         other = [k if twin[c] == c else number.get((twin[c], twin[p]), k) for k, (c, p) in enumerate(self.pairs)]
-        return {k: column if k == "names" else 0.5 * (column + column[other]) for k, column in found.items()}
+        return {k: column if k in NAMES else 0.5 * (column + column[other]) for k, column in found.items()}
 
     def _ways(self, root: int) -> FloatArray:
         """(n,) lengths of the shortest ways to the root, from middle to joint to middle."""
@@ -204,8 +204,7 @@ class Evidence:
             "thicker_than_detail": thicker * within,
             "through_between": self._through(child, parent, only_between=True),
             "through": self._through(child, parent, only_between=False),
-            "names": float(np.log(agreement(self.words[child], self.words[parent]))),
-        }
+        } | agreement(self.words[child], self.words[parent])
 
     def _through(self, child: int, parent: int, *, only_between: bool) -> float:
         """How well the child would hang on another part that lies on the parent: a thigh on hips before a cape."""

@@ -50,7 +50,11 @@ LINK_WEIGHTS = {
     "inward": 0.89,
     "way": 1.48,
     "on_root": 0.99,
-    "names": 1.34,
+    "names": 1.6,
+    "names_of_others": -1.25,
+    "name_extends": 0.87,
+    "labels": 0.53,
+    "labels_of_others": -1.0,
 }
 """Of the columns of `Evidence.of_links`."""
 

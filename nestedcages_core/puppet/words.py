@@ -71,9 +71,9 @@ TRUNKS = frozenset(f"{_TORSO} {_HIPS}".split())
 TURNING = frozenset(f"{_ARM} {_FOREARM} {_THIGH} {_SHIN} hand paw claw foot hoof wing fin tail jaw head neck".split())
 """Parts of a body that turn, wherever they lie."""
 
-NAMED, MISNAMED, OTHER_SIDE = 3.0, 0.3, 0.2
-"""Factors of the score of a pair: whose names say that they hang together; whose names are of a body, but of parts that
-do not; of which one is left and one right, one near and one far, or that have different numbers."""
+NAMES = "names", "names_of_others", "name_extends", "labels", "labels_of_others"
+"""What names say of a pair: of parts of a body that hang together, or that do not; that one is a part of the other, as
+a tip of a tail; sides, depths, ends, heights and numbers that are the same, and that are not."""
 
 
 @dataclass(frozen=True)
@@ -127,14 +127,17 @@ def words_of(name: str) -> Words:
     return Words(known, (frozenset(side), *labels, numbers), tuple(nouns))
 
 
-def agreement(child: Words, parent: Words) -> float:
-    """Factor of the score of two parts by their names."""
-    factor = 1.0
-    for own, other in zip(child.labels, parent.labels, strict=True):
-        if own and other and not own & other:
-            factor *= OTHER_SIDE
-    if parent.others and parent.others == child.others[: len(parent.others)] != child.others:
-        return factor * NAMED  # a tip of a tail, a band of a hat
-    if child.noun in PARENTS and parent.noun:
-        factor *= NAMED if parent.noun in PARENTS[child.noun] else MISNAMED
-    return factor
+def agreement(child: Words, parent: Words) -> dict[str, float]:
+    """What the names of two parts say, as the columns `NAMES` of the evidence that one hangs on the other."""
+    both = [(own, other) for own, other in zip(child.labels, parent.labels, strict=True) if own and other]
+    is_known = bool(child.noun in PARENTS and parent.noun)
+    is_named = is_known and parent.noun in PARENTS[child.noun]
+    return {
+        "names": float(is_named),
+        "names_of_others": float(is_known and not is_named),
+        "name_extends": float(
+            bool(parent.others) and parent.others == child.others[: len(parent.others)] != child.others
+        ),
+        "labels": float(sum(bool(own & other) for own, other in both)),
+        "labels_of_others": float(sum(not own & other for own, other in both)),
+    }
