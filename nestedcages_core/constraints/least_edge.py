@@ -41,7 +41,7 @@ class LeastEdge(Constraint):
             raise invalid_setting(f"min_edge must be a finite length above 0, not {self.length!r}.")
 
     def of(self, about: Mesh, side: int) -> LeastEdge:
-        """The same, unless the drawing vanishes beside it and areas would overflow."""
+        """The same, unless it is so much longer than the drawing that areas would overflow."""
         if NEGLIGIBLE * self.length > about.diagonal:
             raise invalid_setting(
                 f"min_edge={self.length:.6g} is more than {1.0 / NEGLIGIBLE:.0g} times as long as the diagonal of the "

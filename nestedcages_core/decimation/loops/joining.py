@@ -24,9 +24,8 @@ CLOSING = 0.75
 BESIDE = 6.0
 """Distance from the bridge within which the gap is closed, in its lengths."""
 
-WORK, EACH = 8_000_000, 500
-"""Vertices of outlines that are joined for a drawing, each time that a join is tried, and what else a join counts: a
-minute."""
+WORK = 8_000_000
+"""Vertices of outlines that are joined for a drawing, each time that a join is tried: at most a minute."""
 
 
 class WorkLeft:
@@ -37,7 +36,7 @@ class WorkLeft:
 
     def spend(self, *outlines: FloatArray) -> bool:
         """Count a join of outlines (k, 2); returns whether there was work left for it."""
-        self.left -= EACH + sum(map(len, outlines))
+        self.left -= sum(map(len, outlines))
         return self.left >= 0
 
 
