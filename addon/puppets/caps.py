@@ -161,6 +161,7 @@ def _paints_at(corners: FloatArray, paints: NDArray[np.int32], places: FloatArra
     found = np.full(len(places), -1)
     near = ((corners.max(axis=1) >= places.min(axis=0)) & (corners.min(axis=1) <= places.max(axis=0))).all(axis=1)
     for (one, other, third), paint in zip(corners[near], paints[near], strict=True):
-        sides = [np.cross(end - start, places - start) for start, end in ((one, other), (other, third), (third, one))]
+        sides = [(places - start) @ [start[1] - end[1], end[0] - start[0]]
+                 for start, end in ((one, other), (other, third), (third, one))]  # fmt: skip
         found[(np.max(sides, axis=0) <= 0.0) | (np.min(sides, axis=0) >= 0.0)] = paint
     return found
