@@ -250,7 +250,7 @@ def opened(
         on = draft.parts[link.parent]
         disc = shapely.Point(link.joint).buffer(reach(limb, on, link))
         rest = disc.intersection(limb.solid.union(on.solid))
-        own = [shapely.Polygon(cap.outline.vertices).intersection(limb.solid) for cap in caps if cap.part == number]
+        own = [cap.solid.intersection(limb.solid) for cap in caps if cap.part == number]
         still = shapely.union_all([on.solid, *own])
         turned = [shapely.affinity.rotate(limb.solid, turn, origin=link.joint) for turn in (angle, -angle)]
         yield max(1.0 - rest.intersection(each.union(still)).area / rest.area for each in turned)

@@ -133,10 +133,11 @@ class OBJECT_OT_nested_cages_snap(Operator, bpy.types.Operator):
         limbs = controls.limbs_of(armature)
         picked = {bone.name for bone in context.selected_pose_bones or ()}
         wanted = [end for end, chain in limbs.items() if picked & {end, *(bone.name for bone in chain)}]
-        for end in [self.control] if self.control in limbs else wanted:
-            controls.snap(armature, end, scene_of(context).tool_settings.use_keyframe_insert_auto)
-        if self.control not in limbs and not wanted:
+        ends = [self.control] if self.control in limbs else wanted
+        if not ends:
             raise UserError("Select a bone or the control of a limb with IK")
+        for end in ends:
+            controls.snap(armature, end, scene_of(context).tool_settings.use_keyframe_insert_auto)
 
 
 def _chosen_puppet(context: Context) -> Object:

@@ -115,7 +115,7 @@ def _piece_of(
         texture.append(uv)
 
     everything = list[Shown]()
-    for obj, height in zip(drawings, heights, strict=False):
+    for obj, height in zip(drawings, heights[:-1], strict=True):
         shown = _seen_of(context, obj, frame)
         shown = shown._replace(materials=shown.materials + len(materials))
         for triangle, ring, shares in cap.pieces(shown.corners):

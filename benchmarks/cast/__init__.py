@@ -13,86 +13,79 @@ from collections.abc import Callable
 from . import crawlers, fifth, fourth, people, second, third, walkers
 from .sheet import Sheet
 
-FIRST: dict[str, Callable[[], Sheet]] = {
-    "cat": walkers.cat,
-    "horse": walkers.horse,
-    "robin": walkers.robin,
-    "girl": people.girl,
-    "walker": people.walker,
-    "robot": people.robot,
-    "fish": crawlers.fish,
-    "octopus": crawlers.octopus,
-    "dinosaur": walkers.dinosaur,
-    "beetle": crawlers.beetle,
-    "snake": crawlers.snake,
-    "dragon": walkers.dragon,
-}
 
-SECOND: dict[str, Callable[[], Sheet]] = {
-    draw.__name__: draw
-    for draw in (
-        second.dog,
-        second.elephant,
-        second.penguin,
-        second.frog,
-        second.knight,
-        second.witch,
-        second.crab,
-        second.turtle,
-        second.stork,
-        second.caterpillar,
-    )
-}
+def _by_name(*draws: Callable[[], Sheet]) -> dict[str, Callable[[], Sheet]]:
+    return {draw.__name__: draw for draw in draws}
 
-THIRD: dict[str, Callable[[], Sheet]] = {
-    draw.__name__: draw
-    for draw in (
-        third.fox,
-        third.owl,
-        third.astronaut,
-        third.monkey,
-        third.lizard,
-        third.spider,
-        third.mermaid,
-        third.rooster,
-        third.crocodile,
-        third.bat,
-        third.ballerina,
-        third.snowman,
-    )
-}
 
-FOURTH: dict[str, Callable[[], Sheet]] = {
-    draw.__name__: draw
-    for draw in (
-        fourth.rabbit,
-        fourth.bee,
-        fourth.deer,
-        fourth.panda,
-        fourth.pirate,
-        fourth.scorpion,
-        fourth.camel,
-        fourth.mouse,
-        fourth.toucan,
-        fourth.skeleton,
-    )
-}
+FIRST = _by_name(
+    walkers.cat,
+    walkers.horse,
+    walkers.robin,
+    people.girl,
+    people.walker,
+    people.robot,
+    crawlers.fish,
+    crawlers.octopus,
+    walkers.dinosaur,
+    crawlers.beetle,
+    crawlers.snake,
+    walkers.dragon,
+)
+
+SECOND = _by_name(
+    second.dog,
+    second.elephant,
+    second.penguin,
+    second.frog,
+    second.knight,
+    second.witch,
+    second.crab,
+    second.turtle,
+    second.stork,
+    second.caterpillar,
+)
+
+THIRD = _by_name(
+    third.fox,
+    third.owl,
+    third.astronaut,
+    third.monkey,
+    third.lizard,
+    third.spider,
+    third.mermaid,
+    third.rooster,
+    third.crocodile,
+    third.bat,
+    third.ballerina,
+    third.snowman,
+)
+
+FOURTH = _by_name(
+    fourth.rabbit,
+    fourth.bee,
+    fourth.deer,
+    fourth.panda,
+    fourth.pirate,
+    fourth.scorpion,
+    fourth.camel,
+    fourth.mouse,
+    fourth.toucan,
+    fourth.skeleton,
+)
 
 TUNED = FIRST | SECOND | THIRD | FOURTH
 """Those that the weights of the graph are fitted to."""
 
-FIFTH: dict[str, Callable[[], Sheet]] = {
-    draw.__name__: draw
-    for draw in (
-        fifth.goat,
-        fifth.chef,
-        fifth.duck,
-        fifth.ant,
-        fifth.princess,
-        fifth.kangaroo,
-        fifth.lobster,
-        fifth.clown,
-        fifth.seahorse,
-        fifth.ninja,
-    )
-}
+FIFTH = _by_name(
+    fifth.goat,
+    fifth.chef,
+    fifth.duck,
+    fifth.ant,
+    fifth.princess,
+    fifth.kangaroo,
+    fifth.lobster,
+    fifth.clown,
+    fifth.seahorse,
+    fifth.ninja,
+)

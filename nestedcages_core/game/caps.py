@@ -34,21 +34,23 @@ def cap_picture(cap: Cap, drawn: PuppetPart, part: PicturePart, place: Placement
         return None
     kept = np.zeros_like(pixels)
     kept[rows[inside], columns[inside]] = pixels[rows[inside], columns[inside]]
-    paints = _paints_of(part.seen)
+    height, width = part.seen.shape[:2]
 
     def paints_at(places: FloatArray) -> IntArray:
         column, row = np.floor(place.down(places) - (part.left, part.top)).astype(int).T
-        there = (row >= 0) & (row < paints.shape[0]) & (column >= 0) & (column < paints.shape[1])
-        return np.where(there, paints[row * there, column * there], -1)
+        there = (row >= 0) & (row < height) & (column >= 0) & (column < width)
+        return np.where(there, _paints_of(part.seen[row * there, column * there]), -1)
 
     ink = cap.ink(drawn, paints_at)
     if ink is not None:
         line = inside & shapely.contains_xy(ink.area, *centres.T)
-        kept[rows[line], columns[line]] = np.median(part.seen[paints == ink.paint], axis=0).astype(np.uint8)
+        kept[rows[line], columns[line]] = np.median(part.seen[_paints_of(part.seen) == ink.paint], axis=0).astype(
+            np.uint8
+        )
     return replace(part, left=int(corner[0]), top=int(corner[1]), pixels=kept, opacity=1.0)
 
 
 def _paints_of(pixels: NDArray[np.uint8]) -> IntArray:
-    """Numbers (h, w) of colours that are about the same, -1 where pixels (h, w, 4) are not opaque."""
+    """Numbers (…) of colours that are about the same, -1 where pixels (…, 4) are not opaque."""
     red, green, blue = (pixels[..., channel].astype(np.int64) >> 8 - PAINT for channel in range(3))
     return np.where(pixels[..., 3] == 255, (red << 2 * PAINT) + (green << PAINT) + blue, -1)

@@ -22,7 +22,7 @@ _TORSO = "torso body chest thorax coat dress robe shirt jacket spine"
 _HIPS = "hips pelvis waist abdomen skirt trousers"
 _ARM, _FOREARM = "upper_arm arm sleeve", "forearm lower_arm"
 _THIGH, _SHIN = "thigh upper_leg leg", "shin calf lower_leg"
-_FACE = "eye brow eyebrow cheek ear hair fringe beard moustache hat helmet horn antler antenna feeler jaw snout muzzle "
+_FACE = "cheek ear hair fringe beard moustache hat helmet horn antler antenna feeler jaw snout muzzle "
 _FACE += "beak trunk tusk visor face mask glasses plume crest"
 _HANDS = "hand paw claw glove fist"
 _TOOLS = "sword hilt handle shield staff stick spear bow axe wand"
@@ -38,7 +38,7 @@ _HANGS_ON = (
     ("shoulder", f"{_ARM} {_TORSO}"),
     ("button pocket zip tie badge", _TORSO),
     ("buckle", "belt"),
-    ("blade guard", f"{_TOOLS}"),
+    ("blade guard", _TOOLS),
     ("nail", "finger thumb toe"),
     ("sole lace", "foot shoe boot"),
     ("nostril", "nose snout muzzle beak head skull face"),
@@ -62,7 +62,7 @@ _HANGS_ON = (
     ("foot hoof shoe boot ankle", f"{_SHIN} {_THIGH}"),
     ("toe", "foot paw hoof shoe boot"),
 )
-PARENTS = {word: tuple(parents.split()) for words, parents in _HANGS_ON[::-1] for word in words.split()}
+PARENTS = {word: tuple(parents.split()) for words, parents in _HANGS_ON for word in words.split()}
 """What each part of a body hangs on."""
 
 TRUNKS = frozenset(f"{_TORSO} {_HIPS}".split())
@@ -114,8 +114,7 @@ def words_of(name: str) -> Words:
     """What a name says about its part."""
     words = [word.lower() for word in name_words(name)]
     side = side_of(name)
-    tables = DEPTHS, ENDS, HEIGHTS
-    labels = [frozenset(table[word] for word in words if word in table) for table in tables]
+    labels = [frozenset(table[word] for word in words if word in table) for table in (DEPTHS, ENDS, HEIGHTS)]
     numbers = frozenset(word for word in words if word.isdigit())
     nouns = [word for word in words if word not in {**DEPTHS, **ENDS, **HEIGHTS, **SIDES} and not word.isdigit()]
     noun = nouns[-1] if nouns else ""

@@ -183,7 +183,8 @@ class LoopChoice:
         """
         if most < np.inf and min((move.added for move in self._moves()), default=np.inf) >= most:
             return
-        if not self._reduce():
+        self._reduce()
+        if self.work.left < 0:
             return
         yield from self._search(list(outlines(self.parts)))
         left = MOST_JOINS
@@ -237,8 +238,8 @@ class LoopChoice:
         least = float(tree.least[count])
         return least, tree.chosen(count) if np.isfinite(least) else []
 
-    def _reduce(self) -> bool:
-        """Lose the cheapest loops until there are few enough to look at; returns whether there was enough work left."""
+    def _reduce(self) -> None:
+        """Lose the cheapest loops until there are few enough to look at, or no work is left for joins."""
         most = max(1, self.count // VERTICES_PER_LOOP)
         while (excess := sum(part.size for part in self.parts) - most) > 0:
             left, gone = max(1, excess // LOST_AT_ONCE), set[int]()
@@ -250,7 +251,6 @@ class LoopChoice:
                     gone |= touched
             if not gone:
                 break
-        return self.work.left >= 0
 
     def _moves(self) -> Iterator[Move]:
         """All that may be done next."""
