@@ -7,7 +7,7 @@ exactly too. Lengths have roots and turns have cosines: these are held against e
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal
@@ -43,7 +43,7 @@ def check(
     cage_or_levels: Any,
     clearance: float | None = None,
     *,
-    same_loops: bool | None = None,
+    same_loops: bool | Sequence[bool] | None = None,
     inside: bool = False,
     grid: float | None = None,
     symmetry: Any = None,
@@ -55,8 +55,8 @@ def check(
     fine: of moving cages the topology, as they were given; its places are then those at their keys.
     fine, cages: objects with vertices (n, 2) and directed edges (n, 2), rings of points (k, 2), or GeoJSON geometries.
     clearance: smallest distance, in input units; default: what a level was asked for, else anything above 0.
-    same_loops: whether cages keep the loops of what they enclose; default: yes, unless a level's coarse mesh did not or
-    a moving cage has fewer than three vertices for each.
+    same_loops: whether cages, or each of them, keep the loops of what they enclose; default: yes, unless a level's
+    coarse mesh did not or a moving cage has fewer than three vertices for each.
     Where they need not, it must lie in them all the same, and `Verdict.lost` names filled holes and joined loops.
     inside: whether these are inner cages. grid: coordinates are multiples of this length; default: the level's.
     symmetry: a `Mirror` or `Rotation`; without a place, about the mean of the cage's vertices.
@@ -69,12 +69,13 @@ def check(
         fine = SimpleNamespace(vertices=levels[0].fine_steps[0], edges=fine.edges)
     within = fine
     for k, level in enumerate(levels):
-        cage, report, inner, alike = getattr(level, "cage", level), getattr(level, "report", None), inside, same_loops
+        cage, report, inner = getattr(level, "cage", level), getattr(level, "report", None), inside
+        asked = alike = same_loops[k] if isinstance(same_loops, Sequence) else same_loops
         wanted = getattr(report, "wanted_clearance", 0.0) if clearance is None else clearance
         if hasattr(level, "coarse"):
             inner, loops = level.inside, [sorted(Loops(mesh).is_hole) for mesh in (level.coarse, level.fine)]
-            alike = loops[0] == loops[1] if same_loops is None else same_loops
-        elif hasattr(level, "cage_steps") and same_loops is None:
+            alike = loops[0] == loops[1] if asked is None else asked
+        elif hasattr(level, "cage_steps") and asked is None:
             with suppress(ValueError):  # what is no shape is told below
                 alike = len(cage.vertices) >= 3 * len(rings_of(within))
         found = faults_of_cage(*((within, cage) if inner else (cage, within)), wanted, alike is not False)

@@ -88,8 +88,8 @@ def _problems(given: argparse.Namespace, drawings: Shapes, results: Shapes, lost
         for inside, cages in _sides(levels):
             options["inside"] = given.inside or inside
             may_differ = given.any_loops or given.borders or is_picture
-            as_many = any(map(_has_more, (drawing[0], *cages), cages))
-            options["same_loops"] = given.same_loops or (as_many and not may_differ)
+            as_many = map(_has_more, (drawing[0], *cages), cages)
+            options["same_loops"] = [given.same_loops or (more and not may_differ) for more in as_many]
             shown = levels.get(0, drawing[0])
             for around in (drawing[0], *([] if _equal(shown, drawing[0]) else [shown])):
                 verdict = check(around.rings, [cage.rings for cage in cages], given.clearance, **options)
