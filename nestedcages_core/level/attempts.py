@@ -14,6 +14,7 @@ import numpy as np
 from ..contact import Contact, SequentialQP
 from ..decimation import Count, Decimation, LineCycles, OuterHull, Start
 from ..decimation.base import KeepingStarts
+from ..decimation.hull.outer_hull import SOURCE as HULL
 from ..energies import Area
 from ..errors import FlowError, NestingError
 from ..flow import FlowMethod
@@ -33,6 +34,10 @@ MAX_CLEARANCE = 1e6
 LOOSE = 0.5
 """Excess above which a note says what fewer loops would give and, from a user's own coarse mesh, the next contact is
 tried too: around needles the contacts end in different minima."""
+
+TIGHTENED_HULL = 0.7
+"""Fraction of a hull's excess that tightening usually leaves. Where the cage from the curve has more, the one from the
+hull itself had up to a fifth less: around rough outlines of over 10,000 vertices, which flow badly."""
 
 PAPER_PREFERENCE = 0.01
 """A cage from flow and reinflation is preferred to one that needed neither, unless the latter is tighter by more than
@@ -153,8 +158,9 @@ def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[
     for number, start in enumerate(starts):
         if number == 0 and start.on_curve is not None:
             least = yield Start(start.on_curve, "on the curve")
-            # a single start is tried itself where even its coarse mesh is tighter than the cage from the curve
-            if isfinite(least) and (len(starts) > 1 or not attempt.seeks_area or least <= _excess(start, fine)):
+            # a single start is tried itself where its own cage would probably be tighter than the one from the curve
+            usual = _excess(start, fine) * (TIGHTENED_HULL if start.source == HULL else 1.0)
+            if isfinite(least) and (len(starts) > 1 or not attempt.seeks_area or least <= usual):
                 continue
             if not attempt.may_fall_back:
                 return

@@ -14,9 +14,7 @@ from ..contact.pairs import Bodies, Pairs
 from ..geometry.arrays import FloatArray
 from ..geometry.precision import NEGLIGIBLE
 from ..solver.banded import Rows
-
-ROW_OVERSHOOT = 1.02
-"""Length of a correction in what rows lack: it makes up for what is not linear."""
+from .reach_clearance import OVERSHOOT
 
 JOINING_PASSES = 6
 """Maximum number of times that further rows join."""
@@ -45,7 +43,7 @@ def correction(
     slopes = np.concatenate((_slopes(bodies, rows)[kept], _slopes(bodies, [*constraint_rows(pairs, contacts)])))
     held = room < 0.0
     for _ in range(JOINING_PASSES):
-        unknowns = _smallest(slopes[held], -np.where(room < 0.0, ROW_OVERSHOOT, 1.0)[held] * room[held])
+        unknowns = _smallest(slopes[held], -np.where(room < 0.0, OVERSHOOT, 1.0)[held] * room[held])
         broken = (room + slopes @ unknowns < 0.0) & ~held
         if not broken.any():
             break

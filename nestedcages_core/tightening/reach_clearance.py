@@ -35,7 +35,8 @@ OWN_DISTANCE_KEPT = 0.1
 """Fraction of the smallest distance between parts of the cage that they keep, if that is less than the clearance."""
 
 OVERSHOOT = 1.02
-"""Factor on every shift, so that passes end (docs/ablation.md: overshoot of restoration)."""
+"""Factor on every shift and on what corrected rows lack: it makes up for what is not linear, so that passes end
+(docs/ablation.md: overshoot of restoration)."""
 
 CORRECTIONS = 12
 """Maximum number of corrections of bounds, each followed by a restoration that undoes a part of it; with 3, one in 100
