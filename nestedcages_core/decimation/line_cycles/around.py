@@ -230,7 +230,7 @@ class Around:
         for rule in self.kept.rules:
             free = np.minimum(free, np.minimum(rule.free(lines, self.frame), rule.reach(chain, lines, shift)))
             usable &= (free > 0.0).all(axis=0)
-        free += SLACK
+        free += SLACK if shift < HULL_OFFSET else 0.0
         if images is not None and halves is not None:
             free = np.minimum(free, images.to_axis(lines, halves) + SLACK)
             usable &= usable[halves.image]
