@@ -10,7 +10,6 @@ import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.predicates import crossing_pairs
-from ..geometry.vectors import bounds
 from .base import Obstacle
 from .loop_matching import Matching, loop_tree, windings
 
@@ -29,11 +28,6 @@ class Containment:
         self._around_fine: IntArray = np.where(coarse.loop_signs > 0, 1, 0)[None, :] * same
         self._same = same
         self._around_coarse, self._prescribed = _windings_around_coarse(matching)
-
-    def boxes_nested(self, vertices: FloatArray) -> bool:
-        """Whether the bounding boxes allow the fine mesh with vertices (n, 2) to be inside: a cheap first test."""
-        (low, high), (fine_low, fine_high) = bounds(self.matching.coarse.vertices), bounds(vertices)
-        return bool((low < fine_low).all() and (fine_high < high).all())
 
     def obstacle(self, vertices: FloatArray) -> Obstacle | None:
         """None if the fine mesh with vertices (n, 2) is certified inside, else the first obstacle found."""

@@ -12,7 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from ..geometry.mesh import Mesh
+from ..geometry.mesh import Mesh, Nesting
+from ..geometry.vectors import bounds
 from ..parameters import check_count, check_positive
 from ..tasks import Stage, mapped
 from .base import FlowResult, stuck
@@ -61,10 +62,10 @@ class TwoSidedFlow:
         matching, unit = match_loops(fine, coarse), fine.extent
         containment, system = Containment(matching), StepSystem(fine, self.spacing * unit)
         steps, iterations = [fine.vertices], 0
-        if containment.boxes_nested(fine.vertices):
-            yield 0.0
-            if containment.obstacle(fine.vertices) is None:
-                return FlowResult(np.array(steps), 0, "inside")
+        (low, high), (fine_low, fine_high) = bounds(coarse.vertices), bounds(fine.vertices)
+        yield 0.0
+        if (low < fine_low).all() and (fine_high < high).all() and Nesting(coarse, fine).encloses():
+            return FlowResult(np.array(steps), 0, "inside")
         stages = ("vertices", np.inf, self.vertex_limit), ("boundary", self.spacing, self.limit)
         for tried, (stage, spacing, limit) in enumerate(stages):
             density = Spacing(spacing * unit, self.spacing * unit)

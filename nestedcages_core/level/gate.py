@@ -26,9 +26,6 @@ from ..verification.motion import certifying
 from .plan import Plan
 from .report import JudgedCage, Level, NestingReport, Seal
 
-DIGEST_BYTES = 8
-"""Of the digest of one step of a mesh: changes are mistakes, not attacks."""
-
 
 class Way(NamedTuple):
     """How a cage comes about: it is the last step of the reinflation."""
@@ -170,7 +167,7 @@ def _collides(step: int, side: int) -> Fault:
 
 def digest_of(array: FloatArray) -> bytes:
     """That of the numbers and the shape of an array."""
-    digest = blake2b(repr(array.shape).encode(), digest_size=DIGEST_BYTES)
+    digest = blake2b(repr(array.shape).encode(), digest_size=8)  # changes are mistakes, not attacks
     digest.update(array.tobytes())
     return digest.digest()
 

@@ -27,6 +27,7 @@ from nestedcages_core.decimation import Start
 from nestedcages_core.geometry.precision import INPUT_ROUND_OFF
 from nestedcages_core.level.attempts import (
     MAX_CLEARANCE,
+    TIGHTENED_HULL,
     Attempt,
     attempts,
     clearances_for,
@@ -177,12 +178,13 @@ class TestInTurn:
     ) -> None:
         assert ran(*starts_for(on_curve=on_curve), ranks, **options) == names
 
-    def test_a_single_start_is_tried_itself_where_its_mesh_is_tighter_than_the_cage_from_the_curve(self) -> None:
+    @pytest.mark.parametrize(("source", "most"), [("outer hull", TIGHTENED_HULL), ("line cycles", 1.0)])
+    def test_a_single_start_is_tried_itself_where_its_cage_is_probably_tighter(self, source: str, most: float) -> None:
         starts, fine = starts_for(on_curve=True)
-        bound = starts[0].coarse.area / fine.area - 1.0
-        for share, names in ((0.9, [CURVE]), (1.1, [CURVE, HULLS[0]])):
-            assert ran(starts[:1], fine, [share * bound, inf], seeks_area=True) == names
-            assert ran(starts[:1], fine, [share * bound, inf]) == names[:1]
+        start, bound = starts[0]._replace(source=source), starts[0].coarse.area / fine.area - 1.0
+        for share, names in ((0.95 * most, [CURVE]), (1.05 * most, [CURVE, f"{source} 0"])):
+            assert ran([start], fine, [share * bound, inf], seeks_area=True) == names
+            assert ran([start], fine, [share * bound, inf]) == names[:1]
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from nestedcages_core import (
     to_svg,
 )
 from nestedcages_core.command import main
-from shapes import letter_a, star
+from shapes import letter_a, ring, star
 from test_command import png, region
 
 CURVED = '<svg viewBox="0 0 9 9"><path d="M1 1 C 4 0 8 1 8 5 S 5 8 4 8 S 1 4 1 1"/><path d="M6 6h2v2h-2z"/></svg>'
@@ -260,6 +260,17 @@ def test_maps(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     assert "2 shapes" in checked(capsys, drawing, result)[1]
     result.write_text(to_geojson([cages[k] for k in (2, 3, 0, 1)]))
     assert "shape 1: level 1: " in checked(capsys, drawing, result)[1]
+
+
+def test_each_cage_may_have_fewer_loops_than_the_one_before(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    """The finest one, which keeps them all, says nothing about coarser ones."""
+    drawing, result = tmp_path / "in.svg", tmp_path / "out.svg"
+    places = [(2.6 * (k % 3), 2.6 * (k // 3)) for k in range(6)]
+    drawing.write_text(to_svg(Mesh.from_loops([ring(24, centre=place) for place in places])))
+    assert main([str(drawing), "--levels", "40", "8", "-o", str(result)]) == 0
+    status, said = checked(capsys, drawing, result)
+    assert status == 0 and "level 1: 40 vertices, 6 loops" in said and "share one" in said
+    assert "not 6" in checked(capsys, drawing, result, "--same-loops")[1]
 
 
 @pytest.mark.slow

@@ -7,13 +7,14 @@ import pytest
 import scipy
 
 from marks import slow_after
-from nestedcages_core import Mesh, nested_cages, verify_motion
+from nestedcages_core import Mesh, TwoSidedFlow, nested_cages, verify_motion
 from nestedcages_core.flow.containment import Containment
 from nestedcages_core.flow.energy_flow import StepSystem
 from nestedcages_core.flow.loop_matching import ALL_BOXES_LIMIT, _assignment, _box_difference, _closest, match_loops
 from nestedcages_core.flow.penetration import Penetration, PenetrationEnergy, Spacing, local_margins
 from nestedcages_core.flow.shrinking import thickness
 from nestedcages_core.level.steps import shrunk
+from nestedcages_core.tasks import drain
 from shapes import annulus, comb, disc, islands, letter_a, letter_a_coarse, ring, star
 
 
@@ -170,3 +171,13 @@ def test_thickness_is_that_of_limbs_and_walls() -> None:
     assert thickness(annulus(80)) == pytest.approx(0.5, abs=0.01)
     strip = Mesh.from_loops([[(x, 0.0) for x in np.linspace(0, 2, 41)] + [(x, 0.1) for x in np.linspace(2, 0, 41)]])
     assert thickness(strip) == pytest.approx(0.1, abs=0.01)
+
+
+def test_a_coarse_mesh_around_everything_needs_no_flow_whichever_holes_are_matched() -> None:
+    """Two rings in one cage, which has a hole between them; by their boxes both holes suit either of the rings."""
+    rings = [radius * np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)]) for radius in (1.25, 1.0)]
+    fine = Mesh.from_loops([rings[0], rings[1][::-1], 0.75 * rings[0], 0.875 * rings[1][::-1]])
+    between = np.array([(31.0, 31.0), (31.0, 31.5), (31.5, 31.0)]) / 64.0
+    coarse = Mesh.from_loops([1.5 * rings[1], 0.8125 * rings[1][::-1], between])
+    assert Containment(match_loops(fine, coarse)).obstacle(fine.vertices) is not None
+    assert drain(TwoSidedFlow().run(fine, coarse)).stage == "inside"

@@ -42,6 +42,13 @@ from shapes import annulus, assert_nested, comb, disc, islands, letter_a, polygo
 RANDOM = np.random.default_rng(5)
 
 
+def wave(count: int) -> Mesh:
+    """A coast of many waves."""
+    t = 2.0 * np.pi * np.arange(count) / count
+    radius = 1.0 + sum(0.2 / k**1.1 * np.cos(k * t + k * k) for k in range(2, 40, 3))
+    return Mesh.from_loops([radius[:, None] * np.column_stack((np.cos(t), np.sin(t)))])
+
+
 def random_turns(count: int, share: float) -> Turns:
     """Turns between a share of all pairs of lines."""
     target, source = np.nonzero((RANDOM.random((count, count)) < share) & ~np.eye(count, dtype=bool))
@@ -212,6 +219,48 @@ def test_both_ways_of_starting_lead_to_the_same_cage() -> None:
     assert (curve.report.start, outside.report.start) == ("flow", "line cycles")
     assert curve.report.excess == pytest.approx(outside.report.excess, rel=0.01)
     assert_nested(outside.cage, fine)
+
+
+def test_lines_next_to_the_outline_enclose_it_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without a second search around its offset."""
+    from nestedcages_core.decimation.hull import offset
+
+    monkeypatch.delattr(offset, "offsetting")
+    assert len(LineCycles().decimate(wave(400), 90).vertices) == 90
+
+
+def test_large_counts_have_cycles_and_no_steps() -> None:
+    fine = wave(700)
+    starts = [drain(LineCycles().starts(fine, count))[0] for count in (126, 128, 130, 190)]
+    assert [start.source for start in starts] == [SOURCE] * 4
+    areas = [start.coarse.area for start in starts]
+    assert areas == sorted(areas, reverse=True)
+    assert areas[-1] - fine.area < 0.9 * (OuterHull().decimate(fine, 190).area - fine.area)
+
+
+def test_a_single_loop_has_the_best_cycle_of_the_wanted_number() -> None:
+    """Though lines are sought near evenly spread ones, and the wheel has its teeth on one side."""
+    t = 2.0 * np.pi * np.arange(1000) / 1000
+    radius = 1.0 + np.where(t < 3.0, 0.05 * np.cos(60.0 * t), 0.0)
+    request = Request.of(Mesh.from_loops([radius[:, None] * np.column_stack((np.cos(t), np.sin(t)))]), 300)
+    around = [Around(request, request.outline, HULL_OFFSET) for _ in range(2)]
+    around[0].is_known = True
+    for each in around:
+        for _ in each._search():
+            pass
+    known, all_numbers = (each.searches[0].totals for each in around)
+    assert known[300] == all_numbers[300]
+    assert known[150] > all_numbers[150]
+
+
+def test_where_searches_leave_turns_out_the_hull_may_be_the_tighter_one() -> None:
+    from benchmarks.random_shapes import random_shape
+
+    drawn = random_shape(146)
+    assert drawn is not None and drawn[0] == "needles"
+    start = drain(LineCycles().starts(drawn[1], 140))[0]
+    assert start.source == HULL
+    assert start.coarse.area <= OuterHull().decimate(drawn[1], 140).area
 
 
 @pytest.mark.slow

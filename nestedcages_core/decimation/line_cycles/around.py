@@ -84,10 +84,12 @@ class Around:
         """Of each loop that stands for its images."""
         self.rounds = 0
         self.few_turns = False
+        self.is_known = False  # whether the number of lines around each loop is
 
     def run(self, bias: float) -> Stage[float, tuple[float, Mesh]]:
         """Area and mesh. Raises NoCyclesError."""
         loops = len(self.outline.sizes) + 1
+        self.is_known = self.request.per_loop is not None or len(self.chains) == 1
         if not self.searches:
             for _ in self._search():
                 yield len(self.searches) / loops
@@ -252,8 +254,8 @@ class Around:
 
             return MirrorSearch(chain, lines, free, width=width, sizes=sizes, halves=halves)
         likely = (self.request.target if len(self.chains) == 1 else expected) / parts
-        usual, thorough = {"width": width, "parts": parts}, self._is_thorough(chain)
-        return LoopSearch(chain, lines, free, sizes=sizes, expected=likely, thorough=thorough, **usual)
+        ways = {"thorough": self._is_thorough(chain), "known": self.is_known}
+        return LoopSearch(chain, lines, free, width=width, sizes=sizes, expected=likely, parts=parts, **ways)
 
     def _is_thorough(self, chain: Chain) -> bool:
         """Whether a search around a loop may take long: convex, with one number of lines to seek."""

@@ -44,6 +44,10 @@ IMPROVED = 1e-3
 SPARE = 3
 """Lines that a later search allows beyond those wanted."""
 
+BAND = 64
+"""Number of lines by which a cycle may run ahead of evenly spread ones or fall behind, where its number is known: half
+of it made the cage around a wheel with teeth on one side looser by a twentieth."""
+
 
 class NoCyclesError(NestingError):
     """No cycles of lines were found."""
@@ -73,15 +77,19 @@ class LoopSearch:
         expected: float,
         parts: int = 1,
         thorough: bool = False,
+        known: bool = False,
     ) -> None:
         """free: (2, K) what is free of each line. sizes: the possible numbers of lines. expected: the likely one.
 
         parts: of the loop that rotations take to each other; lines are counted and sought in the first one.
         thorough: whether cycles are sought through all lines between two of a cycle, as far as these are few.
+        known: whether cycles of the largest number alone matter.
         """
         self.chain, self.lines, self.free, self.sizes, self.expected = chain, lines, free, sizes, expected
         self.parts, self.count = parts, len(lines) // parts
         self.more = MAX_MORE_IN_PARTS if parts > 1 else MAX_MORE_IF_THOROUGH if thorough else MAX_MORE
+        self.most = sizes.stop - 1
+        self.even = [k * self.count // self.most for k in range(self.most)] if known else None
         self.turns: Turns = turns(chain, lines, free, width)
         if parts > 1:
             self.turns = self.turns.of_part(self.count, len(lines))
@@ -118,7 +126,7 @@ class LoopSearch:
         """Search once more through another line of the best cycle of a number of lines, near this cycle."""
         start = self._across(number)
         corridor = np.sort(np.mod(self._part(number) - start, self.count)).tolist()
-        most = min(number + SPARE, self.sizes.stop - 1)
+        most = min(number + SPARE, self.most)
         paths = Paths(self.turns, self.areas, self.first, start, most, corridor)
         yield [paths]
         self._keep(paths)
@@ -159,7 +167,7 @@ class LoopSearch:
 
     def _search(self, *starts: int) -> Generator[list[Paths], None, bool]:
         """Search cycles through some lines; whether one is better than before."""
-        several = [Paths(self.turns, self.areas, self.first, start, self.sizes.stop - 1) for start in starts]
+        several = [Paths(self.turns, self.areas, self.first, start, self.most, self.even, BAND) for start in starts]
         yield several
         kept = [self._keep(paths) for paths in several]
         return any(kept)

@@ -29,8 +29,9 @@ from ..hull.narrow_gaps import HULL_OFFSET, is_narrow, without_gaps
 from ..hull.outer_hull import OuterHull, source_of
 from ..on_curve import closest_on_curve
 from ..request import Request
-from .around import Around
-from .loop_search import NoCyclesError
+from .around import PLACES_PER_VERTEX, Around
+from .loop_search import BAND, NoCyclesError
+from .places import ALL_VERTICES
 
 SOURCE = "line cycles"
 """Name of its meshes in reports."""
@@ -38,9 +39,9 @@ SOURCE = "line cycles"
 EXACT_SHIFT = 1e-7
 """Distance, in diameters, of lines from the strict offset, to which they belong in narrow gaps."""
 
-MOST_LINES = 128
-"""Vertices of the largest loop's cage up to which cycles are sought: time grows with their square, and the hull
-is looser by about a twentieth there."""
+MOST_LINES = 320
+"""Vertices of the largest loop's cage up to which cycles are sought: the hull is looser by about a twentieth there, and
+around 2,000 vertices takes half the time."""
 
 MOST_LOOPS = 96
 """Number of loops up to which cycles are sought, some 6 ms each; for more the hull takes an eighth of the time, and its
@@ -142,7 +143,9 @@ def _found(request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]
             raise
         loose = replace(request, kept=replace(kept, rules=()))  # to be moved later
         mesh, rounds = yield from cycles_around(loose, clearance)
-    if rounds and kept.is_free:
+    # where each vertex is a place, the hull leaves as few out and takes little time; small searches leave nothing out
+    all_places = len(request.outline.vertices) <= ALL_VERTICES * PLACES_PER_VERTEX * request.target
+    if kept.is_free and (rounds or (all_places and request.target > 2 * BAND)):
         with suppress(NestingError):
             hull = yield from OuterHull().hull(request, clearance)
             if request.side * hull.area < request.side * mesh.area:

@@ -23,12 +23,14 @@ class Paths:
         start: int,
         most: int,
         corridor: list[int] | None = None,
+        reach: int = 2,
     ) -> None:
         """first: (K + 1,) the first turn onto each line. most: the largest number of lines of a cycle.
 
-        corridor: positions of the lines of a cycle; each line is sought between those two turns away.
+        corridor: positions of the lines of a cycle; each line is sought between those `reach` turns away.
         """
-        self.start, self.count, self.most, self.corridor = start, len(first) - 1, most, corridor
+        self.start, self.count, self.most = start, len(first) - 1, most
+        self.corridor, self.reach = corridor, reach
         # lines by their positions after the start, so that paths only go on
         cut = int(first[start])
         self.first = np.concatenate((first[start:-1], first[: start + 1] + first[-1])) - first[start]
@@ -64,7 +66,7 @@ class Paths:
         """The positions first .. last - 1 that are sought with a turn."""
         if self.corridor is None:
             return 0, self.count
-        before, after = min(turn - 2, len(self.corridor) - 1), turn + 2
+        before, after = min(turn - self.reach, len(self.corridor) - 1), turn + self.reach
         return self.corridor[max(before, 0)], self.corridor[after] if after < len(self.corridor) else self.count
 
     def _close(self) -> FloatArray:
