@@ -21,6 +21,10 @@ from ..geometry.vectors import column_cross, column_dot
 from ..solver.banded import Rows
 from .pairs import Bodies, Pairs
 
+OVERSHOOT = 1.02
+"""Factor on motions that restore distances or bounds: it makes up for what is not linear, so that passes end
+(docs/ablation.md: overshoot of restoration)."""
+
 
 class Contacts(NamedTuple):
     """Signed distances of K pairs, with what their derivatives need."""

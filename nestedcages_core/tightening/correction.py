@@ -9,12 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..constraints.base import terms_of
-from ..contact.linearisation import Contacts, constraint_rows
+from ..contact.linearisation import OVERSHOOT, Contacts, constraint_rows
 from ..contact.pairs import Bodies, Pairs
 from ..geometry.arrays import FloatArray
 from ..geometry.precision import NEGLIGIBLE
 from ..solver.banded import Rows
-from .reach_clearance import OVERSHOOT
 
 JOINING_PASSES = 6
 """Maximum number of times that further rows join."""

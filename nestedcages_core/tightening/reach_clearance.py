@@ -14,7 +14,7 @@ import numpy as np
 
 from ..contact.ccd import impacts
 from ..contact.contact_response import ContactResponse, Distances, FeasibilityRule
-from ..contact.linearisation import Contacts, measure
+from ..contact.linearisation import OVERSHOOT, Contacts, measure
 from ..contact.pairs import Bodies, CandidateList, Pairs, WantedDistances
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.precision import MOST_ROUNDS, MOST_STEPS, NEGLIGIBLE, PROGRESS_RATIO, ROUND_OFF
@@ -33,10 +33,6 @@ MAX_IDLE_STEPS = 8
 
 OWN_DISTANCE_KEPT = 0.1
 """Fraction of the smallest distance between parts of the cage that they keep, if that is less than the clearance."""
-
-OVERSHOOT = 1.02
-"""Factor on every shift and on what corrected rows lack: it makes up for what is not linear, so that passes end
-(docs/ablation.md: overshoot of restoration)."""
 
 CORRECTIONS = 12
 """Maximum number of corrections of bounds, each followed by a restoration that undoes a part of it; with 3, one in 100
