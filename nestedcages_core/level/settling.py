@@ -14,7 +14,7 @@ from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
 from ..energies import Energy
 from ..energies.base import EdgeCost
-from ..errors import Fault, NestingError
+from ..errors import Fault, NestingError, note
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Orbits, orbits_of
 from ..geometry.mesh import Mesh
@@ -22,7 +22,7 @@ from ..tasks import Stage, drain
 from ..tightening.reach_clearance import shift_edges
 from .gate import Way, admitted, judged
 from .plan import Plan
-from .report import Level, LevelProgress, NestingReport, Progress
+from .report import JudgedCage, Level, LevelProgress, NestingReport, Progress
 from .settings import LevelSettings
 from .units import SolverUnits
 
@@ -99,19 +99,20 @@ class Settling:
     def _noted(self, level: Level, found: Level) -> tuple[Fault, ...]:
         """The notes of the settled level, with what its cage misses instead of what the one before missed."""
         before, after = (self.plan.notes(each.cage) for each in (level, found))
-        return (*(note for note in found.report.notes if note not in before), *after)
+        return (*(each for each in found.report.notes if each not in before), *after)
 
     def _moved(self, level: Level, way: Way, report: NestingReport, numbers: Numbers) -> Stage[Progress, Level | None]:
         """The level with a cage near that of a way on some numbers, certified; None if there is none."""
         plan, wanted = self.plan.on(numbers), report.wanted_clearance
         search = placements(plan, self.choices.energy, way.cage, wanted)
         found = yield from self.progress.follow(search, lambda done: (done, "grid"))
+        resting: JudgedCage | None = None
         for points in found:
             moved = way.coarse.moved(points)
             mended = plan.mended(moved)
             if mended is not None:
-                hull, note = Way.at_rest(plan.fine, mended[0]), mended[1]
-                return (yield from self._moved(level, hull, report.with_count(note), numbers))
+                hull, said = Way.at_rest(plan.fine, mended[0]), mended[1]
+                return (yield from self._moved(level, hull, report.with_count(said), numbers))
             cage = judged(plan, moved, wanted)
             if not cage:
                 self.missed = cage.fault if cage.certificate else None
@@ -122,7 +123,11 @@ class Settling:
                     return drain(admitted(cage, way._replace(reinflation=path), report, level))
                 except NestingError as error:
                     logger.debug("numbers %g apart: %s", numbers.spacing, error)
-        return None
+            resting = cage if resting is None else resting
+        if resting is None:
+            return None
+        report = replace(report, notes=(*report.notes, note("note.start", on="rest", source=report.start)))
+        return drain(admitted(resting, Way.at_rest(plan.fine, resting.cage), report))
 
 
 def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float) -> Stage[float, list[FloatArray]]:

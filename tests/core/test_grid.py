@@ -172,6 +172,18 @@ def test_what_is_missed_is_said_of_the_cage_on_the_grid() -> None:
 
 
 @pytest.mark.slow
+def test_where_no_motion_leads_to_the_grid_the_cage_stands_still() -> None:
+    """Instead of one with room for the motion, which is far looser, or of none."""
+    from benchmarks.random_shapes import random_shape
+
+    drawn = random_shape(14)
+    assert drawn is not None
+    level = nested_cages(drawn[1], [48], grid=0.01 * drawn[1].diagonal)[0]
+    assert_on_grid(level, 0.01 * drawn[1].diagonal)
+    assert len(level.reinflation.cage_steps) == 1 and level.flow.stage == "inside"
+    assert "The cage stands still" in str(level.report) and level.report.excess < 0.06
+
+
 def test_slits_narrower_than_the_grid_are_filled() -> None:
     fine = comb(5, 0.02)
     level = nested_cages(fine, [16], Settings(grid=0.04)).levels[0]
