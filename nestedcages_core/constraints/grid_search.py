@@ -30,7 +30,7 @@ from .free_edges import FreeEdges, Near, Segments
 REACHES = (1, 2, 3, 4)
 """Reach of first layers around a vertex and its path outwards, in grid steps; larger ones where no cage is found."""
 
-AROUND = ((2, 2), (3, 1), (1, 3))
+AROUND = ((2, 2), (3, 1))
 """Reaches around a choice to improve, of vertices by turns: the next where the one before finds nothing better."""
 
 FEW, AROUND_FEW = 8, ((2, 2), (3, 3))
