@@ -13,6 +13,7 @@ import pytest
 from bpy.types import Object
 
 from drawings import choose, grease_pencil
+from marks import slow_after
 from nestedcages_core.exchange.pictures import read_png
 from test_character import LIMBS, capsule, face, figure, points
 
@@ -543,7 +544,7 @@ def test_limbs_snap_between_their_controls_and_their_bones(addon: Any) -> None:
     assert keyed() == first | own
 
 
-@pytest.mark.parametrize("by", ["keys", "eye"])
+@pytest.mark.parametrize("by", slow_after(1, ["keys", "eye"]))
 def test_swapped_mouths_and_hands_stay_when_the_puppet_is_made_again(by: str) -> None:
     """Hidden ones too, though Blender doesn't move what is hidden."""
     drawings = figure()

@@ -324,6 +324,7 @@ def test_motion_to_a_key_is_judged_again_where_that_changed(monkeypatch: pytest.
         animated_cages(fine, poses, 10, clearance=1e-3)
 
 
+@pytest.mark.slow
 def test_neighbours_of_a_pushed_key_are_judged_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """A push makes an interval free and that before it not, which only the gate sees if nobody looks back."""
     fine, poses = bump(5, 1.4)

@@ -56,7 +56,7 @@ SHAPES = [bell, target, cloud, islands]
 
 
 def test_parts_lie_in_each_other_deeper_than_python_calls() -> None:
-    depth = 2 * sys.getrecursionlimit()
+    depth = sys.getrecursionlimit() + 100
     nest: Part | Hole = Part(SQUARE, [])
     nest.table = table = np.array([np.inf, np.inf, np.inf, 0.0])
     for k in range(1, depth):

@@ -695,11 +695,16 @@ def near(outcome: Any) -> Any:
     return pytest.approx(outcome, rel=1e-6, abs=1e-7) if isinstance(outcome, float) else outcome
 
 
+WHOLE_RUNS = "levels", "tolerances", "motions"
+"""Groups that take most of the time."""
 CASES = [(group, name, run) for group, cases in GROUPS.items() for name, run in cases()]
 
 
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="recorded on x86-64")
-@pytest.mark.parametrize(("group", "name", "run"), CASES)
+@pytest.mark.parametrize(
+    ("group", "name", "run"),
+    [pytest.param(*case, marks=pytest.mark.slow if case[0] in WHOLE_RUNS else ()) for case in CASES],
+)
 def test_outcomes_are_the_recorded_ones(group: str, name: str, run: Callable[[], Outcome]) -> None:
     outcome, answers = watching().during(run)
     expected, expected_answers = RECORDED[group][name]
