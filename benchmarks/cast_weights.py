@@ -23,8 +23,8 @@ from nestedcages_core.puppet import PuppetPart, draft_puppet, scores
 from nestedcages_core.puppet.evidence import Evidence
 from nestedcages_core.puppet.words import NAMES as OF_NAMES
 
-ROOT_PENALTY, LINK_PENALTY = 0.1, 1.5
-"""Of squared weights; the likelihood of held-out characters is flat around these."""
+ROOT_PENALTY, LINK_PENALTY, NAME_PENALTY = 0.1, 1.5, 0.3
+"""Of squared weights; what is right of held-out characters is flat around these."""
 
 SHAPES, NAMES = "without names", "with names"
 
@@ -104,12 +104,15 @@ def main() -> int:
     wrong = dict.fromkeys((SHAPES, NAMES), 0)
     for left_out in [*drawn, None] if options.held_out else [None]:
         some = [both for name, both in known.items() if name != left_out]
-        for kind, penalty, own in ((0, ROOT_PENALTY, scores.ROOT_WEIGHTS), (1, LINK_PENALTY, scores.LINK_WEIGHTS)):
+        for kind, penalty, names_penalty, own in (
+            (0, ROOT_PENALTY, ROOT_PENALTY, scores.ROOT_WEIGHTS),
+            (1, LINK_PENALTY, NAME_PENALTY, scores.LINK_WEIGHTS),
+        ):
             bare, named = (joined([both[k][kind] for both in some]) for k in (0, 1))
             shapes = weights_of(bare, penalty)
             shapes = {name: weight for name, weight in shapes.items() if name not in OF_NAMES}
             own.clear()
-            own.update(weights_of(named, penalty, shapes))
+            own.update(weights_of(named, names_penalty, shapes))
         if left_out is not None:
             sheet, names, both = drawn[left_out]
             for kind, parts in both.items():

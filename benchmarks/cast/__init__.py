@@ -2,15 +2,15 @@
 
 `FIRST` were drawn when the rules of the graph were written, before these were measured on anything but four other
 characters; `SECOND` after the rules were changed with `FIRST` in view. Weights took the place of the rules, were fitted
-to both, and `THIRD` were drawn and measured after that; so were `FOURTH`, after a fit to these three. Now weights are
-fitted to all four; `FIFTH` were drawn after that, and measured once.
+to both, and `THIRD` were drawn and measured after that; so were `FOURTH`, after a fit to these three, and `FIFTH`, after
+one to these four. Now weights are fitted to all five; `SIXTH` were drawn after that, and measured once.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from . import crawlers, fifth, fourth, people, second, third, walkers
+from . import crawlers, fifth, fourth, people, second, sixth, third, walkers
 from .sheet import Sheet
 
 
@@ -74,9 +74,6 @@ FOURTH = _by_name(
     fourth.skeleton,
 )
 
-TUNED = FIRST | SECOND | THIRD | FOURTH
-"""Those that the weights of the graph are fitted to."""
-
 FIFTH = _by_name(
     fifth.goat,
     fifth.chef,
@@ -88,4 +85,20 @@ FIFTH = _by_name(
     fifth.clown,
     fifth.seahorse,
     fifth.ninja,
+)
+
+TUNED = FIRST | SECOND | THIRD | FOURTH | FIFTH
+"""Those that the weights of the graph are fitted to."""
+
+SIXTH = _by_name(
+    sixth.hedgehog,
+    sixth.ostrich,
+    sixth.gardener,
+    sixth.samurai,
+    sixth.diver,
+    sixth.squid,
+    sixth.butterfly,
+    sixth.raccoon,
+    sixth.giraffe,
+    sixth.schoolkid,
 )

@@ -18,7 +18,7 @@ from ..libraries import load_shapely
 from .overlaps import Meeting, Meetings
 from .parts import NEEDED_FOR, PuppetPart
 from .sides import alike_pairs, twins_of
-from .words import NAMES, TRUNKS, Words, agreement, words_of
+from .words import NAMES, TRUNKS, Words, agreements, words_of
 
 CONTAINED, MOSTLY = 0.8, 0.7
 """A part lies in another one with at least this part of its area; it lies on one with at least that."""
@@ -169,6 +169,7 @@ class Evidence:
     def _of_pairs(self) -> dict[str, FloatArray]:
         rows = [self._of_pair(*pair) for pair in self.pairs]
         found = {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
+        found |= {name: np.array(column) for name, column in agreements(self.words, self.pairs).items()}
         alike = {frozenset(pair) for pair in alike_pairs(self.parts)}
         same = np.array([float(frozenset(pair) in alike) for pair in self.pairs])
         return found | {"hidden": self._hidden * self._free, "alike": same}
@@ -204,7 +205,7 @@ class Evidence:
             "thicker_than_detail": thicker * within,
             "through_between": self._through(child, parent, only_between=True),
             "through": self._through(child, parent, only_between=False),
-        } | agreement(self.words[child], self.words[parent])
+        }
 
     def _through(self, child: int, parent: int, *, only_between: bool) -> float:
         """How well the child would hang on another part that lies on the parent: a thigh on hips before a cape."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from math import inf
 
 SIDES = {"l": "L", "left": "L", "r": "R", "right": "R"}
 """Words for sides."""
@@ -23,13 +24,14 @@ _HIPS = "hips pelvis waist abdomen skirt trousers"
 _ARM, _FOREARM = "upper_arm arm sleeve", "forearm lower_arm"
 _THIGH, _SHIN = "thigh upper_leg leg", "shin calf lower_leg"
 _FACE = "cheek ear hair fringe beard moustache hat helmet horn antler antenna feeler jaw snout muzzle "
-_FACE += "beak trunk tusk visor face mask glasses plume crest"
+_FACE += "beak bill trunk tusk visor face mask glasses plume crest crown tiara wattle blush freckle "
+_FACE += "headband bandana bang ponytail braid bun eyepatch"
 _HANDS = "hand paw claw glove fist"
 _TOOLS = "sword hilt handle shield staff stick spear bow axe wand"
 
 _HANGS_ON = (
     ("pupil iris glint lash lid", "eye"),
-    ("eye brow eyebrow", "head skull helmet face mask visor"),
+    ("eye brow eyebrow", "face mask visor, head skull helmet"),
     ("lens", "glasses"),
     ("brim", "hat"),
     ("mane", f"neck head {_TORSO}"),
@@ -41,29 +43,39 @@ _HANGS_ON = (
     ("blade guard", _TOOLS),
     ("nail", "finger thumb toe"),
     ("sole lace", "foot shoe boot"),
-    ("nostril", "nose snout muzzle beak head skull face"),
-    ("nose mouth whisker", "snout muzzle head skull face"),
+    ("nostril", "nose snout muzzle beak bill, face, head skull"),
+    ("nose mouth whisker", "snout muzzle, face, head skull"),
     ("tooth tongue", "mouth head skull jaw"),
     (_FACE, "head skull helmet"),
-    ("head skull", f"neck {_TORSO}"),
+    ("head skull", f"neck, {_TORSO}"),
     ("neck", f"{_TORSO}"),
     (_HIPS, _TORSO),
     ("tail", f"{_HIPS} {_TORSO}"),
-    ("scarf collar", f"neck {_TORSO}"),
+    ("scarf collar ruff necklace bowtie", f"neck, {_TORSO}"),
+    ("bell tag pendant", f"collar necklace, neck, {_TORSO}"),
+    ("scabbard sheath quiver holster", f"belt, {_HIPS} {_TORSO}"),
+    ("apron pouch vest backpack", f"{_TORSO} {_HIPS}"),
+    ("hem", "skirt dress robe coat"),
+    ("heel", "foot shoe boot"),
+    ("wrist bracelet watch", f"{_FOREARM}, {_ARM}"),
     ("wing fin cape belly breast belt saddle shell", f"{_TORSO} {_HIPS}"),
     (_ARM, _TORSO),
     (_FOREARM, _ARM),
-    ("hand claw glove fist", f"{_FOREARM} {_ARM}"),
-    ("paw", f"{_FOREARM} {_ARM} {_SHIN} {_THIGH}"),
+    ("hand claw glove fist", f"{_FOREARM}, {_ARM}"),
+    ("paw", f"{_FOREARM} {_SHIN}, {_ARM} {_THIGH}"),
     ("finger thumb", f"{_HANDS} wing"),
     (_TOOLS, f"{_HANDS} {_FOREARM}"),
     (_THIGH, f"{_HIPS} {_TORSO}"),
     (_SHIN, _THIGH),
-    ("foot hoof shoe boot ankle", f"{_SHIN} {_THIGH}"),
+    ("foot hoof shoe boot ankle", f"{_SHIN}, {_THIGH}"),
     ("toe", "foot paw hoof shoe boot"),
 )
-PARENTS = {word: tuple(parents.split()) for words, parents in _HANGS_ON for word in words.split()}
-"""What each part of a body hangs on."""
+PARENTS = {
+    word: tuple(frozenset(group.split()) for group in parents.split(","))
+    for words, parents in _HANGS_ON
+    for word in words.split()
+}
+"""What each part of a body hangs on; where there are several groups, on a part of the first one that is there."""
 
 TRUNKS = frozenset(f"{_TORSO} {_HIPS}".split())
 """Parts of a body that are its root."""
@@ -126,17 +138,33 @@ def words_of(name: str) -> Words:
     return Words(known, (frozenset(side), *labels, numbers), tuple(nouns))
 
 
-def agreement(child: Words, parent: Words) -> dict[str, float]:
-    """What the names of two parts say, as the columns `NAMES` of the evidence that one hangs on the other."""
-    both = [(own, other) for own, other in zip(child.labels, parent.labels, strict=True) if own and other]
-    is_known = bool(child.noun in PARENTS and parent.noun)
-    is_named = is_known and parent.noun in PARENTS[child.noun]
-    return {
-        "names": float(is_named),
-        "names_of_others": float(is_known and not is_named),
-        "name_extends": float(
-            bool(parent.others) and parent.others == child.others[: len(parent.others)] != child.others
-        ),
-        "labels": float(sum(bool(own & other) for own, other in both)),
-        "labels_of_others": float(sum(not own & other for own, other in both)),
-    }
+def agreements(words: Sequence[Words], pairs: Sequence[tuple[int, int]]) -> dict[str, list[float]]:
+    """What names say, as the columns `NAMES` of the evidence that the first of each pair hangs on the second.
+
+    Of several parts that one may hang on by its name, the closest ones count: a head hangs on a neck, else on a body.
+    """
+    ranks = [_rank(words[child], words[parent]) for child, parent in pairs]
+    least = dict[int, float]()
+    for (child, _), rank in zip(pairs, ranks, strict=True):
+        least[child] = min(rank, least.get(child, inf))
+    found = {name: list[float]() for name in NAMES}
+    for (child, parent), rank in zip(pairs, ranks, strict=True):
+        one, other = words[child], words[parent]
+        is_known = bool(one.noun in PARENTS and other.noun)
+        is_named = rank < inf and rank == least[child]
+        both = [(own, its) for own, its in zip(one.labels, other.labels, strict=True) if own and its]
+        row = (
+            is_named,
+            is_known and not is_named,
+            other.others != () and other.others == one.others[: len(other.others)] != one.others,
+            sum(bool(own & its) for own, its in both),
+            sum(not own & its for own, its in both),
+        )
+        for name, value in zip(NAMES, row, strict=True):
+            found[name].append(float(value))
+    return found
+
+
+def _rank(child: Words, parent: Words) -> float:
+    """The group of a part among those that another one hangs on by its name; infinite if it is in none."""
+    return next((k for k, group in enumerate(PARENTS.get(child.noun, ())) if parent.noun in group), inf)
