@@ -2,8 +2,8 @@
 
 `FIRST` were drawn when the rules of the graph were written, before these were measured on anything but four other
 characters; `SECOND` after the rules were changed with `FIRST` in view. Weights took the place of the rules, were fitted
-to both, and `THIRD` were drawn and measured after that; so were `FOURTH`, after a fit to these three, and `FIFTH`, after
-one to these four. Now weights are fitted to all five; `SIXTH` were drawn after that, and measured once.
+to both, and `THIRD` were drawn and measured after that; `FOURTH` after a fit to these three, and `FIFTH` after one to
+these four. Now weights are fitted to all five; `SIXTH` were drawn after that, and measured once.
 """
 
 from __future__ import annotations

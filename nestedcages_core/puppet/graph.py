@@ -139,6 +139,7 @@ class _Tree:
                 and self.evidence.share(pin, p) >= CONTAINED
             ]
             held = [(p, found[p].parent) for p in under if found[p].parent in under]
+            held = [pair for pair in held if found[pin].parent in pair]  # a hand before a hip holds neither
             if held:
                 part, parent = max(held)
                 pins[part, parent or 0] = pin

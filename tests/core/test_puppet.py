@@ -15,6 +15,7 @@ from marks import slow_after
 from nestedcages_core import Mesh, NestedCagesError
 from nestedcages_core.character import Linear, PreserveVolume, Skin, skinned
 from nestedcages_core.coordinates import folded
+from nestedcages_core.exchange import puppet_parts
 from nestedcages_core.puppet import (
     Clip,
     Hold,
@@ -30,7 +31,7 @@ from nestedcages_core.puppet import (
 )
 from nestedcages_core.puppet.arborescence import best_parents
 from nestedcages_core.puppet.puppet import LEAST_TURN
-from nestedcages_core.puppet.words import agreement, side_of, words_of
+from nestedcages_core.puppet.words import agreements, side_of, words_of
 
 
 def solid(name: str, area: shapely.Geometry) -> PuppetPart:
@@ -343,8 +344,28 @@ def test_left_does_not_hang_on_right_and_feet_hang_on_legs() -> None:
         ("path12", "leg_r"): {},
     }
     for (child, parent), columns in said.items():
-        found = agreement(words_of(child), words_of(parent))
-        assert {name: value for name, value in found.items() if value} == columns, (child, parent)
+        found = agreements([words_of(child), words_of(parent)], [(0, 1)])
+        assert {name: value for name, (value,) in found.items() if value} == columns, (child, parent)
+
+
+def test_names_choose_the_closest_of_the_parts_that_are_there() -> None:
+    """A head hangs on a neck, on a body only without one; by its name it hangs on both kinds of trunk."""
+    words = [words_of(name) for name in ("head", "torso", "neck", "leg", "hips")]
+    assert agreements(words, [(0, 1), (0, 2), (3, 1), (3, 4)])["names"] == [0.0, 1.0, 1.0, 1.0]
+    assert agreements(words, [(0, 1)])["names"] == [1.0]
+
+
+def test_a_hand_before_a_hip_is_no_pin_of_it() -> None:
+    by_name = {
+        "leg": 'd="M90 100 L90 190" stroke="#456" stroke-width="34" stroke-linecap="round" fill="none"',
+        "body": 'd="M60 20 H120 V120 H60 Z" fill="#e95"',
+        "arm": 'd="M66 34 L52 72" stroke="#c73" stroke-width="22" stroke-linecap="round" fill="none"',
+        "forearm": 'd="M52 72 L84 98" stroke="#c73" stroke-width="18" stroke-linecap="round" fill="none"',
+        "hand": 'd="M90 92 a11 11 0 1 0 .1 0 z" fill="#c73"',
+    }
+    paths = "".join(f'<path id="{name}" {data}/>' for name, data in by_name.items())
+    parts = puppet_parts(f'<svg xmlns="http://www.w3.org/2000/svg" width="200" height="220">{paths}</svg>')[0]
+    assert parents(draft_puppet(parts))["hand"] == "forearm"
 
 
 def test_every_part_gets_the_parent_of_the_best_tree() -> None:
