@@ -217,7 +217,7 @@ def remove_mesh(mesh: Mesh) -> None:
     """Removes a mesh that nothing uses any more, with the actions of its shape keys."""
     if mesh.users == 0:
         remove_animation(mesh.shape_keys)
-        bpy.data.meshes.remove(mesh)
+        bpy.data.meshes.remove(mesh, do_unlink=False)  # nothing to unlink, which takes a pass over the file
 
 
 def discard(
@@ -225,15 +225,18 @@ def discard(
 ) -> None:
     """Removes objects, and then the meshes and actions that nothing uses any more, also those of their animation.
 
-    Each in one pass over the file; removing blocks one by one takes as many.
+    Objects in one pass over the file; what nothing uses takes none.
     """
     gone = list(objects)
     played = {*actions, *map(action_of, gone)}
-    bpy.data.batch_remove(gone)
+    if gone:
+        bpy.data.batch_remove(gone)
     unused = _unused(meshes)
     played |= {action_of(owner) for mesh in unused for owner in (mesh, mesh.shape_keys)}
-    bpy.data.batch_remove(unused)
-    bpy.data.batch_remove(_unused(played))
+    for mesh in unused:
+        bpy.data.meshes.remove(mesh, do_unlink=False)
+    for action in _unused(played):
+        bpy.data.actions.remove(action, do_unlink=False)
 
 
 def _unused(blocks: Iterable[Any]) -> list[Any]:
