@@ -8,7 +8,6 @@ each other, so that loops stay simple. The result is certified elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -21,6 +20,7 @@ from ..geometry.distance import point_edge
 from ..geometry.lattice import Grid
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS, NEGLIGIBLE, ROUND_OFF
+from ..geometry.predicates.sweep import expanded
 from ..geometry.shortest_cycle import shortest_cycle
 from ..geometry.signed_distance import SignedDistance
 from ..geometry.vectors import cross, norm, rotated_right
@@ -174,11 +174,16 @@ class _CoordinateDescent:
             self.is_known[places] = True
             self.is_free[places] = self.side * self.distance.at(points[new]).distance >= self.clearance
         good = self.is_free[at]
-        reach = float(norm(points - layers.centres[owner]).max())
         begins = np.cumsum([0, *sizes])
-        for vertex, place, normal in _walls(self.cage, layers.centres, 2.0 * reach):
-            mine = slice(begins[vertex], begins[vertex + 1])
-            good[mine] &= (points[mine] - place) @ normal < -ROUND_OFF * self.grid.spacing
+        away = norm(points - layers.centres[owner])
+        far = np.array([part.max(initial=0.0) for part in np.split(away, begins[1:-1])])
+        vertex, place, normal = _walls(self.cage, layers.centres, 2.0 * float(away.max()))
+        beyond = ((layers.centres[vertex] - place) * normal).sum(axis=1) + far[vertex]
+        cuts = beyond >= -2.0 * ROUND_OFF * self.grid.spacing
+        vertex, place, normal = vertex[cuts], place[cuts], normal[cuts]
+        wall, k = expanded(begins[vertex], np.array(sizes)[vertex])
+        inside = ((points[k] - place[wall]) * normal[wall]).sum(axis=1) < -ROUND_OFF * self.grid.spacing
+        good[k[~inside]] = False
         return _Layers(
             layers.centres,
             [layer[kept] for layer, kept in zip(layers.places, np.split(good, begins[1:-1]), strict=True)],
@@ -244,8 +249,8 @@ def _square(reach: int) -> IntArray:
     return steps
 
 
-def _walls(cage: Mesh, vertices: FloatArray, radius: float) -> Iterator[tuple[int, FloatArray, FloatArray]]:
-    """Vertices, and lines that they do not cross, each by a point and its normal to the other side.
+def _walls(cage: Mesh, vertices: FloatArray, radius: float) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Vertices (W,), and lines that they do not cross, by points (W, 2) and normals (W, 2) to the other side.
 
     A line halves the shortest path between two edges closer than ``radius`` that share no vertex, and parts them.
     """
@@ -260,8 +265,7 @@ def _walls(cage: Mesh, vertices: FloatArray, radius: float) -> Iterator[tuple[in
     pair = np.minimum(edge, other) * len(vertices) + np.maximum(edge, other)
     order = np.lexsort((near.distance, pair))
     closest = order[np.diff(pair[order], prepend=-1) != 0]
-    for k in closest.tolist():
-        middle, normal = vertices[point[k]] - 0.5 * near.distance[k] * near.normal[k], near.normal[k]
-        for start, away in ((edge[k], -normal), (other[k], normal)):
-            yield int(start), middle, away
-            yield int(cage.successor[start]), middle, away
+    normal, edge, other = near.normal[closest], edge[closest], other[closest]
+    middle = vertices[point[closest]] - 0.5 * near.distance[closest, None] * normal
+    kept = np.concatenate([edge, cage.successor[edge], other, cage.successor[other]])
+    return kept, np.tile(middle, (4, 1)), np.concatenate([-normal, -normal, normal, normal])

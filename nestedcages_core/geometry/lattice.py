@@ -53,8 +53,9 @@ class Grid:
         over, under = self.ratio.numerator, self.ratio.denominator
         if max(int(np.abs(places).max(initial=0)) * over, under) < EXACT_INTEGERS:  # one division, rounded once
             return np.asarray(places * float(over) / float(under), dtype=np.float64)
-        exact = [k * over / under for k in places.ravel().tolist()]  # whole numbers of Python, rounded once too
-        return np.array(exact, dtype=np.float64).reshape(places.shape)
+        different, which = np.unique(places, return_inverse=True)  # few lines hold many points
+        exact = [k * over / under for k in different.tolist()]  # whole numbers of Python, rounded once too
+        return np.array(exact, dtype=np.float64)[which].reshape(places.shape)
 
     def holds(self, points: FloatArray) -> bool:
         """Whether all coordinates are grid points."""
