@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pickle
 import sys
+import warnings
+from contextlib import suppress
 from itertools import product
 from typing import Any
 
@@ -322,3 +324,10 @@ def test_counts_against_excess_are_drawn() -> None:
     assert found.plot(axes) is axes
     plt.close("all")
     assert len(Tradeoff.of(bell(), nested_cages(bell(), 9)[0].cage, most=30)) > len(found)
+
+
+def test_parts_that_are_flat_next_to_round_off_join_without_a_warning() -> None:
+    loops = [[(-1.0, 1.0), (0.0, 0.0), (-1.0, 0.0)], [(0.0, 1.552746739039523e-151), (1.0, 0.0), (2.0, 0.0)]]
+    with warnings.catch_warnings(), suppress(NestedCagesError):
+        warnings.simplefilter("error")
+        nested_cages(Mesh.from_loops(loops), [6], Settings(decimation=OuterHull()))

@@ -102,7 +102,8 @@ class Joins:
             if not self.work.spend(part.ring, other.ring):
                 return None
             try:
-                made = self._joined(part, other) if isinstance(other, Part) else self._opened(part, other)
+                with np.errstate(all="ignore"):  # what shapely divides by nothing is no polygon then
+                    made = self._joined(part, other) if isinstance(other, Part) else self._opened(part, other)
             except self.shapely.errors.GEOSException:  # coordinates next to the limits
                 made = None
             self.known[key] = made
