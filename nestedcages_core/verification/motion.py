@@ -209,36 +209,30 @@ def never_meet(before: FloatArray, after: FloatArray) -> BoolArray:
     a collision, so the certificate is conservative.
     """
     first, last = _differences(before), _differences(after)
-    certified = _never_aligned(first, last, np.zeros(before.shape[2]))
-    left = (~certified).nonzero()[0]
-    if len(left):
-        certified[left] = _by_halving(first.take(left, axis=2), last.take(left, axis=2))
-    return certified
-
-
-def _by_halving(first: FloatArray, last: FloatArray) -> BoolArray:
-    """`never_meet` for differences of positions (3, 2, K) before and after."""
     count = first.shape[2]
-    pair = np.arange(count)
-    rounding = HALVING_ROUNDING * np.abs(np.concatenate([first, last])).reshape(-1, count).max(axis=0)
-    certified = np.ones(count, bool)
+    pair, margin, certified = np.arange(count), np.zeros(count), np.ones(count, bool)
+    rounding = margin
     for halvings in range(MOST_HALVINGS):
-        margin = halvings * rounding.take(pair)
-        left = (~_never_aligned(first, last, margin)).nonzero()[0]
-        pair, margin = pair.take(left), margin.take(left)
+        side, errors = _bernstein(first[0], last[0], first[1], last[1], margin, cross=True)
+        left = (~(_above(side, errors) | _above(-side, errors))).nonzero()[0]
+        pair, margin, rounding = pair.take(left), margin.take(left), rounding.take(left)
         first, last = first.take(left, axis=2), last.take(left, axis=2)
-        left = (~_never_beside(first, last, margin)).nonzero()[0]
+        if halvings == 0:
+            rounding = HALVING_ROUNDING * np.abs(np.concatenate([first, last])).max(axis=(0, 1))
+        side, errors = side[::2].take(left, axis=1), errors[::2].take(left, axis=1)
+        passes = (np.abs(side) > errors).all(axis=0) & (side[0] * side[1] < 0.0)
+        never, always = _beside(first, last, margin)
+        left = (~never).nonzero()[0]
         if len(left) == 0:
             break
-        meeting = _meet(first.take(left, axis=2), last.take(left, axis=2), margin.take(left))
-        certified[pair.take(left[meeting])] = False
+        certified[pair.take(left[(passes & always).take(left)])] = False
         certified[np.bincount(pair.take(left), minlength=count) > MAX_PIECES] = False
         left = left[certified.take(pair.take(left))]
-        pair = pair.take(left)
         first, last = first.take(left, axis=2), last.take(left, axis=2)
         middle = 0.5 * (first + last)
-        pair = np.concatenate([pair, pair])
+        pair, rounding = np.tile(pair.take(left), 2), np.tile(rounding.take(left), 2)
         first, last = np.concatenate([first, middle], axis=2), np.concatenate([middle, last], axis=2)
+        margin = (halvings + 1) * rounding
     else:
         certified[pair] = False
     return certified
@@ -253,33 +247,18 @@ def _differences(corners: FloatArray) -> FloatArray:
     return differences
 
 
-def _never_aligned(first: FloatArray, last: FloatArray, margin: FloatArray) -> BoolArray:
-    """(K,) whether the point certainly never is on the line of the edge; differences (3, 2, K), errors (K,)."""
-    (edge, from_start, _), (last_edge, last_from_start, _) = first, last
-    values, errors = _bernstein(edge, last_edge, from_start, last_from_start, margin, cross=True)
-    return _above(values, errors) | _above(-values, errors)
+def _beside(first: FloatArray, last: FloatArray, margin: FloatArray) -> tuple[BoolArray, BoolArray]:
+    """(K,) whether the point certainly never lies next to the edge, and whether it certainly always does.
 
-
-def _never_beside(first: FloatArray, last: FloatArray, margin: FloatArray) -> BoolArray:
-    """(K,) whether the point certainly is before the start of the edge, after its end, or beyond both along an axis."""
+    Never: before its start, after its end, or beyond both along an axis. Differences (3, 2, K), errors (K,).
+    """
     (edge, *ends), (last_edge, *last_ends) = first, last
-    ahead, errors = _bernstein(edge, last_edge, ends[0], last_ends[0], margin, cross=False)
-    before_start = _above(-ahead, errors)
-    ahead, errors = _bernstein(edge, last_edge, ends[1], last_ends[1], margin, cross=False)
+    after_start, start_errors = _bernstein(edge, last_edge, ends[0], last_ends[0], margin, cross=False)
+    after_end, end_errors = _bernstein(edge, last_edge, ends[1], last_ends[1], margin, cross=False)
     sides = np.stack([*ends, *last_ends])
-    beyond = _above(sides, margin) | _above(-sides, margin)
-    return np.asarray(before_start | _above(ahead, errors) | beyond[0] | beyond[1])
-
-
-def _meet(first: FloatArray, last: FloatArray, margin: FloatArray) -> BoolArray:
-    """(K,) whether the point certainly passes the line of the edge, next to it all the time."""
-    (edge, *ends), (last_edge, *last_ends) = first, last
-    side, errors = _bernstein(edge, last_edge, ends[0], last_ends[0], margin, cross=True)
-    passes = (np.abs(side[::2]) > errors[::2]).all(axis=0) & (side[0] * side[2] < 0.0)
-    ahead, errors = _bernstein(edge, last_edge, ends[0], last_ends[0], margin, cross=False)
-    passes &= _above(ahead, errors)
-    ahead, errors = _bernstein(edge, last_edge, ends[1], last_ends[1], margin, cross=False)
-    return np.asarray(passes & _above(-ahead, errors))
+    beyond = (_above(sides, margin) | _above(-sides, margin)).any(axis=0)
+    never = _above(-after_start, start_errors) | _above(after_end, end_errors) | beyond
+    return never, _above(after_start, start_errors) & _above(-after_end, end_errors)
 
 
 def _above(values: FloatArray, errors: FloatArray) -> BoolArray:
