@@ -123,17 +123,19 @@ def test_what_the_solvers_hand_over_is_judged(fault: str, work: Any, options: An
 
 @pytest.mark.slow
 def test_motion_to_a_grid_is_judged(monkeypatch: pytest.MonkeyPatch) -> None:
-    """On the way, the cage is where another vertex ends: across the teeth."""
+    """On the way, the cage is where another vertex ends, across the teeth: without such a motion, it stands still."""
     true = settling._paths
 
     def wrong(way: Way, vertices: np.ndarray, *rest: Any) -> Any:
         yield from (replace(path, cage_steps=with_detour(path.cage_steps)) for path in true(way, vertices, *rest))
 
-    assert nested_cages(TEETH, 12, grid=0.25).levels[0].report.grid == 0.25
+    (level,) = nested_cages(TEETH, 12, grid=0.25).levels
+    assert level.report.grid == 0.25 and len(level.reinflation.cage_steps) > 1
     forget()
     monkeypatch.setattr(settling, "_paths", wrong)
-    with pytest.raises(NestingError, match="grid"):
-        nested_cages(TEETH, 12, grid=0.25)
+    (still,) = nested_cages(TEETH, 12, grid=0.25).levels
+    assert still.cage == level.cage and len(still.reinflation.cage_steps) == 1
+    assert "stands still" in str(still.report)
 
 
 @pytest.mark.parametrize("fine", slow_after(1, [star(7, 56), TEETH]), ids=["star", "teeth"])
