@@ -66,7 +66,7 @@ def wrong(draft: PuppetDraft, on: dict[str, str | None], names: list[str]) -> in
 
 def graph() -> Table:
     """Parents that are right, with the names of the drawing and without any."""
-    groups = {"fitted": cast.TUNED, "never seen": cast.SIXTH}
+    groups = {"fitted": cast.TUNED, "not fitted": cast.SIXTH}
     rows, sums = [], np.zeros((len(groups), 3), dtype=int)
     seconds = 0.0
     for name, draw in CHARACTERS.items():

@@ -8,9 +8,9 @@ from enum import Enum
 
 from ..errors import invalid_setting
 
-DOUBTFUL_MARGIN = 0.7
+DOUBTFUL_MARGIN = 0.8
 """A link is marked as doubtful if another parent is less than this part less likely. On the characters that weights are
-fitted to, 8 % of links then are marked, and 15 of the 20 wrong ones (`benchmarks/cast`)."""
+fitted to, 8 % of links then are marked, and 35 of the 70 wrong ones (`benchmarks/cast`)."""
 
 DOUBTFUL_SCORE = 0.15
 """A link is marked as doubtful too if its own probability is below this."""
