@@ -12,8 +12,11 @@ from ..hierarchy import nested_cages
 from .following import Follower
 from .promises import Promises
 
-SAMPLE_POSES = 2
-"""Number of poses, spread over the motion, at which a candidate is evaluated; with four the area was 0.05 % less."""
+CANDIDATES = 3
+"""Number of poses, spread over the motion, whose cages are candidates for the first cage."""
+
+SAMPLE_POSES = 4
+"""Number of poses, spread over the motion, at which a candidate is evaluated."""
 
 
 def first_cage(
@@ -29,20 +32,20 @@ def first_cage(
     first = nested_cages(poses[0], [wanted], promises.settings).levels[0].cage
     if isinstance(wanted, Mesh):
         return first
-    at = round((len(poses) - 1) / 2)
-    if at == 0:
-        return first
-    try:
-        cage = nested_cages(poses[at], [wanted], promises.settings_at(poses[at])).levels[0].cage
-    except NestedCagesError:
-        return first
-    moving, least = follower(cage, poses[at]), _mean_cost(follower(first, poses[0]), first, poses, 0)
-    if _mean_cost(moving, cage, poses, at) >= least:
-        return first
-    back = _followed_back(moving, cage, poses[: at + 1])
-    if back is None or _mean_cost(follower(back, poses[0]), back, poses, 0) >= least:
-        return first
-    return back
+    best, least = first, _mean_cost(follower(first, poses[0]), first, poses, 0)
+    for at in sorted({round(k * (len(poses) - 1) / CANDIDATES) for k in range(1, CANDIDATES)} - {0}):
+        try:
+            cage = nested_cages(poses[at], [wanted], promises.settings_at(poses[at])).levels[0].cage
+        except NestedCagesError:
+            continue
+        moving = follower(cage, poses[at])
+        if _mean_cost(moving, cage, poses, at) >= least:
+            continue
+        back = _followed_back(moving, cage, poses[: at + 1])
+        cost = np.inf if back is None else _mean_cost(follower(back, poses[0]), back, poses, 0)
+        if back is not None and cost < least:
+            best, least = back, cost
+    return best
 
 
 def _mean_cost(follower: Follower, cage: Mesh, poses: Sequence[Mesh], at: int) -> float:
