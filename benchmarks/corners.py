@@ -60,9 +60,11 @@ def strokes(seed):
     joined = shapely.union_all([line.buffer(0.1) for line in lines])
     return Mesh.from_loops([np.array(joined.exterior.coords)[:-1]])
 
-def with_cages(n, sizes=[1.0]):
+sizes = iter(1.01 ** np.arange(1000.0))  # of the drawings that are bound, so that nothing is remembered
+
+def with_cages(n):
     global bpy
-    sizes[0] *= 1.01  # so that nothing is remembered
+    size = next(sizes)
     if "bpy" not in sys.modules:
         import bpy
         sys.path.insert(0, "benchmarks")
@@ -71,7 +73,7 @@ def with_cages(n, sizes=[1.0]):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     for k in range(n):
         data = bpy.data.curves.new(f"Drawing {k}", "CURVE")
-        spline, points = data.splines.new("POLY"), loop(24, 4.0 * (k % 10), 4.0 * (k // 10), sizes[0], waves=5)
+        spline, points = data.splines.new("POLY"), loop(24, 4.0 * (k % 10), 4.0 * (k // 10), size, waves=5)
         spline.points.add(len(points) - 1)
         spline.points.foreach_set("co", np.column_stack([points, np.zeros(len(points)), np.ones(len(points))]).ravel())
         spline.use_cyclic_u = True

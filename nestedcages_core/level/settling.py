@@ -123,7 +123,7 @@ class Settling:
                     return drain(admitted(cage, way._replace(reinflation=path), report, level))
                 except NestingError as error:
                     logger.debug("numbers %g apart: %s", numbers.spacing, error)
-            resting = cage if resting is None else resting
+            resting = resting or cage
         if resting is None:
             return None
         report = replace(report, notes=(*report.notes, note("note.start", on="rest", source=report.start)))

@@ -147,22 +147,20 @@ def agreements(words: Sequence[Words], pairs: Sequence[tuple[int, int]]) -> dict
     least = dict[int, float]()
     for (child, _), rank in zip(pairs, ranks, strict=True):
         least[child] = min(rank, least.get(child, inf))
-    found = {name: list[float]() for name in NAMES}
+    rows = []
     for (child, parent), rank in zip(pairs, ranks, strict=True):
         one, other = words[child], words[parent]
         is_known = bool(one.noun in PARENTS and other.noun)
         is_named = rank < inf and rank == least[child]
         both = [(own, its) for own, its in zip(one.labels, other.labels, strict=True) if own and its]
-        row = (
+        rows.append((
             is_named,
             is_known and not is_named,
             other.others != () and other.others == one.others[: len(other.others)] != one.others,
             sum(bool(own & its) for own, its in both),
             sum(not own & its for own, its in both),
-        )
-        for name, value in zip(NAMES, row, strict=True):
-            found[name].append(float(value))
-    return found
+        ))  # fmt: skip
+    return {name: [float(row[k]) for row in rows] for k, name in enumerate(NAMES)}
 
 
 def _rank(child: Words, parent: Words) -> float:

@@ -244,9 +244,8 @@ def test_a_single_loop_has_the_best_cycle_of_the_wanted_number() -> None:
     radius = 1.0 + np.where(t < 3.0, 0.05 * np.cos(60.0 * t), 0.0)
     request = Request.of(Mesh.from_loops([radius[:, None] * np.column_stack((np.cos(t), np.sin(t)))]), 300)
     around = [Around(request, request.outline, HULL_OFFSET) for _ in range(2)]
-    around[0].is_known = True
-    for each in around:
-        for _ in each._search():
+    for each, is_known in zip(around, (True, False), strict=True):
+        for _ in each._search(known=is_known):
             pass
     known, all_numbers = (each.searches[0].totals for each in around)
     assert known[300] == all_numbers[300]

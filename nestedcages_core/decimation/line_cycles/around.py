@@ -84,14 +84,12 @@ class Around:
         """Of each loop that stands for its images."""
         self.rounds = 0
         self.few_turns = False
-        self.is_known = False  # whether the number of lines around each loop is
 
     def run(self, bias: float) -> Stage[float, tuple[float, Mesh]]:
         """Area and mesh. Raises NoCyclesError."""
         loops = len(self.outline.sizes) + 1
-        self.is_known = self.request.per_loop is not None or len(self.chains) == 1
         if not self.searches:
-            for _ in self._search():
+            for _ in self._search(known=self.request.per_loop is not None or len(self.chains) == 1):
                 yield len(self.searches) / loops
         searches = {loop: again(search) for loop, search in self.searches.items()}
         self.rounds = 0
@@ -174,8 +172,11 @@ class Around:
             )
         return dict(zip(searches, numbers, strict=True))
 
-    def _search(self) -> Iterator[None]:
-        """Search around each loop that stands for its images. Yields in between. Raises NoCyclesError."""
+    def _search(self, *, known: bool = False) -> Iterator[None]:
+        """Search around each loop that stands for its images, known: for the largest number of lines alone.
+
+        Yields in between. Raises NoCyclesError.
+        """
         target, chains = self.request.target, self.chains
         if any(chain.length == 0.0 for chain in chains):
             raise NoCyclesError("A loop is as small as round-off.", code="count.too_small")
@@ -203,7 +204,7 @@ class Around:
         for k in found:
             if self.images is None or self.images.loops[k][0] == k:
                 try:
-                    self.searches[k] = self._around(k, *found[k], obstacles)
+                    self.searches[k] = self._around(k, *found[k], obstacles, known)
                 except NoCyclesError:
                     if self.only is None:
                         raise
@@ -214,7 +215,7 @@ class Around:
             raise NoCyclesError.around(blocked)
 
     def _around(
-        self, k: int, lines: Lines, at: IntArray, expected: float, deserved: float, obstacles: Obstacles
+        self, k: int, lines: Lines, at: IntArray, expected: float, deserved: float, obstacles: Obstacles, known: bool
     ) -> Search:
         """A search around a loop, for symmetric cycles if there are images. Raises NoCyclesError."""
         chain, halves, parts, shift = self.chains[k], None, 1, float(self.shift[k])
@@ -254,8 +255,8 @@ class Around:
 
             return MirrorSearch(chain, lines, free, width=width, sizes=sizes, halves=halves)
         likely = (self.request.target if len(self.chains) == 1 else expected) / parts
-        ways = {"thorough": self._is_thorough(chain), "known": self.is_known}
-        return LoopSearch(chain, lines, free, width=width, sizes=sizes, expected=likely, parts=parts, **ways)
+        usual, thorough = {"width": width, "parts": parts}, self._is_thorough(chain)
+        return LoopSearch(chain, lines, free, sizes=sizes, expected=likely, thorough=thorough, known=known, **usual)
 
     def _is_thorough(self, chain: Chain) -> bool:
         """Whether a search around a loop may take long: convex, with one number of lines to seek."""
