@@ -4,13 +4,14 @@
 characters; `SECOND` after the rules were changed with `FIRST` in view. Weights took the place of the rules, were fitted
 to both, and `THIRD` were drawn and measured after that; `FOURTH` after a fit to these three, and `FIFTH` after one to
 these four. Now weights are fitted to all five; `SIXTH` were drawn after that, and measured once.
+`SEVENTH` were drawn after that, and measured once.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from . import crawlers, fifth, fourth, people, second, sixth, third, walkers
+from . import crawlers, fifth, fourth, people, second, seventh, sixth, third, walkers
 from .sheet import Sheet
 
 
@@ -101,4 +102,17 @@ SIXTH = _by_name(
     sixth.raccoon,
     sixth.giraffe,
     sixth.schoolkid,
+)
+
+SEVENTH = _by_name(
+    seventh.cowboy,
+    seventh.guitarist,
+    seventh.skater,
+    seventh.grandmother,
+    seventh.lion,
+    seventh.squirrel,
+    seventh.gorilla,
+    seventh.shark,
+    seventh.centaur,
+    seventh.goblin,
 )
