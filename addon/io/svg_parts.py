@@ -31,7 +31,8 @@ Paint: TypeAlias = "tuple[str, tuple[float, ...], core.Mesh]"
 def read(path: Path, outlines: str) -> tuple[tuple[core.exchange.SvgPart, ...], tuple[str, ...]]:
     """The parts of a layered SVG, the lowest first, and notes on what was left out. Raises: UserError.
 
-    outlines: "PARTS" or "PUPPET", or "AUTO" for none of exported cages and of drawings of a single shape; else none.
+    outlines: "PARTS" or "PUPPET", which leaves out the background, or "AUTO" for none of exported cages and of drawings
+    of a single shape; else none.
     """
     wanted, automatic = path.suffix.lower() in SVG and outlines in ("PARTS", "PUPPET", "AUTO"), outlines == "AUTO"
     if not wanted:
@@ -40,7 +41,7 @@ def read(path: Path, outlines: str) -> tuple[tuple[core.exchange.SvgPart, ...], 
     with blamed(f"'{path.name}' cannot be read"):
         if automatic and core.exchange.is_written_svg(content):
             return (), ()
-        parts, notes = core.exchange.svg_parts(content)
+        parts, notes = core.exchange.svg_parts(content, background=outlines != "PUPPET")
     return ((), ()) if automatic and len(parts) < 2 else (parts, notes)
 
 

@@ -119,20 +119,32 @@ def stage(
 
 
 def _fill(obj: Object, rig: Object, puppet: game.GamePuppet, mesh: game.PartMesh, unit: float) -> None:
-    """Gives an object a mesh with its texture, and the weights of its bones."""
+    """Gives an object a mesh with its texture, and the weights of its bones. A mesh of that shape goes on."""
     texture, left, top = game.texture_of(mesh, puppet.place)
     old: Any = obj.data
-    name = old.name
-    data = filling.new_mesh(name, unit * mesh.points, faces=mesh.triangles)
+    name, points = old.name, unit * mesh.points
+    same = _has_shape(old, points, mesh.triangles)
+    data = old if same else filling.new_mesh(name, points, faces=mesh.triangles)
     places = (puppet.place.down(mesh.points) - (left, top)) / (texture.shape[1], texture.shape[0])
     _paint(data, mesh.name, texture, places * (1.0, -1.0) + (0.0, 1.0), next(iter(old.materials), None))
-    obj.data = data
-    bpy.data.meshes.remove(old)
-    data.name = name
+    if not same:
+        obj.data = data
+        bpy.data.meshes.remove(old)
+        data.name = name
     obj.vertex_groups.clear()
     skin(obj, rig, puppet.bones, mesh.weights, keeps_volume=False)
     layer = {keys.LAYER: mesh.part, keys.LAYER_ID: mesh.identity, keys.BLEND: mesh.blend, keys.MADE: mesh.name}
     keys.store(obj, layer)
+
+
+def _has_shape(data: bpy.types.Mesh, points: FloatArray, triangles: NDArray[np.int64]) -> bool:
+    """Whether a mesh has these points (n, 2), apart from its shape keys, and triangles (t, 3)."""
+    if len(data.vertices) != len(points) or [tuple(face.vertices) for face in data.polygons] != list(
+        map(tuple, triangles.tolist())
+    ):
+        return False
+    blocks: Any = data.shape_keys.reference_key.data if data.shape_keys is not None else data.vertices
+    return np.array_equal(filling.stored(blocks, "co", 3)[:, :2], points.astype(np.float32))
 
 
 def _paint(
@@ -151,7 +163,7 @@ def _paint(
     image.pixels.foreach_set((texture[::-1] / np.float32(255.0)).astype(np.float32).ravel())  # type: ignore[attr-defined]
     image.update()
     image.pack()
-    layer = data.uv_layers.new(name="UVMap")
+    layer = data.uv_layers.get("UVMap") or data.uv_layers.new(name="UVMap")
     used = filling.stored(data.loops, "vertex_index", 1, np.int32).ravel()
     layer.data.foreach_set("uv", places[used].astype(np.float32).ravel())
     shown = material or display.material(display.CUTOUT, name)
@@ -160,4 +172,5 @@ def _paint(
         if material is not None and old is not None and not old.users:
             bpy.data.images.remove(old)
             image.name = name
-    data.materials.append(shown)
+    if material is None or material not in data.materials[:]:
+        data.materials.append(shown)

@@ -85,7 +85,8 @@ def _part_names(objects: Sequence[Object], old: Object | None) -> dict[Object, s
     found: dict[Object, str] = {}
     for obj in objects:
         stem = NUMBERED.sub("", COUNTED.sub("", obj.name))
-        found[obj] = stem if stem in {layer.name for layer in obj.users_collection} else obj.name
+        layers = (layer.name for layer in obj.users_collection if COUNTED.sub("", layer.name) == stem)
+        found[obj] = next(layers, obj.name)
     stems = Counter(COUNTED.sub("", name) for name in set(found.values()))
     found = {obj: stem if stems[stem := COUNTED.sub("", name)] == 1 else name for obj, name in found.items()}
     known = {obj: str(obj.get(keys.DRAWN, "")) for obj in objects if obj.parent == old is not None}

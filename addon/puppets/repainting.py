@@ -38,7 +38,11 @@ def repaint(context: Context, rig: Object, painting: game.Painting) -> tuple[lis
     bpy.data.batch_remove([block for obj in gone for block in (obj, obj.data)])
     home = ownership.home_of(scene_of(context), rig)
     told = [f"The weights of '{name}' are gone: it is no bone of the puppet." for name in other]
-    return imported.stage(context, home, rig, puppet, rig[keys.CANVAS][2]), (*changes.sentences, *puppet.notes, *told)
+    keyed = [obj for obj in exported.parts_of(rig) if filling.mesh_of(obj).shape_keys is not None]
+    made = imported.stage(context, home, rig, puppet, rig[keys.CANVAS][2])
+    redrawn = [obj.name for obj in keyed if filling.mesh_of(obj).shape_keys is None]
+    told += [f"The shape keys of '{name}' are gone: its outline is another one." for name in redrawn]
+    return made, (*changes.sentences, *puppet.notes, *told)
 
 
 def _old(rig: Object) -> game.GamePuppet:

@@ -210,6 +210,34 @@ def test_a_repainted_puppet_keeps_what_was_made_with_it(painting: Path, capfd: p
     assert {obj.active_material.name for obj in rig.children} == {"tail", "body", "arm", "hat"}
 
 
+def test_shape_keys_stay_on_layers_that_are_not_redrawn(painting: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    parts, rig = imported(painting)
+    for name in ("arm", "body"):
+        obj = parts[name]
+        obj.shape_key_add(name="Basis")
+        key = obj.shape_key_add(name="fat")
+        key.data[0].co.x += 0.3
+        key.value = 0.7
+        key.keyframe_insert("value", frame=1)
+    with zipfile.ZipFile(painting) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    pixels = np.zeros((SIZE[1], SIZE[0], 4), np.uint8)
+    pixels[120:230, 130:280] = 255
+    with zipfile.ZipFile(painting, "w") as archive:
+        for name, data in {**files, "body.png": encode_png(pixels)}.items():
+            archive.writestr(name, data)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    before = evaluated(parts["arm"])
+    with bpy.context.temp_override(selected_objects=[rig], active_object=rig):
+        assert bpy.ops.object.nested_cages_import(filepath=str(painting), repaint=True) == {"FINISHED"}
+    np.testing.assert_allclose(evaluated(parts["arm"]), before, atol=1e-4)
+    kept = parts["arm"].data.shape_keys
+    assert kept.key_blocks["fat"].value == pytest.approx(0.7) and kept.animation_data.action is not None
+    assert len(parts["arm"].data.uv_layers) == len(parts["arm"].data.materials) == 1
+    said = "".join(capfd.readouterr())
+    assert "The shape keys of 'body' are gone" in said and "keys of 'arm'" not in said
+
+
 def test_weights_of_own_bones_are_told_when_a_painting_is_read_again(
     painting: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -385,6 +385,42 @@ def test_parts_have_names_groups_and_paints_from_the_style_sheet() -> None:
         svg_parts(svg('<path d="M0 0h1z"/>'))
 
 
+INKSCAPE = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
+
+
+def names_of(body: str) -> list[tuple[str, str]]:
+    """The name and the innermost group of each part."""
+    return [(part.name, "".join(part.groups[-1:])) for part in svg_parts(svg(body, INKSCAPE))[0]]
+
+
+@pytest.mark.parametrize(("body", "wanted"), [
+    ('<g inkscape:label="head" id="layer2"><g id="g12"><rect id="rect7" width="9" height="9"/>'
+     '<rect id="rect8-3" inkscape:label="eye" width="1" height="1"/></g></g><rect id="path3-6" width="4" height="4"/>',
+     [("head 1", "head"), ("eye", "head"), ("path3-6", "")]),  # as Inkscape writes
+    ('<g id="Right_x20_arm"><rect id="XMLID_4_" width="9" height="9"/></g><g id="Torso_1_"><rect width="3" height="3"/>'
+     '</g><rect id="a-2" data-name="left hand" width="1" height="1"/>',
+     [("Right arm 1", "Right arm"), ("Torso 2", "Torso"), ("left hand", "")]),  # as Illustrator does
+    ('<g inkscape:label="Layer 1" id="layer1"><rect id="rect1" width="9" height="9"/><rect width="3" height="3"/>'
+     '<g id="g5"><rect id="rect2" width="5" height="5"/></g></g>',
+     [("rect1", ""), ("rect 2", ""), ("g5 3", "g5")]),
+    ('<g id="cat"><rect width="9" height="9"/><rect width="3" height="3"/></g>', [("rect 1", "cat"),
+     ("rect 2", "cat")]),
+    ('<rect width="9" height="9"/><g id="leg"><rect width="3" height="3"/></g><g id="leg"><rect width="4" height="4"/>'
+     '</g>', [("rect 1", ""), ("leg 2", "leg"), ("leg 2 3", "leg 2")]),
+])  # fmt: skip
+def test_parts_are_named_by_artists_and_not_by_programs(body: str, wanted: list[tuple[str, str]]) -> None:
+    assert names_of(body) == wanted
+
+
+def test_copies_are_named_after_their_uses() -> None:
+    body = """<defs><g id="shoe"><rect width="3" height="2"/><rect width="3" height="1"/></g>
+        <symbol id="star"><rect width="2" height="2"/></symbol></defs><rect id="leg" width="1" height="9"/>
+        <use id="left" href="#shoe"/><use id="use3" href="#shoe" x="9"/><use id="badge" href="#star"/>
+        <use id="other leg" href="#leg"/><use href="#leg"/>"""
+    assert names_of(body) == [("leg", ""), ("left 2", "left"), ("left 3", "left"), ("shoe 4", "shoe"),
+                              ("shoe 5", "shoe"), ("badge 6", "badge"), ("other leg", ""), ("leg", "")]  # fmt: skip
+
+
 def test_a_switch_draws_its_first_usable_child() -> None:
     body = (
         f'<switch><foreignObject/><g requiredExtensions="x">{SQUARE}</g><rect width="2" height="1"/>{SQUARE}</switch>'

@@ -14,6 +14,7 @@ from .document import Document
 from .elements import name_of
 from .faults import Faults, quoted
 from .lengths import Viewport, parse_length
+from .names import layer_names
 from .options import SvgOptions
 from .outlines import through
 from .paints import Paint
@@ -25,8 +26,6 @@ PLACES_OF_ORIGIN = {"left": "0%", "top": "0%", "center": "50%", "right": "100%",
 
 PAINT, CLIP, MASK = "paint", "clip", "mask"
 """Purposes of shapes: to be painted, to clip by their outlines, to mask by their luminance."""
-
-LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,11 +118,8 @@ class Context:
     """References that are being followed."""
     depth: int = 0
     groups: tuple[str, ...] = ()
-
-
-def layer_names(item: ET.Element) -> list[str]:
-    """Its label in Inkscape and its ID, those that it has."""
-    return [name for name in (item.get(LABEL), item.get("id")) if name]
+    used_as: str = ""
+    """Name of the reference to the element, which is that of what it shows."""
 
 
 def check_names(document: Document, options: SvgOptions) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,7 @@ from ...libraries import load_shapely
 from ..fill import Area, union_of
 from .areas import Areas
 from .document import Box
+from .names import is_automatic
 from .nodes import Group, Shape
 from .reading import Reading
 
@@ -25,7 +28,8 @@ class SvgPart:
     """What one shape paints, in user units, y pointing down."""
 
     name: str
-    """Its label or id; else that of the innermost group that has one, or its kind, and its number."""
+    """Its label or id; else that of the innermost group, or its kind, and its number. Names that programs made up count
+    less, and no shape is named after a group around all of them."""
     groups: tuple[str, ...]
     """Names of the groups around it, the outermost first."""
     fill: Mesh | None
@@ -54,11 +58,13 @@ def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], t
         found: list[SvgPart] = []
         if any(paint and paint.gradient for shape in root.shapes() for paint in (shape.fill, shape.stroke_paint)):
             blended.append("Gradients become their mean colour.")
-        for number, shape in enumerate(root.shapes(), 1):
+        shapes = list(root.shapes())
+        around = _around_all(shapes)
+        for number, shape in enumerate(shapes, 1):
             fill, stroke = _disjoint(fills.get(shape, []), strokes.get(shape, []), areas)
             made = [_mesh(each, reading, areas, page) for each in (fill, stroke)]
             if made != [None, None]:
-                found.append(_svg_part(shape, number, *made))
+                found.append(_svg_part(shape, number, around, *made))
         if not found:
             raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
         return tuple(found)
@@ -67,11 +73,26 @@ def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], t
     return parts, (*reading.said(), *blended)
 
 
-def _svg_part(shape: Shape, number: int, fill: Mesh | None, stroke: Mesh | None) -> SvgPart:
-    kind = shape.groups[-1] if shape.groups else shape.name.partition(" ")[0]
+def _around_all(shapes: Sequence[Shape]) -> int:
+    """The number of groups that all shapes are in."""
+    levels = zip(*(shape.groups for shape in shapes), strict=False)
+    return sum(1 for _ in takewhile(lambda level: len(set(level)) == 1, levels))
+
+
+def _given(groups: tuple[str, ...]) -> tuple[str, ...]:
+    """Those groups that an artist named."""
+    return tuple(group for group in groups if not is_automatic(group))
+
+
+def _svg_part(shape: Shape, number: int, around: int, fill: Mesh | None, stroke: Mesh | None) -> SvgPart:
+    """around: number of the groups that all shapes are in."""
+    outer, inner = shape.groups[:around], shape.groups[around:]
+    inner = _given(inner) or inner
+    own = "" if inner and is_automatic(shape.id) else shape.id
+    kind = inner[-1] if inner else shape.name.partition(" ")[0]
     return SvgPart(
-        shape.id or f"{kind} {number}",
-        shape.groups,
+        own or f"{kind} {number}",
+        (*_given(outer), *inner),
         fill,
         shape.fill.rgba if shape.fill else (0.0, 0.0, 0.0, 0.0),
         stroke,

@@ -16,6 +16,7 @@ from .document import Document
 from .elements import link_of, name_of, title_of
 from .faults import quoted
 from .lengths import Viewport, attribute, parse_length, share
+from .names import is_automatic, layer_names, shown_name
 from .nodes import (
     CLIP,
     MASK,
@@ -27,7 +28,6 @@ from .nodes import (
     attach,
     check_names,
     chosen,
-    layer_names,
     mask_region,
     origin_of,
     rectangular_clip,
@@ -65,6 +65,7 @@ class Scene:
         self.paints = Paints(document, self.styles)
         self.left_out: Counter[str] = Counter()
         self.quota = Quota(options.limits)
+        self.groups: Counter[tuple[str, ...]] = Counter()
         self.outlines: dict[tuple[ET.Element, Viewport], list[Subpath]] = {}
         check_names(document, options)
         self.root = Group()
@@ -83,7 +84,7 @@ class Scene:
         opacity = around.opacity * share(style.get("opacity"))
         if style.get("display") == "none" or (around.purpose != CLIP and not opacity > 0.0):
             return
-        matrix = around.matrix
+        title, matrix = around.used_as or shown_name(item), around.matrix
         if (around.depth or name != "svg") and style.get("transform", "none") != "none":
             origin = translation(*origin_of(style, around.viewport, title_of(item), self.document.faults))
             own = self.document.transform(style.get("transform") or "", title_of(item))
@@ -96,7 +97,8 @@ class Scene:
             in_element=around.in_element or item.get("id") == self.options.element,
             in_layer=around.in_layer or (around.depth == 1 and bool({*layer_names(item)} & {*self.options.layers})),
             depth=around.depth + 1,
-            groups=(*around.groups, *layer_names(item)[:1]) if name in ("g", "use") else around.groups,
+            groups=self._inside(around.groups, title) if name == "g" else around.groups,
+            used_as="",
         )
         font = self.styles.own(item).get("font-size")
         if font:
@@ -110,9 +112,9 @@ class Scene:
             self.left_out["filter"] += 1
         group = Group(clips=self._clips(style, context))
         if name == "use":
-            self._add_used(item, context, group)
+            self._add_used(item, title, context, group)
         elif name in OUTLINED:
-            self._add_shape(item, context, group)
+            self._add_shape(item, title, context, group)
         elif name == "svg" and around.depth:
             x, y = (attribute(item, key, context.viewport) for key in ("x", "y"))
             self._add_framed(item, context, group, x, y, (item.get("width"), item.get("height")))
@@ -121,7 +123,16 @@ class Scene:
                 self._add(child, context, group)
         attach(group, to)
 
-    def _add_used(self, item: ET.Element, context: Context, group: Group) -> None:
+    def _inside(self, around: tuple[str, ...], title: str) -> tuple[str, ...]:
+        """The groups around the content of a group; a later one of the same name in the same group gets a number."""
+        if not title:
+            return around
+        groups = (*around, title)
+        self.groups[groups] += 1
+        number = self.groups[groups]
+        return groups if number == 1 else self._inside(around, f"{title} {number}")
+
+    def _add_used(self, item: ET.Element, title: str, context: Context, group: Group) -> None:
         """Add the drawing of a `use` element."""
         link = link_of(item)
         target = self.document.linked(link)
@@ -131,9 +142,12 @@ class Scene:
             return
         x, y = (attribute(item, key, context.viewport) for key in ("x", "y"))
         context = replace(context, users=(*context.users, target))
+        if not title or (is_automatic(title) and not is_automatic(shown_name(target))):
+            title = shown_name(target)
         if name_of(target) not in ("symbol", "svg"):
-            self._add(target, replace(context, matrix=context.matrix @ translation(x, y)), group)
+            self._add(target, replace(context, matrix=context.matrix @ translation(x, y), used_as=title), group)
             return
+        context = replace(context, groups=self._inside(context.groups, title))
         size = [item.get(key) or target.get(key) for key in ("width", "height")]
         style = self.styles.computed(target, context.style)
         if style.get("display") != "none" or name_of(target) == "symbol":
@@ -164,7 +178,7 @@ class Scene:
         for child in item:
             self._add(child, context, group)
 
-    def _add_shape(self, item: ET.Element, context: Context, group: Group) -> None:
+    def _add_shape(self, item: ET.Element, title: str, context: Context, group: Group) -> None:
         """Add an element with an outline."""
         style, purpose = context.style, context.purpose
         if not (context.in_element and context.in_layer) or style.get("visibility", "visible") != "visible":
@@ -198,7 +212,7 @@ class Scene:
                 stroke,
                 self._paint("stroke", "none", context) if stroke else None,
                 style.get("vector-effect") != "non-scaling-stroke",
-                next(iter(layer_names(item)), ""),
+                title,
                 context.groups,
                 item.get("class", ""),
             )
