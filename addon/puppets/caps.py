@@ -19,7 +19,7 @@ from ..core import core
 from ..errors import FloatArray
 from ..scene import filling
 from ..scene.areas import SOLID
-from ..scene.plane import Frame, size, transform, world_matrix
+from ..scene.plane import Frame, middle_of_box, size, transform, world_matrix
 from . import armatures
 
 # Distance from a drawing to the next one behind it, as a fraction of the size of all, where there is none.
@@ -62,7 +62,7 @@ def draw_caps(
 
     drawings: those of each part.
     """
-    depth = {obj: float(frame.from_world(np.array([obj.matrix_world.translation]))[1][0]) for each in drawings
+    depth = {obj: float(frame.from_world(middle_of_box(obj)[None])[1][0]) for each in drawings
              for obj in each}  # fmt: skip
     whole = BEHIND * frame.scale * size(np.concatenate([part.outline.vertices for part in puppet.draft.parts]))
     for cap in caps:

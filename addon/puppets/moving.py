@@ -25,7 +25,7 @@ from ..generation.job import Progress, Work
 from ..io import silhouettes
 from ..scene import filling
 from ..scene.ownership import select
-from ..scene.plane import Frame
+from ..scene.plane import Frame, middle_of_box, turned_as_most
 from . import armatures, caps, controls, weights
 
 # What the import adds to the name of a layer for a shape without a name.
@@ -33,7 +33,7 @@ NUMBERED = re.compile(r"[ .]\d+$")
 # What Blender adds to a name that another object has, as one of a second character in the scene.
 COUNTED = re.compile(r"\.\d{3}$")
 # Directions along the plane's normal are compared as multiples of this fraction of the drawing's size.
-SAME_DEPTH = 1e-7
+SAME_DEPTH = 1e-6
 
 
 @dataclass(frozen=True)
@@ -53,10 +53,13 @@ def drawn(context: Context, objects: Sequence[Object], old: Object | None) -> Wo
     old: the armature that moves them already, in whose plane they are.
     """
     largest = max(sorted(objects, key=lambda obj: obj.name), key=lambda obj: float(obj.dimensions.length))
-    frame = armatures.frame_of(old) if old is not None else silhouettes.plane_of(context, largest, "ACTIVE")
+    if old is not None:
+        frame = armatures.frame_of(old)
+    else:
+        frame = turned_as_most(silhouettes.plane_of(context, largest, "ACTIVE"), objects)
     normal = np.array(frame.matrix)[:3, 2]
     grid = SAME_DEPTH * max(float(obj.dimensions.length) for obj in objects)
-    depth = {obj.name: round(float(normal @ np.array(obj.matrix_world.translation)) / grid) for obj in objects}
+    depth = {obj.name: round(float(normal @ middle_of_box(obj)) / grid) for obj in objects}
     shapes: dict[str, list[Object]] = {}
     names = _part_names(objects, old)
     for obj in sorted(objects, key=lambda obj: (depth[obj.name], obj.name)):

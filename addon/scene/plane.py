@@ -25,6 +25,8 @@ OWN_PLANARITY = 1e-6
 # Largest relative difference between the axes' lengths, and largest cosine between axes, of a scale that counts as
 # uniform.
 UNIFORMITY = 1e-5
+# Cosine between axes of objects that are turned alike.
+ALIKE = 0.999
 
 
 @dataclass(frozen=True)
@@ -93,6 +95,28 @@ def scale_of(obj: Object) -> float:
     return float(np.linalg.norm(np.array(obj.matrix_world)[:3, :3], axis=0).mean())
 
 
+def turned_as_most(frame: Frame, objects: Sequence[Object]) -> Frame:
+    """A frame, turned over or upright where most objects in its plane are turned otherwise."""
+    y, normal = (axis / np.linalg.norm(axis) for axis in frame.matrix.T[1:3, :3])
+    axes = [np.array(obj.matrix_world)[:3, :3] for obj in objects]
+    axes = [each / np.maximum(np.linalg.norm(each, axis=0), np.finfo(float).tiny) for each in axes]
+    faces = np.array([each[:, 2] @ normal for each in axes])
+    ups = [each[:, 1 if abs(each[:, 1] @ normal) < ALIKE else 2] for each in axes]
+    over = np.sum(faces < -ALIKE) > np.sum(faces > ALIKE)
+    if not over and np.sum(np.array(ups) @ y > ALIKE) > len(objects) / 2:
+        return frame
+    normal = -normal if over else normal
+    up = np.eye(3)[2 if abs(normal[2]) < ALIKE else 1]
+    y = (up - (up @ normal) * normal) / np.linalg.norm(up - (up @ normal) * normal)
+    return Frame.through(frame.to_world(np.zeros((1, 2)))[0], np.cross(y, normal), y)
+
+
+def middle_of_box(obj: Object) -> FloatArray:
+    """The middle (3,) of an object's bounding box in the world; its origin if it has none."""
+    corners = np.array([corner[:] for corner in obj.bound_box], dtype=np.float64)
+    return transform(world_matrix(obj), 0.5 * (corners.min(axis=0) + corners.max(axis=0))[None])[0]
+
+
 def size(points: FloatArray) -> float:
     """Diagonal of the bounding box of points (n, d)."""
     return float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -117,19 +141,21 @@ def fitted_frame(matrix: FloatArray, points: FloatArray) -> Frame:
     """A frame of unit scale through the world positions of an object's points (n, 3), by least squares.
 
     Its origin is the centre of the points. Its x and z follow the object's x and z axes, so that the drawing is turned
-    as little as possible and not mirrored. The points may lie off the plane, see ``Frame.from_world``.
+    as little as possible and not mirrored; an upright one is seen from the object's front, or else from its right. The
+    points may lie off the plane, see ``Frame.from_world``.
     """
     world = transform(matrix, points)
     finite = np.isfinite(world).all(axis=1)
     world[~finite] = world[finite].mean(axis=0) if finite.any() else 0.0
     middle = 0.5 * (world.min(axis=0) + world.max(axis=0))
     directions = np.linalg.svd(world - world.mean(axis=0), full_matrices=False)[2]
-    normal = directions[2]
-    if normal @ matrix[:3, 2] < 0.0:
+    normal, axes = directions[2], matrix[:3, :3]
+    facing = [normal @ axis / np.linalg.norm(axis) for axis in (axes[:, 2], -axes[:, 1], axes[:, 0])]
+    if next((cosine for cosine in facing if abs(cosine) > PLANARITY), 1.0) < 0.0:
         normal = -normal
-    along = matrix[:3, 0] - (matrix[:3, 0] @ normal) * normal
-    # If the x axis is perpendicular to the plane, use the direction of the longest extent.
-    x_axis = along if np.linalg.norm(along) > PLANARITY * np.linalg.norm(matrix[:3, 0]) else directions[0]
+    x, y = ((axis - (axis @ normal) * normal) / np.linalg.norm(axis) for axis in axes.T[:2])
+    # If the x axis is perpendicular to the plane, use the y axis.
+    x_axis = next((axis for axis in (x, y) if np.linalg.norm(axis) > PLANARITY), directions[0])
     x_axis = x_axis / np.linalg.norm(x_axis)
     middle = middle - ((middle - world.mean(axis=0)) @ normal) * normal
     return Frame.through(middle, x_axis, np.cross(normal, x_axis))

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 import pytest
 from bpy.types import Object
+from mathutils import Matrix
 
 from drawings import choose, grease_pencil
 from marks import slow_after
@@ -381,6 +382,78 @@ def test_joints_of_grease_pencil_are_told(capfd: pytest.CaptureFixture[str]) -> 
     for options, told in ({}, True), ({"caps": False}, False):
         assert bpy.ops.object.nested_cages_puppet(**options) == {"FINISHED"}
         assert ("Joints of Grease Pencil are not painted" in capfd.readouterr().out) == told
+
+
+def bones_of(armature: Object) -> dict[str, tuple[str, str, tuple[float, ...]]]:
+    """The part, the parent and the place of each bone."""
+    matrix, found = armature.matrix_world, {}
+    for each in armature.data.bones:
+        place = tuple(round(value, 3) for value in matrix @ each.head_local)
+        found[each.name] = (each["nested_cages_part"], each.parent.name if each.parent else "", place)
+    return found
+
+
+def figure_of_faces(own: Matrix, name: str = "Torso") -> list[Object]:
+    """The parts of a figure, one of which has a transform of its own, and looks as without."""
+    drawings = []
+    for number, (part, limb) in enumerate(LIMBS.items()):
+        obj = face(part, capsule(*limb))
+        obj.location.z = 0.001 * number
+        if part == name:
+            obj.data.transform(own.inverted())
+            obj.matrix_world = obj.matrix_basis @ own
+        drawings.append(obj)
+    return drawings
+
+
+@pytest.mark.parametrize("own", [
+    Matrix.Rotation(radians(90.0), 4, "Z"), Matrix.Rotation(radians(180.0), 4, "Y"), Matrix.Diagonal((-1, 1, 1, 1))
+])  # fmt: skip
+def test_a_part_that_was_turned_or_mirrored_turns_no_puppet(own: Matrix) -> None:
+    made = []
+    for matrix in (Matrix(), own):
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        choose(*figure_of_faces(matrix))
+        assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+        made.append(bones_of(bpy.context.object))
+        bpy.ops.object.nested_cages_clip(kind="WALK")
+    assert made[0] == made[1]
+
+
+@pytest.mark.parametrize("side", ["FRONT", "RIGHT"])
+def test_strokes_that_stand_upright_are_seen_from_the_front_or_the_right(side: str) -> None:
+    """Grease Pencil stores them upright, in an object that is not turned."""
+    for number, (part, limb) in enumerate(LIMBS.items()):
+        x, z = capsule(*limb).T
+        away = np.full(len(x), 0.01 * number)
+        points = np.column_stack([x, -away, z] if side == "FRONT" else [away, x, z])
+        grease_pencil(part, [points])
+    choose(*bpy.data.objects)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    armature = bpy.context.object
+    right = (1.0, 0.0, 0.0) if side == "FRONT" else (0.0, 1.0, 0.0)
+    np.testing.assert_allclose(np.array(armature.matrix_world)[:3, 0], right, atol=1e-4)
+    np.testing.assert_allclose(np.array(armature.matrix_world)[:3, 1], (0.0, 0.0, 1.0), atol=1e-4)
+    assert bpy.ops.object.nested_cages_clip(kind="WALK") == {"FINISHED"}
+
+
+def test_parts_are_stacked_by_where_their_vertices_are() -> None:
+    """Also if their transforms were applied."""
+    drawings = figure_of_faces(Matrix())
+    bpy.context.view_layer.update()
+    heights = {obj: obj.location.z for obj in drawings}
+    for obj in drawings:
+        obj.data.transform(obj.matrix_world)
+        obj.matrix_world = Matrix()
+    choose(*drawings)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    caps = [obj for obj in bpy.data.objects if is_cap(obj)]
+    assert caps
+    for cap in caps:
+        own = next(heights[obj] for obj in drawings if cap.name.startswith(f"{obj.name} Cap"))
+        below = max((each for each in heights.values() if each < own - 1e-6), default=-1.0)
+        inside = shape(cap)[:, 2]
+        assert ((inside < own) & (inside > below)).all()
 
 
 def test_nothing_selected_is_told() -> None:
