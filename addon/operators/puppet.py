@@ -8,10 +8,12 @@ import bpy
 from bpy.types import Context, Object
 
 from .. import record
+from ..characters import removed_on_failure
 from ..errors import UserError, counted
 from ..generation.job import Work
 from ..properties.kinds import choice, flag, text
 from ..puppets import armatures, caps, clips, controls, duplicates, moving
+from ..scene import grease_pencil
 from ..scene.areas import paints
 from ..scene.ownership import check_local, chosen, scene_of
 from .base import JobOperator, Operator, pose
@@ -51,7 +53,12 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
         objects, old = _selected_parts(context)
         self.tell_hidden(context, objects)
         options = moving.Making(self.limits, self.linear, float(self.reach), self.caps)
-        yield from make_puppet(self, context, objects, old, options)
+        layers = grease_pencil.stacked(context, objects[0]) if old is None and len(objects) == 1 else []
+        with removed_on_failure(layers):
+            yield from make_puppet(self, context, layers or objects, old, options)
+        if layers:
+            objects[0].hide_set(True)
+            objects[0].hide_render = True
 
 
 def make_puppet(

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from bpy.types import Context, Object
+from mathutils import Vector
 
 from ..core import core
 from ..errors import FloatArray, UserError, counted
@@ -24,6 +25,8 @@ from .strokes import Curves, covering
 KINDS = ("GREASEPENCIL", "GPENCIL")
 # Opacity below which Blender does not draw.
 LEAST_OPACITY = 1e-3
+# Distance between layers that become objects, as a fraction of the drawing's size.
+LAYER_DEPTH = 1e-3
 # Radius of the circle around a dot that is a square, in radii of the dot.
 SQUARE = 2.0**0.5
 
@@ -212,6 +215,21 @@ def separated(context: Context, obj: Object) -> list[Object]:
         for home in obj.users_collection:
             home.objects.link(copy)
         made.append(copy)
+    return made
+
+
+def stacked(context: Context, obj: Object) -> list[Object]:
+    """The same, named after the layers and each in front of the one below; empty if no more than one shows."""
+    if obj.type != KINDS[0] or len(layers := Painting.of(context, obj).parts) < 2:
+        return []
+    normal = Painting.of(context, obj).frame().matrix[:3, 2]
+    above = obj.matrix_world @ obj.matrix_basis.inverted_safe()
+    step = LAYER_DEPTH * float(obj.dimensions.length) * (above.inverted_safe().to_3x3() @ Vector(normal).normalized())
+    made = separated(context, obj)
+    for number, (copy, layer) in enumerate(zip(made, layers, strict=True)):
+        copy.name = copy.data.name = layer.name
+        copy.delta_location += number * step
+    context.view_layer.update()
     return made
 
 

@@ -374,6 +374,35 @@ def test_caps_have_the_ink_of_their_drawings() -> None:
     assert {name for name, edge in zip(painted, above, strict=True) if not edge} == {"Ink", "Fill"}
 
 
+def test_layers_of_one_grease_pencil_drawing_are_parts() -> None:
+    """The drawing itself is hidden; a second press finds the parts that were made of it."""
+    hero = grease_pencil("Hero", [capsule(*LIMBS["Torso"])])
+    hero.data.layers.remove(hero.data.layers[0])
+    for part, limb in LIMBS.items():
+        x, z = capsule(*limb).T
+        drawing = hero.data.layers.new(part).frames.new(1).drawing
+        drawing.add_strokes([len(x)])
+        drawing.strokes[0].cyclic = True
+        for point, place in zip(drawing.strokes[0].points, zip(x, 0.0 * x, z, strict=True), strict=True):
+            point.position = place
+    hero.location = (3.0, 1.0, 0.0)
+    hero.keyframe_insert("location", frame=1)
+    bpy.context.view_layer.update()
+    before = points(hero)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    armature: Any = bpy.context.object
+    assert {each["nested_cages_part"] for each in armature.data.bones} == {*LIMBS, ""}
+    parts = [bpy.data.objects[name] for name in LIMBS]
+    assert [obj.parent for obj in parts] == [armature] * len(LIMBS)
+    assert not hero.visible_get() and hero.hide_render
+    shown = np.concatenate([points(obj) for obj in parts])
+    np.testing.assert_allclose(shown[:, [0, 2]], before[:, [0, 2]], atol=1e-5)
+    depths = [points(obj)[:, 1].mean() for obj in parts]
+    assert depths == sorted(depths, reverse=True) and len(set(depths)) == len(depths)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    assert {each["nested_cages_part"] for each in armature.data.bones} == {*LIMBS, ""}
+
+
 def test_joints_of_grease_pencil_are_told(capfd: pytest.CaptureFixture[str]) -> None:
     for name, left in (("upper", 0.0), ("lower", 4.6)):
         bar = grease_pencil(name, [np.array([[left, 0.0], [left + 5.0, 0.0], [left + 5.0, 2.0], [left, 2.0]])])
