@@ -11,9 +11,10 @@ from .. import record
 from ..characters import removed_on_failure
 from ..errors import UserError, counted
 from ..generation.job import Work
+from ..io.pictures import image_on
 from ..properties.kinds import choice, flag, text
 from ..puppets import armatures, caps, clips, controls, duplicates, moving
-from ..scene import grease_pencil
+from ..scene import filling, grease_pencil
 from ..scene.areas import paints
 from ..scene.ownership import check_local, chosen, scene_of
 from .base import JobOperator, Operator, pose
@@ -83,7 +84,13 @@ def make_puppet(
     bare = {given.parts[cap.part].name for cap in puppet.caps if not caps.with_faces(given.objects[cap.part])}
     if options.caps and bare:
         names = ", ".join(sorted(bare))
-        operator.report({"INFO"}, f"Joints of Grease Pencil are not painted: draw '{names}' on beyond their joints")
+        kinds = "Grease Pencil and collection instances"
+        operator.report({"INFO"}, f"Joints of {kinds} are not painted: draw '{names}' on beyond their joints")
+    flat = ", ".join(sorted(obj.name for obj in objects if _is_rectangle(obj)))
+    if flat:
+        operator.report(
+            {"WARNING"}, f"'{flat}' counts as its rectangle: import all pictures at once instead, as a painting"
+        )
     for note in puppet.draft.notes:
         operator.report({"WARNING"}, note)
     turns = {bone.name: min(-each.low, each.high) for bone, each in zip(puppet.bones, puppet.ranges, strict=True)}
@@ -154,6 +161,11 @@ def _chosen_puppet(context: Context) -> Object:
     if not armature.is_editable:
         raise UserError(f"'{armature.name}' is linked from another file: make it local first")
     return armature
+
+
+def _is_rectangle(obj: Object) -> bool:
+    """Whether an object shows a picture on a single face, which has no outline of what is painted."""
+    return obj.type == "MESH" and len(filling.mesh_of(obj).polygons) == 1 and image_on(obj) is not None
 
 
 def _selected_parts(context: Context) -> tuple[list[Object], Object | None]:

@@ -50,7 +50,10 @@ def sides_of(parts: Sequence[PuppetPart], links: Sequence[Link]) -> tuple[Side, 
         return not (ends[one] and ends[other] and ends[one] != ends[other])
 
     free = {k for k, side in enumerate(found) if not side.side}
-    for one, other, is_front in _pairs(parts, root, free, may_be):
+    named = _named_pairs(parts, free)
+    free -= {part for pair in named for part in pair}
+    pairs = [(one, other, False) for one, other in named] + list(_pairs(parts, root, free, may_be))
+    for one, other, is_front in pairs:
         if is_front:
             is_left = parts[one].disc[0][0] > parts[root].disc[0][0]
             sides, depths = ("L", "R") if is_left else ("R", "L"), ("", "")
@@ -60,6 +63,16 @@ def sides_of(parts: Sequence[PuppetPart], links: Sequence[Link]) -> tuple[Side, 
         for part, side, depth, stem in zip((one, other), sides, depths, stems, strict=True):
             found[part] = Side(side, depth, stem)
     return tuple(found)
+
+
+def _named_pairs(parts: Sequence[PuppetPart], free: Iterable[int]) -> list[tuple[int, int]]:
+    """Parts whose names say that one is far and the other near, the far one first."""
+    left, found = set(free), list[tuple[int, int]]()
+    for pair in _nearest_first(parts):
+        if {*pair} <= left and _are_named(*(parts[k].name for k in pair)):
+            left -= {*pair}
+            found.append(pair if _by_name(parts[pair[0]].name).depth == "far" else pair[::-1])
+    return found
 
 
 def twins_of(parts: Sequence[PuppetPart], root: int) -> list[int]:
@@ -79,7 +92,7 @@ def _pairs(
     """
     left = set(free) - {root}
     middle = float(parts[root].disc[0][0])
-    pairs = sorted(alike_pairs(parts), key=lambda pair: float(norm(parts[pair[0]].disc[0] - parts[pair[1]].disc[0])))
+    pairs = _nearest_first(parts)
     for is_front in (False, True):
         for one, other in pairs:
             if not {one, other} <= left or not may_be(one, other):
@@ -133,6 +146,17 @@ def _near_side(parts: Sequence[PuppetPart], links: Sequence[Link], root: int) ->
     return "R" if np.sign(places - parts[root].disc[0][0]).sum() > 0.0 else "L"
 
 
+def _are_named(one: str, other: str) -> bool:
+    """Whether names differ only in that one is near and the other far."""
+    depths = {_by_name(name).depth for name in (one, other)}
+    return depths == {"near", "far"} and name_without(one, DEPTHS) == name_without(other, DEPTHS)
+
+
+def _nearest_first(parts: Sequence[PuppetPart]) -> list[tuple[int, int]]:
+    """The pairs of parts that are alike, by the distance of their middles."""
+    return sorted(alike_pairs(parts), key=lambda pair: float(norm(parts[pair[0]].disc[0] - parts[pair[1]].disc[0])))
+
+
 def alike_pairs(parts: Sequence[PuppetPart]) -> Iterator[tuple[int, int]]:
     """Pairs of parts of the same shape, whatever their direction, or whose names say that they are near and far."""
     figures = np.array(
@@ -149,7 +173,5 @@ def alike_pairs(parts: Sequence[PuppetPart]) -> Iterator[tuple[int, int]]:
     for i in range(len(parts)):
         for j in range(i):
             one, other = parts[j].name, parts[i].name
-            are_named = {"near", "far"} == {_by_name(one).depth, _by_name(other).depth}
-            are_named = are_named and name_without(one, DEPTHS) == name_without(other, DEPTHS)
-            if are_named or (np.abs(np.log(figures[i] / figures[j])) < ALIKE).all():
+            if _are_named(one, other) or (np.abs(np.log(figures[i] / figures[j])) < ALIKE).all():
                 yield j, i

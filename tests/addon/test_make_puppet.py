@@ -410,7 +410,7 @@ def test_joints_of_grease_pencil_are_told(capfd: pytest.CaptureFixture[str]) -> 
     bpy.context.view_layer.objects.active = bar
     for options, told in ({}, True), ({"caps": False}, False):
         assert bpy.ops.object.nested_cages_puppet(**options) == {"FINISHED"}
-        assert ("Joints of Grease Pencil are not painted" in capfd.readouterr().out) == told
+        assert ("Joints of Grease Pencil and collection instances are not painted" in capfd.readouterr().out) == told
 
 
 def bones_of(armature: Object) -> dict[str, tuple[str, str, tuple[float, ...]]]:
@@ -483,6 +483,20 @@ def test_parts_are_stacked_by_where_their_vertices_are() -> None:
         below = max((each for each in heights.values() if each < own - 1e-6), default=-1.0)
         inside = shape(cap)[:, 2]
         assert ((inside < own) & (inside > below)).all()
+
+
+def test_pictures_on_planes_are_told(capfd: pytest.CaptureFixture[str]) -> None:
+    drawings = figure_of_faces(Matrix())
+    material = bpy.data.materials.new("Picture")
+    material.use_nodes = True
+    shown: Any = material.node_tree.nodes.new("ShaderNodeTexImage")
+    shown.image = bpy.data.images.new("Picture", 8, 8, alpha=True)
+    drawings[0].data.materials.append(material)
+    choose(*drawings)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    said = "".join(capfd.readouterr())
+    assert f"'{drawings[0].name}' counts as its rectangle" in said
+    assert drawings[1].name not in said.split("counts as its rectangle")[0]
 
 
 def test_nothing_selected_is_told() -> None:

@@ -407,6 +407,15 @@ def test_near_and_far_are_told_and_named_as_left_and_right() -> None:
     assert {bone.name for bone in draft.bones} >= {"leg.L", "leg.R", "arm.L", "arm.R"}
 
 
+def test_limbs_that_are_named_near_and_far_may_all_lie_behind_the_body() -> None:
+    """As trousers under a coat, next to each other."""
+    _, arm_far, *body, _, arm = strider()
+    legs = [limb(name, (x, -1.0), (x, -5.0), width=0.9) for name, x in (("leg_far", 0.5), ("leg_near", -0.5))]
+    draft = draft_puppet([arm_far, *legs, *body, arm])
+    sides = {part.name: (side.side, side.depth) for part, side in zip(draft.parts, draft.sides, strict=True)}
+    assert sides["leg_near"] == sides["arm"] == ("R", "near") and sides["leg_far"] == sides["arm_far"] == ("L", "far")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("parts", [figure, strider], ids=["front", "side"])
 @pytest.mark.parametrize("clip", [walk, wave, idle])
