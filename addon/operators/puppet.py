@@ -53,8 +53,9 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
         duplicates.complete_puppets()
         objects, old = _selected_parts(context)
         self.tell_hidden(context, objects)
-        options = moving.Making(self.limits, self.linear, float(self.reach), self.caps)
         layers = grease_pencil.stacked(context, objects[0]) if old is None and len(objects) == 1 else []
+        title = objects[0].name if layers else ""
+        options = moving.Making(self.limits, self.linear, float(self.reach), self.caps, title)
         with removed_on_failure(layers):
             yield from make_puppet(self, context, layers or objects, old, options)
         if layers:

@@ -112,6 +112,8 @@ class Making:
     """How much legs and arms follow the controls at their ends, from 0 to 1."""
     caps: bool = True
     """Whether joints stay painted when parts turn."""
+    title: str = ""
+    """Name of a new one; empty for that of the collection of all drawings, or of the part that all hang on."""
 
 
 def articulate(
@@ -136,7 +138,9 @@ def articulate(
     with removed_on_failure(new):
         if old is None:
             home = _common_home(given)
-            armature = armatures.add_armature(context, home, given.frame, home.name if home else given.parts[0].name)
+            root = puppet.draft.parts[puppet.draft.part_of[0]].name
+            title = options.title or (home.name if home else root)
+            armature = armatures.add_armature(context, home, given.frame, title)
             new.append(armature)
         else:
             armature, puppet = old, weights.by_hand(old, puppet, given.frame)

@@ -391,6 +391,7 @@ def test_layers_of_one_grease_pencil_drawing_are_parts() -> None:
     before = points(hero)
     assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
     armature: Any = bpy.context.object
+    assert armature.name == "Hero Puppet"
     assert {each["nested_cages_part"] for each in armature.data.bones} == {*LIMBS, ""}
     parts = [bpy.data.objects[name] for name in LIMBS]
     assert [obj.parent for obj in parts] == [armature] * len(LIMBS)
