@@ -4,7 +4,7 @@
     python benchmarks/cast_weights.py --held-out # each character by the weights of all others
 
 Multinomial logistic regression with a quadratic penalty: first weights of shapes, on drawings without names, then those
-of names.
+of names, then that of groups. The drawings have none: the body with what hangs on it alone, and each limb, are one.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ from nestedcages_core.puppet.words import NAMES as OF_NAMES
 ROOT_PENALTY, LINK_PENALTY, NAME_PENALTY = 0.1, 1.5, 0.3
 """Of squared weights; what is right of held-out characters is flat around these."""
 
-SHAPES, NAMES = "without names", "with names"
+OF_GROUPS = "group"
+SHAPES, NAMES, GROUPS = "without names", "with names", "with names and groups"
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +54,8 @@ def weights_of(choices: Choices, penalty: float, known: Mapping[str, float] | No
     """The most likely weights; known: some that are given."""
     given = dict(known or {})
     names = [name for name in choices.columns if name not in given]
+    if not names:
+        return given
     base = sum(weight * choices.columns[name] for name, weight in given.items())
     rows = np.stack([choices.columns[name] for name in names], axis=1)
     start = np.array(choices.start)
@@ -98,21 +101,25 @@ def main() -> int:
     for name, draw in cast.TUNED.items():
         sheet, parts = draw(), puppet_parts(draw().svg())[0]
         names = [part.name for part in parts]
-        bare = [replace(part, name=f"path{k}", identity="") for k, part in enumerate(parts)]
-        drawn[name] = sheet, names, {SHAPES: bare, NAMES: parts}
-        known[name] = [evidence_of(each, sheet.on, names) for each in (bare, parts)]
-    wrong = dict.fromkeys((SHAPES, NAMES), 0)
+        named = [replace(part, groups=()) for part in parts]
+        bare = [replace(part, name=f"path{k}", identity="") for k, part in enumerate(named)]
+        grouped = [replace(part, groups=(sheet.group_of(part.name),)) for part in parts]
+        drawn[name] = sheet, names, {SHAPES: bare, NAMES: named, GROUPS: grouped}
+        known[name] = [evidence_of(each, sheet.on, names) for each in (bare, named, grouped)]
+    wrong = dict.fromkeys((SHAPES, NAMES, GROUPS), 0)
     for left_out in [*drawn, None] if options.held_out else [None]:
         some = [both for name, both in known.items() if name != left_out]
         for kind, penalty, names_penalty, own in (
             (0, ROOT_PENALTY, ROOT_PENALTY, scores.ROOT_WEIGHTS),
             (1, LINK_PENALTY, NAME_PENALTY, scores.LINK_WEIGHTS),
         ):
-            bare, named = (joined([both[k][kind] for both in some]) for k in (0, 1))
+            bare, named, grouped = (joined([both[k][kind] for both in some]) for k in range(3))
             shapes = weights_of(bare, penalty)
-            shapes = {name: weight for name, weight in shapes.items() if name not in OF_NAMES}
+            shapes = {name: weight for name, weight in shapes.items() if name not in (*OF_NAMES, OF_GROUPS)}
+            of_named = weights_of(named, names_penalty, shapes)
+            of_named.pop(OF_GROUPS, None)
             own.clear()
-            own.update(weights_of(named, names_penalty, shapes))
+            own.update(weights_of(grouped, penalty, of_named))
         if left_out is not None:
             sheet, names, both = drawn[left_out]
             for kind, parts in both.items():

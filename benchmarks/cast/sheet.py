@@ -119,6 +119,13 @@ class Sheet:
         self.circle(pupil, name, (at[0] + look[0] * r, at[1] + look[1] * r), 0.5 * r, INK, ink=0.0)
         self.rides |= {name, pupil}
 
+    def group_of(self, name: str) -> str:
+        """The group that an artist might put a part into: a limb with all on it, or the trunk with what is no limb."""
+        limb, above = name, self.on[name]
+        while above is not None and self.on[above] is not None:
+            limb, above = above, self.on[above]
+        return limb if limb in self.on.values() or above is None else above
+
     def svg(self) -> str:
         """The drawing, with ids as the names of its parts."""
         body = ""

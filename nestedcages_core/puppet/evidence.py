@@ -1,13 +1,15 @@
 """What speaks for and against one part hanging on another, and for a part being the root, in numbers.
 
-None of them changes when the drawing is moved, turned or scaled, and but for names none reads anything but shapes and
-their order in the stack. Mirrored parts, and near and far ones, share their evidence but for names: they hang alike.
+None of them changes when the drawing is moved, turned or scaled, and but for names and groups none reads anything but
+shapes and their order in the stack. Mirrored parts, and near and far ones, share their evidence but for names: they
+hang alike.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from itertools import takewhile
 
 import numpy as np
 import scipy
@@ -198,6 +200,7 @@ class Evidence:
             "at_side": at_side * free,
             "at_parent_end": at_parent_end * free,
             "chain": at_end * at_parent_end * float(np.exp(-abs(thicker))),
+            "group": _common(part.groups, self.parts[parent].groups),
             "detail_above": float(parent < child) * within,
             "layers_below_detail": float(np.log1p(over)) * within,
             "layers": float(np.log1p(abs(child - parent))) * free,
@@ -239,6 +242,12 @@ def _middle_at_end(met: Meeting, part: PuppetPart) -> float:
     """The same for the middle of the overlap."""
     middle = 0.5 * sum(met.span(part))
     return 1.0 - _ramp(min(middle, 1.0 - middle), 0.0, NEAR_PARENT_END)
+
+
+def _common(groups: Sequence[str], others: Sequence[str]) -> float:
+    """The part of some groups, one in the other, that others are too."""
+    same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(groups, others, strict=False)))
+    return same / len(groups) if groups else 0.0
 
 
 def _root_name(words: Words) -> float:

@@ -19,33 +19,43 @@ ENDS = {"front": "fore", "fore": "fore", "back": "hind", "rear": "hind", "hind":
 HEIGHTS = {"up": "up", "top": "up", "low": "low", "bottom": "low"}
 """Words for what is above and below, such as jaws."""
 
-_TORSO = "torso body chest thorax coat dress robe shirt jacket spine"
-_HIPS = "hips pelvis waist abdomen skirt trousers"
-_ARM, _FOREARM = "upper_arm arm sleeve", "forearm lower_arm"
-_THIGH, _SHIN = "thigh upper_leg leg", "shin calf lower_leg"
+PLACES = {word for word in (*SIDES, *DEPTHS, *ENDS, *HEIGHTS, "upper", "lower") if len(word) > 2}
+"""Words that names have before a part of a body, at times as one word: hindleg."""
+
+IRREGULAR = {"feet": "foot", "teeth": "tooth", "hooves": "hoof", "calves": "calf"}
+"""Plurals without an s alone."""
+
+_TORSO = "torso body chest thorax coat dress robe shirt jacket spine sweater hoodie blouse tunic ribcage"
+_HIPS = "hips pelvis waist abdomen skirt trousers pants shorts jeans kilt"
+_ARM, _FOREARM = "upper_arm arm sleeve humerus", "forearm lower_arm ulna"
+_THIGH, _SHIN = "thigh upper_leg leg haunch femur", "shin calf lower_leg shank hock tibia"
 _FACE = "cheek ear hair fringe beard moustache hat helmet horn antler antenna feeler jaw snout muzzle "
 _FACE += "beak bill trunk tusk visor face mask glasses plume crest crown tiara wattle blush freckle "
-_FACE += "headband bandana bang ponytail braid bun eyepatch"
-_HANDS = "hand paw claw glove fist"
-_TOOLS = "sword hilt handle shield staff stick spear bow axe wand"
+_FACE += "headband bandana bang ponytail pigtail braid bun eyepatch veil wig hood beanie goatee chin forehead"
+_HANDS = "hand paw claw glove fist pincer gauntlet"
+_TOOLS = "sword hilt handle shield staff stick spear bow axe wand gun rifle pistol hammer mace dagger knife torch "
+_TOOLS += "lantern umbrella cane flag"
+_FEET = "foot hoof shoe boot ankle sandal sneaker slipper talon sock"
 
 _HANGS_ON = (
-    ("pupil iris glint lash lid", "eye"),
+    ("pupil iris glint lash lid eyelash eyelid", "eye"),
+    ("earring", "ear, head"),
     ("eye brow eyebrow", "face mask visor, head skull helmet"),
     ("lens", "glasses"),
     ("brim", "hat"),
     ("mane", f"neck head {_TORSO}"),
     ("knee", f"{_SHIN} {_THIGH}"),
     ("elbow cuff", f"{_FOREARM} {_ARM}"),
-    ("shoulder", f"{_ARM} {_TORSO}"),
-    ("button pocket zip tie badge", _TORSO),
+    ("kneepad", f"{_SHIN} {_THIGH}"),
+    ("shoulder pauldron", f"{_ARM} {_TORSO}"),
+    ("button pocket zip zipper tie necktie badge lapel", _TORSO),
     ("buckle", "belt"),
     ("blade guard", _TOOLS),
     ("nail", "finger thumb toe"),
     ("sole lace", "foot shoe boot"),
     ("nostril", "nose snout muzzle beak bill, face, head skull"),
     ("nose mouth whisker", "snout muzzle, face, head skull"),
-    ("tooth tongue", "mouth head skull jaw"),
+    ("tooth tongue lip", "mouth head skull jaw"),
     (_FACE, "head skull helmet"),
     ("head skull", f"neck, {_TORSO}"),
     ("neck", f"{_TORSO}"),
@@ -53,22 +63,24 @@ _HANGS_ON = (
     ("tail", f"{_HIPS} {_TORSO}"),
     ("scarf collar ruff necklace bowtie", f"neck, {_TORSO}"),
     ("bell tag pendant", f"collar necklace, neck, {_TORSO}"),
-    ("scabbard sheath quiver holster", f"belt, {_HIPS} {_TORSO}"),
-    ("apron pouch vest backpack", f"{_TORSO} {_HIPS}"),
+    ("scabbard sheath holster", f"belt, {_HIPS} {_TORSO}"),
+    ("apron pouch vest backpack bag satchel quiver", f"{_TORSO} {_HIPS}"),
     ("hem", "skirt dress robe coat"),
     ("heel", "foot shoe boot"),
-    ("wrist bracelet watch", f"{_FOREARM}, {_ARM}"),
-    ("wing fin cape belly breast belt saddle shell", f"{_TORSO} {_HIPS}"),
+    ("pad", "paw"),
+    ("greave", _SHIN),
+    ("wrist bracelet watch bracer", f"{_FOREARM}, {_ARM}"),
+    ("wing fin cape cloak belly breast belt saddle shell hump udder", f"{_TORSO} {_HIPS}"),
     (_ARM, _TORSO),
     (_FOREARM, _ARM),
-    ("hand claw glove fist", f"{_FOREARM}, {_ARM}"),
+    ("hand claw glove fist pincer gauntlet", f"{_FOREARM}, {_ARM}"),
     ("paw", f"{_FOREARM} {_SHIN}, {_ARM} {_THIGH}"),
     ("finger thumb", f"{_HANDS} wing"),
     (_TOOLS, f"{_HANDS} {_FOREARM}"),
     (_THIGH, f"{_HIPS} {_TORSO}"),
     (_SHIN, _THIGH),
-    ("foot hoof shoe boot ankle", f"{_SHIN}, {_THIGH}"),
-    ("toe", "foot paw hoof shoe boot"),
+    (_FEET, f"{_SHIN}, {_THIGH}"),
+    ("toe", f"paw {_FEET}"),
 )
 PARENTS = {
     word: tuple(frozenset(group.split()) for group in parents.split(","))
@@ -83,9 +95,13 @@ TRUNKS = frozenset(f"{_TORSO} {_HIPS}".split())
 TURNING = frozenset(f"{_ARM} {_FOREARM} {_THIGH} {_SHIN} hand paw claw foot hoof wing fin tail jaw head neck".split())
 """Parts of a body that turn, wherever they lie."""
 
-NAMES = "names", "names_of_others", "name_extends", "labels", "labels_of_others"
-"""What names say of a pair: of parts of a body that hang together, or that do not; that one is a part of the other, as
-a tip of a tail; sides, depths, ends, heights and numbers that are the same, and that are not."""
+HOLDING = frozenset(f"{_HANDS} beak mouth".split())
+"""Parts of a body that hold things."""
+
+NAMES = "names", "names_of_others", "names_reversed", "held", "name_extends", "labels", "labels_of_others"
+"""What names say of a pair: of parts of a body that hang together, that do not, or the other way around; that a hand
+may hold a thing; that one is a part of the other, as a tip of a tail; sides, depths, ends, heights and numbers that are
+the same, and that are not."""
 
 
 @dataclass(frozen=True)
@@ -101,8 +117,9 @@ class Words:
 
 
 def name_words(name: str) -> list[str]:
-    """The words of a name, split at signs, at capitals and around numbers."""
-    return re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+", name)
+    """The words of a name, split at signs, at capitals and around numbers, and after a word for a place."""
+    words = re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+", name)
+    return [half for word in words for half in _halves(word)]
 
 
 def name_without(name: str, dropped: Iterable[str]) -> str:
@@ -133,9 +150,19 @@ def words_of(name: str) -> Words:
     for half in {"upper", "lower"} & set(nouns):
         other = next((word for word in nouns if word in PARENTS), "leg")
         noun = f"{half}_{other}" if other in ("arm", "leg") else other
-    singular = noun[:-1] if noun not in PARENTS and noun not in TRUNKS and noun.endswith("s") else noun
-    known = singular if singular in PARENTS or singular in TRUNKS else ""
+    known = next((each for each in (noun, IRREGULAR.get(noun, noun.removesuffix("s"))) if _is_known(each)), "")
     return Words(known, (frozenset(side), *labels, numbers), tuple(nouns))
+
+
+def _is_known(noun: str) -> bool:
+    return noun in PARENTS or noun in TRUNKS
+
+
+def _halves(word: str) -> tuple[str, ...]:
+    """A word that says where and what, such as hindleg, as two; other words as they are."""
+    low = word.lower()
+    cuts = [at for at in range(3, len(word) - 2) if low[:at] in PLACES and _is_known(low[at:])]
+    return (word[: cuts[0]], word[cuts[0] :]) if cuts and not _is_known(low) else (word,)
 
 
 def agreements(words: Sequence[Words], pairs: Sequence[tuple[int, int]]) -> dict[str, list[float]]:
@@ -156,6 +183,8 @@ def agreements(words: Sequence[Words], pairs: Sequence[tuple[int, int]]) -> dict
         rows.append((
             is_named,
             is_known and not is_named,
+            _rank(other, one) < inf,
+            not one.noun and other.noun in HOLDING,
             other.others != () and other.others == one.others[: len(other.others)] != one.others,
             sum(bool(own & its) for own, its in both),
             sum(not own & its for own, its in both),
