@@ -139,8 +139,8 @@ def _middle(part: PuppetPart, joint: tuple[float, float] | None) -> Middle | Non
     if joint is not None:
         ahead = norm(points - joint) > radii.min()
         first = int(ahead.argmax()) if ahead.any() else 0
-    start = np.array(joint) if joint is not None else _tip(points[-2::-1], radii[-2::-1])
-    return Middle(np.concatenate(([start], points[first:])), np.append(radii[first], radii[first:]), median)
+    begin = np.array(joint) if joint is not None else _tip(points[-2::-1], radii[-2::-1])
+    return Middle(np.concatenate(([begin], points[first:])), np.append(radii[first], radii[first:]), median)
 
 
 def _tip(points: FloatArray, radii: FloatArray) -> FloatArray:
