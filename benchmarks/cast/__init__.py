@@ -2,9 +2,9 @@
 
 `FIRST` were drawn when the rules of the graph were written, before these were measured on anything but four other
 characters; `SECOND` after the rules were changed with `FIRST` in view. Weights took the place of the rules, were fitted
-to both, and `THIRD` were drawn and measured after that; `FOURTH` after a fit to these three, and `FIFTH` after one to
-these four. Now weights are fitted to all five; `SIXTH` were drawn after that, and measured once.
-`SEVENTH` were drawn after that, and measured once.
+to both, and each later set was drawn and measured once before the weights were fitted to it too. Where a figure has
+hips or a pelvis of its own, these are the root, as riggers have it; three of the first five sets said the chest at
+first.
 """
 
 from __future__ import annotations
@@ -114,5 +114,5 @@ SEVENTH = _by_name(
     seventh.goblin,
 )
 
-TUNED = FIRST | SECOND | THIRD | FOURTH | FIFTH | SIXTH
+TUNED = FIRST | SECOND | THIRD | FOURTH | FIFTH | SIXTH | SEVENTH
 """Those that the weights of the graph are fitted to."""

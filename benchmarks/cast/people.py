@@ -134,9 +134,9 @@ def robot() -> Sheet:
         s.box(f"{depth}_shin", f"{depth}_thigh", (x, 458), 34, 112, colour)
         s.box(f"{depth}_thigh", "hips", (x, 384), 40, 96, colour)
         s.circle(f"{depth}_knee_pin", f"{depth}_shin", (x, 416), 8, "#eee", ink=2)
-    s.box("hips", "chest", (228, 346), 130, 44, blue)
+    s.box("hips", None, (228, 346), 130, 44, blue)
     s.limb("neck", "chest", (232, 172), (232, 128), (30, 30), dark)
-    s.box("chest", None, (230, 250), 172, 170, steel, 22)
+    s.box("chest", "hips", (230, 250), 172, 170, steel, 22)
     s.box("panel", "chest", (246, 238), 84, 62, "#2f3a46")
     for k, colour in enumerate(("#e0524d", "#e6c34a", "#63b667")):
         s.circle(f"lamp_{k}", "panel", (222 + 24 * k, 238), 8, colour, ink=1)

@@ -20,7 +20,7 @@ from ..libraries import load_shapely
 from .overlaps import Meeting, Meetings
 from .parts import NEEDED_FOR, PuppetPart
 from .sides import alike_pairs, twins_of
-from .words import NAMES, TRUNKS, Words, agreements, words_of
+from .words import NAMES, agreements, root_names, words_of
 
 CONTAINED, MOSTLY = 0.8, 0.7
 """A part lies in another one with at least this part of its area; it lies on one with at least that."""
@@ -103,7 +103,7 @@ class Evidence:
             "within": np.array([max(each, default=0.0) for each in larger]),
             "limbs": np.log1p(np.expm1(below) + np.expm1(above)),
             "between": np.minimum(below, above),
-            "names": np.array([_root_name(words) for words in self.words]),
+            "names": np.array(root_names(self.words)),
         }
 
     def _is_limb(self, limb: int, part: int) -> bool:
@@ -248,8 +248,3 @@ def _common(groups: Sequence[str], others: Sequence[str]) -> float:
     """The part of some groups, one in the other, that others are too."""
     same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(groups, others, strict=False)))
     return same / len(groups) if groups else 0.0
-
-
-def _root_name(words: Words) -> float:
-    """1 for the name of a trunk, -1 for that of another part of a body."""
-    return 1.0 if words.noun in TRUNKS else -1.0 if words.noun else 0.0

@@ -19,6 +19,12 @@ ENDS = {"front": "fore", "fore": "fore", "back": "hind", "rear": "hind", "hind":
 HEIGHTS = {"up": "up", "top": "up", "low": "low", "bottom": "low"}
 """Words for what is above and below, such as jaws."""
 
+HEIGHT = 3
+"""Number of the label for heights, after those for sides, depths and ends."""
+
+HALVES = {"upper": "upper", "up": "upper", "lower": "lower", "low": "lower"}
+"""Words for the halves of arms and legs."""
+
 PLACES = {word for word in (*SIDES, *DEPTHS, *ENDS, *HEIGHTS, "upper", "lower") if len(word) > 2}
 """Words that names have before a part of a body, at times as one word: hindleg."""
 
@@ -26,9 +32,10 @@ IRREGULAR = {"feet": "foot", "teeth": "tooth", "hooves": "hoof", "calves": "calf
 """Plurals without an s alone."""
 
 _TORSO = "torso body chest thorax coat dress robe shirt jacket spine sweater hoodie blouse tunic ribcage"
-_HIPS = "hips pelvis waist abdomen skirt trousers pants shorts jeans kilt"
-_ARM, _FOREARM = "upper_arm arm sleeve humerus", "forearm lower_arm ulna"
-_THIGH, _SHIN = "thigh upper_leg leg haunch femur", "shin calf lower_leg shank hock tibia"
+_HIPS, _LOWER = "hips pelvis", "waist skirt trousers pants shorts jeans kilt"
+_ARM, _FOREARM = "upper_arm sleeve humerus", "forearm lower_arm ulna"
+_VEST = "vest waistcoat apron dungarees overalls"
+_THIGH, _SHIN = "thigh upper_leg haunch femur", "shin calf lower_leg shank hock tibia"
 _FACE = "cheek ear hair fringe beard moustache hat helmet horn antler antenna feeler jaw snout muzzle "
 _FACE += "beak bill trunk tusk visor face mask glasses plume crest crown tiara wattle blush freckle "
 _FACE += "headband bandana bang ponytail pigtail braid bun eyepatch veil wig hood beanie goatee chin forehead"
@@ -40,46 +47,49 @@ _FEET = "foot hoof shoe boot ankle sandal sneaker slipper talon sock"
 _HANGS_ON = (
     ("pupil iris glint lash lid eyelash eyelid", "eye"),
     ("earring", "ear, head"),
-    ("eye brow eyebrow", "face mask visor, head skull helmet"),
+    ("eye brow eyebrow", "face mask visor head skull helmet"),
     ("lens", "glasses"),
     ("brim", "hat"),
-    ("mane", f"neck head {_TORSO}"),
-    ("knee", f"{_SHIN} {_THIGH}"),
-    ("elbow cuff", f"{_FOREARM} {_ARM}"),
-    ("kneepad", f"{_SHIN} {_THIGH}"),
-    ("shoulder pauldron", f"{_ARM} {_TORSO}"),
-    ("button pocket zip zipper tie necktie badge lapel", _TORSO),
+    ("mane", f"neck head, {_TORSO}"),
+    ("knee kneepad", f"{_SHIN} {_THIGH} leg"),
+    ("elbow cuff", f"{_FOREARM} {_ARM} arm"),
+    ("shoulder pauldron", f"{_ARM} arm {_TORSO}"),
+    ("button pocket zip zipper tie necktie badge lapel", f"{_TORSO} {_VEST} belly"),
     ("buckle", "belt"),
     ("blade guard", _TOOLS),
     ("nail", "finger thumb toe"),
     ("sole lace", "foot shoe boot"),
-    ("nostril", "nose snout muzzle beak bill, face, head skull"),
-    ("nose mouth whisker", "snout muzzle, face, head skull"),
-    ("tooth tongue lip", "mouth head skull jaw"),
-    (_FACE, "head skull helmet"),
+    ("nostril", "nose snout muzzle beak bill, face head skull"),
+    ("nose mouth whisker", "snout muzzle, face head skull"),
+    ("tooth fang tongue lip", "mouth jaw snout muzzle head skull"),
+    ("inner_ear", "ear, head"),
+    (_FACE, "head skull helmet face"),
     ("head skull", f"neck, {_TORSO}"),
-    ("neck", f"{_TORSO}"),
-    (_HIPS, _TORSO),
-    ("tail", f"{_HIPS} {_TORSO}"),
+    ("neck", _TORSO),
+    (_TORSO, _HIPS),
+    (f"{_LOWER} abdomen", f"{_HIPS} {_TORSO}"),
+    ("tail", f"{_HIPS}, {_LOWER} {_TORSO} abdomen"),
     ("scarf collar ruff necklace bowtie", f"neck, {_TORSO}"),
     ("bell tag pendant", f"collar necklace, neck, {_TORSO}"),
-    ("scabbard sheath holster", f"belt, {_HIPS} {_TORSO}"),
-    ("apron pouch vest backpack bag satchel quiver", f"{_TORSO} {_HIPS}"),
+    ("scabbard sheath holster", f"belt, {_HIPS} {_LOWER} {_TORSO}"),
+    (f"{_VEST} pouch backpack bag satchel quiver", f"{_HIPS} {_LOWER} {_TORSO}"),
     ("hem", "skirt dress robe coat"),
     ("heel", "foot shoe boot"),
-    ("pad", "paw"),
     ("greave", _SHIN),
-    ("wrist bracelet watch bracer", f"{_FOREARM}, {_ARM}"),
-    ("wing fin cape cloak belly breast belt saddle shell hump udder", f"{_TORSO} {_HIPS}"),
+    ("wrist bracelet watch bracer", f"{_FOREARM}, {_ARM} arm"),
+    ("belt", f"{_HIPS}, {_LOWER} {_TORSO}"),
+    ("wing fin cape cloak belly breast saddle shell hump udder", f"{_TORSO} {_LOWER} {_HIPS}"),
     (_ARM, _TORSO),
-    (_FOREARM, _ARM),
-    ("hand claw glove fist pincer gauntlet", f"{_FOREARM}, {_ARM}"),
-    ("paw", f"{_FOREARM} {_SHIN}, {_ARM} {_THIGH}"),
+    ("arm", f"upper_arm, {_TORSO}"),
+    (_FOREARM, f"{_ARM} arm"),
+    ("hand claw glove fist pincer gauntlet", f"{_FOREARM}, {_ARM} arm"),
+    ("paw", f"{_FOREARM} {_SHIN}, {_ARM} arm {_THIGH} leg"),
     ("finger thumb", f"{_HANDS} wing"),
-    (_TOOLS, f"{_HANDS} {_FOREARM}"),
-    (_THIGH, f"{_HIPS} {_TORSO}"),
-    (_SHIN, _THIGH),
-    (_FEET, f"{_SHIN}, {_THIGH}"),
+    (_TOOLS, f"{_HANDS}, {_FOREARM}, arm"),
+    (_THIGH, f"{_HIPS}, {_LOWER} {_TORSO}"),
+    ("leg", f"upper_leg thigh, {_HIPS}, {_LOWER} {_TORSO}"),
+    (_SHIN, f"{_THIGH} leg"),
+    (_FEET, f"{_SHIN}, {_THIGH} leg"),
     ("toe", f"paw {_FEET}"),
 )
 PARENTS = {
@@ -89,10 +99,18 @@ PARENTS = {
 }
 """What each part of a body hangs on; where there are several groups, on a part of the first one that is there."""
 
-TRUNKS = frozenset(f"{_TORSO} {_HIPS}".split())
-"""Parts of a body that are its root."""
+ROOTS = _HIPS.split(), f"{_TORSO} {_LOWER} abdomen".split()
+"""Parts of a body that are its root; where there are the former ones, one of them."""
 
-TURNING = frozenset(f"{_ARM} {_FOREARM} {_THIGH} {_SHIN} hand paw claw foot hoof wing fin tail jaw head neck".split())
+TRUNKS = frozenset(word for words in ROOTS for word in words)
+"""Parts of a body that limbs hang on."""
+
+NO_EXTENSION = frozenset(f"arm {_ARM} {_FOREARM} {_HANDS}".split())
+"""Parts of a body that may be named after what they hold: a bow hand."""
+
+TURNING = frozenset(
+    f"arm {_ARM} {_FOREARM} leg {_THIGH} {_SHIN} hand paw claw foot hoof wing fin tail jaw head neck".split()
+)
 """Parts of a body that turn, wherever they lie."""
 
 HOLDING = frozenset(f"{_HANDS} beak mouth".split())
@@ -147,22 +165,29 @@ def words_of(name: str) -> Words:
     numbers = frozenset(word for word in words if word.isdigit())
     nouns = [word for word in words if word not in {**DEPTHS, **ENDS, **HEIGHTS, **SIDES} and not word.isdigit()]
     noun = nouns[-1] if nouns else ""
-    for half in {"upper", "lower"} & set(nouns):
-        other = next((word for word in nouns if word in PARENTS), "leg")
-        noun = f"{half}_{other}" if other in ("arm", "leg") else other
-    known = next((each for each in (noun, IRREGULAR.get(noun, noun.removesuffix("s"))) if _is_known(each)), "")
-    return Words(known, (frozenset(side), *labels, numbers), tuple(nouns))
+    limb = next((word for word in ("arm", "leg") if word in words), "")
+    if limb:
+        half = next((HALVES[word] for word in words if word in HALVES), "")
+        noun = "forearm" if "fore arm" in " ".join(words) else f"{half}_{limb}" if half else noun
+        labels[HEIGHT - 1] = frozenset()
+    elif {"upper", "lower"} & set(nouns):
+        noun = next((word for word in nouns if _known(word)), f"{'upper' if 'upper' in nouns else 'lower'}_leg")
+    elif noun == "ear" and "inner" in nouns:
+        noun = "inner_ear"
+    return Words(_known(noun), (frozenset(side), *labels, numbers), tuple(nouns))
 
 
-def _is_known(noun: str) -> bool:
-    return noun in PARENTS or noun in TRUNKS
+def _known(noun: str) -> str:
+    """A part of a body, as one of it; empty if it is none that is known."""
+    singular = IRREGULAR.get(noun, noun.removesuffix("s"))
+    return next((each for each in (noun, singular) if each in PARENTS or each in TRUNKS), "")
 
 
 def _halves(word: str) -> tuple[str, ...]:
     """A word that says where and what, such as hindleg, as two; other words as they are."""
     low = word.lower()
-    cuts = [at for at in range(3, len(word) - 2) if low[:at] in PLACES and _is_known(low[at:])]
-    return (word[: cuts[0]], word[cuts[0] :]) if cuts and not _is_known(low) else (word,)
+    cuts = [at for at in range(3, len(word) - 2) if low[:at] in PLACES and _known(low[at:])]
+    return (word[: cuts[0]], word[cuts[0] :]) if cuts and not _known(low) else (word,)
 
 
 def agreements(words: Sequence[Words], pairs: Sequence[tuple[int, int]]) -> dict[str, list[float]]:
@@ -171,27 +196,47 @@ def agreements(words: Sequence[Words], pairs: Sequence[tuple[int, int]]) -> dict
     Of several parts that one may hang on by its name, the closest ones count: a head hangs on a neck, else on a body.
     """
     ranks = [_rank(words[child], words[parent]) for child, parent in pairs]
+    extends = [_extends(words[child], words[parent]) for child, parent in pairs]
+    extending = {child for (child, _), is_so in zip(pairs, extends, strict=True) if is_so}
+    extending -= {child for child in extending if words[child].noun in NO_EXTENSION}
     least = dict[int, float]()
     for (child, _), rank in zip(pairs, ranks, strict=True):
         least[child] = min(rank, least.get(child, inf))
     rows = []
-    for (child, parent), rank in zip(pairs, ranks, strict=True):
+    for (child, parent), rank, is_extension in zip(pairs, ranks, extends, strict=True):
         one, other = words[child], words[parent]
         is_known = bool(one.noun in PARENTS and other.noun)
-        is_named = rank < inf and rank == least[child]
+        is_named = rank < inf and rank == least[child] and child not in extending
         both = [(own, its) for own, its in zip(one.labels, other.labels, strict=True) if own and its]
         rows.append((
             is_named,
             is_known and not is_named,
             _rank(other, one) < inf,
             not one.noun and other.noun in HOLDING,
-            other.others != () and other.others == one.others[: len(other.others)] != one.others,
+            is_extension,
             sum(bool(own & its) for own, its in both),
             sum(not own & its for own, its in both),
         ))  # fmt: skip
     return {name: [float(row[k]) for row in rows] for k, name in enumerate(NAMES)}
 
 
+def root_names(words: Sequence[Words]) -> list[float]:
+    """1 for the names of the most likely roots, 0 for others of a trunk and unknown ones, -1 for other known ones."""
+    ranks = [next((k for k, root in enumerate(ROOTS) if each.noun in root), inf) for each in words]
+    best = min(ranks)
+    return [1.0 if rank == best < inf else 0.0 if rank < inf else -1.0 * bool(each.noun)
+            for each, rank in zip(words, ranks, strict=True)]  # fmt: skip
+
+
 def _rank(child: Words, parent: Words) -> float:
-    """The group of a part among those that another one hangs on by its name; infinite if it is in none."""
+    """The group of a part among those that another one hangs on by its name; infinite if it is in none, or on another
+    side, farther or nearer, or at another end of the body."""
+    pairs = zip(child.labels[:HEIGHT], parent.labels[:HEIGHT], strict=True)
+    if any(own and its and not own & its for own, its in pairs):
+        return inf
     return next((k for k, group in enumerate(PARENTS.get(child.noun, ())) if parent.noun in group), inf)
+
+
+def _extends(child: Words, parent: Words) -> bool:
+    """Whether the name of a part begins as that of another one does, and goes on."""
+    return parent.others != () and parent.others == child.others[: len(parent.others)] != child.others

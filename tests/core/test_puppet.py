@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import cache
 from itertools import product
 
@@ -31,7 +32,7 @@ from nestedcages_core.puppet import (
 )
 from nestedcages_core.puppet.arborescence import best_parents
 from nestedcages_core.puppet.puppet import LEAST_TURN
-from nestedcages_core.puppet.words import agreements, side_of, words_of
+from nestedcages_core.puppet.words import agreements, root_names, side_of, words_of
 
 
 def solid(name: str, area: shapely.Geometry) -> PuppetPart:
@@ -324,6 +325,14 @@ def test_parts_of_several_areas_and_with_narrow_holes_have_fields() -> None:
     [
         ("eye_l", "eye", "L"),
         ("leftArm", "arm", "L"),
+        ("leftarm", "arm", "L"),
+        ("RightForeArm", "forearm", "R"),
+        ("LeftUpLeg", "upper_leg", "L"),
+        ("L_Arm_Low", "lower_arm", "L"),
+        ("shield_arm_upper", "upper_arm", ""),
+        ("inner ear right", "inner_ear", "R"),
+        ("upper teeth", "tooth", ""),
+        ("hindleg", "leg", ""),
         ("hind_lower_far", "lower_leg", ""),
         ("r2d2", "", ""),
         ("Füße", "", ""),
@@ -336,11 +345,14 @@ def test_names_say_what_a_part_is(name: str, noun: str, side: str) -> None:
 def test_left_does_not_hang_on_right_and_feet_hang_on_legs() -> None:
     said = {
         ("foot_l", "leg_l"): {"names": 1.0, "labels": 1.0},
-        ("foot_l", "leg_r"): {"names": 1.0, "labels_of_others": 1.0},
+        ("foot_l", "leg_r"): {"names_of_others": 1.0, "labels_of_others": 1.0},
         ("foot_l", "leg"): {"names": 1.0},
         ("hind_foot_far", "hind_arm_near"): {"names_of_others": 1.0, "labels": 1.0, "labels_of_others": 1.0},
         ("tooth_low", "jaw_low"): {"names": 1.0, "labels": 1.0},
         ("tail_tip", "tail"): {"name_extends": 1.0},
+        ("fish_tail", "fish"): {"name_extends": 1.0},
+        ("torso", "arm_l"): {"names_of_others": 1.0, "names_reversed": 1.0},
+        ("banana", "hand_l"): {"held": 1.0},
         ("path12", "leg_r"): {},
     }
     for (child, parent), columns in said.items():
@@ -349,10 +361,42 @@ def test_left_does_not_hang_on_right_and_feet_hang_on_legs() -> None:
 
 
 def test_names_choose_the_closest_of_the_parts_that_are_there() -> None:
-    """A head hangs on a neck, on a body only without one; by its name it hangs on both kinds of trunk."""
-    words = [words_of(name) for name in ("head", "torso", "neck", "leg", "hips")]
-    assert agreements(words, [(0, 1), (0, 2), (3, 1), (3, 4)])["names"] == [0.0, 1.0, 1.0, 1.0]
-    assert agreements(words, [(0, 1)])["names"] == [1.0]
+    """A head hangs on a neck, on a body only without one; a leg on hips first; the tail of a fish, on it."""
+    words = [words_of(name) for name in ("head", "torso", "neck", "leg", "hips", "fish", "fish_tail")]
+    assert agreements(words, [(0, 1), (0, 2), (3, 1), (3, 4)])["names"] == [0.0, 1.0, 0.0, 1.0]
+    assert agreements(words, [(0, 1), (3, 1), (6, 1)])["names"] == [1.0, 1.0, 1.0]
+    assert agreements(words, [(6, 1), (6, 5)])["names"] == [0.0, 0.0]
+
+
+def test_hips_are_the_root_of_names_where_there_are_some() -> None:
+    words = [words_of(name) for name in ("torso", "arm", "path1", "pelvis")]
+    assert root_names(words) == [0.0, -1.0, 0.0, 1.0]
+    assert root_names(words[:3]) == [1.0, -1.0, 0.0]
+
+
+def test_a_group_of_layers_says_what_hangs_together() -> None:
+    """A strap lies on two limbs alike; it hangs on the one that is in its group."""
+    body = ball("body", 0.0, 0.0, 3.0)
+    legs = [limb(f"path{k}", (x, -2.0), (x, -9.0), width=1.6) for k, x in enumerate((-0.9, 0.9))]
+    strap = solid("strap", shapely.box(-1.4, -6.4, 1.4, -5.6))
+    for k in (0, 1):
+        names = "one", "other"
+        parts = [replace(leg, groups=(name,)) for leg, name in zip(legs, names, strict=True)]
+        found = parents(draft_puppet([body, *parts, replace(strap, groups=(names[k],))]))
+        assert found["strap"] == f"path{k}"
+
+
+def test_bones_are_longer_where_a_part_is_thicker_and_shorter_at_its_ends() -> None:
+    """The blends of two joints share the bones between; a blend is as long as the part is thick there."""
+    four = {"tail": PartChoice(hold=Hold.JOINT, bones=4)}
+    straight = draft_puppet([ball("body", 0.0, 0.0, 2.0), limb("tail", (1.0, 0.0), (25.0, 0.0), width=1.0)], four)
+    wedge = shapely.Polygon([(0.0, -2.0), (0.0, 2.0), (28.0, 0.8), (28.0, -0.8)])
+    pointed = draft_puppet([ball("body", 0.0, 0.0, 3.0), solid("tail", wedge)], four)
+    for draft in (straight, pointed):
+        first, second, third, last = (draft.bones[bone].length for bone in draft.chain(1))
+        assert first < 0.9 * second and last < 0.9 * third
+    second, third = (pointed.bones[bone].length for bone in pointed.chain(1)[1:3])
+    assert second > 1.1 * third
 
 
 def test_a_hand_before_a_hip_is_no_pin_of_it() -> None:
