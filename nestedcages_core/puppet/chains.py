@@ -40,7 +40,7 @@ KNEE, KNEE_PLACE = 0.35, (0.4, 0.6)
 the length."""
 
 
-class Middle(NamedTuple):
+class Midline(NamedTuple):
     """The path along the middle of a part."""
 
     points: FloatArray
@@ -80,7 +80,7 @@ def chain_of(
     return _straight(part, joint) if joint is None else points[[0, -1]]
 
 
-def _places(middle: Middle, along: FloatArray, count: int) -> FloatArray:
+def _places(middle: Midline, along: FloatArray, count: int) -> FloatArray:
     """(count + 1,) where bones begin and end, along the middle of a part."""
     length = np.maximum(middle.radii, THINNEST * middle.median) ** -THICK
     bones = np.concatenate(([0.0], np.cumsum(0.5 * (length[1:] + length[:-1]) * np.diff(along))))
@@ -114,7 +114,7 @@ def _straight(part: PuppetPart, joint: tuple[float, float] | None) -> FloatArray
     return np.stack((ends[0] + inset, ends[1] - inset))
 
 
-def _middle(part: PuppetPart, joint: tuple[float, float] | None) -> Middle | None:
+def _middle(part: PuppetPart, joint: tuple[float, float] | None) -> Midline | None:
     """The path along the middle of the part's largest component, from the joint to the farthest tip; None where the
     part is too round to have one."""
     try:
@@ -140,7 +140,7 @@ def _middle(part: PuppetPart, joint: tuple[float, float] | None) -> Middle | Non
         ahead = norm(points - joint) > radii.min()
         first = int(ahead.argmax()) if ahead.any() else 0
     begin = np.array(joint) if joint is not None else _tip(points[-2::-1], radii[-2::-1])
-    return Middle(np.concatenate(([begin], points[first:])), np.append(radii[first], radii[first:]), median)
+    return Midline(np.concatenate(([begin], points[first:])), np.append(radii[first], radii[first:]), median)
 
 
 def _tip(points: FloatArray, radii: FloatArray) -> FloatArray:

@@ -99,10 +99,10 @@ PARENTS = {
 }
 """What each part of a body hangs on; where there are several groups, on a part of the first one that is there."""
 
-ROOTS = _HIPS.split(), f"{_TORSO} {_LOWER} abdomen".split()
+ROOT_NAMES = _HIPS.split(), f"{_TORSO} {_LOWER} abdomen".split()
 """Parts of a body that are its root; where there are the former ones, one of them."""
 
-TRUNKS = frozenset(word for words in ROOTS for word in words)
+TRUNKS = frozenset(word for words in ROOT_NAMES for word in words)
 """Parts of a body that limbs hang on."""
 
 NO_EXTENSION = frozenset(f"arm {_ARM} {_FOREARM} {_HANDS}".split())
@@ -171,13 +171,13 @@ def words_of(name: str) -> Words:
         noun = "forearm" if "fore arm" in " ".join(words) else f"{half}_{limb}" if half else noun
         labels[HEIGHT - 1] = frozenset()
     elif {"upper", "lower"} & set(nouns):
-        noun = next((word for word in nouns if _known(word)), f"{'upper' if 'upper' in nouns else 'lower'}_leg")
+        noun = next((word for word in nouns if _known_noun(word)), f"{'upper' if 'upper' in nouns else 'lower'}_leg")
     elif noun == "ear" and "inner" in nouns:
         noun = "inner_ear"
-    return Words(_known(noun), (frozenset(side), *labels, numbers), tuple(nouns))
+    return Words(_known_noun(noun), (frozenset(side), *labels, numbers), tuple(nouns))
 
 
-def _known(noun: str) -> str:
+def _known_noun(noun: str) -> str:
     """A part of a body, as one of it; empty if it is none that is known."""
     singular = IRREGULAR.get(noun, noun.removesuffix("s"))
     return next((each for each in (noun, singular) if each in PARENTS or each in TRUNKS), "")
@@ -186,8 +186,8 @@ def _known(noun: str) -> str:
 def _halves(word: str) -> tuple[str, ...]:
     """A word that says where and what, such as hindleg, as two; other words as they are."""
     low = word.lower()
-    cuts = [at for at in range(3, len(word) - 2) if low[:at] in PLACES and _known(low[at:])]
-    return (word[: cuts[0]], word[cuts[0] :]) if cuts and not _known(low) else (word,)
+    cuts = [at for at in range(3, len(word) - 2) if low[:at] in PLACES and _known_noun(low[at:])]
+    return (word[: cuts[0]], word[cuts[0] :]) if cuts and not _known_noun(low) else (word,)
 
 
 def agreements(words: Sequence[Words], pairs: Sequence[tuple[int, int]]) -> dict[str, list[float]]:
@@ -222,7 +222,7 @@ def agreements(words: Sequence[Words], pairs: Sequence[tuple[int, int]]) -> dict
 
 def root_names(words: Sequence[Words]) -> list[float]:
     """1 for the names of the most likely roots, 0 for others of a trunk and unknown ones, -1 for other known ones."""
-    ranks = [next((k for k, root in enumerate(ROOTS) if each.noun in root), inf) for each in words]
+    ranks = [next((k for k, root in enumerate(ROOT_NAMES) if each.noun in root), inf) for each in words]
     best = min(ranks)
     return [1.0 if rank == best < inf else 0.0 if rank < inf else -1.0 * bool(each.noun)
             for each, rank in zip(words, ranks, strict=True)]  # fmt: skip
