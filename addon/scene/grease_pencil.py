@@ -224,7 +224,7 @@ def stacked(context: Context, obj: Object) -> list[Object]:
         return []
     normal = Painting.of(context, obj).frame().matrix[:3, 2]
     above = obj.matrix_world @ obj.matrix_basis.inverted_safe()
-    step = LAYER_DEPTH * float(obj.dimensions.length) * (above.inverted_safe().to_3x3() @ Vector(normal).normalized())
+    step = LAYER_DEPTH * float(obj.dimensions.length) * (above.inverted_safe().to_3x3() @ Vector(normal.tolist()).normalized())
     made = separated(context, obj)
     for number, (copy, layer) in enumerate(zip(made, layers, strict=True)):
         copy.name = copy.data.name = layer.name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from itertools import pairwise
 
 import bpy
@@ -56,6 +57,19 @@ def test_every_level_is_on_the_grid() -> None:
     assert bpy.ops.object.nested_cages_generate(levels="24", grid=0.125) == {"FINISHED"}
     assert (points(cages()[0]) % 0.0625 == 0.0).all()
     assert (points(cages()[0]) % 0.125 != 0.0).any()
+
+
+def test_a_cage_that_only_stands_on_its_grid_is_told(addon, monkeypatch) -> None:
+    """No motion to the points of the grid is certain here; the panel says so."""
+    package = addon.core.core.nested_cages.__module__.removesuffix("hierarchy.run")
+    settling = import_module(f"{package}level.settling")
+    monkeypatch.setattr(settling, "_paths", lambda *_: iter(()))
+    poly_curve("Drawing", [star(24, 0.3)])
+    assert bpy.ops.object.nested_cages_generate(levels="12", grid=0.125) == {"FINISHED"}
+    assert_nested()
+    (told,) = [data for code, data in addon.record.notes(addon.record.node_of(cages()[0])) if data.get("on") == "rest"]
+    assert addon.notes.is_told("note.start", told)
+    assert addon.notes.sentence("note.start", told).startswith("The cage does not grow")
 
 
 def test_convex_cages_have_so_many_vertices_around_each_part() -> None:
