@@ -222,9 +222,9 @@ def stacked(context: Context, obj: Object) -> list[Object]:
     """The same, named after the layers and each in front of the one below; empty if no more than one shows."""
     if obj.type != KINDS[0] or len(layers := Painting.of(context, obj).parts) < 2:
         return []
-    normal = Painting.of(context, obj).frame().matrix[:3, 2]
+    normal = Vector(Painting.of(context, obj).frame().matrix[:3, 2].tolist()).normalized()
     above = obj.matrix_world @ obj.matrix_basis.inverted_safe()
-    step = LAYER_DEPTH * float(obj.dimensions.length) * (above.inverted_safe().to_3x3() @ Vector(normal.tolist()).normalized())
+    step = LAYER_DEPTH * float(obj.dimensions.length) * (above.inverted_safe().to_3x3() @ normal)
     made = separated(context, obj)
     for number, (copy, layer) in enumerate(zip(made, layers, strict=True)):
         copy.name = copy.data.name = layer.name
