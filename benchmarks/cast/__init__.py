@@ -2,16 +2,16 @@
 
 `FIRST` were drawn when the rules of the graph were written, before these were measured on anything but four other
 characters; `SECOND` after the rules were changed with `FIRST` in view. Weights took the place of the rules, were fitted
-to both, and each later set was drawn and measured once before the weights were fitted to it too. Where a figure has
-hips or a pelvis of its own, these are the root, as riggers have it; three of the first five sets said the chest at
-first.
+to both, and each later set was drawn and measured once before the weights were fitted to it too. `EIGHTH` were drawn
+after that, and measured once. Where a figure has hips or a pelvis of its own, these are the root, as riggers have it;
+three of the first five sets said the chest at first.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from . import crawlers, fifth, fourth, people, second, seventh, sixth, third, walkers
+from . import crawlers, eighth, fifth, fourth, people, second, seventh, sixth, third, walkers
 from .sheet import Sheet
 
 
@@ -116,3 +116,16 @@ SEVENTH = _by_name(
 
 TUNED = FIRST | SECOND | THIRD | FOURTH | FIFTH | SIXTH | SEVENTH
 """Those that the weights of the graph are fitted to."""
+
+EIGHTH = _by_name(
+    eighth.nurse,
+    eighth.viking,
+    eighth.footballer,
+    eighth.waiter,
+    eighth.cow,
+    eighth.bear,
+    eighth.parrot,
+    eighth.grasshopper,
+    eighth.excavator,
+    eighth.griffin,
+)
