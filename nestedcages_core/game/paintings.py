@@ -42,7 +42,7 @@ def read_painting(
     OSError.
     """
     if Path(path).suffix.lower() == ".svg":
-        return Painting(*parts_of_svg(read_whole(path, Limits()), pixels))
+        return Painting(*parts_of_svg(read_whole(path, Limits()), pixels, background=False))
     picture = read_layers(path, names, decode=decode)
     parts, notes = parts_of(picture, hidden=hidden)
     return Painting(parts, (picture.width, picture.height), notes)

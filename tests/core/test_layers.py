@@ -212,6 +212,20 @@ def test_masks_groups_and_clipping_are_applied() -> None:
     assert [part.name for part in parts_of(found, hidden=True)[0]] == ["base", "odd", "inside"]
 
 
+@pytest.mark.parametrize(
+    ("left", "width", "is_left_out"), [(0, 10, True), (-3, 20, True), (0, 9, False), (4, 10, False)]
+)
+def test_a_background_is_no_part(left: int, width: int, is_left_out: bool) -> None:
+    """What Photoshop and Krita begin a painting with."""
+    paper = Layer("Background", left=left, top=-1, pixels=np.full((12, width, 4), 255, np.uint8))
+    arm = Layer("arm", pixels=np.full((4, 4, 4), 255, np.uint8))
+    parts, notes = parts_of(LayeredPicture(10, 10, (paper, arm)))
+    assert [part.name for part in parts] == ["Background", "arm"][is_left_out:]
+    assert bool(notes) == is_left_out
+    assert len(parts_of(LayeredPicture(10, 10, (paper,)))[0]) == 1
+    assert len(parts_of(LayeredPicture(10, 10, (arm, paper)))[0]) == 2
+
+
 SAMPLES = {
     "psd": (DATA / "layers.psd").read_bytes(),
     "kra": (DATA / "layers.kra").read_bytes(),

@@ -14,6 +14,9 @@ from .layer import NORMAL, PASS_THROUGH, Layer, LayeredPicture, Notes, Opacities
 BLENDS = (NORMAL, "multiply", "screen", "add")
 """Blend modes that game engines have too; others become normal."""
 
+COVERED = 0.99
+"""Smallest fraction of the canvas that an opaque background covers."""
+
 
 @dataclass(frozen=True, eq=False)
 class PicturePart:
@@ -61,16 +64,26 @@ class _Inherited:
 def parts_of(picture: LayeredPicture, *, hidden: bool = False) -> tuple[tuple[PicturePart, ...], tuple[str, ...]]:
     """The parts, the lowest first, and notes on what was left out or merged.
 
-    A layer that is clipped is painted onto the one below it. hidden: whether hidden layers become hidden parts.
+    A layer that is clipped is painted onto the one below it. The lowest one is left out if it covers the whole canvas.
+    hidden: whether hidden layers become hidden parts.
     """
     notes = Notes()
     found = [part for part in _parts(picture.layers, _Inherited(), notes) if part is not None]
+    if len(found) > 1 and _is_background(found[0], picture):
+        notes.add("Backgrounds are left out: {}.", found.pop(0).name)
     if not hidden:
         for part in found:
             if not part.is_visible:
                 notes.add("Hidden layers are left out: {}.", part.name)
         found = [part for part in found if part.is_visible]
     return tuple(found), (*picture.notes, *notes.sentences)
+
+
+def _is_background(part: PicturePart, picture: LayeredPicture) -> bool:
+    """Whether a part covers the canvas."""
+    bottom, right = (max(end, 0) for end in (picture.height - part.top, picture.width - part.left))
+    inside = part.seen[max(-part.top, 0) : bottom, max(-part.left, 0) : right]
+    return bool(np.count_nonzero(inside[..., 3] == 255) >= COVERED * picture.width * picture.height)
 
 
 def _parts(layers: tuple[Layer, ...], inherited: _Inherited, notes: Notes) -> Iterator[PicturePart | None]:
