@@ -22,11 +22,13 @@ def _names(words: str) -> list[str]:
 REST, WEIGHT, POSE, SPACE = _names("rest weight_ pose space")
 
 # Of bones of puppets, and of the hidden meshes that these bend: the name of the part. Of the bones: the angles within
-# which nothing folds, and of which limb they are; of bones to move them by: what they are for. Of the armature: which
-# way it looks; of a hidden mesh: weights as they were solved, one attribute per bone of the part; of a drawing: the
-# part that it belongs to.
+# which nothing folds, of which limb they are, and how long they were made; of bones to move them by: what they are for.
+# Of the armature: which way it looks; of a hidden mesh: weights as they were solved, one attribute per bone of the
+# part; of a drawing: the part that it belongs to.
 # Of what keeps joints painted: that it is a cap.
-PART, PROVED, LIMB, CONTROL, AHEAD, SOLVED, DRAWN, CAP = _names("part proved limb control ahead solved_ drawn cap")
+PART, PROVED, LIMB, LENGTH, CONTROL, AHEAD, SOLVED, DRAWN, CAP = _names(
+    "part proved limb length control ahead solved_ drawn cap"
+)
 # Of an armature of a painting: width and height of the canvas in pixels, and metres per pixel, and its puppet as it was
 # made; of its meshes: their names in it, path and id of the layer, and how it blends.
 CANVAS, KEPT, MADE, LAYER, LAYER_ID, BLEND = _names("canvas kept made layer layer_id blend")

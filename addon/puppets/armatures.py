@@ -5,6 +5,7 @@ is not ours in it stays.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from math import radians
@@ -23,6 +24,10 @@ from ..scene.areas import paints
 from ..scene.ownership import select
 from ..scene.plane import Frame, scale_of, transform, world_matrix
 
+# What Blender adds to a name that another block has.
+COUNTED = re.compile(r"\.\d{3}$")
+# Bones shorter than this fraction of what they were have been subdivided.
+SUBDIVIDED = 0.95
 # Name of the constraint with the proved range of a bone.
 RANGE = "Proved Range"
 # Colours of the bones of parts that may hang on another one, and of others.
@@ -116,7 +121,7 @@ def choices_in(
     chains = chains_of(armature.data.bones)
     for name, obj in zip(known, drawings, strict=True):
         host = carried_by(obj, armature) if name not in chains else ""
-        if host in known:
+        if host in known and obj.get(keys.DRAWN, name) == name:  # a copy of a part hangs where it lies now
             choices[name] = core.puppet.PartChoice(parent=host, hold=core.puppet.Hold.RIDES)
     for name, chain in chains.items():
         if name not in known:
@@ -124,7 +129,8 @@ def choices_in(
         ends = np.array([*(bone.head_local for bone in chain), chain[-1].tail_local])
         places = tuple((float(x), float(y)) for x, y in frame.from_world(transform(matrix, ends))[0])
         stays = known[name].distance(places[0]) <= OFF_PART * chain[0].length
-        here = core.puppet.PartChoice(bones=len(chain), chain=places if stays else None)
+        inside = all(known[name].distance(place) == 0.0 for place in places[1:-1])
+        here = core.puppet.PartChoice(bones=len(chain), chain=places if stays and inside else None)
         above = first = owner_of(chain[0].parent)
         while above is not None and part_of(above) not in known:
             above = owner_of(above.parent)
@@ -136,6 +142,21 @@ def choices_in(
         else:
             choices[name] = replace(here, parent=part_of(above), joint=joint, hold=core.puppet.Hold.JOINT)
     return choices
+
+
+def mark_subdivided(armature: Object) -> None:
+    """Marks bones that come from bones of parts subdivided by hand, of which Blender forgets what they are for."""
+    for bone in [each for each in armature.data.bones if part_of(each)]:
+        whole = bone.get(keys.LENGTH, 0.0)
+        length, last = bone.length, bone
+        while length < SUBDIVIDED * whole:
+            alike = (each for each in last.children if COUNTED.sub("", each.name) == COUNTED.sub("", bone.name))
+            last = next((each for each in alike if each.use_connect and not part_of(each)), None)
+            if last is None:
+                break
+            length += last.length
+            last[keys.PART] = part_of(bone)
+            armature.pose.bones[last.name].rotation_mode = "XYZ"
 
 
 def chains_of(bones: Any) -> dict[str, list[Any]]:
@@ -211,7 +232,7 @@ def _mark(armature: Object, puppet: core.puppet.Puppet) -> None:
     for bone, proved in zip(figure.bones, figure.ranges, strict=True):
         made: Any = data.bones[bone.name]
         made[keys.PROVED] = [proved.low, proved.high, proved.simple_low, proved.simple_high]
-        made[keys.LIMB] = ""
+        made[keys.LIMB], made[keys.LENGTH] = "", made.length
         if part_of(made) in doubtful or made.color.palette == DOUBTFUL:
             made.color.palette = DOUBTFUL if part_of(made) in doubtful else CERTAIN
     for kind, limbs in figure.limbs._asdict().items():

@@ -30,8 +30,6 @@ from . import armatures, caps, controls, weights
 
 # What the import adds to the name of a layer for a shape without a name.
 NUMBERED = re.compile(r"[ .]\d+$")
-# What Blender adds to a name that another object has, as one of a second character in the scene.
-COUNTED = re.compile(r"\.\d{3}$")
 # Directions along the plane's normal are compared as multiples of this fraction of the drawing's size.
 SAME_DEPTH = 1e-6
 
@@ -87,11 +85,11 @@ def _part_names(objects: Sequence[Object], old: Object | None) -> dict[Object, s
     """
     found: dict[Object, str] = {}
     for obj in objects:
-        stem = NUMBERED.sub("", COUNTED.sub("", obj.name))
-        layers = (layer.name for layer in obj.users_collection if COUNTED.sub("", layer.name) == stem)
+        stem = NUMBERED.sub("", armatures.COUNTED.sub("", obj.name))
+        layers = (layer.name for layer in obj.users_collection if armatures.COUNTED.sub("", layer.name) == stem)
         found[obj] = next(layers, obj.name)
-    stems = Counter(COUNTED.sub("", name) for name in set(found.values()))
-    found = {obj: stem if stems[stem := COUNTED.sub("", name)] == 1 else name for obj, name in found.items()}
+    stems = Counter(armatures.COUNTED.sub("", name) for name in set(found.values()))
+    found = {obj: stem if stems[stem := armatures.COUNTED.sub("", name)] == 1 else name for obj, name in found.items()}
     known = {obj: str(obj.get(keys.DRAWN, "")) for obj in objects if obj.parent == old is not None}
     for name in set(known.values()) - {""}:
         now = [found[obj] for obj in known if known[obj] == name]
@@ -126,6 +124,8 @@ def articulate(
     yield Progress(0.3, "finding joints")
     with blamed("The puppet"):
         lowest = [own[0] for own in given.objects]
+        if old is not None:
+            armatures.mark_subdivided(old)
         choices = armatures.choices_in(old, given.parts, lowest, given.frame) if old is not None else {}
         draft = core.puppet.draft_puppet(given.parts, choices)
         yield Progress(0.4, "cages and weights of parts that bend")
@@ -133,7 +133,8 @@ def articulate(
         puppet = core.puppet.puppet_of(draft, blend)
     yield Progress(0.9, "making bones")
     _check_followers(given, puppet)
-    solved, before = puppet, weights.carriers_of(old) if old is not None else {}
+    everyone = [obj for own in given.objects for obj in own]
+    solved, before = puppet, weights.carriers_of(old) if old is not None else weights.left_over(everyone)
     new: list[Object] = []
     with removed_on_failure(new):
         if old is None:
@@ -165,6 +166,7 @@ def articulate(
                 if carrier is not None:
                     field.follow(obj, carriers[id(carrier)], carriers[id(carrier)])
     _replace(before, armature)
+    caps.remove_left_over(everyone)
     context.view_layer.update()
     caps.draw_caps(context, armature, given.frame, given.objects, puppet, puppet.caps if options.caps else ())
     select(context, armature)

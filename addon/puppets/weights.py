@@ -34,6 +34,12 @@ def carriers_of(armature: Object) -> dict[str, Object]:
     return {part_of(each): each for each in hidden}
 
 
+def left_over(drawings: Sequence[Object]) -> dict[str, Object]:
+    """The hidden meshes that drawings follow since an armature that was deleted."""
+    hidden = [each for each in map(field.followed, drawings) if each is not None and each.parent is None]
+    return {part_of(each): each for each in hidden if part_of(each)}
+
+
 def foldings_of(armature: Object) -> list[Folding]:
     """What can fold in a puppet: the hidden meshes that bones bend, and paintings with weights of their own."""
     drawings = armatures.drawings_of(armature)

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 import pytest
 from bpy.types import Object
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 from drawings import choose, grease_pencil
 from marks import slow_after
@@ -498,6 +498,83 @@ def test_pictures_on_planes_are_told(capfd: pytest.CaptureFixture[str]) -> None:
     said = "".join(capfd.readouterr())
     assert f"'{drawings[0].name}' counts as its rectangle" in said
     assert drawings[1].name not in said.split("counts as its rectangle")[0]
+
+
+def test_an_armature_that_was_deleted_leaves_nothing_behind() -> None:
+    drawings = figure_of_faces(Matrix())
+    choose(*drawings)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    before = {obj.name for obj in bpy.data.objects}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    choose(bpy.context.object)
+    assert bpy.ops.object.delete() == {"FINISHED"}
+    choose(*drawings)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    assert {obj.name for obj in bpy.data.objects} == before
+
+
+def test_a_copy_of_a_part_is_a_part_of_its_own() -> None:
+    """It hangs where it lies now, and not on the part that it is a copy of."""
+    drawings = {obj.name: obj for obj in figure_of_faces(Matrix())}
+    choose(*drawings.values())
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    rig: Any = bpy.context.object
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for name in ("Arm.L", "Hand.L"):
+        choose(drawings[name])
+        assert bpy.ops.object.duplicate() == {"FINISHED"}
+        bpy.context.object.location.y -= 0.6
+        bpy.context.object.select_set(True)
+        drawings[f"Second {name}"] = bpy.context.object
+    choose(*drawings.values(), rig)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    parents = {
+        part: rig.data.bones[parent]["nested_cages_part"] for part, parent, _ in bones_of(rig).values() if parent
+    }
+    assert parents["Arm.L.001"] == "Torso" and {"Hand.L.001", "Hand.L"} <= {*parents}
+    before = shapes()
+    turn(rig, **{bone(rig, "Arm.L.001").name: 30.0})
+    after = shapes()
+    far = {name for name, points in before.items() if np.abs(after[name] - points).max() > 1e-3}
+    assert far == {"Arm.L.001", "Hand.L.001"}
+
+
+@pytest.mark.parametrize("cuts", [1, 2])
+def test_a_subdivided_bone_bends_its_part(cuts: int) -> None:
+    drawings = {obj.name: obj for obj in figure_of_faces(Matrix())}
+    choose(*drawings.values())
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    rig: Any = bpy.context.object
+    (first,) = [each.name for each in rig.data.bones if each["nested_cages_part"] == "Arm.L"]
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.armature.select_all(action="DESELECT")
+    bone = rig.data.edit_bones.active = rig.data.edit_bones[first]
+    bone.select = bone.select_head = bone.select_tail = True
+    assert bpy.ops.armature.subdivide(number_cuts=cuts) == {"FINISHED"}
+    bone_before = next(each.parent.name for each in rig.data.edit_bones if each.get("nested_cages_part") == "Hand.L")
+    own = rig.data.edit_bones.new(f"{first}.009")
+    own.parent = rig.data.edit_bones[bone_before]
+    own.head, own.tail, own.use_connect = own.parent.tail, own.parent.tail + own.parent.vector, True  # extruded
+    bpy.ops.object.mode_set(mode="POSE")
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    chain = [each.name for each in rig.data.bones if each.get("nested_cages_part") == "Arm.L"]
+    assert len(chain) == cuts + 1 and f"{first}.009" not in chain
+    before = shapes()
+    rig.pose.bones[chain[-1]].rotation_euler[2] = 0.5
+    assert "Arm.L" in moved(before, shapes()) <= {"Arm.L", "Hand.L"}
+    assert bpy.ops.object.nested_cages_clip(kind="WAVE") == {"FINISHED"}
+
+
+def test_a_joint_moved_off_its_part_comes_back() -> None:
+    choose(*figure_of_faces(Matrix()))
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    rig: Any = bpy.context.object
+    before = bones_of(rig)
+    bpy.ops.object.mode_set(mode="EDIT")
+    rig.data.edit_bones["Leg.L"].tail += Vector((1.0, 0.0, 0.0))
+    bpy.ops.object.mode_set(mode="POSE")
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    np.testing.assert_allclose(bones_of(rig)["Leg.001.L"][2], before["Leg.001.L"][2], atol=0.1)
 
 
 def test_nothing_selected_is_told() -> None:
