@@ -139,8 +139,12 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
                 self.report({"WARNING"}, f"'{path.name}': {note}")
         made = yield from importers.place(context, shapes, y_down=Y_DOWN[self.y], scale=self.scale)
         drawn = [obj for obj, shape in zip(made, shapes, strict=True) if not shape.placed]
+        in_parts = []
         for title, parts in layered_files:
-            drawn += yield from svg_parts.place(context, title, parts, y_down=self.y != "UP", scale=self.scale)
+            in_parts.append(
+                (yield from svg_parts.place(context, title, parts, y_down=self.y != "UP", scale=self.scale))
+            )
+        drawn += [obj for own in in_parts for obj in own]
         placed = [obj for obj in made if obj not in drawn]
         importers.arrange(placed, upright=self.plane == "XZ", centred=False)
         importers.arrange(drawn, upright=self.plane != "XY", centred=self.centre and bool(drawn))
@@ -152,7 +156,8 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         if self.outlines == "PUPPET" and drawn:
             context.view_layer.update()
             with characters.removed_on_failure(drawn):
-                yield from make_puppet(self, context, drawn, None, Making())
+                for own in in_parts or [drawn]:
+                    yield from make_puppet(self, context, own, None, Making())
             self.shown_by = (FLAT_LIGHT,)
             return
         self.shown_by = (TEXTURES, FLAT_LIGHT) if puppets else (FLAT_LIGHT,) if layered_files else ()

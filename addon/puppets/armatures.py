@@ -175,6 +175,33 @@ def add_armature(context: Context, home: Collection | None, frame: Frame, name: 
     return made
 
 
+def hang_as(armature: Object, objects: Sequence[Object]) -> None:
+    """Makes what all of some objects have as their parent that of a new armature, which stays where it is."""
+    parent, kind = objects[0].parent, objects[0].parent_type
+    if (
+        parent is not None
+        and kind == "OBJECT"
+        and all((obj.parent, obj.parent_type) == (parent, kind) for obj in objects)
+    ):
+        armature.parent = parent
+        armature.matrix_parent_inverse = parent.matrix_world.inverted_safe()
+
+
+def parents_of(
+    parts: Sequence[core.puppet.PuppetPart], drawings: Sequence[Sequence[Object]]
+) -> dict[str, core.puppet.PartChoice]:
+    """On which others parts hang by the parents of their drawings; nothing if these all have the same one.
+
+    drawings: those of each part.
+    """
+    owner: dict[Object | None, str] = {obj: part.name for part, own in zip(parts, drawings, strict=True) for obj in own}
+    above = {part.name: owner.get(own[0].parent, part.name) for part, own in zip(parts, drawings, strict=True)}
+    above = {name: parent for name, parent in above.items() if parent != name}
+    if len({*above.values()}) < 2:
+        return {}
+    return {name: core.puppet.PartChoice(parent=parent) for name, parent in above.items()}
+
+
 def draw_bones(
     context: Context,
     armature: Object,

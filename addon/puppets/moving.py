@@ -126,7 +126,9 @@ def articulate(
         lowest = [own[0] for own in given.objects]
         if old is not None:
             armatures.mark_subdivided(old)
-        choices = armatures.choices_in(old, given.parts, lowest, given.frame) if old is not None else {}
+            choices = armatures.choices_in(old, given.parts, lowest, given.frame)
+        else:
+            choices = armatures.parents_of(given.parts, given.objects)
         draft = core.puppet.draft_puppet(given.parts, choices)
         yield Progress(0.4, "cages and weights of parts that bend")
         blend = core.character.Linear() if options.linear else core.character.PreserveVolume()
@@ -143,6 +145,7 @@ def articulate(
             title = options.title or (home.name if home else root)
             armature = armatures.add_armature(context, home, given.frame, title)
             new.append(armature)
+            armatures.hang_as(armature, everyone)
         else:
             armature, puppet = old, weights.by_hand(old, puppet, given.frame)
             caps.remove_caps(armature)

@@ -577,6 +577,46 @@ def test_a_joint_moved_off_its_part_comes_back() -> None:
     np.testing.assert_allclose(bones_of(rig)["Leg.001.L"][2], before["Leg.001.L"][2], atol=0.1)
 
 
+def test_parents_of_drawings_say_what_hangs_on_what() -> None:
+    """Unless all hang on one, which moves them; what is the parent of all is that of the puppet."""
+    own = {"Head": "Torso", "Arm.L": "Neck", "Neck": "Torso"}
+    for parents in (own, dict.fromkeys(("Head", "Arm.L", "Neck"), "Torso")):
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        drawings = {obj.name: obj for obj in figure_of_faces(Matrix())}
+        for child, parent in parents.items():
+            drawings[child].parent = drawings[parent]
+        choose(*drawings.values())
+        assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+        found = {part: parent for part, parent, _ in bones_of(bpy.context.object).values()}
+        assert (found["Head"], found["Arm.L"]) == (("Torso", "Neck") if parents == own else ("Neck", "Torso"))
+
+
+def test_what_moves_all_drawings_moves_their_puppet() -> None:
+    drawings = figure_of_faces(Matrix())
+    empty = bpy.data.objects.new("Stage", None)
+    bpy.context.collection.objects.link(empty)
+    empty.location, empty.rotation_euler, empty.scale = (2.0, 1.0, 0.0), (0.0, 0.0, 0.3), (1.5, 1.5, 1.5)
+    for obj in drawings:
+        obj.parent = empty
+    before = shapes()
+    choose(*drawings)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    rig: Any = bpy.context.object
+    assert rig.parent == empty and moved(before, shapes()) == set()
+    empty.location.x += 5.0
+    after = shapes()
+    for name, there in before.items():
+        np.testing.assert_allclose(after[name], there + np.array([5.0, 0.0, 0.0]), atol=1e-4)
+
+
+def test_each_file_is_a_puppet(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        (tmp_path / f"{name}.svg").write_text(ARM, encoding="utf-8")
+    files = [{"name": "one.svg"}, {"name": "two.svg"}]
+    bpy.ops.object.nested_cages_import(directory=str(tmp_path), files=files, outlines="PUPPET")
+    assert {obj.name for obj in bpy.data.objects if obj.type == "ARMATURE"} == {"one Puppet", "two Puppet"}
+
+
 def test_nothing_selected_is_told() -> None:
     with pytest.raises(RuntimeError, match="Select the parts of a drawing"):
         bpy.ops.object.nested_cages_puppet()
