@@ -8,12 +8,10 @@ from enum import Enum
 
 from ..errors import invalid_setting
 
-DOUBTFUL_MARGIN = 0.8
-"""A link is marked as doubtful if another parent is less than this part less likely. On the characters that weights are
-fitted to, 8 % of links then are marked, and 35 of the 70 wrong ones (`benchmarks/cast`)."""
-
-DOUBTFUL_SCORE = 0.15
-"""A link is marked as doubtful too if its own probability is below this."""
+DOUBTFUL_MARGIN, DOUBTFUL_SCORE = 0.85, 0.3
+"""A link is marked as doubtful if another parent is less than this part less likely, or if its own probability is below
+that. On the characters that weights are fitted to, 10 % of links then are marked, and 60 of the 90 wrong ones
+(`benchmarks/cast`)."""
 
 
 class Hold(Enum):
