@@ -18,7 +18,7 @@ SENTENCES: Mapping[str, str] = {
     "loose.clearance": "The gap is {share_percent:.3g} % of the drawing's size: a smaller one would make it tighter.",
     "loose.count": "{count} vertices are few for this drawing: ask for more.",
     "loose.enough": "{better} vertices would make it less than {good_percent:.0f} % larger.",
-    "note.start rest": "The cage does not grow: on the way to the points of 'Grid' it would meet the drawing.",
+    "note.start rest": "The cage does not grow: growing to points of 'Grid', it would meet the drawing.",
     "note.start fallback": (
         "Your outline could not be used, and another one took its place: draw it around the drawing and all its parts, "
         "with no holes that the drawing has not."

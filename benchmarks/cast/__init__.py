@@ -114,9 +114,6 @@ SEVENTH = _by_name(
     seventh.goblin,
 )
 
-TUNED = FIRST | SECOND | THIRD | FOURTH | FIFTH | SIXTH | SEVENTH
-"""Those that the weights of the graph are fitted to."""
-
 EIGHTH = _by_name(
     eighth.nurse,
     eighth.viking,
@@ -129,3 +126,6 @@ EIGHTH = _by_name(
     eighth.excavator,
     eighth.griffin,
 )
+
+TUNED = FIRST | SECOND | THIRD | FOURTH | FIFTH | SIXTH | SEVENTH | EIGHTH
+"""Those that the weights of the graph are fitted to."""

@@ -16,6 +16,7 @@ from .graph import links_of
 from .links import Hold, Link, PartChoice
 from .parts import PuppetPart, with_unique_names
 from .sides import Side, sides_of
+from .words import RIGID, words_of
 
 TOWARDS = 0.3
 """A rigid part's bone ends at its only limb's joint, if that is at least this part of the part's length away."""
@@ -143,7 +144,7 @@ def _bones(
                 parts[part],
                 None if link.parent is None else link.joint,
                 carries=bool(limbs),
-                bones=choice.bones,
+                bones=choice.bones or (1 if words_of(parts[part].name).noun in RIGID else None),
                 most=most.get(parts[part].name, MOST_BONES),
             )
             if len(chain) == 2 and len(limbs) == 1 and link.parent is not None:

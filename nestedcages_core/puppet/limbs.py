@@ -11,13 +11,10 @@ from ..character import Bone
 from .draft import PuppetDraft
 from .links import Hold
 from .ranges import JointRange
-from .words import TRUNKS, words_of
+from .words import ARMS, LEGS, TRUNKS, words_of
 
 ON_GROUND = 0.15
 """A leg ends this near the lowest point of the drawing, in heights of the drawing."""
-
-ARMS = frozenset({"arm", "upper_arm", "sleeve"})
-"""Words for the first part of an arm."""
 
 FROM_THE_FRONT, LEGS_APART = 0.35, 0.2
 """How far a figure steps that is seen from the front, against one seen from the side; and least distance of its two
@@ -64,7 +61,9 @@ def limbs_of(draft: PuppetDraft) -> Limbs:
         parts = _outwards(draft, part)
         bones = tuple(draft.bones[bone].name for k in parts for bone in draft.chain(k))
         riders = sum(draft.links[k].hold is Hold.RIDES for own in parts for k in draft.children(own))
-        reaches = min(bottoms[k] for k in parts) < ground + ON_GROUND * (top - ground)
+        reaches = (not nouns[part] or nouns[part] in LEGS) and min(bottoms[k] for k in parts) < ground + ON_GROUND * (
+            top - ground
+        )
         if nouns[part] == "tail":
             kind = "tails"
         elif reaches and draft.bones[draft.bone_of[part]].tail[1] < draft.bones[draft.bone_of[part]].head[1]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from math import inf
 
 SIDES = {"l": "L", "left": "L", "r": "R", "right": "R"}
@@ -19,8 +20,8 @@ ENDS = {"front": "fore", "fore": "fore", "back": "hind", "rear": "hind", "hind":
 HEIGHTS = {"up": "up", "top": "up", "low": "low", "bottom": "low"}
 """Words for what is above and below, such as jaws."""
 
-HEIGHT = 3
-"""Number of the label for heights, after those for sides, depths and ends."""
+HEIGHT, NUMBER = 3, 4
+"""Places of the labels for heights and for numbers, after those for sides, depths and ends."""
 
 HALVES = {"upper": "upper", "up": "upper", "lower": "lower", "low": "lower"}
 """Words for the halves of arms and legs."""
@@ -28,20 +29,23 @@ HALVES = {"upper": "upper", "up": "upper", "lower": "lower", "low": "lower"}
 PLACES = {word for word in (*SIDES, *DEPTHS, *ENDS, *HEIGHTS, "upper", "lower") if len(word) > 2}
 """Words that names have before a part of a body, at times as one word: hindleg."""
 
+CODES = {end[0] + side[0]: (end, side) for end, side in product(("front", "back", "hind", "rear"), ("left", "right"))}
+"""Short words for a leg of an animal: FL is the left one in front."""
+
 IRREGULAR = {"feet": "foot", "teeth": "tooth", "hooves": "hoof", "calves": "calf"}
 """Plurals without an s alone."""
 
 _TORSO = "torso body chest thorax coat dress robe shirt jacket spine sweater hoodie blouse tunic ribcage"
-_HIPS, _LOWER = "hips pelvis", "waist skirt trousers pants shorts jeans kilt"
-_ARM, _FOREARM = "upper_arm sleeve humerus", "forearm lower_arm ulna"
-_VEST = "vest waistcoat apron dungarees overalls"
+_HIPS, _LOWER = "hips pelvis", "skirt trousers pants shorts jeans kilt dungarees overalls"
+_ARM, _FOREARM = "upper_arm sleeve humerus bicep", "forearm lower_arm ulna"
+_VEST = "vest waistcoat apron"
 _THIGH, _SHIN = "thigh upper_leg haunch femur", "shin calf lower_leg shank hock tibia"
 _FACE = "cheek ear hair fringe beard moustache hat helmet horn antler antenna feeler jaw snout muzzle "
 _FACE += "beak bill trunk tusk visor face mask glasses plume crest crown tiara wattle blush freckle "
 _FACE += "headband bandana bang ponytail pigtail braid bun eyepatch veil wig hood beanie goatee chin forehead"
 _HANDS = "hand paw claw glove fist pincer gauntlet"
 _TOOLS = "sword hilt handle shield staff stick spear bow axe wand gun rifle pistol hammer mace dagger knife torch "
-_TOOLS += "lantern umbrella cane flag"
+_TOOLS += "lantern umbrella cane flag haft pole broom spoon ladle"
 _FEET = "foot hoof shoe boot ankle sandal sneaker slipper talon sock"
 
 _HANGS_ON = (
@@ -54,7 +58,7 @@ _HANGS_ON = (
     ("knee kneepad", f"{_SHIN} {_THIGH} leg"),
     ("elbow cuff", f"{_FOREARM} {_ARM} arm"),
     ("shoulder pauldron", f"{_ARM} arm {_TORSO}"),
-    ("button pocket zip zipper tie necktie badge lapel", f"{_TORSO} {_VEST} belly"),
+    ("button pocket zip zipper tie necktie badge lapel", f"{_TORSO} {_VEST} {_LOWER} belly"),
     ("buckle", "belt"),
     ("blade guard", _TOOLS),
     ("nail", "finger thumb toe"),
@@ -66,8 +70,8 @@ _HANGS_ON = (
     (_FACE, "head skull helmet face"),
     ("head skull", f"neck, {_TORSO}"),
     ("neck", _TORSO),
-    (_TORSO, _HIPS),
-    (f"{_LOWER} abdomen", f"{_HIPS} {_TORSO}"),
+    (_TORSO, f"{_HIPS}, {_LOWER}"),
+    (f"{_LOWER} waist abdomen", f"{_HIPS}, {_TORSO}"),
     ("tail", f"{_HIPS}, {_LOWER} {_TORSO} abdomen"),
     ("scarf collar ruff necklace bowtie", f"neck, {_TORSO}"),
     ("bell tag pendant", f"collar necklace, neck, {_TORSO}"),
@@ -99,11 +103,20 @@ PARENTS = {
 }
 """What each part of a body hangs on; where there are several groups, on a part of the first one that is there."""
 
-ROOT_NAMES = _HIPS.split(), f"{_TORSO} {_LOWER} abdomen".split()
-"""Parts of a body that are its root; where there are the former ones, one of them."""
+ROOT_NAMES = _HIPS.split(), _LOWER.split(), f"{_TORSO} waist abdomen".split()
+"""Parts of a body that are its root, the most likely first."""
 
 TRUNKS = frozenset(word for words in ROOT_NAMES for word in words)
 """Parts of a body that limbs hang on."""
+
+LEGS = frozenset(f"leg {_THIGH} {_SHIN} foot paw hoof".split())
+"""Parts of a leg."""
+
+ARMS = frozenset(f"arm {_ARM}".split())
+"""The first part of an arm."""
+
+RIGID = frozenset(f"{_TOOLS} blade guard beak bill horn antler tusk tooth fang nail claw hoof".split())
+"""What does not bend, however long it is."""
 
 NO_EXTENSION = frozenset(f"arm {_ARM} {_FOREARM} {_HANDS}".split())
 """Parts of a body that may be named after what they hold: a bow hand."""
@@ -116,10 +129,19 @@ TURNING = frozenset(
 HOLDING = frozenset(f"{_HANDS} beak mouth".split())
 """Parts of a body that hold things."""
 
-NAMES = "names", "names_of_others", "names_reversed", "held", "name_extends", "labels", "labels_of_others"
+NAMES = (
+    "names",
+    "names_of_others",
+    "names_reversed",
+    "held",
+    "name_extends",
+    "name_follows",
+    "labels",
+    "labels_of_others",
+)
 """What names say of a pair: of parts of a body that hang together, that do not, or the other way around; that a hand
-may hold a thing; that one is a part of the other, as a tip of a tail; sides, depths, ends, heights and numbers that are
-the same, and that are not."""
+may hold a thing; that one is a part of the other, as a tip of a tail, or the next one; sides, depths, ends, heights and
+numbers that are the same, and that are not."""
 
 
 @dataclass(frozen=True)
@@ -186,6 +208,8 @@ def _known_noun(noun: str) -> str:
 def _halves(word: str) -> tuple[str, ...]:
     """A word that says where and what, such as hindleg, as two; other words as they are."""
     low = word.lower()
+    if low in CODES:
+        return CODES[low]
     cuts = [at for at in range(3, len(word) - 2) if low[:at] in PLACES and _known_noun(low[at:])]
     return (word[: cuts[0]], word[cuts[0] :]) if cuts and not _known_noun(low) else (word,)
 
@@ -211,11 +235,12 @@ def agreements(words: Sequence[Words], pairs: Sequence[tuple[int, int]]) -> dict
         rows.append((
             is_named,
             is_known and not is_named,
-            _rank(other, one) < inf,
+            rank == inf and _rank(other, one) < inf,
             not one.noun and other.noun in HOLDING,
             is_extension,
+            _follows(one, other),
             sum(bool(own & its) for own, its in both),
-            sum(not own & its for own, its in both),
+            sum(not own & its for own, its in both) - _follows(one, other),
         ))  # fmt: skip
     return {name: [float(row[k]) for row in rows] for k, name in enumerate(NAMES)}
 
@@ -235,6 +260,13 @@ def _rank(child: Words, parent: Words) -> float:
     if any(own and its and not own & its for own, its in pairs):
         return inf
     return next((k for k, group in enumerate(PARENTS.get(child.noun, ())) if parent.noun in group), inf)
+
+
+def _follows(child: Words, parent: Words) -> bool:
+    """Whether two names differ by their number alone, and the former's is the next one."""
+    same = child.others == parent.others and child.labels[:NUMBER] == parent.labels[:NUMBER]
+    own, its = (each.labels[NUMBER] for each in (child, parent))
+    return same and len(own) == len(its) == 1 and int(*own) == int(*its) + 1
 
 
 def _extends(child: Words, parent: Words) -> bool:

@@ -333,6 +333,7 @@ def test_parts_of_several_areas_and_with_narrow_holes_have_fields() -> None:
         ("inner ear right", "inner_ear", "R"),
         ("upper teeth", "tooth", ""),
         ("hindleg", "leg", ""),
+        ("FL_lower", "lower_leg", "L"),
         ("hind_lower_far", "lower_leg", ""),
         ("r2d2", "", ""),
         ("Füße", "", ""),
@@ -351,6 +352,10 @@ def test_left_does_not_hang_on_right_and_feet_hang_on_legs() -> None:
         ("tooth_low", "jaw_low"): {"names": 1.0, "labels": 1.0},
         ("tail_tip", "tail"): {"name_extends": 1.0},
         ("fish_tail", "fish"): {"name_extends": 1.0},
+        ("segment 3", "segment 2"): {"name_follows": 1.0},
+        ("segment 3", "segment 1"): {"labels_of_others": 1.0},
+        ("FL_lower", "FR_upper"): {"names_of_others": 1.0, "labels": 1.0, "labels_of_others": 1.0},
+        ("shirt", "shorts"): {"names": 1.0},
         ("torso", "arm_l"): {"names_of_others": 1.0, "names_reversed": 1.0},
         ("banana", "hand_l"): {"held": 1.0},
         ("path12", "leg_r"): {},
@@ -371,6 +376,7 @@ def test_names_choose_the_closest_of_the_parts_that_are_there() -> None:
 def test_hips_are_the_root_of_names_where_there_are_some() -> None:
     words = [words_of(name) for name in ("torso", "arm", "path1", "pelvis")]
     assert root_names(words) == [0.0, -1.0, 0.0, 1.0]
+    assert root_names([words_of(name) for name in ("shirt", "left shin", "shorts")]) == [0.0, -1.0, 1.0]
     assert root_names(words[:3]) == [1.0, -1.0, 0.0]
 
 
@@ -384,6 +390,13 @@ def test_a_group_of_layers_says_what_hangs_together() -> None:
         parts = [replace(leg, groups=(name,)) for leg, name in zip(legs, names, strict=True)]
         found = parents(draft_puppet([body, *parts, replace(strap, groups=(names[k],))]))
         assert found["strap"] == f"path{k}"
+
+
+def test_what_is_rigid_by_its_name_has_one_bone_unless_a_user_wants_more() -> None:
+    parts = [ball("hand", 0.0, 0.0, 1.0), limb("spear", (0.0, 0.0), (14.0, 0.0))]
+    free, asked = draft_puppet(parts), draft_puppet(parts, {"spear": PartChoice(bones=3)})
+    bending = draft_puppet([parts[0], replace(parts[1], name="tail")])
+    assert [len(each.chain(1)) for each in (free, asked, bending)] == [1, 3, 6]
 
 
 def test_bones_are_longer_where_a_part_is_thicker_and_shorter_at_its_ends() -> None:
