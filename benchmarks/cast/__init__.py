@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from . import crawlers, eighth, fifth, fourth, people, second, seventh, sixth, third, walkers
+from . import crawlers, eighth, fifth, fourth, ninth, people, second, seventh, sixth, third, walkers
 from .sheet import Sheet
 
 
@@ -129,3 +129,16 @@ EIGHTH = _by_name(
 
 TUNED = FIRST | SECOND | THIRD | FOURTH | FIFTH | SIXTH | SEVENTH | EIGHTH
 """Those that the weights of the graph are fitted to."""
+
+NINTH = _by_name(
+    ninth.firefighter,
+    ninth.detective,
+    ninth.boxer,
+    ninth.violinist,
+    ninth.wolf,
+    ninth.rhinoceros,
+    ninth.eagle,
+    ninth.koala,
+    ninth.fairy,
+    ninth.minotaur,
+)
