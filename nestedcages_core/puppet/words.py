@@ -109,7 +109,7 @@ ROOT_NAMES = _HIPS.split(), _LOWER.split(), f"{_TORSO} waist abdomen".split()
 TRUNKS = frozenset(word for words in ROOT_NAMES for word in words)
 """Parts of a body that limbs hang on."""
 
-LEGS = frozenset(f"leg {_THIGH} {_SHIN} foot paw hoof".split())
+LEGS = frozenset(f"leg {_THIGH} {_SHIN} paw {_FEET}".split())
 """Parts of a leg."""
 
 ARMS = frozenset(f"arm {_ARM}".split())
