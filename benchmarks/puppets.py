@@ -34,7 +34,7 @@ from nestedcages_core.puppet import BendField, Cap, Hold, Link, Puppet, PuppetDr
 from nestedcages_core.puppet.caps import caps_of, joint_radius
 from page import measured
 
-CHARACTERS = cast.TUNED | cast.EIGHTH
+CHARACTERS = cast.TUNED | cast.NINTH
 BENT = ("cat", "snake", "octopus", "dragon", "elephant", "crab")
 """Characters with many parts that bend, for what takes long."""
 POSES = 40
@@ -66,7 +66,7 @@ def wrong(draft: PuppetDraft, on: dict[str, str | None], names: list[str]) -> in
 
 def graph() -> Table:
     """Parents that are right, with the names of the drawing and without any."""
-    groups = {"fitted": cast.TUNED, "not fitted": cast.EIGHTH}
+    groups = {"fitted": cast.TUNED, "not fitted": cast.NINTH}
     rows, sums = [], np.zeros((len(groups), 3), dtype=int)
     seconds = 0.0
     for name, draw in CHARACTERS.items():

@@ -10,7 +10,7 @@ from ..errors import invalid_setting
 
 DOUBTFUL_MARGIN, DOUBTFUL_SCORE = 0.85, 0.3
 """A link is marked as doubtful if another parent is less than this part less likely, or if its own probability is below
-that. On the characters that weights are fitted to, 10 % of links then are marked, and 60 of the 90 wrong ones
+that. On the characters that weights are fitted to, 10 % of links then are marked, and 69 of the 114 wrong ones
 (`benchmarks/cast`)."""
 
 
