@@ -3,8 +3,8 @@
 `FIRST` were drawn when the rules of the graph were written, before these were measured on anything but four other
 characters; `SECOND` after the rules were changed with `FIRST` in view. Weights took the place of the rules, were fitted
 to both, and each later set was drawn and measured once before the weights were fitted to it too. `NINTH` were
-measured once and have not been fitted. Where a figure has hips or a pelvis of its own, these are the root, as riggers have it;
-three of the first five sets said the chest at first.
+measured once and have not been fitted. Where a figure has hips or a pelvis of its own, these are the root, as riggers
+have it; three of the first five sets said the chest at first.
 """
 
 from __future__ import annotations
