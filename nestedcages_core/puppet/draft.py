@@ -16,7 +16,8 @@ from .graph import links_of
 from .links import Hold, Link, PartChoice
 from .parts import PuppetPart, with_unique_names
 from .sides import Side, sides_of
-from .words import RIGID, words_of
+from .vocabulary import RIGID
+from .words import words_of
 
 TOWARDS = 0.3
 """A rigid part's bone ends at its only limb's joint, if that is at least this part of the part's length away."""

@@ -15,7 +15,7 @@ from .evidence import CONTAINED, MOSTLY
 from .links import Hold, Link, PartChoice, depth_of, hangs_on
 from .parts import NEEDED_FOR, STUBBY, PuppetPart
 from .scores import Scores
-from .words import TURNING
+from .vocabulary import TURNING
 
 ROOTS = 4
 """Parts that are tried as the root, the most likely ones."""

@@ -11,7 +11,8 @@ from ..character import Bone
 from .draft import PuppetDraft
 from .links import Hold
 from .ranges import JointRange
-from .words import ARMS, LEGS, TRUNKS, words_of
+from .vocabulary import ARMS, LEGS, TRUNKS
+from .words import words_of
 
 ON_GROUND = 0.15
 """A leg ends this near the lowest point of the drawing, in heights of the drawing."""

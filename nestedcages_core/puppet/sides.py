@@ -11,7 +11,8 @@ import numpy as np
 from ..geometry.vectors import norm
 from .links import Hold, Link, hangs_on
 from .parts import PuppetPart
-from .words import DEPTHS, SIDES, name_without, name_words, side_of, words_of
+from .vocabulary import DEPTHS, SIDES
+from .words import name_without, name_words, side_of, words_of
 
 MIRRORED = 0.12
 """Two parts are left and right if their mirrored middles are this near, in their length plus their distance."""
