@@ -46,15 +46,17 @@ def with_faces(drawings: Sequence[Object]) -> list[Object]:
 
 def remove_caps(armature: Object) -> None:
     """Removes the caps of a puppet."""
-    gone = [child for child in armature.children if armatures.is_cap(child)]
-    bpy.data.batch_remove([block for cap in gone for block in (cap, cap.data)])
+    _remove([child for child in armature.children if armatures.is_cap(child)])
 
 
 def remove_left_over(drawings: Sequence[Object]) -> None:
     """Removes the caps of drawings whose armature was deleted."""
     lone = [obj for obj in bpy.data.objects if obj.parent is None and armatures.is_cap(obj) and obj.animation_data]
     targets = {cap: [each.driver.variables[0].targets[0].id for each in cap.animation_data.drivers] for cap in lone}
-    gone = [cap for cap, hiding in targets.items() if any(obj in drawings for obj in hiding)]
+    _remove([cap for cap, hiding in targets.items() if any(obj in drawings for obj in hiding)])
+
+
+def _remove(gone: Sequence[Object]) -> None:
     bpy.data.batch_remove([block for cap in gone for block in (cap, cap.data)])
 
 

@@ -220,9 +220,13 @@ def separated(context: Context, obj: Object) -> list[Object]:
 
 def stacked(context: Context, obj: Object) -> list[Object]:
     """The same, named after the layers and each in front of the one below; empty if no more than one shows."""
-    if obj.type != KINDS[0] or len(layers := Painting.of(context, obj).parts) < 2:
+    if obj.type != KINDS[0]:
         return []
-    normal = Vector(Painting.of(context, obj).frame().matrix[:3, 2].tolist()).normalized()
+    painting = Painting.of(context, obj)
+    layers = painting.parts
+    if len(layers) < 2:
+        return []
+    normal = Vector(painting.frame().matrix[:3, 2].tolist()).normalized()
     above = obj.matrix_world @ obj.matrix_basis.inverted_safe()
     step = LAYER_DEPTH * float(obj.dimensions.length) * (above.inverted_safe().to_3x3() @ normal)
     made = separated(context, obj)

@@ -62,9 +62,8 @@ def limbs_of(draft: PuppetDraft) -> Limbs:
         parts = _outwards(draft, part)
         bones = tuple(draft.bones[bone].name for k in parts for bone in draft.chain(k))
         riders = sum(draft.links[k].hold is Hold.RIDES for own in parts for k in draft.children(own))
-        reaches = (not nouns[part] or nouns[part] in LEGS) and min(bottoms[k] for k in parts) < ground + ON_GROUND * (
-            top - ground
-        )
+        may_be_leg = not nouns[part] or nouns[part] in LEGS
+        reaches = may_be_leg and min(bottoms[k] for k in parts) < ground + ON_GROUND * (top - ground)
         if nouns[part] == "tail":
             kind = "tails"
         elif reaches and draft.bones[draft.bone_of[part]].tail[1] < draft.bones[draft.bone_of[part]].head[1]:

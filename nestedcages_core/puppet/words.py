@@ -79,8 +79,8 @@ def side_of(name: str) -> str:
 def words_of(name: str) -> Words:
     """What a name says about its part."""
     words = [word.lower() for word in name_words(name)]
-    side = side_of(name)
-    labels = [frozenset(table[word] for word in words if word in table) for table in (DEPTHS, ENDS, HEIGHTS)]
+    labels = [frozenset(side_of(name))]
+    labels += [frozenset(table[word] for word in words if word in table) for table in (DEPTHS, ENDS, HEIGHTS)]
     numbers = frozenset(word for word in words if word.isdigit())
     nouns = [word for word in words if word not in {**DEPTHS, **ENDS, **HEIGHTS, **SIDES} and not word.isdigit()]
     noun = nouns[-1] if nouns else ""
@@ -88,12 +88,12 @@ def words_of(name: str) -> Words:
     if limb:
         half = next((HALVES[word] for word in words if word in HALVES), "")
         noun = "forearm" if "fore arm" in " ".join(words) else f"{half}_{limb}" if half else noun
-        labels[HEIGHT - 1] = frozenset()
+        labels[HEIGHT] = frozenset()
     elif {"upper", "lower"} & set(nouns):
         noun = next((word for word in nouns if _known_noun(word)), f"{'upper' if 'upper' in nouns else 'lower'}_leg")
     elif noun == "ear" and "inner" in nouns:
         noun = "inner_ear"
-    return Words(_known_noun(noun), (frozenset(side), *labels, numbers), tuple(nouns))
+    return Words(_known_noun(noun), (*labels, numbers), tuple(nouns))
 
 
 def _known_noun(noun: str) -> str:
