@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import pytest
 
-from sources import ROOT, nodes, sources
+from support.sources import ROOT, nodes, sources
 
 CORE = "nestedcages_core"
 
@@ -48,7 +48,7 @@ BLENDER_PLACES = (
     "benchmarks/many_drawings.py",
     "examples/",
     "packaging/",
-    "tests/addon/",
+    "tests/",
 )
 
 # The face of the core. Names are added with care and never taken away: other programs import them.

@@ -7,7 +7,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from sources import nodes, sources
+from support.sources import nodes, sources
 
 PROJECT = ("nestedcages_core", "addon")
 

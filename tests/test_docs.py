@@ -20,7 +20,7 @@ import pytest
 
 import nestedcages_core
 from nestedcages_core.errors import CODES
-from sources import ROOT, nodes, sources
+from support.sources import ROOT, nodes, sources
 
 PAGES = [
     path

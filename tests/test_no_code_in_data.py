@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from sources import nodes, sources
+from support.sources import nodes, sources
 
 FORBIDDEN_CALLS = {"eval", "exec", "compile", "__import__"}
 FORBIDDEN_MODULES = {"pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib"}

@@ -17,7 +17,7 @@ import pytest
 from nestedcages_core import Mesh, to_engine_json, to_svg
 from nestedcages_core.command import main, outputs
 from nestedcages_core.command import sources as inputs
-from sources import ROOT, nodes, sources
+from support.sources import ROOT, nodes, sources
 
 FOLDERS = ("nestedcages_core", "addon", "packaging", "examples", "benchmarks")
 

@@ -11,8 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from engine_json import frames_of
-from marks import slow_after
 from nestedcages_core import (
     features_from_geojson,
     from_engine_json,
@@ -20,6 +18,8 @@ from nestedcages_core import (
     read_svg,
     verify,
 )
+from support.engine_json import frames_of
+from support.marks import slow_after
 
 pytest.importorskip("matplotlib")
 from matplotlib.image import imread

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, circle, evaluated, wire
+from support.drawings import at_frame, circle, evaluated, wire
 
 FLOW_END, STEPS, PER_STEP = 3, 9, 4
 

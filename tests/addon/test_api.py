@@ -10,7 +10,7 @@ from types import ModuleType
 import bpy
 import pytest
 
-from drawings import circle, facts, poly_curve, snapshot, star, wire
+from support.drawings import circle, facts, poly_curve, snapshot, star, wire
 
 ROOT = Path(__file__).resolve().parents[2]
 

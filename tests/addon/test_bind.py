@@ -11,7 +11,7 @@ import pytest
 import shapely
 from mathutils import Matrix
 
-from drawings import (
+from support.drawings import (
     at_frame,
     bezier_circle,
     choose,
@@ -27,7 +27,7 @@ from drawings import (
     text,
     wire,
 )
-from marks import slow_after
+from support.marks import slow_after
 
 ROTATION = np.array([[0.8, -0.6], [0.6, 0.8]])
 

@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import choose, circle, evaluated, in_world, poly_curve, star, wire
-from marks import slow_after
+from support.drawings import choose, circle, evaluated, in_world, poly_curve, star, wire
+from support.marks import slow_after
 
 PARTS = ("Body", "Head", "Hat")
 

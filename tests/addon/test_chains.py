@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drawings import circle
+from support.drawings import circle
 
 SHUFFLES = 20
 

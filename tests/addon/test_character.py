@@ -9,9 +9,21 @@ import numpy as np
 import pytest
 from mathutils import Color, Matrix
 
-from drawings import add, at_frame, choose, evaluated, facts, grease_pencil, in_world, poly_curve, set_in, text, wire
-from engine_json import character_of
-from marks import slow_after
+from support.drawings import (
+    add,
+    at_frame,
+    choose,
+    evaluated,
+    facts,
+    grease_pencil,
+    in_world,
+    poly_curve,
+    set_in,
+    text,
+    wire,
+)
+from support.engine_json import character_of
+from support.marks import slow_after
 
 # Ends and radius of each limb of a figure.
 LIMBS = {

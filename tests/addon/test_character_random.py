@@ -8,9 +8,9 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix, Vector
-
-from drawings import choose, facts, outlive
 from test_character import LIMBS, capsule, face, figure, points
+
+from support.drawings import choose, facts, outlive
 
 pytestmark = pytest.mark.slow
 

@@ -11,7 +11,7 @@ import pytest
 import shapely
 from mathutils import Euler, Matrix
 
-from drawings import (
+from support.drawings import (
     add,
     bezier_circle,
     circle,

@@ -11,7 +11,7 @@ import pytest
 import shapely
 from mathutils import Matrix
 
-from drawings import circle, evaluated, in_world, snapshot
+from support.drawings import circle, evaluated, in_world, snapshot
 
 pytestmark = pytest.mark.slow
 

@@ -9,8 +9,20 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import at_frame, choose, circle, evaluated, facts, grease_pencil, in_world, solid, star, text, wire
-from marks import slow_after
+from support.drawings import (
+    at_frame,
+    choose,
+    circle,
+    evaluated,
+    facts,
+    grease_pencil,
+    in_world,
+    solid,
+    star,
+    text,
+    wire,
+)
+from support.marks import slow_after
 
 
 def bezier():

@@ -7,8 +7,8 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, choose, circle, evaluated, facts, in_world, poly_curve, star
-from marks import slow_after
+from support.drawings import at_frame, choose, circle, evaluated, facts, in_world, poly_curve, star
+from support.marks import slow_after
 
 # Frames at which a step is shown, and frames between two steps.
 PER_STEP = 3

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import choose, circle, evaluated, facts, in_world, poly_curve, solid, star
+from support.drawings import choose, circle, evaluated, facts, in_world, poly_curve, solid, star
 
 SIDE = 40
 

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import (
+from support.drawings import (
     add,
     at_frame,
     choose,
@@ -26,7 +26,7 @@ from drawings import (
     text,
     wire,
 )
-from marks import slow_after
+from support.marks import slow_after
 
 pytestmark = pytest.mark.slow
 

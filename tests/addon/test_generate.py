@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from drawings import circle, facts, poly_curve, star
-from drawings import text as word
+from support.drawings import circle, facts, poly_curve, star
+from support.drawings import text as word
 
 UNITS = {"m": 1.0, "mm": 0.001, "u": 1.0}
 

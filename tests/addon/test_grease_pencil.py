@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import Loop, choose, circle, facts, solid
+from support.drawings import Loop, choose, circle, facts, solid
 
 pytestmark = pytest.mark.skipif(bpy.app.version < (4, 3), reason="another Grease Pencil")
 # Whether each stroke says what shows of it; else its material does.

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import circle, evaluated, poly_curve, star
+from support.drawings import circle, evaluated, poly_curve, star
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from mathutils import Euler, Matrix
 
-from drawings import (
+from support.drawings import (
     add,
     at_frame,
     bezier_circle,

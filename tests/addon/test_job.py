@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import poly_curve, set_in, snapshot, star
-from marks import slow_after
+from support.drawings import poly_curve, set_in, snapshot, star
+from support.marks import slow_after
 
 
 def job(addon):

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, circle, evaluated, facts
+from support.drawings import at_frame, circle, evaluated, facts
 
 FINE, CAGE, STEPS, FLOW_END, TIGHTENING = 10_000, 40, 200, 60, 180
 

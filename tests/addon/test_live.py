@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import circle, edges_of, evaluated, facts, poly_curve, set_in, solid, star, wire
-from marks import slow_after
+from support.drawings import circle, edges_of, evaluated, facts, poly_curve, set_in, solid, star, wire
+from support.marks import slow_after
 
 
 @pytest.fixture

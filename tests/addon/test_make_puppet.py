@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from bpy.types import Object
 from mathutils import Matrix, Vector
-
-from drawings import choose, grease_pencil
-from marks import slow_after
-from nestedcages_core.exchange.pictures import read_png
 from test_character import LIMBS, capsule, face, figure, points
+
+from nestedcages_core.exchange.pictures import read_png
+from support.drawings import choose, grease_pencil
+from support.marks import slow_after
 
 pytest.importorskip("shapely")
 

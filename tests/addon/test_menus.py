@@ -7,10 +7,10 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-
-from drawings import evaluated, in_world, poly_curve, star
-from marks import slow_after
 from test_panels import Layout
+
+from support.drawings import evaluated, in_world, poly_curve, star
+from support.marks import slow_after
 
 
 def test_all_operators_are_in_the_submenu(addon) -> None:

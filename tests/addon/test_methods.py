@@ -7,7 +7,7 @@ from dataclasses import replace
 import bpy
 import pytest
 
-from drawings import at_frame, facts, lines, poly_curve, solid, star
+from support.drawings import at_frame, facts, lines, poly_curve, solid, star
 
 # What each choice is in the core, told apart from the add-on's own table.
 EXPECTED = {

@@ -9,8 +9,8 @@ import pytest
 import shapely
 from mathutils import Matrix
 
-from drawings import at_frame, circle, facts, poly_curve, set_in, solid, star
 from examples.check_animation import Played, check_animation
+from support.drawings import at_frame, circle, facts, poly_curve, set_in, solid, star
 
 
 def outputs():

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from bl_operators.wm import WM_OT_doc_view_manual as DocView
 
-from conftest import ROOT
+from support.sources import ROOT
 
 sys.path.insert(0, str(ROOT / "packaging"))
 

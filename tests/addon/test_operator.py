@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import (
+from support.drawings import (
     at_frame,
     bezier_circle,
     choose,
@@ -27,7 +27,7 @@ from drawings import (
     text,
     wire,
 )
-from marks import slow_after
+from support.marks import slow_after
 
 LEVELS = "20, 10"
 

@@ -6,8 +6,8 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, circle, evaluated, facts, poly_curve, solid, star
-from marks import slow_after
+from support.drawings import at_frame, circle, evaluated, facts, poly_curve, solid, star
+from support.marks import slow_after
 
 
 def cages():

@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import bezier_circle, choose, circle, facts, grid_face, poly_curve, star, text, wire
-from marks import slow_after
+from support.drawings import bezier_circle, choose, circle, facts, grid_face, poly_curve, star, text, wire
+from support.marks import slow_after
 
 
 class Layout:

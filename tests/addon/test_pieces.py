@@ -11,8 +11,8 @@ import pytest
 import shapely
 from mathutils import Euler
 
-from drawings import at_frame, choose, circle, poly_curve, solid, star
-from engine_json import pieces_of
+from support.drawings import at_frame, choose, circle, poly_curve, solid, star
+from support.engine_json import pieces_of
 
 
 def corners(obj):

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, edges_of, evaluated, facts, poly_curve, set_in, star
+from support.drawings import at_frame, edges_of, evaluated, facts, poly_curve, set_in, star
 
 slotted = pytest.mark.skipif(bpy.app.version < (4, 4, 0), reason="actions have no slots")
 

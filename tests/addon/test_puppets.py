@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import evaluated
 from nestedcages_core.exchange.pictures import encode_png, read_png
+from support.drawings import evaluated
 
 pytestmark = pytest.mark.slow
 

@@ -12,10 +12,10 @@ from typing import Any
 import bpy
 import numpy as np
 import pytest
-
-from drawings import circle, grid_face, poly_curve, snapshot, star, text, wire
 from test_job import ESCAPE, OTHER, TIMER, modal, on_selection, tick  # noqa: F401 - modal is a fixture
 from test_panels import Layout
+
+from support.drawings import circle, grid_face, poly_curve, snapshot, star, text, wire
 
 STEPS = 40
 """Edits and jobs of one sequence."""

@@ -8,8 +8,8 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import circle, evaluated, facts, grid_face, poly_curve, set_in, star, text, wire
-from marks import slow_after
+from support.drawings import circle, evaluated, facts, grid_face, poly_curve, set_in, star, text, wire
+from support.marks import slow_after
 
 MAKE = {
     "curve": lambda: poly_curve("Drawing", [star()]),

@@ -11,8 +11,8 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import circle, facts, poly_curve, raised, star, wire
-from marks import slow_after
+from support.drawings import circle, facts, poly_curve, raised, star, wire
+from support.marks import slow_after
 
 Watch = Callable[[Any, str], list[Any]]
 

@@ -11,8 +11,8 @@ from types import SimpleNamespace
 import bpy
 import pytest
 
-from conftest import ROOT
-from drawings import add, choose, circle, facts, poly_curve, star
+from support.drawings import add, choose, circle, facts, poly_curve, star
+from support.sources import ROOT
 
 
 def test_the_add_on_can_be_disabled_and_enabled_again(extension) -> None:

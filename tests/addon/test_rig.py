@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-from drawings import (
+from support.drawings import (
     bezier_circle,
     choose,
     circle,
@@ -20,7 +20,7 @@ from drawings import (
     text,
     wire,
 )
-from marks import slow_after
+from support.marks import slow_after
 
 GROUP = "Right"
 

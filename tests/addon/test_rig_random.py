@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
-from drawings import choose, evaluated, facts, in_world, outlive, star, wire
+from support.drawings import choose, evaluated, facts, in_world, outlive, star, wire
 
 pytestmark = pytest.mark.slow
 

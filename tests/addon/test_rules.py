@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import at_frame, circle, facts, poly_curve, solid, star, wire
+from support.drawings import at_frame, circle, facts, poly_curve, solid, star, wire
 
 
 def paint(obj, name, weights):

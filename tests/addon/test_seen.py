@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, circle, facts, poly_curve, polygon_area, star, wire
+from support.drawings import at_frame, circle, facts, poly_curve, polygon_area, star, wire
 
 
 def generate(**properties):

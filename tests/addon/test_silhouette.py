@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import Loop, circle, grease_pencil, poly_curve, solid, star, text, wire
-from marks import slow_after
+from support.drawings import Loop, circle, grease_pencil, poly_curve, solid, star, text, wire
+from support.marks import slow_after
 
 NO_STROKES = pytest.mark.skipif(bpy.app.version < (4, 3), reason="another Grease Pencil")
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from drawings import poly_curve, snapshot, star, text
-from marks import slow_after
+from support.drawings import poly_curve, snapshot, star, text
+from support.marks import slow_after
 
 KINDS = {
     "curve": lambda: poly_curve("Drawing", [star()]),

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import at_frame, evaluated, facts, lines, poly_curve, star
+from support.drawings import at_frame, evaluated, facts, lines, poly_curve, star
 
 
 def generate(**properties):

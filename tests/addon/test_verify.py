@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import choose, circle, facts, poly_curve, star, wire
+from support.drawings import choose, circle, facts, poly_curve, star, wire
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ from nestedcages_core.motion import between
 from nestedcages_core.motion import level as motion_level
 from nestedcages_core.motion.between import Instant
 from nestedcages_core.motion.following import Follower, carried
-from shapes import disc, ring, star
+from support.shapes import disc, ring, star
 
 
 def turned(points: np.ndarray, angle: float) -> np.ndarray:

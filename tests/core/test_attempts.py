@@ -35,7 +35,7 @@ from nestedcages_core.level.attempts import (
     in_turn,
 )
 from nestedcages_core.published.gurditta_jacobson_2022 import SignedDistanceFlow
-from shapes import annulus, ring
+from support.shapes import annulus, ring
 
 CLEARANCES = (1e-3, 1e-4)
 

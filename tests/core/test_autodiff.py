@@ -17,7 +17,7 @@ from nestedcages_core import (
 )
 from nestedcages_core.energies.base import assembled_hessian, positive_part
 from nestedcages_core.energies.choices.autodiff import Jet, plain_points_of, points_of
-from shapes import ring
+from support.shapes import ring
 
 STEP = 1e-5  # of central differences; coordinates are of order 1
 

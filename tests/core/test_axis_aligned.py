@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from marks import slow_after
 from nestedcages_core import (
     AxisAligned,
     LoopClearance,
@@ -17,7 +16,8 @@ from nestedcages_core import (
     nested_cages,
     verify,
 )
-from shapes import annulus, letter_a, ring
+from support.marks import slow_after
+from support.shapes import annulus, letter_a, ring
 
 FLOWER = Mesh.from_loops([ring(120) * (1.0 + 0.3 * np.sin(5.0 * np.linspace(0.0, 2.0 * np.pi, 120, False)))[:, None]])
 """Petals and bays, with a mirror at the y axis."""

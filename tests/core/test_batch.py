@@ -26,7 +26,7 @@ from nestedcages_core import (
     nested_cages,
     nested_cages_many,
 )
-from shapes import annulus, assert_nested, islands, ring, star
+from support.shapes import annulus, assert_nested, islands, ring, star
 
 BOW_TIE = shapely.Polygon([(0, 0), (1, 1), (1, 0), (0, 1)])
 

@@ -11,7 +11,6 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine_json import character_of
 from nestedcages_core import (
     Bone,
     Character,
@@ -27,7 +26,8 @@ from nestedcages_core import (
 from nestedcages_core.character import skinned
 from nestedcages_core.coordinates import field_of, folded, holding
 from nestedcages_core.geometry.predicates import winding_number
-from shapes import letter_a, ring
+from support.engine_json import character_of
+from support.shapes import letter_a, ring
 
 LIMBS = {
     "torso": ((0, 0.2), (0, 1.0), 0.4),

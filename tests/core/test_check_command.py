@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_command import png, region
 
-from marks import slow_after
 from nestedcages_core import (
     Feature,
     Mesh,
@@ -24,8 +24,8 @@ from nestedcages_core import (
     to_svg,
 )
 from nestedcages_core.command import main
-from shapes import letter_a, ring, star
-from test_command import png, region
+from support.marks import slow_after
+from support.shapes import letter_a, ring, star
 
 CURVED = '<svg viewBox="0 0 9 9"><path d="M1 1 C 4 0 8 1 8 5 S 5 8 4 8 S 1 4 1 1"/><path d="M6 6h2v2h-2z"/></svg>'
 

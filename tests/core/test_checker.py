@@ -14,7 +14,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from marks import slow_after
 from nestedcages_core import (
     Hierarchy,
     LineCycles,
@@ -35,7 +34,8 @@ from nestedcages_core import (
 )
 from nestedcages_core.checker import faults_of_motion, touches
 from nestedcages_core.tolerance.reach import reach
-from shapes import comb, disc, islands, letter_a, letter_a_coarse, ring, square_with_hole, star
+from support.marks import slow_after
+from support.shapes import comb, disc, islands, letter_a, letter_a_coarse, ring, square_with_hole, star
 
 SQUARE = np.array([[0, 0], [4, 0], [4, 4], [0, 4]], float)
 FAST = Settings(decimation=OuterHull(), fallback=OuterHull())

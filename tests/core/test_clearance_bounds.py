@@ -10,10 +10,10 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from marks import slow_after
 from nestedcages_core import Mesh, NestingError, Settings, nested_cages, verify
 from nestedcages_core.decimation.hull.small_holes import largest_circle
-from shapes import annulus, comb, ring
+from support.marks import slow_after
+from support.shapes import annulus, comb, ring
 
 NEARLY_ALL = 0.99
 

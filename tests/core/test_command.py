@@ -15,9 +15,8 @@ from typing import Any, BinaryIO
 import numpy as np
 import pytest
 import shapely
+from test_pictures import encoded
 
-from engine_json import frames_of, pieces_of
-from marks import slow_after
 from nestedcages_core import (
     Mesh,
     Progress,
@@ -33,8 +32,9 @@ from nestedcages_core.command.making import _processes
 from nestedcages_core.command.progress import ProgressLine, tell
 from nestedcages_core.errors import NestingError
 from nestedcages_core.exchange import features_from_geojson
-from shapes import letter_a, polygon, ring, star
-from test_pictures import encoded
+from support.engine_json import frames_of, pieces_of
+from support.marks import slow_after
+from support.shapes import letter_a, polygon, ring, star
 
 ROOT = Path(__file__).resolve().parents[2]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}  # on Windows no program starts without the system's own

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from marks import slow_after
 from nestedcages_core import Mesh, Mirror, NestedCagesError, animated_cages, inner_cages, nested_cages, verify
 from nestedcages_core.constraints import (
     AxisAligned,
@@ -32,7 +31,8 @@ from nestedcages_core.geometry.arrays import FloatArray
 from nestedcages_core.geometry.predicates import BoxTree
 from nestedcages_core.geometry.smallest_gap import smallest_gap
 from nestedcages_core.level.units import SolverUnits
-from shapes import annulus, derivative, letter_a, ring, star
+from support.marks import slow_after
+from support.shapes import annulus, derivative, letter_a, ring, star
 
 
 def box_around(fine: Mesh, room: float = 0.01) -> Box:

@@ -16,7 +16,7 @@ from nestedcages_core.contact.linearisation import (
 from nestedcages_core.contact.pairs import Bodies, CandidateList, Pairs, find_pairs
 from nestedcages_core.contact.pruning import not_implied
 from nestedcages_core.tightening.quadratic_model import EdgeLoads, contact_curvature
-from shapes import letter_a, letter_a_coarse, ring
+from support.shapes import letter_a, letter_a_coarse, ring
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import shapely
 
 from nestedcages_core.energies.containment_energy import ContainmentEnergy
 from nestedcages_core.geometry.predicates import box_tree
-from shapes import annulus
+from support.shapes import annulus
 
 
 def meets(cage: np.ndarray, cage_successor: np.ndarray, fine: np.ndarray, fine_successor: np.ndarray) -> bool:

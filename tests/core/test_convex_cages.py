@@ -11,7 +11,6 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from marks import slow_after
 from nestedcages_core import (
     Level,
     Mesh,
@@ -30,7 +29,8 @@ from nestedcages_core.constraints.convex import is_convex
 from nestedcages_core.geometry.convex_hull import convex_hull
 from nestedcages_core.geometry.group import orbits_of
 from nestedcages_core.level import settling
-from shapes import annulus, disc, islands, letter_a, polygon, ring, star
+from support.marks import slow_after
+from support.shapes import annulus, disc, islands, letter_a, polygon, ring, star
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 

@@ -8,7 +8,7 @@ import shapely
 
 from nestedcages_core import Mesh, NestedCagesError, convex_pieces
 from nestedcages_core.geometry.predicates import orientation
-from shapes import islands, letter_a, polygon, ring, square_with_hole, star
+from support.shapes import islands, letter_a, polygon, ring, square_with_hole, star
 
 L_SHAPE = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]
 PLUS = [[1, 0], [2, 0], [2, 1], [3, 1], [3, 2], [2, 2], [2, 3], [1, 3], [1, 2], [0, 2], [0, 1], [1, 1]]

@@ -22,7 +22,7 @@ from nestedcages_core import (
 )
 from nestedcages_core.coordinates import field
 from nestedcages_core.geometry.triangulation import triangulate
-from shapes import annulus, islands, letter_a, polygon, ring, star
+from support.shapes import annulus, islands, letter_a, polygon, ring, star
 
 KINDS = [MeanValue(), Harmonic(), PiecewiseLinear()]
 QUICK = Harmonic(spacing=1 / 48, at_corners=1 / 8)

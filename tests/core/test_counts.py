@@ -16,7 +16,7 @@ from nestedcages_core import (
 )
 from nestedcages_core.decimation import Decimation
 from nestedcages_core.decimation.budget import clamped, shared_anew
-from shapes import annulus, assert_nested, ring
+from support.shapes import annulus, assert_nested, ring
 
 
 def banana(inner: float, outer: float, count: int) -> np.ndarray:

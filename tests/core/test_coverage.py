@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import shapely
 
-from marks import slow_after
 from nestedcages_core import Mesh, NestedCagesError, NestingError, Within, check, verify
 from nestedcages_core.command import main
 from nestedcages_core.exchange import Feature, coverage, coverage_cages, features_from_geojson, to_geojson
 from nestedcages_core.exchange.fill import united
-from shapes import polygon
+from support.marks import slow_after
+from support.shapes import polygon
 
 
 def crooked(count: int, seed: int = 4, turn: float = 0.0) -> list[Mesh]:

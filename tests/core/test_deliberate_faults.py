@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from test_quadratic_program import random_program
 
-from marks import slow_after
 from nestedcages_core import (
     Mesh,
     NestingError,
@@ -47,8 +47,8 @@ from nestedcages_core.tasks import Stage, drain
 from nestedcages_core.tightening.trust_region import Trial, TrustRegion
 from nestedcages_core.tolerance.reach import reach
 from nestedcages_core.verification import motion
-from shapes import islands, letter_a, letter_a_coarse, resampled, ring, star
-from test_quadratic_program import random_program
+from support.marks import slow_after
+from support.shapes import islands, letter_a, letter_a_coarse, resampled, ring, star
 
 
 def test_a_touch_that_rounding_hides_is_not_certified() -> None:

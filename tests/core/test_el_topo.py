@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from test_ccd import pairs_of
 
 from benchmarks.published.sacht_2015 import ElTopo, SachtFlow
 from benchmarks.published.sacht_2015.impulses import SEPARATION_RATE, Impulses, InelasticZones, meeting
@@ -12,8 +13,7 @@ from nestedcages_core.contact.ccd import impacts
 from nestedcages_core.contact.pairs import Bodies, Pairs, find_pairs
 from nestedcages_core.tasks import drain
 from nestedcages_core.tightening import Tightening
-from shapes import letter_a, letter_a_coarse
-from test_ccd import pairs_of
+from support.shapes import letter_a, letter_a_coarse
 
 PROXIMITY = 1e-3
 SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])

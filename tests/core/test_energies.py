@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import shapely
 
-from marks import slow_after
 from nestedcages_core import (
     IPC,
     Area,
@@ -27,7 +26,8 @@ from nestedcages_core import (
 )
 from nestedcages_core.energies import Blocks, CageEnergy, Energy
 from nestedcages_core.energies.restoring import Restoring
-from shapes import annulus, assert_nested, derivative, octagon_with_hole, ring, star
+from support.marks import slow_after
+from support.shapes import annulus, assert_nested, derivative, octagon_with_hole, ring, star
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ from nestedcages_core.errors import (
     ReinflationError,
 )
 from nestedcages_core.errors.notes import in_units, sentence
-from shapes import annulus, star
+from support.shapes import annulus, star
 
 CORE = Path(__file__).resolve().parents[2] / "nestedcages_core"
 KINDS = (InvalidMeshError, FlowError, ReinflationError, NestingError)

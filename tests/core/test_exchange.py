@@ -14,8 +14,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 
-from engine_json import pieces_of
-from marks import slow_after
 from nestedcages_core import Mesh, NestedCagesError, convex_pieces, nested_cages, verify
 from nestedcages_core.exchange import (
     Feature,
@@ -39,7 +37,9 @@ from nestedcages_core.exchange import (
 from nestedcages_core.exchange.fill import _without_remnants
 from nestedcages_core.exchange.limits import Limits, Quota
 from nestedcages_core.exchange.svg.path_data import PathReader, Subpath, flattened
-from shapes import annulus, islands, letter_a, polygon, ring, star
+from support.engine_json import pieces_of
+from support.marks import slow_after
+from support.shapes import annulus, islands, letter_a, polygon, ring, star
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 

@@ -35,7 +35,7 @@ from nestedcages_core import (
 from nestedcages_core.geometry.drawable import Drawable
 from nestedcages_core.hierarchy import in_order
 from nestedcages_core.hierarchy.keywords import SettingsKeywords
-from shapes import ring
+from support.shapes import ring
 
 OUTER, HOLE = ring(60, 1.0), ring(20, 0.4)
 

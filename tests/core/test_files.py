@@ -18,7 +18,7 @@ from nestedcages_core.exchange import (
     write_svg,
     write_whole,
 )
-from shapes import letter_a
+from support.shapes import letter_a
 
 WRITERS = (write_svg, write_geojson, write_engine_json)
 

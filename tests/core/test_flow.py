@@ -10,7 +10,7 @@ from nestedcages_core import FlowError, InvalidMeshError, Mesh, SignedDistanceFl
 from nestedcages_core.flow import FlowMethod, FlowResult, Obstacle
 from nestedcages_core.flow.loop_matching import match_loops
 from nestedcages_core.tasks import drain
-from shapes import (
+from support.shapes import (
     annulus,
     comb,
     disc,

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import scipy
 
-from marks import slow_after
 from nestedcages_core import Mesh, TwoSidedFlow, nested_cages, verify_motion
 from nestedcages_core.flow.containment import Containment
 from nestedcages_core.flow.energy_flow import StepSystem
@@ -15,7 +14,8 @@ from nestedcages_core.flow.penetration import Penetration, PenetrationEnergy, Sp
 from nestedcages_core.flow.shrinking import thickness
 from nestedcages_core.level.steps import shrunk
 from nestedcages_core.tasks import drain
-from shapes import annulus, comb, disc, islands, letter_a, letter_a_coarse, ring, star
+from support.marks import slow_after
+from support.shapes import annulus, comb, disc, islands, letter_a, letter_a_coarse, ring, star
 
 
 def penetration_energy(fine: Mesh, coarse: Mesh, spacing: float) -> PenetrationEnergy:

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from test_animated_cages import turned, waving
 
-from marks import slow_after
 from nestedcages_core import (
     Level,
     Mesh,
@@ -31,8 +31,8 @@ from nestedcages_core.motion.between import Straightener
 from nestedcages_core.motion.following import Follower
 from nestedcages_core.motion.level import LevelMotion
 from nestedcages_core.tolerance import fewest
-from shapes import ring, star
-from test_animated_cages import turned, waving
+from support.marks import slow_after
+from support.shapes import ring, star
 
 TEETH = Mesh.from_loops(
     [[(0, 0), (9, 0), (9, 4), (8, 4), (8, 1), (6, 1), (6, 4), (5, 4), (5, 1), (3, 1), (3, 4), (2, 4), (2, 1), (0, 1)]]

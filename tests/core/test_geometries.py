@@ -13,7 +13,7 @@ from shapely.geometry import GeometryCollection, MultiPolygon, Polygon, box
 import nestedcages_core.exchange.repair as repairing
 from nestedcages_core import InvalidMeshError, Mesh, from_geojson, nested_cages, verify, verify_motion
 from nestedcages_core.errors import NestedCagesError, NestedCagesWarning
-from shapes import ring
+from support.shapes import ring
 
 SQUARE = [(0, 0), (6, 0), (6, 6), (0, 6)]
 VALID = {

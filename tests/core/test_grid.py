@@ -14,7 +14,6 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from marks import slow_after
 from nestedcages_core import (
     Level,
     Mesh,
@@ -39,7 +38,8 @@ from nestedcages_core.constraints.free_edges import FreeEdges
 from nestedcages_core.exchange.decimals import subtracted
 from nestedcages_core.geometry.lattice import Grid
 from nestedcages_core.geometry.shortest_cycle import shortest_cycle
-from shapes import annulus, comb, islands, letter_a, polygon, ring, star
+from support.marks import slow_after
+from support.shapes import annulus, comb, islands, letter_a, polygon, ring, star
 
 
 def random_star(seed: int, count: int = 40) -> Mesh:

@@ -8,7 +8,6 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from marks import slow_after
 from nestedcages_core import (
     FlowError,
     Mesh,
@@ -19,7 +18,8 @@ from nestedcages_core import (
     verify,
 )
 from nestedcages_core.flow import FlowResult
-from shapes import (
+from support.marks import slow_after
+from support.shapes import (
     annulus,
     assert_nested,
     comb,

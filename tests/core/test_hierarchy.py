@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 import shapely
 
-from marks import slow_after
 from nestedcages_core import (
     IPC,
     ArcLength,
@@ -33,7 +32,8 @@ from nestedcages_core import (
     verify,
 )
 from nestedcages_core.decimation.base import Count
-from shapes import (
+from support.marks import slow_after
+from support.shapes import (
     annulus,
     assert_nested,
     islands,

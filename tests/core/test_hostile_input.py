@@ -19,7 +19,6 @@ from benchmarks.hostile import grammars
 from benchmarks.hostile.attacks import ATTACKS
 from benchmarks.hostile.outcome import outcome
 from benchmarks.hostile.readers import READERS
-from marks import slowly
 from nestedcages_core import (
     ArcLength,
     Mesh,
@@ -31,7 +30,8 @@ from nestedcages_core import (
 from nestedcages_core.checker import Loops
 from nestedcages_core.command import main
 from nestedcages_core.published.gurditta_jacobson_2022 import PaperFlow, SignedDistanceFlow
-from shapes import letter_a, letter_a_coarse
+from support.marks import slowly
+from support.shapes import letter_a, letter_a_coarse
 
 FAST, FEW, MANY = 2, 12, 3000
 """Examples of each grammar in fast, slow and thorough tests."""

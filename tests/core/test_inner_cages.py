@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from marks import slow_after
 from nestedcages_core import (
     Area,
     Mesh,
@@ -27,7 +26,8 @@ from nestedcages_core import (
 from nestedcages_core.command import main
 from nestedcages_core.energies.area import LostArea
 from nestedcages_core.level.settings import DEFAULT_CLEARANCE
-from shapes import annulus, islands, letter_a, polygon, ring, square_with_hole, star
+from support.marks import slow_after
+from support.shapes import annulus, islands, letter_a, polygon, ring, square_with_hole, star
 
 
 def assert_inside(level) -> None:

@@ -13,7 +13,7 @@ from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.energies.restoring import Restoring
 from nestedcages_core.solver.newton import STALLED_AFTER, NewtonModel
 from nestedcages_core.tasks import drain
-from shapes import assert_free_of_crossings, derivative, ring
+from support.shapes import assert_free_of_crossings, derivative, ring
 
 
 def annulus(count: int) -> Mesh:

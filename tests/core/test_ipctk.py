@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from test_ccd import collinear_motions, pairs_of
 
 from benchmarks.li_2020.barrier import distance_hessian
-from marks import slow_after
 from nestedcages_core.contact.barrier import barrier
 from nestedcages_core.contact.ccd import SAFETY, impacts
 from nestedcages_core.geometry.distance import distance_gradient, point_edge
-from test_ccd import collinear_motions, pairs_of
+from support.marks import slow_after
 
 ipctk = pytest.importorskip("ipctk")
 

@@ -10,7 +10,7 @@ from benchmarks.published import LevelSet
 from benchmarks.published.sellan_2022.contour import Field
 from benchmarks.published.sellan_2022.level_set import loops_around, without_pockets
 from nestedcages_core import Mesh, NestingError, Settings, nested_cages
-from shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
+from support.shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
 
 COARSE_GRID = LevelSet(cells=80)
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
+from test_pictures import encoded
 
 from benchmarks.hostile.attacks import star_polygon, svg
 from nestedcages_core import (
@@ -42,7 +43,6 @@ from nestedcages_core.exchange import (
 )
 from nestedcages_core.exchange.pictures import decode_png
 from nestedcages_core.exchange.svg import selectors
-from test_pictures import encoded
 
 SQUARES = [[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2]] for x in (0, 5, 10)]
 STAR = star_polygon(13)

@@ -10,7 +10,6 @@ import pytest
 import shapely
 from shapely import box
 
-from marks import slow_after
 from nestedcages_core import (
     LineCycles,
     Mesh,
@@ -37,7 +36,8 @@ from nestedcages_core.decimation.line_cycles.shortest_cycles import Paths
 from nestedcages_core.decimation.line_cycles.turns import Turns
 from nestedcages_core.decimation.request import Request
 from nestedcages_core.tasks import drain
-from shapes import annulus, assert_nested, comb, disc, islands, letter_a, polygon, ring, star
+from support.marks import slow_after
+from support.shapes import annulus, assert_nested, comb, disc, islands, letter_a, polygon, ring, star
 
 RANDOM = np.random.default_rng(5)
 

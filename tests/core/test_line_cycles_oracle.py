@@ -21,7 +21,7 @@ from nestedcages_core.decimation.line_cycles.method import SOURCE, cycles_around
 from nestedcages_core.decimation.line_cycles.turns import SLACK, Turns
 from nestedcages_core.decimation.request import Request
 from nestedcages_core.tasks import drain
-from shapes import ring, star
+from support.shapes import ring, star
 
 NOTCHED = Mesh.from_loops([[(0, 0), (4, 0), (4, 3), (2.5, 3), (2, 1), (1.5, 3), (0, 3)]])
 SHAPES = {"notched": NOTCHED, "star": star(3, 12), "pair": Mesh.from_loops([ring(7), ring(5) + 2.2])}

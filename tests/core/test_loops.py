@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from marks import slow_after
 from nestedcages_core import (
     Mesh,
     NestedCagesError,
@@ -30,7 +29,8 @@ from nestedcages_core.decimation.loops.joining import Joins, WorkLeft
 from nestedcages_core.decimation.loops.knapsack import Tree
 from nestedcages_core.decimation.loops.parts import Hole, Part, open_regions, outermost_parts, outlines
 from nestedcages_core.verification import LostLoops
-from shapes import islands, polygon, ring
+from support.marks import slow_after
+from support.shapes import islands, polygon, ring
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 

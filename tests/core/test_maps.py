@@ -32,7 +32,7 @@ from nestedcages_core.exchange import (
 )
 from nestedcages_core.exchange.gis_files import map_document
 from nestedcages_core.exchange.limits import Limits
-from shapes import polygon, ring
+from support.shapes import polygon, ring
 
 SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]
 SLIM = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.01], [0.0, 0.01]])

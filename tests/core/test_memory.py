@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from marks import slow_after, slowly
 from nestedcages_core import (
     IPC,
     Area,
@@ -36,7 +35,8 @@ from nestedcages_core.cache import LARGEST_SHARE, Memory, forget, key_of
 from nestedcages_core.decimation.hull.hull_moves import Weights
 from nestedcages_core.level.builder import LevelBuilder
 from nestedcages_core.tasks import drain
-from shapes import islands, star
+from support.marks import slow_after, slowly
+from support.shapes import islands, star
 
 
 class TestMemory:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import shapely
 
-from marks import slow_after
 from nestedcages_core import (
     Mesh,
     NestedCagesError,
@@ -21,7 +20,8 @@ from nestedcages_core import (
 )
 from nestedcages_core.decimation.merging import Bridged, Merging
 from nestedcages_core.hierarchy import Share
-from shapes import islands, polygon, ring
+from support.marks import slow_after
+from support.shapes import islands, polygon, ring
 
 
 def sprite() -> Mesh:

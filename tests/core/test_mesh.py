@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 
 from nestedcages_core.errors import InvalidMeshError
 from nestedcages_core.geometry.mesh import Mesh
-from shapes import jagged, ring
+from support.shapes import jagged, ring
 
 polygon_of = shapely.geometry.shape
 

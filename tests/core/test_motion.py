@@ -12,7 +12,7 @@ from nestedcages_core import Mesh, NestedCagesError, verify_motion
 from nestedcages_core.checker import touches, whole_numbers
 from nestedcages_core.verification import motion
 from nestedcages_core.verification.motion import COEFFICIENT_ROUNDING, UNDERFLOW, _bernstein, never_meet
-from shapes import ring
+from support.shapes import ring
 
 
 @pytest.mark.parametrize(("scale", "shift"), [(1.0, 0.0), (0.1, 100.1), (2.0**-538, 0.0)])

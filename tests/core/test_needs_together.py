@@ -16,7 +16,6 @@ import shapely
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from marks import slow_after
 from nestedcages_core import (
     BoundaryARAP,
     FlowResult,
@@ -44,7 +43,8 @@ from nestedcages_core.errors import CODES
 from nestedcages_core.geometry.group import orbits_of
 from nestedcages_core.level.steps import with_stored_steps
 from nestedcages_core.tolerance.reach import reach
-from shapes import annulus, islands, letter_a, ring, star
+from support.marks import slow_after
+from support.shapes import annulus, islands, letter_a, ring, star
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "needs.md"
 CLEARANCE, SPACING, DISTANCE = 0.004, 0.02, 0.15

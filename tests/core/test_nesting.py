@@ -7,7 +7,7 @@ import pytest
 
 from nestedcages_core import Mesh
 from nestedcages_core.geometry.mesh import Nesting
-from shapes import ring
+from support.shapes import ring
 
 FINE = Mesh.from_loops([ring(20), ring(12, 0.4)])
 AROUND, WITHIN = ring(20, 1.1), ring(12, 0.3)

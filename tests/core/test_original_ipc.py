@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from test_ccd import pairs_of
 
 from benchmarks.li_2020 import OriginalIPC
 from benchmarks.li_2020.barrier import SquaredBarrier
 from benchmarks.li_2020.stiffness import StiffnessBounds
 from benchmarks.published import ElTopo
-from marks import slow_after
 from nestedcages_core import (
     Area,
     Mesh,
@@ -25,8 +25,8 @@ from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.contact.reinflation import reinflate
 from nestedcages_core.tasks import drain
 from nestedcages_core.tightening import Tightening
-from shapes import annulus, assert_nested, letter_a, letter_a_coarse, ring
-from test_ccd import pairs_of
+from support.marks import slow_after
+from support.shapes import annulus, assert_nested, letter_a, letter_a_coarse, ring
 
 STATES = 400
 CORNERS, POINTS = 6, 10  # of the cage and of the fine mesh

@@ -74,8 +74,8 @@ from nestedcages_core.motion.promises import Promises
 from nestedcages_core.tasks import drain
 from nestedcages_core.tolerance.minimal_nested import Band
 from nestedcages_core.tolerance.reach import beyond, reach
-from shapes import annulus, comb, jagged, letter_a, letter_a_coarse, ring
-from shapes import star as star_of
+from support.shapes import annulus, comb, jagged, letter_a, letter_a_coarse, ring
+from support.shapes import star as star_of
 
 ROOMS = ("decimation.line_cycles", "tolerance", "level", "motion", "constraints")
 UNWATCHED = {"_cross", "_dot", "meets", "_passes", "_gate", "_side", "rows", "short", "settled", "_level"}

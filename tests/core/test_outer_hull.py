@@ -10,7 +10,6 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from marks import slow_after
 from nestedcages_core import ArcLength, LineCycles, Mesh, NestingError, OnCurve, OuterHull, verify
 from nestedcages_core.decimation.hull.hull_moves import MoveQueue, Weights
 from nestedcages_core.decimation.hull.linked_loops import MAX_AT_ONCE, EdgeBoxes, LinkedLoops
@@ -20,7 +19,8 @@ from nestedcages_core.decimation.hull.outer_search import thinned
 from nestedcages_core.decimation.hull.progressive_hull import ProgressiveHull
 from nestedcages_core.decimation.request import apportioned, canonical_order, padded
 from nestedcages_core.geometry.loops import Loops
-from shapes import annulus, assert_nested, disc, islands, letter_a, polygon, ring, star
+from support.marks import slow_after
+from support.shapes import annulus, assert_nested, disc, islands, letter_a, polygon, ring, star
 
 QUICK = OuterHull()
 SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from marks import slow_after
 from nestedcages_core import (
     Area,
     FlowError,
@@ -41,7 +40,8 @@ from nestedcages_core.published.gurditta_jacobson_2022.step_filter import (
 )
 from nestedcages_core.solver.newton import Solver
 from nestedcages_core.tasks import drain
-from shapes import annulus, assert_nested, derivative, ring
+from support.marks import slow_after
+from support.shapes import annulus, assert_nested, derivative, ring
 
 
 def table_1(ring_vertices: int) -> tuple[Mesh, Mesh]:

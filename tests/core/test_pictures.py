@@ -18,7 +18,7 @@ from scipy.ndimage import distance_transform_edt, label
 from nestedcages_core import InvalidMeshError, Mesh, NestedCagesError, Settings, collision_outline
 from nestedcages_core.exchange import Limits
 from nestedcages_core.exchange.pictures import HALF, alpha_channel, boundary_of_pixels, decode_png, read_png
-from shapes import polygon
+from support.shapes import polygon
 
 # PNG: an encoder that filters pixel by pixel, as the standard words it
 

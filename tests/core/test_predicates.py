@@ -14,7 +14,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from marks import slowly
 from nestedcages_core.geometry.predicates import (
     ON_BOUNDARY,
     BoxTree,
@@ -29,6 +28,7 @@ from nestedcages_core.geometry.predicates import (
     winding_number,
 )
 from nestedcages_core.geometry.predicates.oriented_boxes import OrientedBoxes
+from support.marks import slowly
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import shapely
 
-from marks import slow_after
 from nestedcages_core import (
     Level,
     Mesh,
@@ -22,7 +21,8 @@ from nestedcages_core.constraints.angles import angles_of
 from nestedcages_core.decimation.importance import Importance
 from nestedcages_core.energies import CageEnergy
 from nestedcages_core.energies.weighted_area import Springs, WeightedArea
-from shapes import annulus, derivative, letter_a, ring, star
+from support.marks import slow_after
+from support.shapes import annulus, derivative, letter_a, ring, star
 
 TOP = 2.5
 """Height of the head of the letter."""

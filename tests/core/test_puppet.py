@@ -12,7 +12,6 @@ import pytest
 import shapely
 import shapely.affinity
 
-from marks import slow_after
 from nestedcages_core import Mesh, NestedCagesError
 from nestedcages_core.character import Linear, PreserveVolume, Skin, skinned
 from nestedcages_core.coordinates import folded
@@ -33,6 +32,7 @@ from nestedcages_core.puppet import (
 from nestedcages_core.puppet.arborescence import best_parents
 from nestedcages_core.puppet.puppet import LEAST_TURN
 from nestedcages_core.puppet.words import agreements, root_names, side_of, words_of
+from support.marks import slow_after
 
 
 def solid(name: str, area: shapely.Geometry) -> PuppetPart:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import shapely
 
-from marks import slow_after
 from nestedcages_core import (
     EvenSamples,
     GaussLegendre,
@@ -22,7 +21,8 @@ from nestedcages_core import (
 )
 from nestedcages_core.published.gurditta_jacobson_2022.quadrature import Quadrature, at_step, vertex_samples
 from nestedcages_core.tasks import drain
-from shapes import annulus, assert_nested, octagon_with_hole, polygon, square_with_hole, star
+from support.marks import slow_after
+from support.shapes import annulus, assert_nested, octagon_with_hole, polygon, square_with_hole, star
 
 GAUSS = tuple(GaussLegendre(points) for points in (1, 2, 3))
 RULES = (QuadraticFallOff(), QuadraticFallOff(7), Midpoint(), *GAUSS, EvenSamples(), EvenSamples(1), RandomSamples())

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from nestedcages_core import ArcLength, Mesh, NestingError, OnCurve, OwnDecimation, Settings, nested_cages
 from nestedcages_core.decimation import Decimation
-from shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
+from support.shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
 
 BOTH = pytest.mark.parametrize("decimation", [ArcLength(), OnCurve()], ids=["ArcLength", "OnCurve"])
 SHAPES = pytest.mark.parametrize("shape", [letter_a, star, islands, lambda: annulus(40)])

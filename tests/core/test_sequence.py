@@ -6,7 +6,7 @@ import numpy as np
 
 from nestedcages_core import Mesh
 from nestedcages_core.exchange.pictures import corresponding
-from shapes import ring
+from support.shapes import ring
 
 
 def loops_of(mesh: Mesh) -> list[np.ndarray]:

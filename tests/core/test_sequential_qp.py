@@ -12,7 +12,7 @@ from nestedcages_core.contact.linearisation import measure
 from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.solver.quadratic_program import InteriorPoint
 from nestedcages_core.tasks import drain, mapped
-from shapes import annulus, assert_free_of_crossings, assert_nested, letter_a, ring, star
+from support.shapes import annulus, assert_free_of_crossings, assert_nested, letter_a, ring, star
 
 
 def unit(mesh: Mesh) -> Mesh:

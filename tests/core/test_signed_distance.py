@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from nestedcages_core import Mesh
 from nestedcages_core.geometry import broad_phase
 from nestedcages_core.geometry.signed_distance import SignedDistance
-from shapes import annulus, islands, letter_a, polygon, ring, square_with_hole, star
+from support.shapes import annulus, islands, letter_a, polygon, ring, square_with_hole, star
 
 MESHES = {
     "annulus": annulus(24),

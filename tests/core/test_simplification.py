@@ -12,7 +12,7 @@ from benchmarks.published import DouglasPeucker, EdgeCollapse, Visvalingam
 from benchmarks.published.simplification.edge_collapse import touching
 from nestedcages_core import Mesh
 from nestedcages_core.decimation import Decimation
-from shapes import annulus, comb, islands, letter_a, polygon, ring, star
+from support.shapes import annulus, comb, islands, letter_a, polygon, ring, star
 
 EVERY_ONE = (DouglasPeucker(), Visvalingam(), EdgeCollapse())
 BY_NAME = pytest.mark.parametrize("decimation", EVERY_ONE, ids=lambda decimation: type(decimation).__name__)

@@ -14,7 +14,7 @@ from nestedcages_core.checker_distance import squared_gaps, whole_numbers
 from nestedcages_core.geometry import smallest_gap as room
 from nestedcages_core.geometry.predicates import BoxTree
 from nestedcages_core.geometry.smallest_gap import smallest_gap
-from shapes import jagged, ring
+from support.shapes import jagged, ring
 
 
 @pytest.mark.parametrize("crowded", [-1, room.CROWDED])

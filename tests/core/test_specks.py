@@ -14,7 +14,7 @@ from nestedcages_core.exchange import features_from_geojson, from_geojson, read_
 from nestedcages_core.exchange.pictures import encode_png
 from nestedcages_core.exchange.specks import without_specks
 from nestedcages_core.geometry.mesh import MeshLike
-from shapes import ring
+from support.shapes import ring
 
 
 def speckled() -> list[np.ndarray]:

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from marks import slow_after
 from nestedcages_core import (
     ArcLength,
     Found,
@@ -33,7 +32,8 @@ from nestedcages_core.cache import forget
 from nestedcages_core.hierarchy import run
 from nestedcages_core.motion.animated import AnimatedCagesRun
 from nestedcages_core.tasks import Run, Stage, drain, mapped
-from shapes import letter_a, ring, star
+from support.marks import slow_after
+from support.shapes import letter_a, ring, star
 
 
 def counting(log: list[str], count: int = 3) -> Stage[int, str]:

@@ -14,7 +14,7 @@ from nestedcages_core.constraints import Bound, Box, Constraint, Rows, Terms, Un
 from nestedcages_core.decimation.line_cycles.chain import Lines
 from nestedcages_core.errors import Fault
 from nestedcages_core.geometry.arrays import FloatArray, IntArray
-from shapes import ring, star
+from support.shapes import ring, star
 
 
 class Odd(Constraint):

@@ -21,7 +21,7 @@ import numpy as np
 if "raise" in sys.argv:
     np.seterr(all="raise")
 from nestedcages_core import IPC, ArcLength, OnCurve, Settings, nested_cages, verify, verify_motion
-from shapes import comb, islands, letter_a, letter_a_coarse, star
+from support.shapes import comb, islands, letter_a, letter_a_coarse, star
 
 digest = hashlib.sha256()
 runs = [

@@ -27,7 +27,7 @@ from nestedcages_core.exchange import (
     write_svg,
 )
 from nestedcages_core.geometry.predicates import winding_number
-from shapes import letter_a, polygon, ring
+from support.shapes import letter_a, polygon, ring
 
 ROOT = Path(__file__).resolve().parents[2]
 SQUARE = '<rect width="10" height="10"/>'

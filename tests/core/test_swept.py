@@ -7,7 +7,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from engine_json import frames_of
 from nestedcages_core import (
     InvalidMeshError,
     Mesh,
@@ -18,7 +17,8 @@ from nestedcages_core import (
     swept,
     verify,
 )
-from shapes import ring, star
+from support.engine_json import frames_of
+from support.shapes import ring, star
 
 shapely = pytest.importorskip("shapely")
 

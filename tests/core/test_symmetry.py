@@ -8,7 +8,6 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from marks import slow_after
 from nestedcages_core import (
     Area,
     Found,
@@ -27,7 +26,8 @@ from nestedcages_core.constraints import Constraint
 from nestedcages_core.constraints.symmetric import Symmetric
 from nestedcages_core.geometry.group import Orbits, Symmetry, mirror_axis
 from nestedcages_core.geometry.solids import overlay
-from shapes import letter_a, star
+from support.marks import slow_after
+from support.shapes import letter_a, star
 
 AXES = (Mirror(), Mirror((0.25, 0.0)), Mirror((0.1, 3.0), (1.0, 0.0)), Mirror((0.3, -0.2), (1.0, 2.0)))
 COORDINATE = st.floats(-1e3, 1e3).filter(lambda value: value == 0.0 or abs(value) > 1e-9)

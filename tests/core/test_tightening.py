@@ -18,7 +18,7 @@ from nestedcages_core.solver.quadratic_program import InteriorPoint
 from nestedcages_core.tasks import drain, mapped
 from nestedcages_core.tightening import Tightening, TighteningOutcome
 from nestedcages_core.tightening.reach_clearance import restore, widen
-from shapes import annulus, assert_free_of_crossings, assert_nested, letter_a, lines, polygon, ring, star
+from support.shapes import annulus, assert_free_of_crossings, assert_nested, letter_a, lines, polygon, ring, star
 
 CLEARANCE = 1e-5
 """As a fraction of the diagonal."""

@@ -12,7 +12,6 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from marks import slow_after
 from nestedcages_core import Mesh, NestedCagesError, NestingError, Settings, Within, inner_cages, nested_cages, verify
 from nestedcages_core.cache import forget
 from nestedcages_core.hierarchy import Share, level_words, parse_level, wanted_levels
@@ -21,7 +20,8 @@ from nestedcages_core.tolerance import reach as reaches
 from nestedcages_core.tolerance.fewest import _CountSearch
 from nestedcages_core.tolerance.minimal_nested import Band
 from nestedcages_core.tolerance.reach import REACH_PRECISION, beyond, reach, stays_within
-from shapes import annulus, letter_a, polygon, ring, star
+from support.marks import slow_after
+from support.shapes import annulus, letter_a, polygon, ring, star
 
 slow = pytest.mark.slow
 

@@ -18,7 +18,7 @@ from nestedcages_core.geometry.triangulation import (
     constrained_delaunay,
     triangulate,
 )
-from shapes import annulus, islands, letter_a, letter_a_coarse, polygon, ring, star
+from support.shapes import annulus, islands, letter_a, letter_a_coarse, polygon, ring, star
 
 SHAPES = {
     "letter": letter_a_coarse(),

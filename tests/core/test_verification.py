@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from nestedcages_core.errors import InvalidMeshError
 from nestedcages_core.geometry.mesh import Mesh
 from nestedcages_core.verification import Certificate, verify
-from shapes import jagged, ring
+from support.shapes import jagged, ring
 
 polygon_of = shapely.geometry.shape
 
