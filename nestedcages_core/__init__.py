@@ -51,11 +51,15 @@ if TYPE_CHECKING:
     from .checker import Verdict as Verdict
     from .checker import check
     from .constraints import AxisAligned as AxisAligned
+    from .constraints import Bound as Bound
     from .constraints import Box as Box
+    from .constraints import Constraint as Constraint
     from .constraints import LeastAngle as LeastAngle
     from .constraints import LeastEdge as LeastEdge
     from .constraints import LoopClearance as LoopClearance
     from .constraints import Outside as Outside
+    from .constraints import Rows as Rows
+    from .constraints import Terms as Terms
     from .contact.ipc import IPC as IPC
     from .coordinates import Grids as Grids
     from .coordinates import Harmonic as Harmonic
@@ -76,6 +80,7 @@ if TYPE_CHECKING:
     from .energies.weighted_sum import WeightedSum as WeightedSum
     from .exchange import Coverage as Coverage
     from .exchange import Feature as Feature
+    from .exchange import Limits as Limits
     from .exchange import character_to_engine_json as character_to_engine_json
     from .exchange import coverage_cages as coverage_cages
     from .exchange import (
@@ -203,10 +208,10 @@ _LATER = {
     "batch": "BatchProgress Outcome nested_cages_many",
     "character": "Bone Character Skeleton bone_weights suggest_bones with_joints",
     "checker": "Verdict check",
-    "constraints": "AxisAligned Box LeastAngle LeastEdge LoopClearance Outside",
+    "constraints": "AxisAligned Bound Box Constraint LeastAngle LeastEdge LoopClearance Outside Rows Terms",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
-        "Coverage Feature coverage_cages character_to_engine_json features_from_geojson frames_to_engine_json "
+        "Coverage Feature Limits coverage_cages character_to_engine_json features_from_geojson frames_to_engine_json "
         "from_engine_json from_geojson from_svg is_engine_json puppet_parts read_geojson read_svg swept to_engine_json "
         "to_geojson to_svg write_engine_json write_geojson write_svg"
     ),
