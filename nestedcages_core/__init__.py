@@ -100,7 +100,11 @@ if TYPE_CHECKING:
     from .exchange import frames_to_engine_json as frames_to_engine_json
     from .exchange import from_engine_json as from_engine_json
     from .exchange import is_engine_json as is_engine_json
+    from .exchange import joined as joined
     from .exchange import puppet_parts as puppet_parts
+    from .exchange import read_map as read_map
+    from .exchange import read_svg_drawing as read_svg_drawing
+    from .exchange import svg_drawing as svg_drawing
     from .exchange.pictures import alpha_channel as alpha_channel
     from .exchange.pictures import boundary_of_pixels as boundary_of_pixels
     from .exchange.pictures import collision_outline, read_png
@@ -139,7 +143,10 @@ if TYPE_CHECKING:
     from .puppet import PuppetDraft as PuppetDraft
     from .puppet import PuppetPart as PuppetPart
     from .puppet import draft_puppet as draft_puppet
+    from .puppet import idle as idle
     from .puppet import puppet_of as puppet_of
+    from .puppet import walk as walk
+    from .puppet import wave as wave
     from .solver.newton import ProjectedNewton as ProjectedNewton
 
 __version__ = "1.0.0"
@@ -212,12 +219,12 @@ _LATER = {
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
         "Coverage Feature Limits coverage_cages character_to_engine_json features_from_geojson frames_to_engine_json "
-        "from_engine_json from_geojson from_svg is_engine_json puppet_parts read_geojson read_svg swept to_engine_json "
-        "to_geojson to_svg write_engine_json write_geojson write_svg"
+        "from_engine_json from_geojson from_svg is_engine_json joined puppet_parts read_geojson read_map read_svg "
+        "read_svg_drawing svg_drawing swept to_engine_json to_geojson to_svg write_engine_json write_geojson write_svg"
     ),
     "exchange.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
     "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",
-    "puppet": "PartChoice Puppet PuppetDraft PuppetPart draft_puppet puppet_of",
+    "puppet": "PartChoice Puppet PuppetDraft PuppetPart draft_puppet idle puppet_of walk wave",
     "published.gurditta_jacobson_2022": (
         "AUGMENTED_2022 AUGMENTED_2022_REPAIRED AllPairs EvenSamples GaussLegendre GradientDescent Midpoint NoFilter "
         "PaperContact PaperFlow QuadraticFallOff RandomSamples Repairs SignedDistanceFlow SmallestDistance "

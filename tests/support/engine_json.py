@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from nestedcages_core import Bone, Character, Mesh, from_engine_json
-from nestedcages_core.character import Pose
+
+
+class Pose(NamedTuple):
+    """A frame of an animation."""
+
+    time: float
+    shape: np.ndarray
+    cage: np.ndarray
 
 
 def frames_of(text: str, *, flip_y: float | None = None) -> list[tuple[float, Mesh]]:

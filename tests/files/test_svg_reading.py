@@ -1,0 +1,444 @@
+"""SVG documents: path data, elements, transforms, lengths, layers and pages, and what is wrong in them."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from scipy.interpolate import BPoly
+
+from nestedcages_core import InvalidMeshError, Limits, NestedCagesError, from_svg, puppet_parts, read_svg, svg_drawing
+from support.documents import area_of, solid, svg
+
+SQUARE = '<rect width="10" height="10"/>'
+RECT = '<rect x="-9" width="2" height="1"/>'
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+# Path data
+
+
+def painted(data: str, tolerance: float = 1e-3) -> shapely.Geometry:
+    """What a path fills."""
+    return solid(from_svg(svg(f'<path d="{data}"/>'), tolerance=tolerance))
+
+
+def bezier(*points: tuple[float, float]) -> np.ndarray:
+    """(200, 2) points along a curve, by Bernstein polynomials."""
+    return BPoly(np.array(points, float)[:, None, :], [0.0, 1.0])(np.linspace(0.0, 1.0, 200))
+
+
+def differs(one: shapely.Geometry, other: shapely.Geometry) -> float:
+    return float(one.symmetric_difference(other).area)
+
+
+@pytest.mark.parametrize(
+    ("absolute", "relative"),
+    [
+        ("M1 2 L4 2 L4 6 Z", "m1 2 l3 0 l0 4 z"),
+        ("M1 2 H4 V6 Z", "m1,2 h3v4z"),
+        ("M1 2 4 2 4 6Z", "m1 2 3 0 0 4z"),
+        ("M0 0 C1 2 3 4 5 0 S9 -4 10 0 Z", "m0 0c1 2 3 4 5 0s4-4 5 0z"),
+        ("M0 0 Q2 4 5 0 T10 0 T15 0 Z", "m0 0q2 4 5 0t5 0t5 0z"),
+        ("M0 0 A5 3 20 0 1 6 1 A5 3 20 1 0 0 0", "m0 0a5 3 20 01 6 1a5 3 20 10-6-1"),
+        ("M1.5 .5 L-.5 1e1 L2 -3 Z", "M1.5.5-.5 10 2-3z"),
+        ("M1 1 L3 1 L3 3 Z M5 5 L7 5 L7 7 Z", "m1 1l2 0l0 2zm4 4l2 0l0 2z"),
+        ("M1 1 L3 1 L3 3 Z L1 5 L5 5 Z", "M1 1 L3 1 L3 3 Z l0 4 l4 0 z"),
+    ],
+)
+def test_relative_commands_are_the_absolute_ones(absolute: str, relative: str) -> None:
+    assert painted(absolute).area > 0.9
+    assert differs(painted(relative), painted(absolute)) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("data", "curves"),
+    [
+        ("M0 0 C1 2 3 4 5 0 Z", [[(0, 0), (1, 2), (3, 4), (5, 0)]]),
+        ("M0 0 C1 2 3 4 5 0 S9 -4 10 0 V9 H0 Z",
+         [[(0, 0), (1, 2), (3, 4), (5, 0)], [(5, 0), (7, -4), (9, -4), (10, 0)], [(10, 9), (0, 9)]]),
+        ("M0 0 L5 0 S9 -4 10 0 V9 Z", [[(0, 0), (5, 0)], [(5, 0), (5, 0), (9, -4), (10, 0)], [(10, 0), (10, 9)]]),
+        ("M0 0 Q2 4 5 0 T10 0 T15 0 V9 H0 Z",
+         [[(0, 0), (2, 4), (5, 0)], [(5, 0), (8, -4), (10, 0)], [(10, 0), (12, 4), (15, 0)], [(15, 0), (15, 9), ],
+          [(15, 9), (0, 9)]]),
+        ("M0 0 L5 0 T10 3 V9 Z", [[(0, 0), (5, 0)], [(5, 0), (10, 3)], [(10, 3), (10, 9)]]),
+        ("M0 0 C1 2 3 4 5 0 T10 0 V9 H0 Z",
+         [[(0, 0), (1, 2), (3, 4), (5, 0)], [(5, 0), (10, 0)], [(10, 0), (10, 9)], [(10, 9), (0, 9)]]),
+    ],
+)  # fmt: skip
+def test_curves_are_those_of_bernstein_polynomials(data: str, curves: list[list[tuple[float, float]]]) -> None:
+    """Smooth commands mirror the last control point of a command of their kind, else they have none."""
+    wanted = shapely.Polygon(np.concatenate([bezier(*points) for points in curves]))
+    found = painted(data)
+    assert found.hausdorff_distance(wanted) < 2e-3
+    assert differs(found, wanted) < 2e-3 * wanted.length
+
+
+@pytest.mark.parametrize("large", [0, 1])
+@pytest.mark.parametrize("sweep", [0, 1])
+def test_arcs_lie_on_their_ellipse_and_turn_the_right_way(large: int, sweep: int) -> None:
+    """The chord cuts one of two ellipses, by shapely, into a smaller and a larger part."""
+    start, end, radii, turn = np.array([1.0, 2.0]), np.array([4.0, 3.0]), np.array([5.0, 2.5]), math.radians(30)
+    axes = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]]) * radii
+    a, b = (np.linalg.solve(axes, point) for point in (start, end))
+    middle, half = 0.5 * (a + b), 0.5 * (b - a)
+    sign = 1.0 if large != sweep else -1.0
+    centre = middle + sign * np.array([-half[1], half[0]]) / np.hypot(*half) * math.sqrt(1.0 - half @ half)
+    whole = shapely.transform(shapely.Point(centre).buffer(1.0, 1000), lambda circle: circle @ axes.T)
+    far = start + 50.0 * (start - end), end + 50.0 * (end - start)
+    normal = 50.0 * np.array([start[1] - end[1], end[0] - start[0]])
+    sides = [shapely.Polygon([*far, far[1] + way, far[0] + way]) & whole for way in (normal, -normal)]
+    (wanted,) = [side for side in sides if (side.area > 0.5 * whole.area) == bool(large)]
+    found = painted(f"M1 2 A5 2.5 30 {large} {sweep} 4 3 Z", 1e-4)
+    assert differs(found, wanted) < 1e-3 * wanted.length
+
+
+def test_arcs_out_of_range_are_mended_as_the_standard_says() -> None:
+    half = painted("M0 0 A1 1 0 0 1 10 0 Z")  # radii too small: widened
+    assert differs(half, shapely.Point(5, 0).buffer(5.0, 1000) & shapely.box(0, -5, 10, 0)) < 0.05
+    assert painted("M0 0 A0 5 0 0 1 10 0 V3 Z").area == 15.0  # no radius: a line
+    assert painted("M3 3 A1 1 0 0 1 3 3 H9 V9 Z").area == 18.0  # no way to go: nothing
+
+
+@pytest.mark.parametrize("tolerance", [1.0, 0.1, 1e-3])
+@pytest.mark.parametrize(
+    ("data", "curve"),
+    [
+        ("M0 0C30 90 60 -80 100 5V200H0Z", [(0, 0), (30, 90), (60, -80), (100, 5)]),
+        ("M0 0Q40 90 100 0V200H0Z", [(0, 0), (40, 90), (100, 0)]),
+    ],
+)
+def test_chords_stay_within_the_tolerance(data: str, curve: list[tuple[float, float]], tolerance: float) -> None:
+    outline = painted(data, tolerance).boundary
+    dense = bezier(*curve)
+    assert shapely.distance(shapely.points(dense), outline).max() <= tolerance * 1.0001
+    corners = shapely.points(shapely.get_coordinates(outline))
+    near = corners[shapely.distance(corners, shapely.box(0.001, -90, 99.999, 90)) == 0.0]
+    assert shapely.distance(near, shapely.LineString(dense)).max() <= tolerance + 0.01
+
+
+def test_chords_follow_a_fraction_of_the_drawing_without_a_tolerance() -> None:
+    for scale in (1e-6, 1.0, 1e6):
+        circle = solid(from_svg(svg(f'<circle r="{scale}"/>')))
+        assert circle.hausdorff_distance(shapely.Point(0, 0).buffer(scale, 500)) < 2e-3 * scale
+        assert len(circle.exterior.coords) < 100
+
+
+@pytest.mark.parametrize("data", ["L1 1 2 2", "M1 1 L2", "M1 1 L2 2 X", "M0 0 A5 5 0 2 1 9 9", "5 5"])
+def test_path_data_count_up_to_where_they_go_wrong(data: str) -> None:
+    found = svg_drawing(svg(f'{RECT}<path d="{data}"/>'))
+    assert (found.mesh.area, len(found.notes)) == (2.0, 1)
+    (more,) = svg_drawing(svg(f'{RECT}<path id="wing" d="M0 0H4V3H0z{data[-2:]}"/>')).notes
+    assert "wing" in more
+
+
+# Elements
+
+
+def test_basic_shapes_have_their_areas() -> None:
+    assert area_of('<rect x="1" y="2" width="3" height="4"/>') == 12.0
+    assert area_of('<polygon points="0,0 4,0 4,3"/>') == 6.0
+    assert area_of('<polyline points="0,0 4,0 4,3"/>') == 6.0  # filled, it is closed
+    assert area_of('<path d="M0 0 L4 0 L4 3"/>') == 6.0
+    assert area_of('<rect width="1in" height="25.4mm"/>') == pytest.approx(96.0**2)
+    for body, wanted in (
+        ('<circle cx="5" cy="5" r="3"/>', 9.0 * math.pi),
+        ('<ellipse cx="5" cy="5" rx="3" ry="1"/>', 3.0 * math.pi),
+        ('<rect width="8" height="6" rx="2" ry="1"/>', 48.0 - (4.0 - math.pi) * 2.0),
+        ('<rect width="8" height="6" rx="50"/>', math.pi * 12.0),
+    ):
+        assert area_of(body, tolerance=1e-5) == pytest.approx(wanted, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("transform", "matrix"),
+    [
+        ("translate(3, -2)", [[1, 0, 3], [0, 1, -2]]),
+        ("translate(3)", [[1, 0, 3], [0, 1, 0]]),
+        ("scale(2 3)", [[2, 0, 0], [0, 3, 0]]),
+        ("scale(-2)", [[-2, 0, 0], [0, -2, 0]]),
+        ("rotate(90)", [[0, -1, 0], [1, 0, 0]]),
+        ("rotate(90 1 1)", [[0, -1, 2], [1, 0, 0]]),
+        ("matrix(1 2 3 4 5 6)", [[1, 3, 5], [2, 4, 6]]),
+        ("skewX(45)", [[1, 1, 0], [0, 1, 0]]),
+        ("skewY(45)", [[1, 0, 0], [1, 1, 0]]),
+        ("translate(1,2)scale(2),rotate(90)", [[0, -2, 1], [2, 0, 2]]),
+    ],
+)
+def test_transforms(transform: str, matrix: list[list[float]]) -> None:
+    rows = np.array(matrix, dtype=float)
+    corners = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]) @ rows[:, :2].T + rows[:, 2]
+    found = from_svg(svg(f'<g transform="{transform}"><polygon points="0,0 4,0 4,3"/></g>'))
+    assert sorted(found.vertices.round(9).tolist()) == sorted(corners.round(9).tolist())
+
+
+def test_transforms_of_groups_multiply() -> None:
+    body = '<g transform="translate(10 0)"><g transform="scale(2)"><rect x="1" width="1" height="1"/></g></g>'
+    assert np.ravel(from_svg(svg(body)).bounds).tolist() == [12.0, 0.0, 14.0, 2.0]
+
+
+def test_symbols_and_references_are_followed() -> None:
+    body = '<defs><rect id="r" width="2" height="2"/></defs><use href="#r" x="5"/>'
+    assert sorted(from_svg(svg(body)).vertices.tolist()) == [[5, 0], [5, 2], [7, 0], [7, 2]]
+    symbol = (
+        '<symbol id="s" viewBox="0 0 10 10"><rect width="10" height="10"/></symbol>'
+        '<use href="#s" x="3" y="4" width="20" height="40"/>'
+    )
+    assert np.ravel(from_svg(svg(symbol)).bounds).tolist() == [3, 14, 23, 34]
+    linked = '<defs><rect id="r" width="2" height="2"/></defs><use xlink:href="#r"/>'
+    assert area_of(linked, 'xmlns:xlink="http://www.w3.org/1999/xlink"') == 4.0
+    nested = '<svg x="10" y="0" width="5" height="5" viewBox="0 0 1 1"><rect width="1" height="1"/></svg>'
+    assert np.ravel(from_svg(svg(nested)).bounds).tolist() == [10, 0, 15, 5]
+
+
+def test_a_switch_draws_its_first_usable_child() -> None:
+    body = f'<switch><foreignObject/><g requiredExtensions="x">{SQUARE}</g><rect width="2" height="1"/>'
+    assert area_of(f"{body}{SQUARE}</switch>") == 2.0
+
+
+def test_one_element_can_be_read_alone() -> None:
+    body = '<g id="two" transform="scale(2)"><rect width="1" height="1"/></g>'
+    body += '<rect id="one" x="9" width="3" height="1"/>'
+    assert area_of(body, element="two") == 4.0
+    assert area_of(body, element="one") == 3.0
+    with pytest.raises(NestedCagesError) as error:
+        area_of(body, element="three")
+    assert error.value.code == "file.invalid"
+
+
+def test_layers_can_be_read_alone() -> None:
+    label = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
+    body = f'<g inkscape:label="Ink">{SQUARE}</g><g id="two"><rect id="r" x="20" width="2" height="3"/></g>'
+    assert area_of(body, label, layers=("Ink",)) == 100.0
+    assert area_of(body, label, layers=("Ink", "two")) == 106.0
+    assert area_of(body, label, layers=("two",), element="r") == 6.0
+    with pytest.raises(NestedCagesError) as error:
+        area_of(body, label, layers=("Pencil",))
+    assert error.value.code == "file.invalid"
+
+
+# Lengths and pages
+
+
+def test_per_cent_are_of_the_view_box_or_the_size() -> None:
+    rect = '<rect x="25%" y="10%" width="50%" height="20%"/>'
+    for attributes in ('viewBox="5 0 40 30"', 'width="40" height="30px"', 'viewBox="0 0 40 30" width="100%"'):
+        assert np.ravel(from_svg(svg(rect, attributes)).bounds) == pytest.approx([10.0, 3.0, 30.0, 9.0])
+    circle = from_svg(svg('<circle cx="50%" cy="50%" r="10%"/>', 'viewBox="0 0 30 40"'))
+    assert np.ptp(circle.vertices, axis=0) == pytest.approx(2.0 * 0.1 * math.sqrt((30**2 + 40**2) / 2.0), rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("length", "expected"),
+    [
+        ("2em", 40.0),
+        ("1.5rem", 24.0),
+        ("2ex", 20.0),
+        ("2,5mm", 2.5 * 96.0 / 25.4),
+        ("10vw", 20.0),
+        ("10vh", 10.0),
+        ("10%", 20.0),
+        ("calc(1em + 10px)", 30.0),
+        ("calc((10% - 4px) * 2 / 4)", 8.0),
+        ("calc(-1 * -3px)", 3.0),
+        ("calc(2em - 1.5in + calc(110px))", 6.0),
+    ],
+)
+def test_lengths_by_font_and_view(length: str, expected: float) -> None:
+    body = f'<g font-size="10px"><g font-size="2em"><rect width="{length}" height="1"/></g></g>'
+    assert area_of(body, 'viewBox="0 0 200 100" width="200" height="100"') == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("length", ["calc(1px", "calc()", "calc(1px 2px)", "calc(1/0)", "calc(" + "(" * 150, "calc(a)"])
+def test_calculations_that_make_no_sense_paint_nothing(length: str) -> None:
+    found = svg_drawing(svg(f'{RECT}<rect width="{length}" height="1"/>'))
+    assert (found.mesh.area, len(found.notes)) == (2.0, 1)
+
+
+def test_a_background_is_named_and_can_be_left_out() -> None:
+    page = svg('<rect id="paper" width="100%" height="100%"/><circle cx="5" cy="5" r="2"/>', 'viewBox="0 0 20 10"')
+    for background, area in ((True, 200.0), (False, 4.0 * math.pi)):
+        found = svg_drawing(page, background=background)
+        assert found.mesh.area == pytest.approx(area, rel=1e-2)
+        assert len(found.notes) == 1 and "paper" in found.notes[0]
+
+
+def test_what_lies_outside_the_page_is_cut_off() -> None:
+    page = svg('<rect x="-5" y="2" width="10" height="4"/>', 'viewBox="0 0 20 10"')
+    found = svg_drawing(page)
+    assert np.ravel(found.mesh.bounds) == pytest.approx([0.0, 2.0, 5.0, 6.0])
+    assert len(found.notes) == 1
+    assert from_svg(page, crop=False).area == 40.0
+
+
+@pytest.mark.parametrize(
+    ("page", "box"),
+    [
+        ('width="20" height="10"', (-5, 0, 15, 10)),  # 5 units on either side of the view box are seen
+        ('width="10mm" height="20mm"', (0, -5, 10, 15)),
+        ('width="20" height="10" preserveAspectRatio="xMinYMid"', (0, 0, 20, 10)),
+        ('width="20" height="10" preserveAspectRatio="xMaxYMid slice"', (0, 2.5, 10, 7.5)),
+        ('width="20" height="10" preserveAspectRatio="none"', (0, 0, 10, 10)),
+        ('width="20"', (0, 0, 10, 10)),
+        ('width="100%" height="50"', (0, 0, 10, 10)),
+    ],
+)
+def test_what_is_seen_next_to_the_view_box_stays(page: str, box: tuple[float, ...]) -> None:
+    drawn = svg('<rect x="-30" y="-30" width="70" height="70"/><path d="M0 0h1"/>', f'viewBox="0 0 10 10" {page}')
+    assert np.ravel(from_svg(drawn).bounds) == pytest.approx(np.array(box, float))
+
+
+# Faults
+
+
+@pytest.mark.parametrize(
+    ("body", "expected", "named"),
+    [
+        ('<polygon points="0 0 4 0 4 3 0 3 no 9 9"/>', 12.0, "no"),
+        ('<rect width="4" height="3" transform="rotate(NaN)"/>', 12.0, "rotate(NaN)"),
+        ('<rect width="4" height="3" transform="translate(1 NaN)"/>', 12.0, ""),
+        ('<rect width="4" height="3" transform="scale(1,2,3)"/>', 12.0, ""),
+        ('<use href="#nothing"/>', 0.0, "#nothing"),
+        ('<use href="other.svg#a"/>', 0.0, "other.svg#a"),
+        ('<g id="a"><use href="#a"/><rect width="4" height="3"/></g>', 12.0, "#a"),
+        ('<rect width="4" height="3" rx="wide"/>', 12.0, "wide"),
+        ('<path d="M0 0H4" stroke="red" stroke-width="fat"/>', 4.0, "fat"),
+        ('<path d="M0 0H4" stroke="red" stroke-dasharray="1 x"/>', 4.0, "1 x"),
+        ('<rect width="4" height="3"/><rect width="1e200" height="1" y="9"/>', 12.0, ""),
+        ('<rect width="1e-3em" height="3"/>' * 9 + '<rect width="4" height="3"/>', 12.0, None),
+    ],
+)
+def test_one_bad_attribute_loses_nothing_else(body: str, expected: float, named: str | None) -> None:
+    found = svg_drawing(svg(RECT + body))
+    assert found.mesh.area == pytest.approx(2.0 + expected)
+    assert len(found.notes) == (named is not None)
+    assert (named or "") in " ".join(found.notes)
+
+
+def test_of_many_bad_attributes_some_are_named() -> None:
+    found = svg_drawing(svg(RECT + "".join(f'<use href="#u{k}"/>' * 2 for k in range(20))))
+    assert "#u0" in found.notes[0] and "14" in found.notes[-1]
+    assert len(found.notes) < 20
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "hello",
+        "<html/>",
+        b"\xff\xfe\x00",
+        None,
+        5,
+        svg(""),
+        svg('<text x="0">A</text>'),
+        '<svg><rect width="50%" height="1"/></svg>',
+        svg('<rect width="5furlongs" height="1"/>'),
+        svg('<path d="M0 0 L1e300 1 L2 1e300 Z"/>'),
+        svg('<path d="M0 0 L1 1 L2 2 Z"/>'),
+        svg('<path d="M0 0 L1e999 1 L2 5 Z"/>'),
+        svg('<path d="M0 0 L0 0 Z"/>'),
+        svg("<g>" * 5000 + SQUARE + "</g>" * 5000),
+    ],
+)
+def test_what_is_no_drawing_is_an_error(text: object) -> None:
+    with pytest.raises(NestedCagesError):
+        from_svg(text)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, math.nan, math.inf, "1"])
+def test_tolerances_are_positive_lengths(tolerance: object) -> None:
+    with pytest.raises(NestedCagesError) as error:
+        from_svg(svg(SQUARE), tolerance=tolerance)
+    assert error.value.code == "setting.invalid"
+
+
+@pytest.mark.parametrize(
+    ("limit", "body"),
+    [
+        ("bytes", SQUARE),
+        ("elements", SQUARE * 9),
+        ("elements", f'<g id="a">{SQUARE * 3}</g><use href="#a" x="30"/><use href="#a" x="60"/>'),
+        ("points", '<circle r="9"/>'),
+        ("seconds", "".join(f'<path d="M{k} 0h1v9000h-1zM0 {k}h9000v1h-9000z"/>' for k in range(0, 900, 2))),
+    ],
+)
+def test_drawings_are_read_within_limits(limit: str, body: str) -> None:
+    assert limit == "seconds" or from_svg(svg(body)).area > 0.0
+    with pytest.raises(NestedCagesError) as error:
+        from_svg(svg(body), limits=Limits(**{limit: {"bytes": 50, "seconds": 1}.get(limit, 5)}))
+    assert (error.value.code, error.value.data["what"]) == ("limit.exceeded", limit)
+    for wrong in (0, -1, 1.5, True, 10**30):
+        with pytest.raises(NestedCagesError) as error:
+            Limits(**{limit: wrong})
+        assert error.value.code == "file.invalid"
+
+
+def test_the_drawing_of_the_demo_is_read() -> None:
+    mesh = read_svg(EXAMPLES / "letter_a.svg")
+    assert sorted(mesh.loop_signs.tolist()) == [-1, 1]
+    with pytest.raises(FileNotFoundError):
+        read_svg(EXAMPLES / "none.svg")
+
+
+# Shapes one by one
+
+
+def test_shapes_one_by_one_keep_their_clips_and_copies() -> None:
+    body = """<clipPath id="left" clipPathUnits="objectBoundingBox"><rect width=".5" height="1"/></clipPath>
+        <g clip-path="url(#left)"><rect id="a" width="4" height="2"/><rect x="6" width="4" height="2"/></g>
+        <use href="#a" y="5"/><path id="a" d="M0 9h3v1H0z" fill="none" stroke="red" stroke-width="2"/>
+        <rect id="hidden" width="1" height="1" fill="none"/>"""
+    found = svg_drawing(svg(body), each=True)
+    assert [name for name, _ in found.shapes] == ["a", "a", "a"]
+    assert [mesh.area for _, mesh in found.shapes] == pytest.approx([8.0, 8.0, 15.0])
+    whole = svg_drawing(svg(body), each=None)
+    assert len(whole.shapes) == 1
+    assert whole.mesh == from_svg(svg(body))
+
+
+def test_parts_have_names_groups_and_all_that_they_paint() -> None:
+    body = """<style>.a{fill:teal;stroke:rgb(255,0,0);stroke-width:2}</style>
+        <linearGradient id="fade"><stop stop-color="#000"/><stop offset="1" stop-color="#fff"/></linearGradient>
+        <g id="body"><g id="arm"><rect class="a" x="10" y="10" width="20" height="30"/>
+        <path id="open" d="M50 50h20v20" fill="#00f8" stroke="black" stroke-width="3" transform="scale(2)"/></g></g>
+        <circle id="eye" r="5" fill="url(#fade)" opacity="0.5"/><g id="none"/>"""
+    parts, notes = puppet_parts(svg(body))
+    assert len(notes) == 1  # of the gradient
+    assert [part.groups for part in parts] == [("body", "arm"), ("body", "arm"), ()]
+    assert [part.name for part in parts[1:]] == ["open", "eye"]
+    assert [part.outline.area for part in parts] == pytest.approx([22 * 32, 4 * 265, 25 * math.pi], rel=6e-3)
+    assert np.ravel(parts[0].outline.bounds).tolist() == [9, -41, 31, -9]  # y points up
+    with pytest.raises(InvalidMeshError):
+        puppet_parts(svg('<path d="M0 0h1z"/>'))
+
+
+INKSCAPE = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
+DEFINED = """<defs><g id="shoe"><rect width="3" height="2"/><rect width="3" height="1"/></g>
+    <symbol id="star"><rect width="2" height="2"/></symbol></defs><rect id="leg" width="1" height="9"/>"""
+
+
+@pytest.mark.parametrize(("body", "wanted"), [
+    ('<g inkscape:label="head" id="layer2"><g id="g12"><rect id="rect7" width="9" height="9"/>'
+     '<rect id="rect8-3" inkscape:label="eye" width="1" height="1"/></g></g><rect id="path3-6" width="4" height="4"/>',
+     [("head 1", "head"), ("eye", "head"), ("path3-6", "")]),  # as Inkscape writes
+    ('<g id="Right_x20_arm"><rect id="XMLID_4_" width="9" height="9"/></g><g id="Torso_1_"><rect width="3" height="3"/>'
+     '</g><rect id="a-2" data-name="left hand" width="1" height="1"/>',
+     [("Right arm 1", "Right arm"), ("Torso 2", "Torso"), ("left hand", "")]),  # as Illustrator does
+    ('<g inkscape:label="Layer 1" id="layer1"><rect id="rect1" width="9" height="9"/><rect width="3" height="3"/>'
+     '<g id="g5"><rect id="rect2" width="5" height="5"/></g></g>',
+     [("rect1", ""), ("rect 2", ""), ("g5 3", "g5")]),
+    ('<g id="cat"><rect width="9" height="9"/><rect width="3" height="3"/></g>',
+     [("rect 1", "cat"), ("rect 2", "cat")]),
+    ('<rect width="9" height="9"/><g id="leg"><rect width="3" height="3"/></g><g id="leg"><rect width="4" height="4"/>'
+     '</g>', [("rect 1", ""), ("leg 2", "leg"), ("leg 2 3", "leg 2")]),
+    (DEFINED + '<use id="left" href="#shoe"/><use id="use3" href="#shoe" x="9"/><use id="badge" href="#star"/>'
+     '<use id="other leg" href="#leg"/><use href="#leg"/>',
+     [("leg", ""), ("left 2", "left"), ("left 3", "left"), ("shoe 4", "shoe"), ("shoe 5", "shoe"),
+      ("badge 6", "badge"), ("other leg", ""), ("leg", "")]),
+])  # fmt: skip
+def test_parts_are_named_by_artists_and_not_by_programs(body: str, wanted: list[tuple[str, str]]) -> None:
+    parts, _ = puppet_parts(svg(body, INKSCAPE))
+    assert [(part.name, "".join(part.groups[-1:])) for part in parts] == wanted
