@@ -7,7 +7,7 @@ import pickle
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib import import_module
@@ -151,6 +151,11 @@ def table(headings: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
         .rstrip()
         for row in texts
     )  # fmt: skip
+
+
+def parts(tables: Mapping[str, str]) -> str:
+    """Several tables by name; a page has a place for each: ``<!-- table BENCHMARK_NAME -->``."""
+    return "\n\n".join(f"[{name}]\n{text}" for name, text in tables.items())
 
 
 def cell(value: object) -> str:

@@ -17,22 +17,30 @@ MEASURED = ROOT / "docs" / "measured"
 def write(name: str, command: str, printed: str) -> None:
     """Keep all of it with command, commit and date; pages show what comes before the details.
 
-    A place is ``<!-- table NAME -->`` … ``<!-- end of table NAME -->``. README.md shows the last paragraph only.
+    A place is ``<!-- table NAME -->`` … ``<!-- end of table NAME -->``, or NAME_PART for a part of several. README.md
+    shows the last paragraph only.
     """
     stamp = f"commit {commit()}, {date.today()}"
     MEASURED.mkdir(exist_ok=True)
     kept = MEASURED / f"{name}.txt"
     kept.write_text(f"{command}\n{stamp}\n\n{printed}\n", encoding="utf-8")
-    shown = printed.partition(f"\n{DETAILS}\n")[0].strip("\n")
-    place = re.compile(rf"(<!-- table {name} -->)\n.*?(<!-- end of table {name} -->)", re.DOTALL)
     for page in [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]:
-        text = page.read_text(encoding="utf-8")
-        block = shown.rpartition("\n\n")[2] if page.name == "README.md" else f"```text\n{shown}\n```"
+        text = changed = page.read_text(encoding="utf-8")
         link = Path(os.path.relpath(kept, page.parent)).as_posix()
-        block += f"\n\n`{command}`, {stamp}: [output]({link})."
-        changed = place.sub(lambda found, block=block: f"{found[1]}\n\n{block}\n\n{found[2]}", text)
+        for place, shown in shown_of(name, printed).items():
+            block = shown.rpartition("\n\n")[2] if page.name == "README.md" else f"```text\n{shown}\n```"
+            between = f"\n\n{block}\n\n`{command}`, {stamp}: [output]({link}).\n\n"
+            where = re.compile(rf"(<!-- table {place} -->)\n.*?(<!-- end of table {place} -->)", re.DOTALL)
+            changed = where.sub(lambda found, between=between: f"{found[1]}{between}{found[2]}", changed)
         if changed != text:
             page.write_text(changed, encoding="utf-8")
+
+
+def shown_of(name: str, printed: str) -> dict[str, str]:
+    """What pages show: place -> all of it, and of each part, up to the details."""
+    pieces = re.split(r"^\[(\w+)\]\n", printed, flags=re.MULTILINE)
+    found = {f"{name}_{part}": text for part, text in zip(pieces[1::2], pieces[2::2], strict=True)}
+    return {place: text.partition(f"\n{DETAILS}\n")[0].strip("\n") for place, text in {name: printed, **found}.items()}
 
 
 @cache

@@ -65,6 +65,8 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="compare with values that are known: status 1 if wrong")
     parser.add_argument("--write", action="store_true", help="into docs/measured/NAME.txt and the pages that show it")
     given = parser.parse_args()
+    if given.write and given.only:
+        parser.error("--write needs all parts; leave out --only")
     names = benchmarks()
     if not given.names:
         width = max(map(len, names))

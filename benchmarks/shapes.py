@@ -1,138 +1,164 @@
-"""Tightness and time on eight shapes, compared with the records and with what other programs make of them.
-
-    python benchmarks/shapes.py
-    python benchmarks/shapes.py --data FOLDER    # your own shapes
-
-For every shape at 16, 32 and 64 vertices: our excess and time next to those on record (data/records.csv), and the
-excess of the line cycles before tightening next to that of a strict progressive hull. Then five nested levels. Last,
-what shapely's buffer + simplify, GEOS's polygon hull and shortcut hulls make of the same shapes in the same run.
-Exit status 1 if a cage is not certified, an excess is above the allowed multiple of its record, or half of the line
-cycles are looser than the progressive hull.
-"""
+"""The shapes that are not random: drawn by formulas, held out, and of any size. Random ones are in `random_shapes`."""
 
 from __future__ import annotations
 
-import argparse
-import sys
-import time
-from collections.abc import Sequence
+import json
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
 
-import clone  # noqa: F401
-from data import Record, read_records, shape, shape_names
-from nestedcages_core import Level, LineCycles, Mesh, Settings, nested_cages, verify
-from nestedcages_core.cache import forget
-from peers import PEERS
+from nestedcages_core import InvalidMeshError, Mesh
 
-COUNTS = (16, 32, 64)
-
-FIVE_LEVELS = (64, 48, 32, 24, 16)
-"""Vertices of cages around each other."""
-
-CLEARANCE_ALLOWANCE = 0.03
-"""Points of excess that the clearance may cost: the records were set without one."""
-
-ALLOWED = 1.03
-"""Multiple of the record above which the run fails."""
-
-NEGLIGIBLE = 0.01
-"""Records below this many per cent count as this: a ratio to nothing says nothing."""
+DATA = Path(__file__).resolve().parent / "data"
+Points = np.ndarray
+"""(k, 2)."""
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, help="folder of your own shapes (name_V.csv, name_E.csv)")
-    parser.add_argument("--shapes", nargs="*", help="only these")
-    parser.add_argument("--repeats", type=int, default=3, help="runs of which the fastest counts")
-    options = parser.parse_args()
-    shapes = {name: shape(name, options.data) for name in shape_names(options.data, options.shapes)}
-    good = records_and_starts(shapes, {} if options.data else read_records(), options.repeats)
-    good = five_levels(shapes) and good
-    peers(shapes)
-    return 0 if good else 1
+def ring(count: int, radius: float = 1.0) -> Points:
+    """Regular polygon about the origin, counter-clockwise, first vertex on the x axis."""
+    angles = 2 * np.pi * np.arange(count) / count
+    return radius * np.column_stack((np.cos(angles), np.sin(angles)))
 
 
-def records_and_starts(shapes: dict[str, Mesh], records: dict[tuple[str, int], Record], repeats: int) -> bool:
-    """The table of records and starts; whether all is as good as it should be."""
-    columns = "fine", "cage", "certified", "excess %", "record %", "ratio", "start %", "peer's %", "CPU s", "recorded s"
-    print("Records and starts\n" + f"{'shape':10}" + heading((*columns, "new record")))
-    ratios, start_ratios, certified = [], [], True
-    for name, fine in shapes.items():
-        for count in COUNTS:
-            level, ours = fastest(fine, count, Settings(), repeats)
-            areas = level.cage.area, LineCycles().decimate(fine, count).area
-            excess, start = (100.0 * (area / fine.area - 1.0) for area in areas)
-            record = records.get((name, count), Record())
-            ratios.append(max(excess - CLEARANCE_ALLOWANCE, NEGLIGIBLE) / max(record.excess, NEGLIGIBLE))
-            start_ratios.append(start / record.hull)
-            certified &= is_certified(level)
-            print(
-                f"{name:10}{len(fine.vertices):12d}{count:12d}{yes(is_certified(level))}{excess:12.3f}"
-                f"{record.excess:12.3f}{ratios[-1]:12.3f}{start:12.3f}{record.hull:12.3f}{ours:12.3f}"
-                f"{record.seconds:12.2f}{'yes' if excess < record.excess else '':>12}"
-            )
-    if not records:
-        return certified
-    print(f"ratio to the record: median {np.median(ratios):.3f}, largest {max(ratios):.3f} (allowed {ALLOWED})")
-    print(f"start, to the peer's hull: median {np.median(start_ratios):.3f}, largest {max(start_ratios):.3f}")
-    return certified and max(ratios) <= ALLOWED and bool(np.median(start_ratios) <= 1.0)
+def annulus(ring_vertices: int, outer_radius: float = 1.0, inner_radius: float = 0.5) -> Mesh:
+    """Two regular polygons with `ring_vertices` each: the discs of the paper's Table 1."""
+    return Mesh.from_loops([ring(ring_vertices, outer_radius), ring(ring_vertices, inner_radius)])
 
 
-def is_certified(level: Level) -> bool:
-    """Whether a new look at a cage finds all that its level promises."""
-    return verify(level.cage, level.fine, level.report.wanted_clearance).holds
+def blob(count: int, waves: int = 59) -> Mesh:
+    """A bay-rich outline, star-shaped about the origin: waves with random phases and falling amplitudes."""
+    random = np.random.default_rng(0)
+    angles = 2 * np.pi * np.arange(count) / count
+    radius = np.ones(count)
+    for k in range(2, waves + 1):
+        height = 0.35 * random.standard_normal() / k**1.1
+        radius += height * np.cos(k * angles + 2 * np.pi * random.random())
+    return Mesh.from_loops([radius[:, None] * ring(count)])
 
 
-def yes(good: bool) -> str:
-    return f"{'yes' if good else 'NO':>12}"
+def comb(slits: int = 11, width: float = 0.02, spacing: float = 0.05) -> Mesh:
+    """A block of 2 by 1.2 with slits from the top to half its height, vertices at most `spacing` apart."""
+    corners = [(-1.0, -0.6), (1.0, -0.6), (1.0, 0.6)]
+    for x in np.linspace(1.0, -1.0, slits + 2)[1:-1]:
+        corners += [(x + width / 2, 0.6), (x + width / 2, 0.0), (x - width / 2, 0.0), (x - width / 2, 0.6)]
+    loop = np.array([*corners, (-1.0, 0.6)])
+    lengths = np.hypot(*(np.roll(loop, -1, axis=0) - loop).T)
+    return Mesh.from_loops([divided(loop, np.ceil(lengths / spacing - 1e-9).astype(int))])
 
 
-def fastest(fine: Mesh, count: int, settings: Settings, repeats: int) -> tuple[Level, float]:
-    """The level, and CPU seconds of the fastest of several runs, none of which knows of the others."""
-    times = []
-    for _ in range(repeats):
-        forget()
-        begin = time.process_time()
-        hierarchy = nested_cages(fine, [count], settings)
-        times.append(time.process_time() - begin)
-    return hierarchy.levels[0], min(times)
+def star(points: int = 5, inner_radius: float = 0.45, per_edge: int = 20) -> Mesh:
+    """A star with straight edges, first tip up."""
+    x, y = (np.tile([1.0, inner_radius], points)[:, None] * ring(2 * points)).T
+    return Mesh.from_loops([divided(np.column_stack((-y, x)), [per_edge] * (2 * points))])
 
 
-def peers(shapes: dict[str, Mesh]) -> None:
-    """The table of what others make of the same shapes, in the same run."""
-    columns = "cage", *(name for recipe in ("buffer", "hull", "shortcut")
-                        for name in (f"{recipe} s", "excess %", "vertices", "verdict"))  # fmt: skip
-    print("\nshapely's buffer and simplify, GEOS's polygon hull, shortcut hulls\n" + f"{'shape':10}" + heading(columns))
-    for name, fine in shapes.items():
-        for count in COUNTS:
-            line = f"{name:10}{count:12d}"
-            for peer in (recipe(fine, count) for recipe in PEERS.values()):
-                if peer is None:
-                    line += f"{'-':>12}" * 4
-                else:
-                    line += f"{peer.seconds:12.4f}{peer.excess:12.3f}{peer.vertices:12d}{peer.verdict:>12}"
-            print(line)
+def koch(depth: int = 4) -> Mesh:
+    """The Koch snowflake, its triangle in the unit circle."""
+    x, y = ring(3).T
+    loop = np.roll(np.column_stack((-y, x)), -1, axis=0)
+    for _ in range(depth):
+        edge = (np.roll(loop, -1, axis=0) - loop) / 3
+        tip = 1.5 * edge + np.sqrt(3) / 2 * np.column_stack((edge[:, 1], -edge[:, 0]))
+        loop = np.stack([loop, loop + edge, loop + tip, loop + 2 * edge], axis=1).reshape(-1, 2)
+    return Mesh.from_loops([loop])
 
 
-def heading(columns: Sequence[str]) -> str:
-    return "".join(f"{name:>12}" for name in columns)
+def glyph(character: str, per_curve: int = 12, family: str = "DejaVu Sans") -> Mesh:
+    """A letter of a font that comes with matplotlib."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.path import Path as Outline
+    from matplotlib.textpath import TextPath
+
+    t = np.arange(1, per_curve + 1)[:, None] / per_curve
+    loops: list[list[Points]] = []
+    drawn = TextPath((0, 0), character, size=2.0, prop=FontProperties(family=family))
+    for values, code in drawn.iter_segments(curves=True, simplify=False):
+        points = values.reshape(-1, 2)
+        if code == Outline.MOVETO:
+            loops.append([points])
+        elif code == Outline.LINETO:
+            loops[-1].append(points)
+        elif code == Outline.CURVE3:
+            start, (control, end) = loops[-1][-1][-1], points
+            loops[-1].append((1 - t) ** 2 * start + 2 * (1 - t) * t * control + t**2 * end)
+        elif code == Outline.CURVE4:
+            raise InvalidMeshError(f"{family} has cubic curves", code="mesh.crossing")
+    joined = [np.concatenate(parts) for parts in loops]
+    return Mesh.from_loops([loop[np.any(loop != np.roll(loop, 1, axis=0), axis=1)] for loop in joined])
 
 
-def five_levels(shapes: dict[str, Mesh]) -> bool:
-    """The table of cages around each other, each with its area beyond the shape's; whether all are certified."""
-    columns = *(f"{count} v. %" for count in FIVE_LEVELS), "certified"
-    print("\nFive levels\n" + f"{'shape':10}" + heading(columns))
-    certified = True
-    for name, fine in shapes.items():
-        levels = nested_cages(fine, FIVE_LEVELS).levels
-        good = all(is_certified(level) and verify(level.cage, fine).holds for level in levels)
-        certified &= good
-        excess = [100.0 * (level.cage.area / fine.area - 1.0) for level in levels]
-        print(f"{name:10}" + "".join(f"{number:12.3f}" for number in excess) + yes(good))
-    return certified
+def divided(loop: Points, pieces: Iterable[int]) -> Points:
+    """A polygon with each edge in so many equal pieces."""
+    ends = np.roll(loop, -1, axis=0)
+    return np.concatenate([a + (b - a) * np.arange(k)[:, None] / k for a, b, k in zip(loop, ends, pieces, strict=True)])
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+DRAWN: dict[str, Callable[[], Mesh]] = {
+    "blob_500": lambda: blob(500),
+    "blob_2000": lambda: blob(2000, waves=199),
+    "comb": comb,
+    "disc_64": lambda: annulus(64),
+    "glyph_B": lambda: glyph("B"),
+    "glyph_g": lambda: glyph("g"),
+    "koch_4": koch,
+    "star200": star,
+}
+QUICK = ("comb", "glyph_g")
+
+
+def drawn(quick: bool = False) -> dict[str, Mesh]:
+    """The shapes by name."""
+    return {name: make() for name, make in DRAWN.items() if not quick or name in QUICK}
+
+
+def held_out() -> Iterator[tuple[str, Mesh]]:
+    """Letters, icons and maps that no method was tuned on, sources in turns; the file names source and licence."""
+    lines = json.loads((DATA / "held_out.json").read_text(encoding="utf-8"))
+    np.random.default_rng(0).shuffle(lines)
+    for line in lines:
+        yield f"{line['family']}: {line['name']}", Mesh.from_loops([np.array(loop) for loop in line["loops"]])
+
+
+# of any size
+
+
+def smooth(count: int) -> Mesh:
+    """Twelve waves."""
+    return _waves(count, np.arange(2, 14), 0.3)
+
+
+def rough(count: int) -> Mesh:
+    """Waves down to a few vertices long, each as steep as the others."""
+    return _waves(count, np.unique(np.geomspace(2, count / 8, 60).astype(int)), 0.25)
+
+
+def _waves(count: int, frequencies: np.ndarray, steepness: float) -> Mesh:
+    random = np.random.default_rng(1)
+    angle = 2.0 * np.pi * np.arange(count) / count
+    radius = np.ones(count)
+    for frequency in frequencies:
+        radius += steepness * random.normal() / frequency * np.cos(frequency * angle + random.uniform(0.0, 7.0))
+    return Mesh.from_loops([np.maximum(radius, 0.2)[:, None] * ring(count)])
+
+
+def fractal(count: int) -> Mesh:
+    """A hexagon whose edges are broken at displaced midpoints until there are enough, then thinned evenly."""
+    random, outline = np.random.default_rng(2), ring(6)
+    while len(outline) < count:
+        following = np.roll(outline, -1, axis=0)
+        edge = following - outline
+        normal = np.stack([-edge[:, 1], edge[:, 0]], axis=1)
+        middle = 0.5 * (outline + following) + 0.14 * random.uniform(-1.0, 1.0, (len(outline), 1)) * normal
+        outline = np.stack([outline, middle], axis=1).reshape(-1, 2)
+    return Mesh.from_loops([outline[np.unique(np.linspace(0, len(outline), count, endpoint=False).astype(int))]])
+
+
+def islands(count: int) -> Mesh:
+    """So many blobs of 24 vertices in rows."""
+    side = int(np.ceil(count**0.5))
+    loop = blob(24, waves=5).vertices
+    return Mesh.from_loops([loop + 4.0 * np.array(divmod(k, side)) for k in range(count)])
+
+
+GROWING: dict[str, Callable[[int], Mesh]] = {"fractal": fractal, "smooth": smooth, "rough": rough, "islands": islands}

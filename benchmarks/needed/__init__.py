@@ -1,1 +1,0 @@
-"""Tables about what cages are needed for, one module each; `needs.py` runs them."""
