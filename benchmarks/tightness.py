@@ -27,8 +27,9 @@ FEWEST, MOST = 60, 1000
 OUTLINES, QUICK_OUTLINES, SECONDS, TARGET = 30, 2, 30.0, 0.01
 """Outlines of each source; CPU seconds of a bound, and x at which its search ends."""
 GROUPS = (
-    ("held out", 60, 150), ("held out", 150, 300), ("held out", 300, 1001), ("held out", 60, 1001), ("random", 60, 1001),
-)  # fmt: skip
+    *(("held out", low, high) for low, high in ((60, 150), (150, 300), (300, 1001), (60, 1001))),
+    ("random", 60, 1001),
+)
 
 
 def run(options: Options) -> str:

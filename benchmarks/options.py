@@ -1,0 +1,365 @@
+"""Cages with options: within a distance, inside, on grids, convex, symmetric, with constraints; and convex pieces."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable
+from itertools import combinations, count
+from math import comb, inf
+
+import numpy as np
+import shapely
+
+import nestedcages_core as core
+from common import DETAILS, FAILED, Options, forget, parts, table
+from nestedcages_core import Mesh, NestedCagesError, Within, convex_pieces, inner_cages, nested_cages, verify
+from peers import corners, polygon_hull, solid
+from random_shapes import random_shape
+from shapes import drawn, ring
+
+
+def run(options: Options) -> str:
+    made = {"within": within, "inner": inner, "grids": grids, "convex": convex, "pieces": pieces,
+            "symmetry": symmetry, "constraints": constraints}  # fmt: skip
+    return parts({name: make(options) for name, make in made.items() if options.wants(name)})
+
+
+def timed(make: Callable[[], object]) -> tuple[object, float]:
+    """What was made, or None where that is an error, and CPU seconds."""
+    forget()
+    begin = time.process_time()
+    try:
+        made = make()
+    except NestedCagesError:
+        made = None
+    return made, time.process_time() - begin
+
+
+def told(summary: str, heads: tuple[str, ...], rows: list, wrong: int) -> str:
+    """A sentence, what is wrong, and the rows."""
+    return f"{summary}{f'{chr(10)}{FAILED}: {wrong}' if wrong else ''}\n{DETAILS}\n{table(heads, rows)}"
+
+
+# within a distance
+
+DISTANCES = (0.1, 0.03, 0.01, 0.003)
+"""In diagonals."""
+
+
+def within(options: Options) -> str:
+    """Vertices next to the lower bound, and to two recipes at the same tolerance."""
+    rows, close, far, wrong = [], 0, 0, 0
+    for name, fine in drawn(options.quick).items():
+        shape = solid(fine)
+        for part in DISTANCES:
+            distance = part * fine.diagonal
+            made, seconds = timed(lambda d=distance, f=fine: nested_cages(f, [Within(distance=d)])[0])
+            half = 0.5 * distance
+            recipes = (
+                shape.buffer(half, join_style="mitre").simplify(half, preserve_topology=True),
+                shape.buffer(half, quad_segs=64).simplify(half, preserve_topology=False),
+            )
+            others = [recipe_said(fine, shape, result, distance) for result in recipes]
+            if made is None:
+                rows.append((name, part, None, "none", None, *others, f"{seconds:.2f}"))
+                continue
+            most, fewest = len(made.cage.vertices), made.report.fewest
+            wrong += not verify(made.cage, fine, made.report.wanted_clearance).holds
+            close, far = close + (most - fewest <= len(fine.loops)), max(far, most - fewest)
+            rows.append((name, part, fewest, most, f"{100 * made.report.excess:.2f}", *others, f"{seconds:.2f}"))
+    summary = f"{close} of {len(rows)} are within one vertex per loop of the bound; the largest difference is {far}."
+    heads = ("shape", "distance", "bound", "ours", "excess %", "buffer, simplify", "offset, Douglas-Peucker", "CPU s")
+    return told(summary, heads, rows, wrong)
+
+
+def recipe_said(fine: Mesh, shape: shapely.Geometry, result: shapely.Geometry, distance: float) -> str:
+    """Vertices of a recipe's result, and what it does not keep."""
+    wrong = [] if result.is_valid and result.covers(shape) else ["leaks"]
+    wrong += [] if shape.buffer(distance * (1.0 + 1e-4), quad_segs=256).covers(result) else ["too far"]
+    wrong += [] if len(shapely.get_rings(shapely.get_parts(result))) == len(fine.loops) else ["other loops"]
+    return ", ".join([str(corners(result)), *wrong])
+
+
+# inside
+
+COUNTS = (16, 32, 64)
+CLEARANCE_POINTS = 0.03
+"""Added to both losses of a ratio: what the clearance costs; GEOS's hulls touch the shape."""
+
+
+def inner(options: Options) -> str:
+    """Area lost by cages inside, next to GEOS's inner hulls with as many vertices."""
+    rows, found, wrong = [], [], 0
+    for name, fine in drawn(options.quick).items():
+        for most in COUNTS:
+            made, seconds = timed(lambda f=fine, n=most: inner_cages(f, n)[0])
+            wrong += made is not None and not verify(fine, made.cage, made.report.wanted_clearance).holds
+            lost = None if made is None else f"{-100 * made.report.excess:.2f}"
+            peer, alike = polygon_hull(fine, most, inside=True), None
+            if peer is not None:
+                again, _ = timed(lambda f=fine, n=peer.vertices: inner_cages(f, n)[0])
+                alike = None if again is None else -100 * again.report.excess
+            if alike is not None:
+                found.append((alike + CLEARANCE_POINTS) / (CLEARANCE_POINTS - peer.excess))
+            cells = (None,) * 3 if peer is None else (peer.vertices, f"{-peer.excess:.2f}", peer.verdict)
+            rows.append((name, most, lost, *cells, None if alike is None else f"{alike:.2f}", f"{seconds:.2f}"))
+    summary = (
+        f"With as many vertices, ours lose {np.median(found):.2f} times the area of GEOS's polygon hulls, in the "
+        f"median of {len(found)}, and at most {max(found):.2f} times."
+    )
+    heads = ("shape", "asked", "lost %", "GEOS", "lost %", "verdict", "ours, as many", "CPU s")
+    return told(summary, heads, rows, wrong)
+
+
+# grids
+
+GRIDS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+"""In diagonals, rounded to one digit, as people write them."""
+
+
+def grids(options: Options) -> str:
+    """Excess on grids next to that of a free cage, and of one that is rounded afterwards."""
+    rows, found, wrong = [], 0, 0
+    for name, fine in drawn(options.quick).items():
+        for most in COUNTS:
+            free, seconds = timed(lambda f=fine, n=most: nested_cages(f, n)[0])
+            cells, spent = [], 0.0
+            for part in GRIDS:
+                spacing = float(f"{part * fine.diagonal:.0e}")
+                made, took = timed(lambda f=fine, n=most, s=spacing: nested_cages(f, n, grid=s)[0])
+                spent += took
+                cells.append("none" if made is None else f"{100 * made.report.excess:.2f}")
+                if made is not None:
+                    found += 1
+                    steps = made.cage.vertices / spacing
+                    on = np.abs(steps - np.rint(steps)).max() <= 1e-9 * np.abs(steps).max()
+                    wrong += not (verify(made.cage, fine, made.report.wanted_clearance).holds and on)
+            rounded = simply_rounded(fine, most, float(f"{GRIDS[1] * fine.diagonal:.0e}"))
+            rows.append((name, most, f"{100 * free.report.excess:.2f}", *cells, rounded, f"{seconds:.2f}",
+                         f"{spent / len(GRIDS):.2f}"))  # fmt: skip
+    summary = f"Cages were found on {found} of {len(GRIDS) * len(rows)} grids."
+    heads = ("shape", "cage", "free %", *map(str, GRIDS), f"rounded, {GRIDS[1]}", "CPU s", "on grids")
+    return told(summary, heads, rows, wrong)
+
+
+def simply_rounded(fine: Mesh, most: int, spacing: float) -> str:
+    """Excess of a cage with 0.8 steps of room, rounded; "fails" where that is no cage."""
+    clearance = 1e-5 * fine.diagonal
+    made, _ = timed(lambda: nested_cages(fine, most, clearance=clearance + 0.8 * spacing)[0])
+    if made is None:
+        return "fails"
+    try:
+        rounded = Mesh(spacing * np.rint(made.cage.vertices / spacing), made.cage.edges)
+    except NestedCagesError:
+        return "fails"
+    certificate = verify(rounded, fine, clearance)
+    return f"{100 * certificate.excess:.2f}" if certificate.holds else "fails"
+
+
+# convex
+
+CONVEX_COUNTS, MAX_TRIALS, DIRECTIONS = (3, 4, 5, 6, 8, 12), 7_000_000, 400
+"""Choices of edges that are tried at most; directions of the one that is not flush."""
+
+
+def convex(options: Options) -> str:
+    """Area beyond the convex hull's, next to the best of all choices of flush edges and one that is free."""
+    rows, compared, equal, wrong = [], 0, 0, 0
+    for name, fine in drawn(options.quick).items():
+        hull = shapely.MultiPoint(fine.vertices).convex_hull.simplify(1e-12 * fine.diagonal)
+        points = shapely.get_coordinates(shapely.geometry.polygon.orient(hull))[:-1]
+        cells = []
+        for most in CONVEX_COUNTS:
+            if most > len(points):
+                cells.append(None)
+                continue
+            made, _ = timed(lambda f=fine, n=most: nested_cages(f, n, convex=True, clearance=1e-6 * f.diagonal)[0])
+            ours, least = made.cage.area / hull.area - 1.0, least_by_trial(points, most) / hull.area - 1.0
+            wrong += not verify(made.cage, fine, 1e-6 * fine.diagonal, same_loops=False).holds
+            compared, equal = compared + (least < inf), equal + (ours <= least + 1e-4 and least < inf)
+            cells.append(f"{100 * ours:.2f} ({100 * least:.2f})" if least < inf else f"{100 * ours:.2f}")
+        rows.append((name, len(points), *cells))
+    summary = f"{equal} of {compared} that can be compared are the optimum, to 0.01 points for the clearance of 1e-06 diagonals."
+    heads = ("shape", "hull", *(f"{most} vertices" for most in CONVEX_COUNTS))
+    return told(summary, heads, rows, wrong)
+
+
+def least_by_trial(points: np.ndarray, most: int) -> float:
+    """Least area around a convex polygon (h, 2) with so many edges, all but one flush; infinite if too many to try."""
+    size = len(points)
+    if comb(size, most) + size * comb(size, most - 1) > MAX_TRIALS:
+        return inf
+    along = np.roll(points, -1, axis=0) - points
+    angles = np.concatenate([np.sort(np.arctan2(-along[:, 0], along[:, 1])),
+                             np.linspace(-np.pi, np.pi, DIRECTIONS, endpoint=False)])  # fmt: skip
+    support = (np.stack([np.cos(angles), np.sin(angles)], axis=1) @ points.T).max(axis=1)
+    flush = np.array(list(combinations(range(size), most)), dtype=np.int64).reshape(-1, most)
+    least = float(_areas(angles[flush], support[flush]).min(initial=inf))
+    for rest in combinations(range(size), most - 1):
+        both = np.concatenate([np.tile(rest, (DIRECTIONS, 1)), size + np.arange(DIRECTIONS)[:, None]], axis=1)
+        least = min(least, float(_areas(angles[both], support[both]).min()))
+    return least
+
+
+def _areas(angles: np.ndarray, support: np.ndarray) -> np.ndarray:
+    """(K,) areas of the polygons with edges n · x = support, (K, k) each; infinite where they are not bounded."""
+    order = np.argsort(angles, axis=1)
+    angles, support = np.take_along_axis(angles, order, axis=1), np.take_along_axis(support, order, axis=1)
+    after, other = np.roll(angles, -1, axis=1), np.roll(support, -1, axis=1)
+    turn = np.mod(after - angles, 2.0 * np.pi)
+    bounded = ((turn > 1e-9) & (turn < np.pi - 1e-9)).all(axis=1)
+    sine = np.where(bounded[:, None], np.sin(turn), 1.0)
+    x = (support * np.sin(after) - other * np.sin(angles)) / sine
+    y = (other * np.cos(angles) - support * np.cos(after)) / sine
+    areas = 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    return np.where(bounded, areas, inf)
+
+
+def pieces(options: Options) -> str:
+    """Convex pieces of cages without holes next to the fewest without new vertices."""
+    rows, compared, equal, wrong = [], 0, 0, 0
+    for name, fine in drawn(options.quick).items():
+        for most in (12, 24):
+            made, _ = timed(lambda f=fine, n=most: nested_cages(f, n)[0])
+            if made is None:
+                continue
+            cells = []
+            for limit in (8, 1000):
+                found, seconds = timed(lambda c=made.cage, k=limit: convex_pieces(c, k))
+                area = sum(shapely.Polygon(piece).area for piece in found)
+                wrong += abs(area / made.cage.area - 1.0) > 1e-12 or max(map(len, found)) > limit
+                least = fewest(made.cage.vertices[made.cage.loops[0]], limit) if len(made.cage.loops) == 1 else inf
+                compared, equal = compared + (least < inf), equal + (len(found) == least)
+                cells += [len(found), int(least) if least < inf else None, f"{1e3 * seconds:.0f}"]
+            rows.append((name, len(made.cage.vertices), *cells))
+    summary = f"{equal} of {compared} that can be compared have the fewest pieces that there can be."
+    return told(summary, ("shape", "cage", "at most 8", "fewest", "ms", "any", "fewest", "ms"), rows, wrong)
+
+
+def fewest(loop: np.ndarray, most: int) -> float:
+    """Fewest convex pieces of a polygon (n, 2), counter-clockwise, by its diagonals; O(n^5).
+
+    A piece at the base i-j is a convex chain from i to j; below each of its edges lies a polygon of its own.
+    """
+    n, pieces_of = len(loop), np.full((len(loop), len(loop)), inf)
+    lines = shapely.linestrings(np.stack(np.broadcast_arrays(loop[:, None], loop[None]), axis=2))
+    seen = shapely.covers(shapely.Polygon(loop), lines)
+    near = shapely.distance(lines[..., None], shapely.points(loop)) < 1e-9 * np.ptp(loop)
+    seen &= near.sum(axis=2) == 2
+    first, second = loop[None, :, None] - loop[:, None, None], loop[None, None, :] - loop[:, None, None]
+    left = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0] >= -1e-12
+    pieces_of[np.arange(n - 1), np.arange(1, n)] = 0
+    for gap in range(2, n):
+        for i in range(n - gap):
+            j = i + gap
+            if not (seen[i, j] or gap == n - 1):
+                continue
+            chains: dict[tuple[int, int, int], float] = {
+                (i, k, 2): pieces_of[i, k] for k in range(i + 1, j) if pieces_of[i, k] < inf and left[j, i, k]
+            }
+            for end in range(i + 1, j):
+                for (before, at, used), cost in [item for item in chains.items() if item[0][1] == end]:
+                    for k in range(end + 1, j + 1) if used < most else ():
+                        total = cost + pieces_of[end, k] if k < j or end < j - 1 else cost
+                        total = cost + pieces_of[end, k]
+                        if total == inf or not left[before, end, k]:
+                            continue
+                        if k < j:
+                            chains[at, k, used + 1] = min(chains.get((at, k, used + 1), inf), total)
+                        elif left[end, j, i]:
+                            pieces_of[i, j] = min(pieces_of[i, j], total + 1)
+    return float(pieces_of[0, n - 1])
+
+
+# symmetry
+
+
+def symmetry(options: Options) -> str:
+    """Symmetric cages next to free ones, around shapes that are united with their images."""
+    rows, found, wrong = [], [], 0
+    for name, drawing in drawn(options.quick).items():
+        low, high = drawing.vertices.min(axis=0), drawing.vertices.max(axis=0)
+        shape = shapely.affinity.translate(solid(drawing), *(-0.5 * (low + high)))
+        turn = [shapely.affinity.rotate(shape, 120.0 * k, origin=(0.0, 0.0)) for k in range(3)]
+        flipped = shapely.affinity.scale(shape, -1.0, 1.0, origin=(0.0, 0.0))
+        for kind, images, settings in (
+            ("mirror", [shape, flipped], core.Mirror((0.0, 0.0), (0.0, 1.0))),
+            ("order 3", turn, core.Rotation((0.0, 0.0), 3)),
+        ):
+            try:
+                fine = Mesh.from_geometry(shapely.union_all(images))
+            except NestedCagesError:
+                continue
+            cells = []
+            for most in (12, 18, 36, 60):
+                free, _ = timed(lambda f=fine, n=most: nested_cages(f, n)[0])
+                made, _ = timed(lambda f=fine, n=most, s=settings: nested_cages(f, n, symmetry=s)[0])
+                if free is None or made is None:
+                    cells.append(None)
+                    continue
+                image = settings.image(made.cage.vertices, 1)
+                alike = np.hypot(*(image[:, None] - made.cage.vertices[None]).transpose(2, 0, 1)).min(axis=1).max()
+                wrong += alike > 1e-9 * fine.diagonal or not verify(made.cage, fine, same_loops=False).holds
+                found.append(made.report.excess / free.report.excess)
+                cells.append(f"{100 * free.report.excess:.2f} / {100 * made.report.excess:.2f}")
+            rows.append((name, kind, *cells))
+    ratio = np.array(found)
+    summary = (
+        f"In {(ratio <= 1.03).sum()} of {len(ratio)} the symmetric cage has at most 1.03 times the excess of the free one,"
+        f" in {(ratio < 1.0).sum()} less; the median is {np.median(ratio):.3f} times, the most {ratio.max():.2f} times."
+    )
+    return told(summary, ("shape", "free / symmetric %", *(f"{n} vertices" for n in (12, 18, 36, 60))), rows, wrong)
+
+
+# constraints
+
+CASES, QUICK_CASES = 30, 2
+MAKERS: dict[str, Callable[[Mesh, int], object]] = {
+    "box": lambda f, _: core.Box(tuple(f.vertices.min(axis=0) - 0.006 * f.diagonal),
+                                 tuple(f.vertices.max(axis=0) + 0.006 * f.diagonal)),
+    "loops": lambda f, _: core.LoopClearance(outer=0.001 * f.diagonal, holes=0.003 * f.diagonal),
+    "axes": lambda *_: core.AxisAligned(),
+    "transit": lambda *_: core.AxisAligned((0.0, 45.0, 90.0, 135.0)),
+    "edge": lambda f, n: core.LeastEdge(0.25 * float(f.edge_lengths.sum()) / n),
+    "angle": lambda *_: core.LeastAngle(30.0),
+    "obstacle": lambda f, _: obstacle(f),
+}  # fmt: skip
+
+
+def obstacle(fine: Mesh) -> object:
+    """An octagon right of the rightmost vertex."""
+    at = fine.vertices[int(np.argmax(fine.vertices[:, 0]))] + [0.028 * fine.diagonal, 0.0]
+    return core.Outside(Mesh.from_loops([at + ring(8, 0.02 * fine.diagonal)]), 0.002 * fine.diagonal)
+
+
+def constraints(options: Options) -> str:
+    """Alone and in pairs, around random shapes and inside: kept, or the codes of the errors."""
+    several = [*((name,) for name in MAKERS), *(p for p in combinations(MAKERS, 2) if set(p) != {"axes", "transit"})]
+    shapes: list[tuple[Mesh, int]] = []
+    for seed in count(options.seed + 1):
+        drawing = random_shape(seed)
+        if drawing is not None and 30 <= len(drawing[1].vertices) <= 300 and len(drawing[1].loops) <= 3:
+            most = max(16, 6 * len(drawing[1].loops))
+            shapes += [(drawing[1], most)] if most <= 0.6 * len(drawing[1].vertices) else []
+        if len(shapes) == (QUICK_CASES if options.quick else CASES):
+            break
+    rows, total = [], Counter[str]()
+    for names in several[: 8 if options.quick else None]:
+        for side, make in (("around", nested_cages), ("inside", inner_cages)):
+            found: Counter[str] = Counter()
+            for fine, most in shapes:
+                wanted = [MAKERS[name](fine, most) for name in names]
+                try:
+                    cage = make(fine, most, constraints=wanted)[0].cage
+                except NestedCagesError as error:
+                    found[error.code or "WRONG"] += 1
+                    continue
+                outer, inside = (cage, fine) if side == "around" else (fine, cage)
+                good = verify(outer, inside, same_loops=False).holds
+                found["kept" if good and all(one.fault(cage, fine) is None for one in wanted) else "WRONG"] += 1
+            total += found
+            others = ", ".join(f"{code} {many}" for code, many in found.most_common() if code != "kept")
+            rows.append((" + ".join(names), side, found["kept"], len(shapes), others))
+    summary = f"{total['kept']} of {total.total()} requests are kept, the others are errors with a code."
+    return told(summary, ("constraints", "", "kept", "of", "errors"), rows, total["WRONG"])
