@@ -1,142 +1,99 @@
-"""What each mechanism buys, and how much of that is noise: cages with and without it, in several positions.
-
-    python benchmarks/ablation.py --output docs/ablation.md          # some twenty minutes on two cores
-    python benchmarks/ablation.py --only tightening --shapes 20      # a part of it
-
-Every shape is caged in several positions, turned and moved, with and without each mechanism. A ratio of excesses is the
-geometric mean over the positions of a case; its median and quartiles over cases say what the mechanism buys. The noise
-floor is the same ratio between positions with nothing switched off: what lies within it is luck. Needles, whose excess
-is decided by round-off, are apart. Large shapes are cases like others. Mechanisms are switched off by settings where
-there are some, otherwise by replacing a constant or a function of the core (mechanisms.py); a name that is no longer
-there is an error. A mechanism that buys nothing is to be removed. `--results FILE` keeps what was made.
-"""
+"""What each mechanism buys: cages with it and without it, in three positions, which tell the noise."""
 
 from __future__ import annotations
 
-import argparse
-import json
-import multiprocessing
-import os
-import sys
 import time
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-import clone  # noqa: F401
-from comparison.drawings import drawings
-from growth import KINDS as GROWING
-from mechanisms import MECHANISMS, Around, Mechanism
-from nestedcages_core import ArcLength, Mesh, NestedCagesError, nested_cages, verify
-from nestedcages_core.cache import forget
-from page import stamp
+from common import DETAILS, Options, forget, table
+from nestedcages_core import ArcLength, Mesh, NestedCagesError, Settings, Tightening, nested_cages, verify
 from random_shapes import KINDS, random_shape
+from shapes import GROWING
 
 POSITIONS = ((0.0, 0.0), (0.7, 0.3), (2.1, -5.0))
 """Rotation in radians and shift in diagonals of each position; the first is as given."""
-
-COUNTS = (16, 32)
-"""Vertex counts, raised to four for every loop."""
-
-OWN_COUNT = 24
-"""Vertices of coarse meshes that are given."""
-
-SIZES = (300, 1_000, 3_000, 8_000)
-"""Vertices of shapes of the kinds that can have any number, each with a cage of a tenth, at most 256."""
-
-WIDE_CLEARANCE = 0.02
-"""A clearance in diagonals that does not fit into narrow gaps and holes."""
-
+SHAPES, QUICK_SHAPES, SIZES = 6, 1, (300, 1_000)
+COUNTS, OWN_COUNT = (16, 32), 24
+"""Cage vertices, raised to four for every loop; those of coarse meshes that are given."""
+WIDE_CLEARANCE, SMALL_EXCESS = 0.02, 3e-4
+"""A clearance in diagonals that does not fit into narrow gaps; what is added to both excesses of a ratio."""
+FIRST_SEED, LARGEST = 40_000, 300
 NEEDLES = ("needles", "star")
-"""Kinds of random shapes that have needles."""
-
-LARGEST = 300
-"""Vertices of the largest random shape."""
-
-FIRST_SEED = 40_000
-"""Of the random shapes."""
-
-SMALL_EXCESS = 3e-4
-"""Added to both sides of a ratio of excesses: what the clearance alone costs."""
-
-HEAD = (
-    "| room | without | lost | changed | median | quartiles | worst | with needles: median, worst | time |",
-    "|---|---|---:|---:|---:|---:|---:|---:|---:|",
-)
+"""Kinds whose excess is decided by round-off: they are apart."""
 
 
-@dataclass(frozen=True)
-class Case:
-    """A shape and a level, in a position."""
+def first(given: Any, *_: Any, **__: Any) -> Any:
+    return given
 
-    name: str
-    fine: Mesh
-    level: int | Mesh
-    clearance: float | None = None
-    position: int = 0
 
-    @property
-    def has_needles(self) -> bool:
-        """Whether the shape is of a kind with needles."""
-        return self.name.split()[0] in NEEDLES
+def nothing(*_: Any, **__: Any) -> None:
+    return None
 
-    def placed(self, position: int) -> Case:
-        """The same case in another position."""
-        angle, shift = POSITIONS[position]
-        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
-        away = shift * self.fine.diagonal
-        fine, level = (
-            part.moved(part.vertices @ turn + away).validated() if isinstance(part, Mesh) else part
-            for part in (self.fine, self.level)
-        )
-        return replace(self, fine=fine, level=level, position=position)
+
+def no_stage(*_: Any, **__: Any) -> Iterator[Any]:
+    return
+    yield
+
+
+def all_kept(pairs: Any, *_: Any, **__: Any) -> Any:
+    return np.ones(len(pairs), bool)
 
 
 @dataclass(frozen=True)
-class Made:
-    """What became of a case."""
+class Off:
+    """How a mechanism is switched off: by settings, or by what takes the place of "module:name" in the core."""
 
-    certified: bool
-    excess: float
-    seconds: float
+    settings: Callable[[], Settings] = Settings
+    patches: Mapping[str, Any] = field(default_factory=dict)
 
 
-def cases(count: int, sizes: Sequence[int]) -> list[Case]:
-    """Random shapes, as many of each kind, at two counts, with a wide clearance and with a coarse mesh of their own;
-    then symmetric drawings with coarse meshes, and shapes of growing size."""
-    found: list[Case] = []
-    of_kind: Counter[str] = Counter()
-    seed = FIRST_SEED
-    while sum(of_kind.values()) < count:
-        drawn = random_shape(seed)
-        seed += 1
-        if drawn is None or len(drawn[1].vertices) > LARGEST or of_kind[drawn[0]] >= -(-count // len(KINDS)):
-            continue
-        of_kind[drawn[0]] += 1
-        name, fine = f"{drawn[0]} {seed - 1}", drawn[1]
-        most, least = len(fine.vertices), 4 * len(fine.loops)
-        counts = sorted({min(most, max(k, least)) for k in COUNTS})
-        found += [Case(f"{name} at {k}", fine, k) for k in counts]
-        found.append(Case(f"{name} with clearance", fine, counts[-1], WIDE_CLEARANCE * fine.diagonal))
-        with suppress(NestedCagesError):
-            coarse = ArcLength().decimate(fine, min(most, max(OWN_COUNT, 6 * len(fine.loops))))
-            found.append(Case(f"{name} and a coarse mesh", fine, coarse))
-    found += [Case(f"{name}, drawn", fine, coarse) for name, (fine, coarse) in drawings().items()]
-    for size in sizes:
-        found += [Case(f"{kind} of {size}", make(size), min(size // 10, 256)) for kind, make in GROWING.items()]
-    return found
+def contacts(*names: str) -> Callable[[], Settings]:
+    import nestedcages_core as core
+
+    return lambda: Settings(contact=[getattr(core, name)() for name in names])
+
+
+CYCLES, HULL, CLEARANCE = "decimation.line_cycles", "decimation.hull", "tightening.reach_clearance"
+MECHANISMS: dict[str, Off] = {
+    "the fallback": Off(partial(Settings, fallback=None)),
+    "untightened cage as last resort": Off(patches={"level.assembly:Assembly.untightened": no_stage}),
+    "line cycles (places by arc length)": Off(partial(Settings, decimation=ArcLength())),
+    "line cycles: searches through other lines": Off(
+        patches={f"{CYCLES}.loop_search:MAX_ACROSS": 0, f"{CYCLES}.loop_search:MAX_MORE": 0}
+    ),
+    "line cycles: ways to clear crossings (3 to 1)": Off(patches={f"{CYCLES}.method:BIASES": (1.0,)}),
+    "line cycles: places (3 to 2 per vertex)": Off(patches={f"{CYCLES}.around:PLACES_PER_VERTEX": 2.0}),
+    "clearing": Off(patches={f"{HULL}.outer_search:cleared": first}),
+    "clearing: small details built over": Off(patches={f"{HULL}.offset:without_small_details": first}),
+    "clearing: narrow gaps filled": Off(patches={f"{HULL}.offset:without": first}),
+    "room in small holes": Off(patches={f"{HULL}.small_holes:with_room": first}),
+    "sequential QPs first (IPC first)": Off(contacts("IPC", "SequentialQP")),
+    "sequential QPs (IPC only)": Off(contacts("IPC")),
+    "IPC behind sequential QPs": Off(contacts("SequentialQP")),
+    "IPC: stiffening": Off(patches={"contact.ipc:MOST_ROUNDS": 0}),
+    "pruning of implied constraints": Off(
+        patches={"contact.contact_response:not_implied": all_kept, "tightening.quadratic_model:not_implied": all_kept}
+    ),
+    "escapes from saddles": Off(patches={"tightening.tightening:negative_curvature": nothing}),
+    "widening in small steps": Off(patches={f"{CLEARANCE}:MOST_STEPS": 0}),
+    "trials of shortened steps (3 to 1)": Off(patches={"tightening.trust_region:MAX_ATTEMPTS": 1}),
+    "overshoot of restoration": Off(patches={f"{CLEARANCE}:OVERSHOOT": 1.0}),
+    "patience (3 quiet steps to 1)": Off(partial(Settings, tightening=Tightening(patience=1))),
+}
+"""Name, and how it is switched off; "(a to b)" where it is not all or nothing. Names that are gone are told."""
 
 
 @contextmanager
 def switched_off(patches: Mapping[str, Any]) -> Iterator[None]:
-    """Replace "module:name" or "module:Class.name" of the core; what is `Around` the original is made from it."""
+    """Replace names of the core. Raises AttributeError and ImportError where they are gone."""
     undo: list[tuple[Any, str, Any]] = []
     try:
         for where, value in patches.items():
@@ -145,167 +102,105 @@ def switched_off(patches: Mapping[str, Any]) -> Iterator[None]:
             *outer, name = path.split(".")
             for part in outer:
                 holder = getattr(holder, part)
-            before = getattr(holder, name)
-            undo.append((holder, name, before))
-            setattr(holder, name, value.make(before) if isinstance(value, Around) else value)
+            undo.append((holder, name, getattr(holder, name)))
+            setattr(holder, name, value)
         yield
     finally:
         for holder, name, before in reversed(undo):
             setattr(holder, name, before)
 
 
-def run(job: tuple[Case, str | None]) -> Made:
-    """Make the cage of a case with a mechanism off; None: as it is."""
-    case, name = job
-    mechanism = MECHANISMS[name] if name is not None else Mechanism("")
-    forget()  # what was made with other mechanisms
-    with switched_off(mechanism.patches):
+@dataclass(frozen=True)
+class Case:
+    """A shape and a level."""
+
+    name: str
+    fine: Mesh
+    level: int | Mesh
+    clearance: float | None = None
+
+    def placed(self, angle: float, shift: float) -> Case:
+        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        fine, level = (
+            Mesh(part.vertices @ turn + shift * self.fine.diagonal, part.edges) if isinstance(part, Mesh) else part
+            for part in (self.fine, self.level)
+        )
+        return replace(self, fine=fine, level=level)
+
+
+def cases(shapes: int, sizes: Sequence[int]) -> list[Case]:
+    """Random shapes at two counts, with a wide clearance and with a coarse mesh of their own; then larger shapes."""
+    found: list[Case] = []
+    kinds: Counter[str] = Counter()
+    seed = FIRST_SEED
+    while kinds.total() < shapes:
+        drawn, seed = random_shape(seed), seed + 1
+        if drawn is None or len(drawn[1].vertices) > LARGEST or kinds[drawn[0]] >= -(-shapes // len(KINDS)):
+            continue
+        kinds[drawn[0]] += 1
+        name, fine = f"{drawn[0]} {seed - 1}", drawn[1]
+        counts = sorted({min(len(fine.vertices), max(k, 4 * len(fine.loops))) for k in COUNTS})
+        found += [Case(f"{name} at {k}", fine, k) for k in counts]
+        found.append(Case(f"{name} with clearance", fine, counts[-1], WIDE_CLEARANCE * fine.diagonal))
+        with suppress(NestedCagesError):
+            coarse = ArcLength().decimate(fine, min(len(fine.vertices), max(OWN_COUNT, 6 * len(fine.loops))))
+            found.append(Case(f"{name} and a coarse mesh", fine, coarse))
+    kinds_of_size = [kind for kind in GROWING if kind != "islands"]
+    return found + [
+        Case(f"{kind} of {n}", GROWING[kind](n), min(n // 10, 256)) for n in sizes for kind in kinds_of_size
+    ]
+
+
+Made = tuple[float, float]
+"""Excess, nan where there is no certified cage, and CPU seconds."""
+
+
+def make(case: Case, off: Off) -> Made:
+    forget()
+    with switched_off(off.patches):
         begin = time.process_time()
         try:
-            level = nested_cages(case.fine, case.level, replace(mechanism.settings(), clearance=case.clearance))[0]
+            level = nested_cages(case.fine, case.level, replace(off.settings(), clearance=case.clearance))[0]
         except NestedCagesError:
-            return Made(False, float("nan"), time.process_time() - begin)
+            return np.nan, time.process_time() - begin
         seconds = time.process_time() - begin
-    certified = verify(level.cage, level.fine, level.report.wanted_clearance).holds
-    return Made(certified, level.report.excess, seconds)
+    holds = verify(level.cage, level.fine, level.report.wanted_clearance).holds
+    return level.report.excess if holds else np.nan, seconds
 
 
-@dataclass(frozen=True)
-class Bought:
-    """What a mechanism buys, from cases of several positions each."""
-
-    lost: int
-    """Cages that are not made without it."""
-    changed: float
-    """Fraction of cages whose excess differs at all."""
-    ratios: np.ndarray
-    """(C,) excess without it, relative to that with it, of each case without needles."""
-    needles: np.ndarray
-    """The same of cases with needles."""
-    time: float
-
-    def row(self, room: str, name: str) -> str:
-        """A line of the table."""
-        low, middle, high = np.quantile(self.ratios, (0.25, 0.5, 0.75)) if len(self.ratios) else (1.0, 1.0, 1.0)
-        needles = f"{np.median(self.needles):.3f}, {self.needles.max():.2f}" if len(self.needles) else "–"
-        return (
-            f"| {room} | {name} | {self.lost} | {100.0 * self.changed:.0f} % | {middle:.4f} | {low:.4f} to {high:.4f} "
-            f"| {self.ratios.max(initial=1.0):.3f} | {needles} | {self.time:.2f} |"
-        )
+def row(name: str, chosen: Sequence[Case], base: np.ndarray, other: np.ndarray) -> tuple[object, ...]:
+    """What changes from base to other, (C, P, 2); a ratio is the geometric mean over the positions of a case."""
+    made, without = np.isfinite(base[..., 0]), np.isfinite(other[..., 0])
+    both = made & without
+    ratio = (other[..., 0] + SMALL_EXCESS) / (base[..., 0] + SMALL_EXCESS)
+    logs = np.where(both, np.log(np.where(both, ratio, 1.0)), 0.0).sum(axis=1) / np.maximum(both.sum(axis=1), 1)
+    needles = np.array([case.name.split()[0] in NEEDLES for case in chosen])
+    plain, apart = (np.exp(logs[both.any(axis=1) & mask]) for mask in (~needles, needles))
+    low, middle, high = np.quantile(plain, (0.25, 0.5, 0.75)) if len(plain) else (1.0, 1.0, 1.0)
+    changed = (np.abs(ratio[both] - 1.0) > 1e-6).mean() if both.any() else 0.0
+    seconds = other[both, 1].sum() / base[both, 1].sum()
+    return (
+        name, int(made.sum() - without.sum()), f"{100 * changed:.0f} %", f"{middle:.4f}", f"{low:.4f} … {high:.4f}",
+        f"{plain.max(initial=1.0):.3f}", f"{apart.max(initial=1.0):.2f}", f"{seconds:.2f}",
+    )  # fmt: skip
 
 
-def compare(chosen: Sequence[Case], base: Sequence[Sequence[Made]], other: Sequence[Sequence[Made]]) -> Bought:
-    """What changes from base to other: (C, P) outcomes of cases in the same positions."""
-    plain: list[float] = []
-    needles: list[float] = []
-    lost = changed = compared = 0
-    before = after = 0.0
-    for case, with_it, without in zip(chosen, base, other, strict=True):
-        pairs = list(zip(with_it, without, strict=True))
-        lost += sum(a.certified and not b.certified for a, b in pairs)
-        lost -= sum(b.certified and not a.certified for a, b in pairs)
-        ratios = [
-            (b.excess + SMALL_EXCESS) / (a.excess + SMALL_EXCESS) for a, b in pairs if a.certified and b.certified
-        ]
-        compared += len(ratios)
-        changed += sum(abs(ratio - 1.0) > 1e-6 for ratio in ratios)
-        before += sum(a.seconds for a, b in pairs if a.certified and b.certified)
-        after += sum(b.seconds for a, b in pairs if a.certified and b.certified)
-        if ratios:
-            (needles if case.has_needles else plain).append(float(np.exp(np.log(ratios).mean())))
-    return Bought(lost, changed / max(compared, 1), np.array(plain), np.array(needles), after / max(before, 1e-9))
-
-
-class Store:
-    """What was made so far, kept in a file."""
-
-    def __init__(self, path: Path | None) -> None:
-        self.path = path
-        self._made = json.loads(path.read_text(encoding="utf-8")) if path and path.exists() else {}
-
-    def made(self, chosen: Sequence[Case], name: str | None, pool: Executor) -> list[list[Made]]:
-        """The outcomes of cases in all positions with a mechanism off, (C, P)."""
-        placed = [[case.placed(k) for k in range(len(POSITIONS))] for case in chosen]
-        missing = [each for row in placed for each in row if _key(each, name) not in self._made]
-        for case, made in zip(missing, pool.map(run, [(case, name) for case in missing]), strict=True):
-            self._made[_key(case, name)] = asdict(made)
-        if self.path and missing:
-            self.path.write_text(json.dumps(self._made), encoding="utf-8")
-        return [[Made(**self._made[_key(each, name)]) for each in row] for row in placed]
-
-
-def _key(case: Case, name: str | None) -> str:
-    return f"{case.name}, {case.position}: {name}"
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--shapes", type=int, default=40, help="random shapes, each in several cases")
-    parser.add_argument("--sizes", type=int, nargs="*", default=SIZES, help="vertices of further shapes")
-    parser.add_argument("--only", nargs="+", default=None, metavar="WORD", help="mechanisms or rooms (default: all)")
-    parser.add_argument("--jobs", type=int, default=2, help="processes")
-    parser.add_argument("--results", type=Path, help="JSON file that keeps what was made, read first if there")
-    parser.add_argument("--output", type=Path, help="Markdown file to write")
-    options = parser.parse_args()
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    chosen = cases(options.shapes, options.sizes)
-    store = Store(options.results)
-    with ProcessPoolExecutor(options.jobs, multiprocessing.get_context("spawn")) as pool:
-        base = store.made(chosen, None, pool)
-        again = [[*row[1:], row[0]] for row in base]
-        rows = [compare(chosen, [row[:1] for row in base], [row[:1] for row in again]).row("–", "nothing, but turned")]
-        print(*HEAD, rows[0], sep="\n", flush=True)
-        for name, mechanism in MECHANISMS.items():
-            if options.only is None or any(word in (mechanism.room, name) or word in name for word in options.only):
-                rows.append(compare(chosen, base, store.made(chosen, name, pool)).row(mechanism.room, name))
-                print(rows[-1], flush=True)
-    if options.output:
-        options.output.write_text(page(rows, len(chosen), options), encoding="utf-8")
-        whole = options.output.parent / "measured" / "ablation.txt"
-        whole.parent.mkdir(parents=True, exist_ok=True)
-        whole.write_text("\n".join([command(), stamp(), "", *HEAD, *rows, ""]), encoding="utf-8")
-    return 0
-
-
-def command() -> str:
-    """What was run."""
-    return f"python benchmarks/ablation.py {' '.join(sys.argv[1:])}".strip()
-
-
-def page(rows: Sequence[str], count: int, options: argparse.Namespace) -> str:
-    """A Markdown page of the columns that decide; measured/ablation.txt has all."""
-    about = f"""\
-# What each mechanism buys
-
-`{command()}`, {stamp()}: {count} cases in {len(POSITIONS)} positions each, turned and moved, up to
-{max(options.sizes, default=LARGEST)} vertices. Each mechanism is switched off alone, and those that are named together
-at once. Excess and time are without it, relative to with it: above 1, it helps; a ratio is the geometric mean over the
-positions of a case. The first row switches nothing off and compares two positions: it is the noise. *Lost* are cages
-that cannot be made without it, *changed* those whose excess differs at all. [All columns](measured/ablation.txt),
-shapes with needles apart.
-"""
-    cells = [[cell.strip() for cell in row.split("|")] for row in rows]
-    idle = [name for _, _, name, lost, _, _, _, worst, *_ in cells if (lost, worst) == ("0", "1.000")]
-    table = [
-        _shown(row) for row in (*HEAD, *(row for row, each in zip(rows, cells, strict=True) if each[2] not in idle))
-    ]
-    return "\n".join([about, *table, "", f"None lost and none looser: {'; '.join(idle)}.", "", STAYS])
-
-
-def _shown(row: str) -> str:
-    """A line of the table without room, quartiles and needles."""
-    cells = row.split("|")
-    return "|".join(cells[k] for k in (0, 2, 3, 4, 5, 7, 9, 10))
-
-
-STAYS = """\
-What shows no gain here and stays: gaps and details at round-off scale, which random shapes do not have and hostile ones
-do; counts per loop shared out again, since the alternative is an error; and what helps IPC, the paper's contact, which
-comes second to sequential quadratic programs. Of 2,500 random cages with settings of all kinds, 4 are lost without
-further ways to clear crossings and 18 are looser, by up to 73 % of their area; 2 are lost without room in small holes,
-and one of three levels without levels made again with room between their loops.
-"""
-"""Why some rows that show no gain are there."""
-
-if __name__ == "__main__":
-    sys.exit(main())
+def run(options: Options) -> str:
+    chosen = cases(QUICK_SHAPES, ()) if options.quick else cases(SHAPES, SIZES)
+    placed = [[case.placed(*position) for position in POSITIONS] for case in chosen]
+    base = np.array([[make(case, Off()) for case in positions] for positions in placed])
+    rows, gone = [row("nothing, but turned", chosen, base[:, :1], base[:, 1:2])], []
+    for name, off in MECHANISMS.items():
+        if not options.wants(name):
+            continue
+        try:
+            found = np.array([[make(case, off) for case in positions] for positions in placed])
+            rows.append(row(name, chosen, base, found))
+        except (AttributeError, ImportError):
+            gone.append(name)
+    heads = ("without", "lost", "changed", "median", "quartiles", "worst", "worst needles", "time")
+    idle = [name for name, lost, _, _, _, worst, *_ in rows[1:] if lost == 0 and worst == "1.000"]
+    text = f"{len(chosen)} cases in {len(POSITIONS)} positions\n"
+    text += table(heads, [line for line in rows if line[0] not in idle])
+    text += f"\nNone lost and none looser: {'; '.join(idle)}." if idle else ""
+    return text + (f"\nNot in this code: {'; '.join(gone)}." if gone else "") + f"\n{DETAILS}\n{table(heads, rows)}"

@@ -1,4 +1,4 @@
-"""Cages that follow ten motions under three counts: certificates, area next to a cage for the pose alone, jitter, time."""
+"""Cages that follow ten motions under three counts: certificates, area next to a cage for the pose alone, time."""
 
 from __future__ import annotations
 
@@ -160,9 +160,9 @@ def run(options: Options) -> str:
                         found[name].append(None)
                         continue
                     found[name].append(made)
-                    good = "all" if made["free"] else FAILED
-                    rows.append((what, name, count, made["keys"], made["certified"], f"{made['area']:.3f}",
-                                 f"{made['largest']:.3f}", f"{made['jitter']:.2f}", f"{1e3 * made['seconds']:.0f}", good))  # fmt: skip
+                    cells = (f"{made[key]:.3f}" for key in ("area", "largest", "jitter"))
+                    rows.append((what, name, count, made["keys"], made["certified"], *cells,
+                                 f"{1e3 * made['seconds']:.0f}", "all" if made["free"] else FAILED))  # fmt: skip
     lines = []
     for name, results in found.items():
         made = [one for one in results if one is not None]

@@ -180,7 +180,7 @@ def convex(options: Options) -> str:
             compared, equal = compared + (least < inf), equal + (ours <= least + 1e-4 and least < inf)
             cells.append(f"{100 * ours:.2f} ({100 * least:.2f})" if least < inf else f"{100 * ours:.2f}")
         rows.append((name, len(points), *cells))
-    summary = f"{equal} of {compared} that can be compared are the optimum, to 0.01 points for the clearance of 1e-06 diagonals."
+    summary = f"{equal} of {compared} that can be compared are the optimum, to 0.01 points for the clearance."
     heads = ("shape", "hull", *(f"{most} vertices" for most in CONVEX_COUNTS))
     return told(summary, heads, rows, wrong)
 
@@ -217,59 +217,27 @@ def _areas(angles: np.ndarray, support: np.ndarray) -> np.ndarray:
 
 
 def pieces(options: Options) -> str:
-    """Convex pieces of cages without holes next to the fewest without new vertices."""
-    rows, compared, equal, wrong = [], 0, 0, 0
+    """Convex pieces of cages, and how many at least: half of the reflex vertices and one for each part, less holes."""
+    rows, wrong, total = [], 0, np.zeros(2, int)
     for name, fine in drawn(options.quick).items():
         for most in (12, 24):
             made, _ = timed(lambda f=fine, n=most: nested_cages(f, n)[0])
             if made is None:
                 continue
-            cells = []
+            cage, cells = made.cage, []
             for limit in (8, 1000):
-                found, seconds = timed(lambda c=made.cage, k=limit: convex_pieces(c, k))
+                found, seconds = timed(lambda c=cage, k=limit: convex_pieces(c, k))
                 area = sum(shapely.Polygon(piece).area for piece in found)
-                wrong += abs(area / made.cage.area - 1.0) > 1e-12 or max(map(len, found)) > limit
-                least = fewest(made.cage.vertices[made.cage.loops[0]], limit) if len(made.cage.loops) == 1 else inf
-                compared, equal = compared + (least < inf), equal + (len(found) == least)
-                cells += [len(found), int(least) if least < inf else None, f"{1e3 * seconds:.0f}"]
-            rows.append((name, len(made.cage.vertices), *cells))
-    summary = f"{equal} of {compared} that can be compared have the fewest pieces that there can be."
-    return told(summary, ("shape", "cage", "at most 8", "fewest", "ms", "any", "fewest", "ms"), rows, wrong)
-
-
-def fewest(loop: np.ndarray, most: int) -> float:
-    """Fewest convex pieces of a polygon (n, 2), counter-clockwise, by its diagonals; O(n^5).
-
-    A piece at the base i-j is a convex chain from i to j; below each of its edges lies a polygon of its own.
-    """
-    n, pieces_of = len(loop), np.full((len(loop), len(loop)), inf)
-    lines = shapely.linestrings(np.stack(np.broadcast_arrays(loop[:, None], loop[None]), axis=2))
-    seen = shapely.covers(shapely.Polygon(loop), lines)
-    near = shapely.distance(lines[..., None], shapely.points(loop)) < 1e-9 * np.ptp(loop)
-    seen &= near.sum(axis=2) == 2
-    first, second = loop[None, :, None] - loop[:, None, None], loop[None, None, :] - loop[:, None, None]
-    left = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0] >= -1e-12
-    pieces_of[np.arange(n - 1), np.arange(1, n)] = 0
-    for gap in range(2, n):
-        for i in range(n - gap):
-            j = i + gap
-            if not (seen[i, j] or gap == n - 1):
-                continue
-            chains: dict[tuple[int, int, int], float] = {
-                (i, k, 2): pieces_of[i, k] for k in range(i + 1, j) if pieces_of[i, k] < inf and left[j, i, k]
-            }
-            for end in range(i + 1, j):
-                for (before, at, used), cost in [item for item in chains.items() if item[0][1] == end]:
-                    for k in range(end + 1, j + 1) if used < most else ():
-                        total = cost + pieces_of[end, k] if k < j or end < j - 1 else cost
-                        total = cost + pieces_of[end, k]
-                        if total == inf or not left[before, end, k]:
-                            continue
-                        if k < j:
-                            chains[at, k, used + 1] = min(chains.get((at, k, used + 1), inf), total)
-                        elif left[end, j, i]:
-                            pieces_of[i, j] = min(pieces_of[i, j], total + 1)
-    return float(pieces_of[0, n - 1])
+                wrong += abs(area / cage.area - 1.0) > 1e-12 or max(map(len, found)) > limit
+                cells += [len(found), f"{1e3 * seconds:.0f}"]
+            here, edges = cage.vertices, cage.vertices[cage.successor] - cage.vertices
+            before = here - here[cage.predecessor]
+            reflex = int((before[:, 0] * edges[:, 1] - before[:, 1] * edges[:, 0] < 0.0).sum())
+            least = max(1, -(-reflex // 2) + int(cage.loop_signs.sum()))
+            total += cells[2], least
+            rows.append((name, len(cage.vertices), reflex, least, *cells))
+    summary = f"{len(rows)} cages have {total[0]} pieces; half of their reflex vertices need at least {total[1]}."
+    return told(summary, ("shape", "cage", "reflex", "at least", "at most 8", "ms", "any", "ms"), rows, wrong)
 
 
 # symmetry
@@ -306,8 +274,8 @@ def symmetry(options: Options) -> str:
             rows.append((name, kind, *cells))
     ratio = np.array(found)
     summary = (
-        f"In {(ratio <= 1.03).sum()} of {len(ratio)} the symmetric cage has at most 1.03 times the excess of the free one,"
-        f" in {(ratio < 1.0).sum()} less; the median is {np.median(ratio):.3f} times, the most {ratio.max():.2f} times."
+        f"In {(ratio <= 1.03).sum()} of {len(ratio)} the symmetric cage has at most 1.03 times the excess of the free "
+        f"one, in {(ratio < 1.0).sum()} less; the median is {np.median(ratio):.3f} times, the most {ratio.max():.2f}."
     )
     return told(summary, ("shape", "free / symmetric %", *(f"{n} vertices" for n in (12, 18, 36, 60))), rows, wrong)
 
