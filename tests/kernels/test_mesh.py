@@ -1,4 +1,4 @@
-"""The mesh: what comes in stays as it is, what is derived from it is right, and bad input gets its sentence."""
+"""The mesh: what comes in stays as it is, what is derived is that of shapely and fractions, bad input is refused."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ import dataclasses
 import itertools
 import math
 import pickle
+import subprocess
+import sys
+import warnings
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
@@ -17,10 +20,13 @@ import shapely
 import shapely.geometry
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shapely.geometry import GeometryCollection, MultiPolygon, Polygon, box
 
-from nestedcages_core.errors import InvalidMeshError
-from nestedcages_core.geometry.mesh import Mesh
-from support.shapes import jagged, ring
+from nestedcages_core import InvalidMeshError, Mesh, from_geojson, nested_cages, verify, verify_motion
+from nestedcages_core.errors import NestedCagesWarning
+from nestedcages_core.geometry.mesh import Nesting
+from support.marks import slow_after
+from support.shapes import jagged, polygon, ring
 
 polygon_of = shapely.geometry.shape
 
@@ -91,6 +97,12 @@ def test_fractions_and_strided_arrays_are_taken() -> None:
     assert Mesh.from_loops([wide[::2, ::2]]).vertices.flags.c_contiguous
 
 
+def test_a_repeated_closing_point_is_dropped() -> None:
+    mesh = Mesh.from_loops([np.concatenate((SQUARE, SQUARE[:1])), ring(5, 0.5, centre=(2.0, 2.0))])
+    assert len(mesh.vertices) == 9
+    assert mesh.loop_signs.tolist() == [1, -1]
+
+
 # Loops
 
 
@@ -145,10 +157,29 @@ def test_deep_nesting() -> None:
     assert mesh.component_of_loop.tolist() == [k // 2 for k in range(60)]
 
 
-def test_a_repeated_closing_point_is_dropped() -> None:
-    mesh = Mesh.from_loops([np.concatenate((SQUARE, SQUARE[:1])), ring(5, 0.5, centre=(2.0, 2.0))])
-    assert len(mesh.vertices) == 9
-    assert mesh.loop_signs.tolist() == [1, -1]
+@pytest.mark.parametrize("count", slow_after(1, [7, 80]))
+def test_loops_lie_in_each_other_as_shapely_says(count: int) -> None:
+    """Those of one mesh, and those of two meshes; few are compared with all, many by a tree."""
+    random = np.random.default_rng(3)
+    sizes = [0.45, 0.3, 0.2, 0.1]
+    places = [(x, y) for x in range(9) for y in range(9)]
+    loops = [ring(9, s, centre=at) for at in places for s in sizes[: int(random.integers(1, 5))]][:count]
+    loops = [loops[k] for k in random.permutation(len(loops))]
+    mesh = Mesh.from_loops(loops)
+    solids = [shapely.Polygon(loop) for loop in loops]
+    around = [[k for k, other in enumerate(solids) if other is not one and other.contains(one)] for one in solids]
+    smallest = [min(outer, key=lambda k: solids[k].area, default=-1) for outer in around]
+    assert mesh.parent_of_loop.tolist() == mesh.moved(mesh.vertices + 1.0).parent_of_loop.tolist() == smallest
+    assert mesh.loop_signs.tolist() == [1 - 2 * (len(outer) % 2) for outer in around]
+    shrunk = Mesh.from_loops([0.99 * loop + 0.003 for loop in loops])
+    widened = [
+        loop + 0.02 * sign * (loop - loop.mean(axis=0)) for loop, sign in zip(loops, mesh.loop_signs, strict=True)
+    ]
+    for other in (shrunk, mesh.moved(mesh.vertices), Mesh.from_loops(widened)):
+        expected = polygon(other).contains_properly(polygon(mesh))
+        assert Nesting(other, mesh).encloses() == expected
+        assert Nesting(other, mesh).encloses_loop_by_loop() == expected
+    assert Nesting(Mesh.from_loops(widened), mesh).encloses()
 
 
 # Measures
@@ -190,6 +221,14 @@ def test_area_of_a_thin_ring_is_right() -> None:
     assert mesh.area == pytest.approx(float(exact_area(outer) - exact_area(inner)), rel=1e-9)
 
 
+def test_the_extent_stays_when_a_mesh_is_turned_and_moved() -> None:
+    angle = 0.8
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    assert Mesh.from_loops([square]).extent == pytest.approx(2.4 * np.sqrt(2.0))
+    assert Mesh.from_loops([square @ turn + 5.0]).extent == pytest.approx(2.4 * np.sqrt(2.0))
+
+
 # Moved meshes
 
 
@@ -210,12 +249,14 @@ def test_moved_keeps_edges_and_roles() -> None:
 def test_moved_does_not_judge_but_validated_does() -> None:
     mesh = Mesh.from_loops([SQUARE])
     crossed = mesh.moved(SQUARE[[0, 2, 1, 3]])
-    with pytest.raises(InvalidMeshError, match="crosses itself"):
+    with pytest.raises(InvalidMeshError) as caught:
         crossed.validated()
+    assert caught.value.code == "mesh.crossing"
     assert mesh.validated() is mesh
     assert mesh.moved(SQUARE + 1.0).validated().is_validated
-    with pytest.raises(InvalidMeshError, match=r"shape \(3, 2\)"):
+    with pytest.raises(InvalidMeshError) as caught:
         mesh.moved(SQUARE[:3])
+    assert caught.value.code == "mesh.unreadable"
 
 
 def test_copies_are_meshes() -> None:
@@ -227,6 +268,66 @@ def test_copies_are_meshes() -> None:
         assert np.array_equal(other.moved(other.vertices).loops[1], mesh.loops[1])
         assert other.area == mesh.area
     assert repr(mesh) == "Mesh(47 vertices, 5 loops)"
+
+
+# One mesh around another
+
+
+FINE = Mesh.from_loops([ring(20), ring(12, 0.4)])
+AROUND, WITHIN = ring(20, 1.1), ring(12, 0.3)
+ASIDE = np.array([0.7, 0.0])
+
+
+def test_a_cage_encloses_loop_by_loop() -> None:
+    assert Nesting(Mesh.from_loops([AROUND, WITHIN]), FINE).encloses_loop_by_loop()
+
+
+@pytest.mark.parametrize(
+    "loops",
+    [
+        pytest.param([AROUND, ring(12, 0.5)], id="the hole cuts into the solid"),
+        pytest.param([ring(20, 0.9), WITHIN], id="the solid sticks out"),
+        pytest.param([AROUND, ring(12, 1.05)], id="a thin ring around the boundary only"),
+        pytest.param([AROUND, ring(12, 0.05) + ASIDE], id="the hole is in the solid"),
+        pytest.param([ring(20), WITHIN], id="touching"),
+        pytest.param([AROUND * [0.9, 1.0], WITHIN], id="the solid sticks out on both sides only"),
+    ],
+)
+def test_what_does_not_enclose_is_rejected(loops: list[np.ndarray]) -> None:
+    nesting = Nesting(Mesh.from_loops(loops), FINE)
+    assert not nesting.encloses()
+    assert not nesting.encloses_loop_by_loop()
+
+
+@pytest.mark.parametrize("others", [[], [WITHIN + 4.0 * ASIDE]], ids=["no other loop", "a component instead"])
+def test_a_cage_that_fills_a_hole_encloses_but_not_loop_by_loop(others: list[np.ndarray]) -> None:
+    filled = Nesting(Mesh.from_loops([AROUND, *others]), FINE)
+    assert filled.encloses()
+    assert not filled.encloses_loop_by_loop()
+
+
+def test_swapped_loops_are_told_from_lost_ones() -> None:
+    fine = Mesh.from_loops([ring(12), ring(12) + 3.0])
+    swapped = Nesting(Mesh.from_loops([ring(12, 1.2) + 3.0, ring(12, 1.2)]), fine)
+    assert swapped.encloses()
+    assert not swapped.encloses_loop_by_loop()
+    assert Nesting(Mesh.from_loops([ring(12, 1.2), ring(12, 1.2) + 3.0]), fine).encloses_loop_by_loop()
+    outside, inside = Nesting(Mesh.from_loops([ring(12, 1.2)]), fine).uncovered
+    assert outside.tolist() == [1]
+    assert inside.tolist() == []
+
+
+def test_contact_names_the_edges() -> None:
+    square = Mesh.from_loops([[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]])
+    touching = Mesh.from_loops([[(0.2, 0.2), (0.8, 0.2), (0.5, 1.0)]])
+    for other, edges in (
+        (touching, {(2, 3, 1, 2), (2, 3, 2, 0)}),
+        (square.moved(square.vertices + 0.5), {(1, 2, 0, 1), (2, 3, 3, 0)}),
+    ):
+        (problem,) = verify(square, other).problems
+        assert problem.code == "cage.meets"
+        assert tuple(problem.data["vertices"]) in edges
+    assert verify(square, [[(0.2, 0.2), (0.8, 0.2), (0.5, 0.9)]])
 
 
 # Geometries of other programs
@@ -288,55 +389,143 @@ def test_every_kind_of_geometry_is_read() -> None:
 
 
 @pytest.mark.parametrize(
-    ("geometry", "sentence"),
+    ("geometry", "code"),
     [
-        (shapely.LineString([(0, 0), (1, 1)]), "A geometry of type 'LineString' has no inside"),
-        (shapely.Polygon(), "The geometry is empty"),
-        (shapely.MultiPolygon(), "The geometry is empty"),
-        (7, "The geometry is 7, not an object with a type; give an object with __geo_interface__"),
-        (None, "The geometry is None, not an object with a type"),
-        ({}, "A geometry of type None has no inside"),
-        ({"type": "Polygon"}, "Polygon 0 is None, not a list."),
-        ({"type": "Polygon", "coordinates": [[1, 2, 3]]}, "Point 0 of ring 0 of polygon 0 is 1, not two numbers."),
-        (
-            {"type": "Polygon", "coordinates": [[(0, 0), (1, 0), (1,)]]},
-            "Point 2 of ring 0 of polygon 0 is (1,), not two numbers.",
-        ),
-        ({"type": "Polygon", "coordinates": np.array(5)}, "Polygon 0 is array(5), not a list."),
-        ({"type": "Polygon", "coordinates": "rings"}, "Polygon 0 is 'rings', not a list."),
-        (
-            {"type": "Polygon", "coordinates": [[(True, 0)]]},
-            "Point 0 of ring 0 of polygon 0 is (True, 0), not two numbers.",
-        ),
-        ({"type": "Polygon", "coordinates": [[(10**400, 0)]]}, "Point 0 of ring 0 of polygon 0 is out of range"),
-        (
-            {"type": "Polygon", "coordinates": [[(0, np.nan)]]},
-            "Point 0 of ring 0 of polygon 0 is (0, nan); finite numbers",
-        ),
-        ({"type": "MultiPolygon"}, "The list of polygons is None, not a list."),
-        ({"type": "FeatureCollection", "features": 3}, "The list of features is 3, not a list."),
-        (
-            shapely.GeometryCollection([shapely.Polygon(ring(5, 9.0)), shapely.Polygon(ring(5, 1.0))]),
-            "Polygon 1 near (1, 0) lies inside another polygon",
-        ),
-        (
-            shapely.GeometryCollection([shapely.Polygon(ring(5, 1.0), [ring(5, 1.0, centre=(5.0, 0.0))])]),
-            "A hole of polygon 0 near (1, 0) is not directly inside it",
-        ),
-        (shapely.Polygon([(0, 0), (2, 2), (2, 0), (0, 2)]), "Loop 0 crosses itself near (1, 1)"),
+        (shapely.LineString([(0, 0), (1, 1)]), "mesh.unreadable"),
+        (shapely.Polygon(), "mesh.empty"),
+        (shapely.MultiPolygon(), "mesh.empty"),
+        (7, "mesh.unreadable"),
+        (None, "mesh.unreadable"),
+        ({}, "mesh.unreadable"),
+        ({"type": "Polygon"}, "mesh.unreadable"),
+        ({"type": "Polygon", "coordinates": [[1, 2, 3]]}, "mesh.unreadable"),
+        ({"type": "Polygon", "coordinates": [[(0, 0), (1, 0), (1,)]]}, "mesh.unreadable"),
+        ({"type": "Polygon", "coordinates": np.array(5)}, "mesh.unreadable"),
+        ({"type": "Polygon", "coordinates": "rings"}, "mesh.unreadable"),
+        ({"type": "Polygon", "coordinates": [[(True, 0)]]}, "mesh.unreadable"),
+        ({"type": "Polygon", "coordinates": [[(10**400, 0)]]}, "mesh.out_of_range"),
+        ({"type": "Polygon", "coordinates": [[(0, np.nan)]]}, "mesh.not_finite"),
+        ({"type": "MultiPolygon"}, "mesh.unreadable"),
+        ({"type": "FeatureCollection", "features": 3}, "mesh.unreadable"),
+        (shapely.GeometryCollection([Polygon(ring(5, 9.0)), Polygon(ring(5, 1.0))]), "mesh.nesting"),
+        (Polygon(ring(5, 1.0), [ring(5, 1.0, centre=(5.0, 0.0))]), "mesh.nesting"),
+        (Polygon([(0, 0), (2, 2), (2, 0), (0, 2)]), "mesh.crossing"),
     ],
 )
-def test_geometries_that_are_refused(geometry: Any, sentence: str) -> None:
+def test_geometries_that_are_refused(geometry: Any, code: str) -> None:
     with pytest.raises(InvalidMeshError) as caught:
         Mesh.from_geometry(geometry)
-    assert str(caught.value).startswith(sentence)
+    assert caught.value.code == code
 
 
 def test_a_collection_that_contains_itself_is_refused() -> None:
     loop: dict[str, Any] = {"type": "GeometryCollection"}
     loop["geometries"] = [loop]
-    with pytest.raises(InvalidMeshError, match="collections within collections, more than 64 deep"):
+    with pytest.raises(InvalidMeshError) as caught:
         Mesh.from_geometry(loop)
+    assert caught.value.code == "limit.exceeded"
+
+
+FRAME = [(0, 0), (6, 0), (6, 6), (0, 6)]
+VALID = {
+    "parts that touch in a corner": MultiPolygon([box(0, 0, 1, 1), box(1, 1, 2, 2)]),
+    "a hole at its shell": Polygon(FRAME, [[(0, 2), (2, 1), (2, 3)]]),
+    "holes that touch": Polygon(FRAME, [box(1, 1, 2, 2).exterior, box(2, 2, 3, 3).exterior]),
+    "a ring that touches itself": Polygon([(0, 0), (2, 1), (4, 0), (4, 4), (2, 1), (0, 4)]),
+    "a repeated point": Polygon([(0, 0), (1, 0), (1, 0), (1, 1)]),
+    "one in a hole": Polygon(FRAME, [[(1, 1), (2, 1), (2, 1), (2, 2)]]),
+    "faces with an edge in common": GeometryCollection([box(0, 0, 1, 1), box(1, 0, 2, 1)]),
+    "faces that overlap": GeometryCollection([box(0, 0, 1, 1), box(0.5, 0.5, 2, 2)]),
+    "a face in another": GeometryCollection([box(0, 0, 5, 5), box(1, 1, 2, 2)]),
+    "a line next to a face": GeometryCollection([box(0, 0, 1, 1), shapely.LineString([(1, 1), (2, 2)])]),
+}
+
+
+@pytest.mark.parametrize("name", VALID)
+def test_geometries_of_shapely_are_shapes_and_a_warning_tells_of_repairs(name: str) -> None:
+    geometry = VALID[name]
+    with pytest.warns(NestedCagesWarning) as said:
+        mesh = Mesh.of(geometry)
+    assert len(said) == 1
+    assert said[0].filename == __file__
+    whole = shapely.union_all(shapely.get_parts(geometry)).buffer(0)
+    assert mesh.area == pytest.approx(whole.area, rel=1e-9)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert Mesh.of(geometry.__geo_interface__) == mesh == from_geojson(geometry)
+        (level,) = nested_cages(geometry, 12)
+    assert shapely.area(shapely.difference(whole, shapely.geometry.shape(level.cage))) == 0.0
+    assert verify(level.cage, mesh)
+
+
+def test_exact_geometries_stay_as_they_are() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        mesh = Mesh.of(MultiPolygon([box(0, 0, 1, 1), box(2, 0, 3, 1)]))
+    assert mesh == Mesh.from_geometry(MultiPolygon([box(0, 0, 1, 1), box(2, 0, 3, 1)]))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "code"),
+    [
+        (Polygon([(0, 0), (2, 2), (2, 0), (0, 2)]), "mesh.crossing"),
+        (Polygon(box(0, 0, 1, 1).exterior, [box(3, 0, 4, 1).exterior]), "mesh.nesting"),
+        (Polygon([(0, 0), (1, 1), (2, 2)]), "mesh.spike"),
+        (GeometryCollection([shapely.Point(0, 0)]), "mesh.empty"),
+    ],
+)
+def test_geometries_that_no_repair_mends_are_refused(wrong: Any, code: str) -> None:
+    with pytest.raises(InvalidMeshError) as caught, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        Mesh.of(wrong)
+    assert caught.value.code == code
+
+
+@pytest.mark.parametrize("name", ["parts that touch in a corner", "a repeated point"])
+def test_meshes_and_judges_stay_strict(name: str) -> None:
+    geometry = VALID[name]
+    for read in (Mesh.from_geometry, lambda shape: Mesh.of(shape, strict=True)):
+        with pytest.raises(InvalidMeshError):
+            read(geometry)
+    around = nested_cages(ring(9, 5.0, centre=(1.0, 1.0)), 5)[0].cage
+    assert not verify(geometry, Mesh.from_loops([ring(5, 0.1, centre=(0.8, 0.4))]))
+    with pytest.warns(NestedCagesWarning):
+        assert verify(around, geometry, same_loops=False)
+    with pytest.raises(InvalidMeshError):
+        verify_motion(around, geometry, [around.vertices], np.zeros((1, 8, 2)))
+
+
+WITHOUT_SHAPELY = """
+import sys, warnings
+sys.modules["shapely"] = None
+warnings.simplefilter("ignore")
+from nestedcages_core import Mesh, NestedCagesError
+polygon = lambda *rings: {"type": "Polygon", "coordinates": rings}
+assert len(Mesh.of(polygon([(0, 0), (1, 0), (1, 0), (1, 1)])).vertices) == 3
+try:
+    Mesh.of(polygon([(0, 0), (6, 0), (6, 6), (0, 6)], [(0, 2), (2, 1), (2, 3)]))
+except NestedCagesError as error:
+    print(error.code, error.data["library"])
+"""
+
+
+def test_without_shapely_repeated_points_are_left_out_and_other_repairs_ask_for_it() -> None:
+    found = subprocess.run([sys.executable, "-c", WITHOUT_SHAPELY], capture_output=True, text=True, check=True)
+    assert found.stdout.split() == ["dependency.missing", "shapely"]
+
+
+def test_vertices_and_edges_are_no_two_loops() -> None:
+    vertices, edges = ring(12, 1.0), np.stack((np.arange(12), np.roll(np.arange(12), -1)), axis=1)
+    mesh = Mesh(vertices, edges)
+    for pair in ((vertices, edges), [vertices, edges[::-1]], (vertices.tolist(), edges.astype(np.int32))):
+        assert Mesh.of(pair).has_loops_like(mesh)
+        assert Mesh.of(pair).area == mesh.area
+    assert nested_cages((vertices, edges), 6)[0].fine == mesh
+    with pytest.raises(InvalidMeshError) as caught:
+        Mesh.of((vertices, edges[:-1]))
+    assert caught.value.code == "mesh.open"
+    hole = np.array([(1, 1), (2, 1), (2, 2)])
+    assert len(Mesh.of((np.array(FRAME, float), hole)).loops) == 2
 
 
 # Validity against shapely
@@ -355,25 +544,25 @@ def is_accepted(loops: list[np.ndarray]) -> bool:
     return True
 
 
-@pytest.mark.slow
+@pytest.mark.parametrize("examples", slow_after(1, [200, 500, 20_000], thorough_after=2))
 @pytest.mark.parametrize("corners", [3, 4, 5, 6, 7])
-def test_loops_on_a_grid_are_accepted_if_and_only_if_they_are_simple(corners: int) -> None:
+def test_loops_on_a_grid_are_accepted_if_and_only_if_they_are_simple(corners: int, examples: int) -> None:
     random = np.random.default_rng(corners)
     accepted = 0
-    for _ in range(500):
+    for _ in range(examples):
         points = random.integers(0, 5, size=(corners, 2)).astype(float)
         if (points[0] == points[-1]).all():
             continue
         assert is_accepted([points]) == is_valid_ring(points), points.tolist()
         accepted += is_valid_ring(points)
-    assert accepted > 5
+    assert accepted > 0
 
 
-@pytest.mark.slow
-def test_two_loops_on_a_grid_are_accepted_if_and_only_if_they_stay_apart() -> None:
+@pytest.mark.parametrize("examples", slow_after(1, [200, 800, 20_000], thorough_after=2))
+def test_two_loops_on_a_grid_are_accepted_if_and_only_if_they_stay_apart(examples: int) -> None:
     random = np.random.default_rng(2)
     verdicts = []
-    for _ in range(800):
+    for _ in range(examples):
         loops = [random.integers(0, 7, size=(3, 2)).astype(float) for _ in range(2)]
         if not all(is_valid_ring(loop) for loop in loops):
             continue
@@ -384,7 +573,7 @@ def test_two_loops_on_a_grid_are_accepted_if_and_only_if_they_stay_apart() -> No
             first, second = (shapely.Polygon(loop) for loop in loops)
             signs = [-1 if second.contains(first) else 1, -1 if first.contains(second) else 1]
             assert Mesh.from_loops(loops).loop_signs.tolist() == signs
-    assert 50 < sum(verdicts) < len(verdicts) - 50
+    assert {True, False} == set(verdicts)
 
 
 @pytest.mark.slow
@@ -411,8 +600,10 @@ def test_walls_a_few_doubles_apart_are_told_from_walls_that_touch(gap: int) -> N
     other = np.array([[right, -0.5], [1.5, -0.5], [1.5, 1.5], [right, 1.5]])
     assert Mesh.from_loops([left, other]).loop_signs.tolist() == [1, 1]
     other[[0, 3], 0] = 0.7
-    with pytest.raises(InvalidMeshError, match=r"lies on edge (4-7|7-4)"):
+    with pytest.raises(InvalidMeshError) as caught:
         Mesh.from_loops([left, other])
+    assert caught.value.code == "mesh.crossing"
+    assert {4, 7} <= set(caught.value.data["vertices"])
 
 
 @pytest.mark.slow
@@ -435,15 +626,8 @@ def test_crowded_shapes_are_no_trouble(shape: str) -> None:
         side = np.linspace(0, 1, count // 3, endpoint=False)[:, None]
         loop = np.concatenate([a + side * (b - a) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)])
     else:
-        with pytest.raises(InvalidMeshError, match="crosses itself"):
+        with pytest.raises(InvalidMeshError) as caught:
             Mesh.from_loops([random.uniform(size=(count, 2))])
+        assert caught.value.code == "mesh.crossing"
         return
     assert Mesh.from_loops([loop]).area == pytest.approx(shapely.Polygon(loop).area, rel=1e-11)
-
-
-def test_the_extent_stays_when_a_mesh_is_turned_and_moved() -> None:
-    angle = 0.8
-    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
-    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    assert Mesh.from_loops([square]).extent == pytest.approx(2.4 * np.sqrt(2.0))
-    assert Mesh.from_loops([square @ turn + 5.0]).extent == pytest.approx(2.4 * np.sqrt(2.0))

@@ -1,0 +1,235 @@
+"""Line cycles: turns and best cycles against all that are possible, cages of convex shapes against the optimum."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+import shapely
+
+from nestedcages_core import LineCycles, Mesh, nested_cages
+from nestedcages_core.decimation.line_cycles.around import HULL_OFFSET, Around
+from nestedcages_core.decimation.line_cycles.turns import SLACK
+from nestedcages_core.decimation.request import Request
+from nestedcages_core.tasks import drain
+from support.marks import slow_after
+from support.shapes import annulus, assert_nested, comb, islands, jagged, letter_a, ring, star
+
+NOTCHED = Mesh.from_loops([[(0, 0), (4, 0), (4, 3), (2.5, 3), (2, 1), (1.5, 3), (0, 3)]])
+SHAPES = {"notched": NOTCHED, "star": star(3, 12), "pair": Mesh.from_loops([ring(7), ring(5) + 2.2])}
+
+
+def cross(u: Any, v: Any) -> float:
+    return float(u[0] * v[1] - u[1] * v[0])
+
+
+# The search around one loop
+
+
+class Searched(NamedTuple):
+    """A search around a loop: all that these tests know of it."""
+
+    outline: np.ndarray
+    """(n, 2) the loop."""
+    place: np.ndarray
+    """(K,) of each line, where it touches the loop: an edge's number, and the part of the edge."""
+    point: np.ndarray
+    """(K, 2) a point on each line."""
+    direction: np.ndarray
+    """(K, 2)."""
+    free: np.ndarray
+    """(2, K) how far each line is free of the shape, ahead and behind."""
+    turn: dict[tuple[int, int], tuple[float, float, float]]
+    """Pairs of lines that may follow each other: the distances to where they meet, and the area."""
+    totals: np.ndarray
+    """The least area for each number of lines."""
+    cycle: Any
+    """A function of a number of lines: the best cycle."""
+
+
+@pytest.fixture(scope="module", params=SHAPES)
+def searches(request: pytest.FixtureRequest) -> list[Searched]:
+    """Those around a small shape."""
+    wanted = Request.of(SHAPES[request.param], 5 * len(SHAPES[request.param].loops))
+    around = Around(wanted, wanted.outline, HULL_OFFSET)
+    drain(around.run(1.0))
+    found = []
+    for search in around.searches.values():
+        lines, turns = search.lines, search.turns
+        pairs = zip(turns.source.tolist(), turns.target.tolist(), strict=True)
+        data = zip(turns.forth.tolist(), turns.back.tolist(), turns.area.tolist(), strict=True)
+        turn = dict(zip(pairs, data, strict=True))
+        found.append(
+            Searched(
+                search.chain.vertices, lines.place, lines.point, lines.direction,
+                search.free, turn, search.totals, search.cycle,
+            )
+        )  # fmt: skip
+    return found
+
+
+def test_turns_are_the_pairs_of_lines_that_meet_where_both_are_free(searches: list[Searched]) -> None:
+    """Each pair by itself: where they meet, whether that is ahead of one and behind the other, and the area."""
+    for search in searches:
+        random, count, size = np.random.default_rng(1), len(search.point), len(search.outline)
+        some = random.permutation(list(search.turn))[:250].tolist()
+        judged = 0
+        for i, j in {*map(tuple, some), *map(tuple, random.integers(0, count, (250, 2)).tolist())}:
+            p, q, u, v = search.point[i], search.point[j], search.direction[i], search.direction[j]
+            sine = cross(u, v)
+            if i == j or abs(sine) < 1e-6:
+                continue
+            forth, back = cross(q - p, v) / sine, cross(u, q - p) / sine
+            at = p + forth * u
+            edges = [int(np.floor(search.place[k])) for k in (i, j)]
+            feet = [
+                search.outline[e] + (search.place[k] - e) * (search.outline[(e + 1) % size] - search.outline[e])
+                for k, e in zip((i, j), edges, strict=True)
+            ]
+            steps = edges[1] - edges[0] + (size if j < i else 0)
+            passed = [search.outline[(edges[0] + 1 + k) % size] for k in range(steps)]
+            outline = np.array([feet[0], p, at, q, feet[1], *passed[::-1]])
+            outline = outline - outline[0]
+            ahead = np.roll(outline, -1, axis=0)
+            area = 0.5 * float((outline[:, 0] * ahead[:, 1] - outline[:, 1] * ahead[:, 0]).sum())
+            margins = [forth + SLACK, back + SLACK, search.free[0][i] - forth, search.free[1][j] - back, area]
+            if min(map(abs, margins)) < 2e-6:
+                continue  # decided by single precision
+            judged += 1
+            assert ((i, j) in search.turn) == (min(margins) > 0.0), (margins, i, j)
+            if (i, j) in search.turn:
+                assert search.turn[i, j] == pytest.approx((forth, back, area), rel=1e-4, abs=1e-6)
+        assert judged > 100
+
+
+def test_cycles_are_the_best_of_all(searches: list[Searched]) -> None:
+    """Every number of lines, through every line: none has less area, and the one that is used has the least."""
+    for search in searches:
+        count, most = len(search.point), len(search.totals) - 1
+        cost = np.full((count, count), np.inf)
+        for (i, j), (forth, back, area) in search.turn.items():
+            if forth <= search.free[0][i] and back <= search.free[1][j]:
+                cost[i, j] = area
+        best = np.full(most + 1, np.inf)
+        for start in range(count):
+            order = (start + np.arange(count)) % count
+            turned = cost[np.ix_(order, order)]
+            onwards = np.where(np.triu(np.ones((count, count), bool), 1), turned, np.inf)
+            path = np.where(np.arange(count) == 0, 0.0, np.inf)
+            for number in range(1, most + 1):
+                best[number] = min(best[number], float((path + turned[:, 0]).min()) if number > 1 else np.inf)
+                path = (path[:, None] + onwards).min(axis=0)
+        assert np.isfinite(search.totals).any()
+        for number, total in enumerate(search.totals.tolist()):
+            if np.isfinite(total):
+                assert best[number] - 1e-5 <= total <= 1.02 * best[number] + 1e-5
+                cycle = search.cycle(number)
+                assert len(cycle) == number
+                assert (np.diff(cycle) > 0).all()
+                around = zip(cycle, np.roll(cycle, -1), strict=True)
+                assert sum(cost[a, b] for a, b in around) == pytest.approx(total, rel=1e-4, abs=1e-5)
+
+
+# Convex shapes, whose tightest polygon of k edges has all but one of them flush (DePano & Aggarwal 1984)
+
+
+def meeting(p: np.ndarray, u: np.ndarray, q: np.ndarray, v: np.ndarray) -> np.ndarray | None:
+    """Where two lines (point, direction) meet, if the second turns left."""
+    sine = cross(u, v)
+    return p + cross(q - p, v) / sine * u if sine > 1e-9 else None
+
+
+def area_of(lines: list[tuple[np.ndarray, np.ndarray]], inside: shapely.Polygon) -> float:
+    """Of the polygon that lines in order of their directions bound; infinite if it does not hold the shape."""
+    corners = [meeting(*one, *other) for one, other in zip(lines, lines[1:] + lines[:1], strict=True)]
+    if any(corner is None for corner in corners):
+        return np.inf
+    polygon = shapely.Polygon(corners)
+    return float(polygon.area) if polygon.is_valid and polygon.buffer(1e-9).contains(inside) else np.inf
+
+
+def least_area(hull: np.ndarray, count: int) -> float:
+    """Of all polygons of at most `count` edges around a convex one (n, 2), by trying them."""
+    inside, n = shapely.Polygon(hull), len(hull)
+    flush = [(hull[k], hull[(k + 1) % n] - hull[k]) for k in range(n)]
+    best = np.inf
+    for chosen in (c for size in (count - 1, count) for c in combinations(range(n), size) if size > 2 or size < count):
+        lines = [flush[k] for k in chosen]
+        if len(lines) > 2:
+            best = min(best, area_of(lines, inside))
+        if len(lines) < count:
+            for place, (first, second) in enumerate(zip(chosen, (*chosen[1:], chosen[0] + n), strict=True)):
+                for vertex in hull[[k % n for k in range(first + 1, second + 1)]]:
+                    # the free edge has its middle at the vertex: its end is on the mirror image of the other line
+                    (p, u), (q, v) = lines[place], lines[(place + 1) % len(lines)]
+                    sine = cross(v, u)
+                    if abs(sine) > 1e-9:
+                        end = q + cross(2.0 * vertex - p - q, u) / sine * v
+                        free = (vertex, 2.0 * (end - vertex))
+                        best = min(best, area_of([*lines[: place + 1], free, *lines[place + 1 :]], inside))
+    return best
+
+
+CONVEX = {
+    "7 corners": [(0, 0), (3, -1), (5, 0), (6, 2), (5, 4), (2, 5), (-1, 3)],
+    "half disc": [*ring(16)[:9].tolist(), (0.0, -0.2)],
+    "wedge": [(0, 0), (4, 0.3), (7, 1), (7.5, 1.6), (4, 2), (0, 1.5), (-0.3, 0.7)],
+}
+
+
+def convex(seed: int) -> np.ndarray:
+    """A random polygon with nine corners."""
+    random = np.random.default_rng(seed)
+    turn = np.sort(random.uniform(0.0, 2.0 * np.pi, 9))
+    return np.stack([np.cos(turn), np.sin(turn)], axis=1) * [1.0, random.uniform(0.3, 1.0)]
+
+
+@pytest.mark.parametrize("count", [3, 4, 5])
+@pytest.mark.parametrize("shape", [*CONVEX, *slow_after(0, range(6)), *slow_after(0, range(6, 60), thorough_after=0)])
+def test_cages_of_convex_shapes_are_the_tightest_of_all(shape: str | int, count: int) -> None:
+    hull = np.array(CONVEX[shape], float) if isinstance(shape, str) else convex(shape)
+    best = least_area(hull, count)
+    fine = Mesh.from_loops([hull])
+    start = LineCycles(on_curve=False).decimate(fine, count)
+    assert len(start.vertices) == count
+    assert best * (1.0 - 1e-9) <= start.area <= 1.03 * best
+    (level,) = nested_cages(fine, count)
+    assert best * (1.0 - 1e-9) <= level.cage.area <= (1.002 if shape in CONVEX else 1.03) * best
+
+
+# Around shapes of several loops, next to each other and in each other
+
+
+NEXT_TO = Mesh.from_loops([jagged(np.random.default_rng(2), 40), 0.9 * jagged(np.random.default_rng(3), 30) + 1.9])
+HOOKED = Mesh.from_loops(
+    [
+        [(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)],
+        [(2, 2), (5, 2), (5, 5), (4, 5), (4, 3), (2, 3)],
+    ]
+)
+CASES = [(letter_a(), 24), (islands(), 20), (comb(3, 0.02), 20), (annulus(80), 7), (NEXT_TO, 16), (HOOKED, 12)]
+MORE = [(letter_a(), 70), (islands(), 60), (comb(6, 0.001), 14), (star(15, 300), 31)]
+
+
+@pytest.mark.parametrize(("shape", "count"), slow_after(len(CASES), [*CASES, *MORE]))
+@pytest.mark.parametrize("clearance", [0.0, 0.05])
+def test_cycles_enclose_loop_by_loop_and_do_not_cross(shape: Mesh, count: int, clearance: float) -> None:
+    coarse = LineCycles(on_curve=False).decimate(shape, count, clearance=clearance)
+    assert len(coarse.vertices) <= count
+    assert_nested(coarse, shape)
+    for k in range(len(shape.loops)):
+        one, other = (shapely.Polygon(mesh.vertices[mesh.loops[k]]) for mesh in (coarse, shape))
+        assert one.contains(other) if shape.loop_signs[k] > 0 else other.contains(one)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(300))
+def test_cycles_around_random_shapes(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    loops = [jagged(random, int(random.integers(3, 60))) for _ in range(2)]
+    loops[1] += [2.02, 0.3]
+    fine = Mesh.from_loops(loops[: int(random.integers(1, 3))])
+    coarse = LineCycles(on_curve=False).decimate(fine, 4 * len(fine.loops) + int(random.integers(0, 30)))
+    assert_nested(coarse, fine)
