@@ -1,95 +1,129 @@
-"""Counts of vertices: larger ones than the drawing's are clamped, and numbers per loop shared out anew, with notes."""
+"""At most so many vertices, always: more than the drawing has, fewer than its loops need, shared between loops."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from nestedcages_core import (
-    ArcLength,
-    Mesh,
-    NestingError,
-    OnCurve,
-    OuterHull,
-    Settings,
-    nested_cages,
-)
-from nestedcages_core.decimation import Decimation
-from nestedcages_core.decimation.budget import clamped, shared_anew
-from support.shapes import annulus, assert_nested, ring
-
-
-def banana(inner: float, outer: float, count: int) -> np.ndarray:
-    """A ring with a gap on the right, (2 count, 2)."""
-    turn = np.linspace(0.3, 5.8, count)
-    along = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    return np.concatenate([outer * along, inner * along[::-1]])
-
-
-def test_clamping_is_noted() -> None:
-    fine = annulus(8)
-    assert clamped(16, fine) == (16, ())
-    count, (note,) = clamped(64, fine)
-    assert count == 16
-    assert note == "A cage has no more vertices than what it encloses: 16, not 64."
+from nestedcages_core import Mesh, NestedCagesError, Settings, Share, Within, inner_cages, nested_cages, verify
+from support.families import simple
+from support.judging import codes, note
+from support.marks import slow_after
+from support.shapes import annulus, assert_nested, islands, letter_a, ring, star
 
 
 @pytest.mark.parametrize("levels", [[64], [64, 500], [12, 16]])
-def test_levels_above_the_drawings_own_are_clamped(levels: list[int]) -> None:
-    hierarchy = nested_cages(annulus(8), levels, Settings(decimation=OuterHull()))
+def test_more_vertices_than_what_is_enclosed_has_are_as_many(levels: list[int]) -> None:
     inside = 16
-    for level, wanted in zip(hierarchy.levels, sorted(levels, reverse=True), strict=True):
+    for level, count in zip(nested_cages(annulus(8), levels), sorted(levels, reverse=True), strict=True):
         assert_nested(level.cage, level.fine)
-        assert len(level.cage.vertices) == min(wanted, inside)
-        assert any("no more vertices than what it encloses" in note for note in level.report.notes) == (wanted > inside)
+        assert len(level.cage.vertices) <= min(count, inside) and verify(level.cage, annulus(8))
+        if count > inside:
+            data = note(level, "note.count").data
+            assert (data["asked"], data["given"]) == (count, len(level.cage.vertices))
+        else:
+            assert len(level.cage.vertices) == count and "note.count" not in codes(level)
         inside = len(level.cage.vertices)
 
 
-def test_a_coarse_mesh_of_ones_own_may_have_more_vertices_than_the_drawing() -> None:
-    level = nested_cages(Mesh.from_loops([ring(8)]), [Mesh.from_loops([ring(24, 1.3)])]).levels[0]
+def test_a_mesh_of_ones_own_may_have_more_vertices_than_the_drawing() -> None:
+    level = nested_cages(Mesh.from_loops([ring(8)]), Mesh.from_loops([ring(24, 1.3)]))[0]
     assert len(level.cage.vertices) == 24
     assert_nested(level.cage, level.fine)
 
 
-def test_numbers_per_loop_that_do_not_fit_are_shared_out_anew() -> None:
-    """Nested rings with gaps: with 14 and 6 vertices the inner ones block each other, with 60 in all they do not."""
-    fine = Mesh.from_loops([banana(0.9, 1.1, 60), banana(0.6, 0.8, 40), banana(0.3, 0.5, 30)])
-    wanted = [40, 14, 6]
-    coarse = OuterHull().decimate(fine, wanted)
-    sizes = [len(loop) for loop in coarse.loops]
-    assert sum(sizes) == 60
-    assert sizes != wanted
-    assert_nested(coarse, fine)
-    assert "redistributed" in shared_anew(wanted, coarse)[0]
-    assert shared_anew(sizes, coarse) == shared_anew(60, coarse) == ()
+def test_vertices_are_shared_between_loops_so_that_the_area_is_least() -> None:
+    """Of two discs of radii 2 and 1, each with the regular polygon around it."""
+    fine = Mesh.from_loops([ring(200, 2.0), ring(200, 1.0) + np.array([5.0, 0.0])])
+    for count in (8, 14, 17):
+        areas = {
+            k: 4.0 * k * np.tan(np.pi / k) + (count - k) * np.tan(np.pi / (count - k)) for k in range(3, count - 2)
+        }
+        level = nested_cages(fine, count, clearance=1e-6, loops="keep")[0]
+        assert level.cage.area == pytest.approx(min(areas.values()), rel=2e-3)
+        best = min(areas, key=lambda k: areas[k])
+        assert sorted(len(loop) for loop in level.cage.loops) == sorted([best, count - best])
 
 
-METHODS = (OuterHull(), OnCurve(), ArcLength())
-
-TINY_EDGES = {
-    "square underflows": [(0, 0), (1, 0), (0, 1), (0, 1e-200)],
-    "subnormal": [(0, 0), (1, 0), (1, 1), (0.5, 1.5), (0, 1), (0, 1e-310)],
-    "no area in float64": [(0, 1), (1.2e-38, 0), (-1, 0), (0, 1.2e-38)],
-    "subnormal corners": [(0, 0), (1e-320, 0), (1, 0), (1, 1), (0, 1), (0, 1e-320)],
-}
-
-
-@pytest.mark.parametrize("name", TINY_EDGES)
-@pytest.mark.parametrize("count", [3, 4])
-def test_edges_whose_squares_underflow_are_caged(name: str, count: int) -> None:
-    fine = Mesh.from_loops([TINY_EDGES[name]])
-    level = nested_cages(fine, [count]).levels[0]
-    assert level.report.strict
-    assert level.report.simple
-    assert len(level.cage.vertices) == count
+@pytest.mark.parametrize("made", [nested_cages, inner_cages], ids=["around", "inside"])
+@pytest.mark.parametrize(
+    ("level", "code"),
+    [(2, "count.too_small"), (0, "count.too_small"), (-3, "count.too_small"), (12.5, "level.invalid"),
+     ("x", "level.invalid"), ([], "level.invalid"), (None, "level.invalid"), (["12", "2.5"], "level.invalid"),
+     (True, "setting.invalid")],
+)  # fmt: skip
+def test_what_is_no_level_is_refused(made: object, level: object, code: str) -> None:
+    with pytest.raises(NestedCagesError) as caught:
+        made(star(), level)  # type: ignore[operator]
+    assert caught.value.code == code
 
 
-@pytest.mark.parametrize("method", METHODS, ids=repr)
-@pytest.mark.parametrize("name", TINY_EDGES)
-def test_every_decimation_survives_them(name: str, method: Decimation) -> None:
-    fine = Mesh.from_loops([TINY_EDGES[name]])
-    for count in (3, 4):
-        try:
-            assert len(method.decimate(fine, count, clearance=1e-5).vertices) == count
-        except NestingError as error:
-            assert str(error).endswith((".", "hull."))
+def test_levels_as_people_write_them() -> None:
+    """Counts, shares of the vertices, distances and excesses, with any separators."""
+    fine = annulus(48)
+    for text in ("24, 10 %; +40 %", "24 10% +40%", "24,10%,+40 %"):
+        hierarchy = nested_cages(fine, text)
+        plain = nested_cages(fine, [24, Share(0.1), Within(excess=0.4)])
+        assert [len(cage.vertices) for cage in hierarchy.cages] == [len(cage.vertices) for cage in plain.cages]
+        assert [level.cage.area for level in hierarchy] == pytest.approx([level.cage.area for level in plain])
+    assert len(nested_cages(fine, "24")[0].cage.vertices) == 24 == len(nested_cages(fine, "25%")[0].cage.vertices)
+    near = nested_cages(fine, "0.2u")[0]
+    assert note(near, "note.tolerance").data["limit"] == 0.2 >= note(near, "note.tolerance").data["taken"]
+    for word in (
+        "0",
+        "2.5",
+        "+25",
+        "-2px",
+        "px",
+        "+%",
+        "+3px",
+        "nan",
+        "infpx",
+        "101%",
+        "1e3",
+        "+",
+        "0px",
+        ".",
+        "12,5 %",
+    ):
+        with pytest.raises(NestedCagesError) as caught:
+            nested_cages(fine, word)
+        assert caught.value.code == "level.invalid"
+
+
+def test_shares_are_of_the_vertices_and_at_least_what_the_loops_need() -> None:
+    assert len(nested_cages(letter_a(), Share(0.1))[0].cage.vertices) == round(0.1 * len(letter_a().vertices))
+    assert len(nested_cages(star(), [Share(1.0)])[0].cage.vertices) == len(star().vertices)
+    few = nested_cages(islands(), Share(0.01))[0]
+    assert len(few.cage.vertices) >= 3 and few.report.strict
+
+
+def test_levels_come_in_any_order_and_each_encloses_the_one_before() -> None:
+    one, other = nested_cages(star(), [8, 30, 15]), nested_cages(star(), [30, 15, 8])
+    assert [len(level.cage.vertices) for level in one] == [30, 15, 8]
+    for mine, yours in zip(one, other, strict=True):
+        assert mine.cage == yours.cage and verify(mine.cage, mine.fine)
+    assert one[1].fine == one[0].cage and one[2].fine == one[1].cage
+    areas = [level.cage.area for level in one]
+    assert areas == sorted(areas)
+
+
+@pytest.mark.parametrize("seed", slow_after(2, range(20), thorough_after=6))
+def test_every_small_count_has_a_cage_that_is_no_looser_than_with_fewer_vertices(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    fine = simple(random, 10, 60)
+    areas = []
+    for count in (3, 4, 5, 6, 7, 9):
+        level = nested_cages(fine, count)[0]
+        assert len(level.cage.vertices) <= count and verify(level.cage, fine, level.report.wanted_clearance)
+        areas.append(level.cage.area)
+    assert all(after <= 1.005 * min(areas[:k]) for k, after in enumerate(areas) if k)
+
+
+def test_the_least_count_around_blocking_loops_is_named_and_works() -> None:
+    with pytest.raises(NestedCagesError) as caught:
+        nested_cages(islands(), 15, loops="keep")
+    least = caught.value.data["least"]
+    assert caught.value.code == "count.too_small" and 15 < least < 20
+    level = nested_cages(islands(), least, Settings(loops="keep"))[0]
+    assert len(level.cage.vertices) == least and len(level.cage.loops) == 5
