@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from test_pictures import encoded
 
 from benchmarks.hostile.attacks import star_polygon, svg
 from nestedcages_core import (
@@ -43,6 +42,7 @@ from nestedcages_core.exchange import (
 )
 from nestedcages_core.exchange.pictures import decode_png
 from nestedcages_core.exchange.svg import selectors
+from support.documents import png_of
 
 SQUARES = [[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2]] for x in (0, 5, 10)]
 STAR = star_polygon(13)
@@ -72,7 +72,7 @@ MAP, CROSSED = collection(SQUARES), collection([STAR])
 OVERLAPPING = collection([[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2]] for x in (0, 1, 2)])
 OUTLINE = to_engine_json(MESH)
 DRAWING = svg("".join(f'<path d="{path(square)}"/>' for square in SQUARES))
-PICTURE = encoded(np.full((4, 4, 4), 255), 8, 6, [0])
+PICTURE = png_of(np.full((4, 4, 4), 255, np.uint8))
 CHESS = np.indices((6, 6)).sum(axis=0) % 2 == 0
 
 KEEP = Settings(loops="keep")
