@@ -22,19 +22,18 @@ export OMP_NUM_THREADS ?= 1
 LIMIT := $(shell command -v timeout >/dev/null 2>&1 && echo timeout -k 10)
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-fast mutants coverage lint docs pictures paper bench extension nodes release test-blender clean
+.PHONY: help demo test test-fast check coverage lint docs pictures bench extension nodes release test-blender clean
 
 help:
 	@echo "make demo    draws cages around examples/letter_a.svg in Blender: build/demo/letter_a.blend and .png"
-	@echo "make test    runs every test of the core and of the add-on"
+	@echo "make test    runs every test of the core and of the add-on, but those of make check"
 	@echo "make test-fast     leaves out the slow ones, for use while working"
-	@echo "make mutants changes the exact parts one by one: lists changes that no test sees (FILES=..., MOST=20)"
-	@echo "make coverage      says of each room how much of it the fast tests of the core run"
-	@echo "make lint    runs ruff and mypy, and says whether the comparison holds for this code"
+	@echo "make check   runs the examples, the programs of the documentation and the demo, and looks at their pictures"
+	@echo "make coverage      reports how much of each file of the core the tests run"
+	@echo "make lint    runs ruff and mypy"
 	@echo "make docs    builds the site with the API reference: build/site/index.html"
-	@echo "make pictures      makes the pictures of README, gallery and guide again (BLENDER=command of one with a window)"
-	@echo "make paper   typesets docs/paper with figures and tables of today: build/paper.pdf"
-	@echo "make bench   measures time, tightness and growth: renews docs/performance.md"
+	@echo "make pictures      makes the pictures of README, gallery and guide again (NAMES=..., BLENDER=command of one with a window)"
+	@echo "make bench   lists the benchmarks; make bench NAMES=\"golden speed\" runs some"
 	@echo "make release   puts the extension, its listing, wheel, sdist, site and checksums into dist/"
 	@echo "make extension     builds the extension's zips in dist/, installs the Linux one in a clean Blender and tries it"
 	@echo "make nodes   builds the node groups and materials that the extension appends: addon/scene/nodes.blend"
@@ -51,46 +50,36 @@ test: $(TEST_ENV)/ready
 
 test-fast: $(TEST_ENV)/ready
 	@$(TEST_ENV)/bin/python examples/check_bpy.py
-	$(if $(LIMIT),$(LIMIT) 300) $(TEST_ENV)/bin/python -m pytest -q $(WORKERS) --dist loadfile -m "not slow and not thorough"
+	$(if $(LIMIT),$(LIMIT) 300) $(TEST_ENV)/bin/python -m pytest -q $(WORKERS) --dist loadfile -m "not slow and not thorough and not check"
 
-# Before a release: every fault once put in by hand, then generated changes. All of them take hours.
-MOST ?= 120
-mutants: $(TEST_ENV)/ready
-	$(TEST_ENV)/bin/python packaging/mutants.py --by-hand
-	$(TEST_ENV)/bin/python packaging/mutants.py $(FILES) --most $(MOST)
+check: $(TEST_ENV)/ready
+	@$(TEST_ENV)/bin/python examples/check_bpy.py
+	$(if $(LIMIT),$(LIMIT) 900) $(TEST_ENV)/bin/python -m pytest -q $(WORKERS) -m check
 
 coverage: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check coverage
-	$(TEST_ENV)/bin/python -m coverage run --source=nestedcages_core -m pytest -q tests/core -m "not slow and not thorough"
-	$(TEST_ENV)/bin/python packaging/coverage_of_rooms.py
+	$(TEST_ENV)/bin/python -m coverage run --source=nestedcages_core -m pytest -q tests/core tests/files tests/kernels
+	$(TEST_ENV)/bin/python -m coverage report
 
 lint: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python -m ruff check .
 	$(TEST_ENV)/bin/python -m ruff format --check .
 	$(TEST_ENV)/bin/python -m mypy
-	$(if $(wildcard docs/comparison/results.json),$(TEST_ENV)/bin/python benchmarks/compare.py --check)
 
 docs: $(DOCS_ENV)/ready
 	$(DOCS_ENV)/bin/python packaging/docs_pages.py
 	NO_MKDOCS_2_WARNING=1 $(DOCS_ENV)/bin/python -m mkdocs build --strict --quiet
-	$(DOCS_ENV)/bin/python packaging/check_site.py
 	@echo "Open build/site/index.html"
 
-# BLENDER, BLENDER_5_2: commands of a Blender 4.3 and 5.2 with a window of 1280 x 800, for the guide; without them, only
-# README and gallery.
+# NAMES: only some, such as NAMES="demo bend". BLENDER: the command of a Blender 4.3 or 5.2 with a window of 1280 x 800,
+# for the pictures of the guide; without it, those of README and gallery.
 pictures: $(TEST_ENV)/ready
-	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[examples]"
-	$(TEST_ENV)/bin/python packaging/pictures.py $(if $(BLENDER),--blender "$(BLENDER)") \
-		$(if $(BLENDER_5_2),--blender "$(BLENDER_5_2)")
-
-# MESHES: the folder "data" of the program of Gurditta and Jacobson, to draw its own meshes in place of our drawings.
-paper: $(TEST_ENV)/ready
-	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[comparison]"
-	$(TEST_ENV)/bin/python benchmarks/paper_pdf.py $(if $(MESHES),--meshes $(MESHES))
+	$(if $(BLENDER),$(BLENDER) --factory-startup -p 0 0 1280 800 --python packaging/pictures.py -- $(NAMES),\
+		$(TEST_ENV)/bin/python packaging/pictures.py $(NAMES))
 
 bench: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark,cluster]"
-	$(TEST_ENV)/bin/python benchmarks/performance.py
+	$(TEST_ENV)/bin/python benchmarks/run.py $(NAMES)
 
 extension: $(TEST_ENV)/ready
 	@$(TEST_ENV)/bin/python examples/check_bpy.py

@@ -10,7 +10,7 @@ from contourpy import contour_generator
 from matplotlib.path import Path as Outline
 from scipy.spatial import cKDTree
 
-from nestedcages_core import ArcLength, Mesh, NestedCagesError, nested_cages, write_geojson
+from nestedcages_core import ArcLength, Mesh, nested_cages, write_geojson
 from plot import BLUE, BODY, INK, RED, arguments, fill, line, panels, save
 
 ROUGHNESS = 1.65  # heights of wave number k are of the size k to the minus this
@@ -53,14 +53,6 @@ def outside(fine: Mesh, outline: Mesh) -> np.ndarray:
     return crossed % 2 == 0
 
 
-def sampled(fine: Mesh, count: int) -> Mesh | None:
-    """The same number of points evenly along the shore, as maps are often simplified; None if the lines then cross."""
-    try:
-        return ArcLength().decimate(fine, count)
-    except NestedCagesError:
-        return None
-
-
 def rugged(fine: Mesh, width: float) -> tuple[float, float, float, float]:
     """A square window around the place with most shore."""
     near = cKDTree(fine.vertices)
@@ -91,13 +83,12 @@ def main() -> None:
     axes[0].plot(np.take(window, [0, 1, 1, 0, 0]), np.take(window, [2, 2, 3, 3, 2]), color=INK, linewidth=0.8)
     axes[0].set_title(f"a coast of {len(fine.vertices)} vertices in cages of {counts[0]} and {counts[1]}")
     axes[1].set_title("nothing is cut off")
-    simplified = sampled(fine, counts[0])
-    if simplified is not None:
-        lost = outside(fine, simplified)
-        print(f"{counts[0]} points evenly along the shore would leave {lost.sum()} of {len(lost)} shore points outside")
-        line(axes[2], simplified, BLUE, 1.6)
-        axes[2].plot(*fine.vertices[lost].T, ".", color=RED, markersize=4.0)
-        axes[2].set_title(f"{counts[0]} points along the shore: {lost.sum()} cut off")
+    simplified = ArcLength().decimate(fine, counts[0])
+    lost = outside(fine, simplified)
+    print(f"{counts[0]} points evenly along the shore would leave {lost.sum()} of {len(lost)} shore points outside")
+    line(axes[2], simplified, BLUE, 1.6)
+    axes[2].plot(*fine.vertices[lost].T, ".", color=RED, markersize=4.0)
+    axes[2].set_title(f"{counts[0]} points along the shore: {lost.sum()} cut off")
     for each in axes[1:]:
         each.set_autoscale_on(False)
         each.axis(window)

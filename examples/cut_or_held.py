@@ -6,19 +6,19 @@ drawing programs, maps and game engines do.
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import shapely
-from matplotlib.patches import PathPatch
-from matplotlib.path import Path as Curve
 
-import fox
 from coast import coast
-from nestedcages_core import Mesh, boundary_of_pixels, nested_cages, read_svg
+from nestedcages_core import Mesh, boundary_of_pixels, from_svg, nested_cages, read_svg
 from plot import BLUE, INK, arguments, fill, line, panels, save
 from sprite_outline import fox as sprite_of
 
+FOX = Path(__file__).with_name("fox.svg")
 SAND, CUT_OFF = "#d8cba8", "#d1005a"
 HALVINGS = 60
 LINE, LOST = 2.6, 1.6  # widths of outlines and around what is cut off, in points
@@ -47,20 +47,17 @@ def sprite(axes: Any) -> None:
 
 
 def character(axes: Any) -> None:
-    """The fox in its colours."""
-    for shapes in fox.LAYERS.values():
-        for colour, points in shapes:
-            beziers = fox.curves(points)
-            codes = [Curve.MOVETO, *[Curve.CURVE4] * (3 * len(beziers))]
-            outline = Curve(np.concatenate((beziers[:1, 0], beziers[:, 1:].reshape(-1, 2))), codes)
-            axes.add_patch(PathPatch(outline, facecolor=colour, edgecolor="none"))
+    """The fox in its colours, shape by shape."""
+    for path in ET.parse(FOX).iter("{http://www.w3.org/2000/svg}path"):
+        shape = from_svg(f'<svg viewBox="-270 -250 530 380"><path d="{path.get("d")}"/></svg>')
+        fill(axes, shape.moved(shape.vertices * (1.0, -1.0)), path.get("fill", "none"))
 
 
 def main() -> None:
     given = arguments(__doc__)
     pixels = boundary_of_pixels(sprite_of(64)[:, :, 3] > 0.5)
     land = coast(64 if given.small else 256)
-    drawing = read_svg(fox.FILE)
+    drawing = read_svg(FOX)
     shapes = (
         ("a sprite", 12, largest(pixels.moved(pixels.vertices * (1.0, -1.0) + (0.0, 64.0))), sprite),
         ("a coast", 16, largest(land), lambda axes: fill(axes, Mesh.from_loops([shore]), SAND)),

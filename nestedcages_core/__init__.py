@@ -16,6 +16,7 @@ from .contact.reinflation import Reinflation
 from .decimation import LineCycles as LineCycles
 from .decimation import OuterHull as OuterHull
 from .energies import Area as Area
+from .errors import CODES as CODES
 from .errors import Fault as Fault
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
 from .flow import FlowResult

@@ -14,8 +14,6 @@ import shutil
 import sys
 from pathlib import Path
 
-import draw_rooms
-
 ROOT = Path(__file__).resolve().parents[1]
 CORE = ROOT / "nestedcages_core"
 PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "benchmarks/README.md", "examples/README.md")
@@ -26,7 +24,6 @@ GROUP = re.compile(r'^    (?:# (?P<title>.*)|"(?P<name>\w+)",)$', re.MULTILINE)
 
 
 def main() -> int:
-    draw_rooms.main()
     shutil.rmtree(SITE, ignore_errors=True)
     sources = [ROOT / name for name in PAGES if (ROOT / name).is_file()] + sorted((ROOT / "docs").rglob("*.md"))
     for source in sources:

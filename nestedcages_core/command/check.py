@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -28,13 +29,16 @@ Checks cages that this program has written: without rounding, on the coordinates
 nothing with the method. RESULT is the .svg, .geojson or .json that was written, DRAWING what it was made from. Both are
 read as viewers show them: what is hidden does not count, and what cannot be judged is rejected.
 Two .json with frames are checked at each frame, and on the straight lines in between; frames made from several
-pictures are checked around each of these."""
+pictures are checked around each of these. A single FILE.blend is checked as Blender plays it, with the add-on's folder
+next to this package and Blender as a Python module."""
 
 EPILOG = "exit status: 0 everything holds, 1 something does not or a file cannot be read, 2 wrong use of the options"
 
 
 def check_files(arguments: Sequence[str]) -> int:
     """Run the command; the exit status."""
+    if len(arguments) == 1 and arguments[0].lower().endswith(".blend"):
+        return _check_animation(Path(arguments[0]))
     options = _parser()
     given = options.parse_args(arguments)
     try:
@@ -63,6 +67,15 @@ def check_files(arguments: Sequence[str]) -> int:
         more = len(lost) - MOST_SAID
         tell("\n".join([judged, *lost[:MOST_SAID], *([f"and {more} more"] if more > 0 else [])]), sys.stdout)
     return WRONG if problems else HOLDS
+
+
+def _check_animation(path: Path) -> int:
+    """Check what Blender plays of a file, by the add-on's own program."""
+    for needed in (path, program := Path(__file__).resolve().parents[2] / "addon" / "__main__.py"):
+        if not needed.is_file():
+            tell(f"error: {needed}: No such file", sys.stderr)
+            return WRONG
+    return subprocess.run([sys.executable, program, path], check=False).returncode
 
 
 def _problems(given: argparse.Namespace, drawings: Shapes, results: Shapes, lost: list[str]) -> Iterator[str]:

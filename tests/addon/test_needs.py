@@ -7,9 +7,9 @@ import re
 import bpy
 import pytest
 import shapely
+from examples.check_animation import Played, check_animation
 from mathutils import Matrix
 
-from examples.check_animation import Played, check_animation
 from support.drawings import at_frame, circle, facts, poly_curve, set_in, solid, star
 
 
