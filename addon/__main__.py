@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
@@ -29,8 +30,8 @@ SAME_POINT = 1e-6
 class Pose(NamedTuple):
     """Evaluated vertices (n, 2) and edges (m, 2) of a mesh object in its own plane."""
 
-    vertices: np.ndarray
-    edges: np.ndarray
+    vertices: NDArray[np.float64]
+    edges: NDArray[np.int64]
 
 
 def extension() -> Any:
@@ -114,14 +115,14 @@ def evaluated(item: Any) -> Pose:
     return Pose(vertices(mesh)[:, :2].astype(np.float64), edges.astype(np.int64))
 
 
-def vertices(mesh: Any) -> np.ndarray:
+def vertices(mesh: Any) -> NDArray[np.float32]:
     """Vertices (n, 3) of a mesh, as stored."""
     points = np.empty((len(mesh.vertices), 3), np.float32)
     mesh.vertices.foreach_get("co", points.ravel())
     return points
 
 
-def outline(source: Any) -> np.ndarray:
+def outline(source: Any) -> NDArray[np.float32]:
     """Points (n, 3) of a curve's outline or of a mesh, in the object's own space."""
     if source.type != "CURVE":
         return vertices(displayed(source))

@@ -11,15 +11,9 @@ from nestedcages_core import Found, Mesh, Settings, nested_cages, verify, write_
 from plot import BLUE, BODY, GREEN, INK, ORANGE, RED, arguments, fill, line, panels, save
 
 COUNT = 24
-
-SHAKE = 0.012
-"""How far the hand is off, in units of the drawing."""
-
-FINEST = 12
-"""Points per corner of the sketch."""
-
-HEAD = 0.9
-"""Height above which the drawing is head and feelers."""
+SHAKE = 0.012  # how far the hand is off, in units of the drawing
+FINEST = 12  # points per corner of the sketch
+HEAD = 0.9  # height above which the drawing is head and feelers
 
 SKETCH = [
     (0.0, 1.25), (0.1, 1.22), (0.32, 1.75), (0.38, 1.7), (0.16, 1.1), (0.2, 0.85), (0.5, 1.0), (1.1, 1.45), (1.7, 1.4),

@@ -67,12 +67,10 @@ def main() -> None:
     line(left, exact, QUIET, 1.0)
     left.set_title(f"opaque pixels: {len(exact.vertices)} corners")
     line(right, outline, BLUE, 2.0, 9.0)
-    corners = outline.vertices
-    right.set_xlim(corners[:, 0].min() - 2, corners[:, 0].max() + 2)
-    right.set_ylim(corners[:, 1].max() + 2, corners[:, 1].min() - 2)
-    left.set_xlim(right.get_xlim())
-    left.set_ylim(right.get_ylim())
-    right.set_title(f"collision outline: {len(corners)} vertices, {PADDING:g} pixel of padding", color=GREEN)
+    low_x, low_y, high_x, high_y = outline.bounds
+    right.axis((low_x - 2, high_x + 2, high_y + 2, low_y - 2))
+    left.axis(right.axis())
+    right.set_title(f"collision outline: {VERTICES} vertices, {PADDING:g} pixel of padding", color=GREEN)
     save(figure, given.output / "sprite_outline.png")
 
 
