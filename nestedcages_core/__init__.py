@@ -16,6 +16,8 @@ from .contact.reinflation import Reinflation
 from .decimation import LineCycles as LineCycles
 from .decimation import OuterHull as OuterHull
 from .energies import Area as Area
+from .energies import Blocks as Blocks
+from .energies import CageEnergy as CageEnergy
 from .errors import CODES as CODES
 from .errors import Fault as Fault
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
@@ -131,6 +133,7 @@ if TYPE_CHECKING:
     from .published.gurditta_jacobson_2022 import NoFilter as NoFilter
     from .published.gurditta_jacobson_2022 import PaperContact as PaperContact
     from .published.gurditta_jacobson_2022 import PaperFlow as PaperFlow
+    from .published.gurditta_jacobson_2022 import PaperWeights as PaperWeights
     from .published.gurditta_jacobson_2022 import QuadraticFallOff as QuadraticFallOff
     from .published.gurditta_jacobson_2022 import RandomSamples as RandomSamples
     from .published.gurditta_jacobson_2022 import Repairs as Repairs
@@ -149,6 +152,7 @@ if TYPE_CHECKING:
     from .puppet import walk as walk
     from .puppet import wave as wave
     from .solver.newton import ProjectedNewton as ProjectedNewton
+    from .solver.quadratic_program import InteriorPoint as InteriorPoint
 
 __version__ = "1.0.0"
 
@@ -213,6 +217,7 @@ _LATER = {
     "geometry.triangulation": "convex_pieces",
     "geometry.symmetry": "Found Mirror Rotation",
     "solver.newton": "ProjectedNewton",
+    "solver.quadratic_program": "InteriorPoint",
     "batch": "BatchProgress Outcome nested_cages_many",
     "character": "Bone Character Skeleton bone_weights suggest_bones with_joints",
     "checker": "Verdict check",
@@ -228,8 +233,8 @@ _LATER = {
     "puppet": "PartChoice Puppet PuppetDraft PuppetPart draft_puppet idle puppet_of walk wave",
     "published.gurditta_jacobson_2022": (
         "AUGMENTED_2022 AUGMENTED_2022_REPAIRED AllPairs EvenSamples GaussLegendre GradientDescent Midpoint NoFilter "
-        "PaperContact PaperFlow QuadraticFallOff RandomSamples Repairs SignedDistanceFlow SmallestDistance "
-        "TimeOfImpact UniformGrid as_published"
+        "PaperContact PaperFlow PaperWeights QuadraticFallOff RandomSamples Repairs SignedDistanceFlow "
+        "SmallestDistance TimeOfImpact UniformGrid as_published"
     ),
 }
 """Rooms that making a cage does not need, and the names that the face passes on from them: imported when asked for."""

@@ -1,8 +1,10 @@
-"""Energies: values against shapely, derivatives against central differences, E_cont against shapely."""
+"""Energies: values against shapely, derivatives against differences, and cages that have the least of each."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,30 +13,26 @@ import shapely
 from nestedcages_core import (
     IPC,
     Area,
+    Blocks,
     BoundaryARAP,
+    CageEnergy,
     ElementEnergy,
     InitialDisplacement,
     InteriorARAP,
     Mesh,
     NestedCagesError,
     NoEnergy,
+    OuterHull,
     Settings,
     ShapeKeeping,
     StepDisplacement,
     WeightedSum,
     nested_cages,
 )
-from nestedcages_core.energies import Blocks, CageEnergy, Energy
-from nestedcages_core.energies.restoring import Restoring
 from support.marks import slow_after
 from support.shapes import annulus, assert_nested, derivative, octagon_with_hole, ring, star
 
-
-@pytest.fixture
-def plate() -> Mesh:
-    """A wobbly disc with a hole, so that loops of both orientations occur."""
-    wobble = np.random.default_rng(2).normal(scale=0.02, size=(16, 2))
-    return Mesh.from_loops([ring(10, 1.0) + wobble[:10], ring(6, 0.5) + wobble[10:]])
+REST = 1.0 / 3.0
 
 
 @dataclass(frozen=True)
@@ -60,9 +58,7 @@ class Springs(CageEnergy):
         return Blocks.sum([(1.0, one), (-1.0, Blocks(vertex, successor, block))])
 
 
-REST = 1.0 / 3.0
-
-ENERGIES: list[Energy] = [
+ENERGIES: list[Any] = [
     Springs(),
     Area(),
     NoEnergy(),
@@ -73,8 +69,16 @@ ENERGIES: list[Energy] = [
     ShapeKeeping(strength=0.7),
     WeightedSum(((2.0, Area()), (0.5, BoundaryARAP()))),
     ElementEnergy.per_turn(lambda now, rest: (now[1] - now[0]).cross(now[2] - now[1]) ** 2),
+    ElementEnergy.per_edge(lambda now, rest: ((now[1] - now[0]).length() / (rest[1] - rest[0]).length()) ** 3),
 ]
 BY_NAME = pytest.mark.parametrize("energy", ENERGIES, ids=lambda energy: type(energy).__name__)
+
+
+@pytest.fixture
+def plate() -> Mesh:
+    """A wobbly disc with a hole, so that loops of both orientations occur."""
+    wobble = np.random.default_rng(2).normal(scale=0.02, size=(16, 2))
+    return Mesh.from_loops([ring(10, 1.0) + wobble[:10], ring(6, 0.5) + wobble[10:]])
 
 
 @pytest.fixture
@@ -84,44 +88,37 @@ def moved(plate: Mesh) -> np.ndarray:
     return plate.vertices * [0.8, 1.3] + wobble
 
 
+@pytest.fixture
+def triangle() -> Mesh:
+    """The cells of its vertices meet themselves: neighbours of neighbours are neighbours."""
+    return Mesh.from_loops([ring(3)])
+
+
+def assert_derivatives(energy: Any, x: np.ndarray, successor: np.ndarray) -> None:
+    """Of a bound energy, by differences; its projected Hessian is semi-definite, and no less than the Hessian."""
+    gradient = derivative(lambda at: energy.value(at, successor), x)
+    assert energy.gradient(x, successor) == pytest.approx(gradient, abs=1e-8 * max(1.0, np.abs(gradient).max()))
+    exact = energy.hessian(x, successor).dense(len(x))
+    hessian = derivative(lambda at: energy.gradient(at, successor), x).reshape(exact.shape)
+    size = max(1.0, np.abs(hessian).max())
+    assert exact == pytest.approx(hessian, abs=1e-7 * size)
+    projected = energy.projected_hessian(x, successor).dense(len(x))
+    assert np.linalg.eigvalsh(projected)[0] > -1e-12 * size
+    assert np.linalg.eigvalsh(projected - exact)[0] > -1e-12 * size
+
+
 @BY_NAME
-class TestEveryEnergy:
-    def test_gradient_agrees_with_differences(self, energy: Energy, plate: Mesh, moved: np.ndarray) -> None:
-        bound = energy.at(plate)
-        expected = derivative(lambda x: bound.value(x, plate.successor), moved)
-        assert bound.gradient(moved, plate.successor) == pytest.approx(expected, abs=1e-8)
-
-    def test_hessian_agrees_with_differences(self, energy: Energy, plate: Mesh, moved: np.ndarray) -> None:
-        bound, count = energy.at(plate), len(moved)
-        expected = derivative(lambda x: bound.gradient(x, plate.successor), moved)
-        hessian = bound.hessian(moved, plate.successor).dense(count).reshape(count, 2, count, 2)
-        assert hessian == pytest.approx(expected, abs=1e-7)
-
-    def test_projected_hessian_is_semi_definite_and_no_less(
-        self, energy: Energy, plate: Mesh, moved: np.ndarray
-    ) -> None:
-        bound, count = energy.at(plate), len(moved)
-        exact = bound.hessian(moved, plate.successor).dense(count)
-        projected = bound.projected_hessian(moved, plate.successor).dense(count)
-        assert np.linalg.eigvalsh(projected)[0] > -1e-12
-        assert np.linalg.eigvalsh(projected - exact)[0] > -1e-12
-
-    def test_three_vertices_are_enough(self, energy: Energy) -> None:
-        """The cells of a triangle meet themselves: neighbours of neighbours are neighbours."""
-        triangle = Mesh.from_loops([ring(3)])
-        bound = energy.at(triangle)
-        x = triangle.vertices * [0.9, 1.2] + [[0.1, 0.0], [0.0, 0.2], [0.05, 0.1]]
-        gradient = derivative(lambda x: bound.value(x, triangle.successor), x)
-        hessian = derivative(lambda x: bound.gradient(x, triangle.successor), x)
-        assert bound.gradient(x, triangle.successor) == pytest.approx(gradient, abs=1e-8)
-        assert bound.hessian(x, triangle.successor).dense(3) == pytest.approx(hessian.reshape(6, 6), abs=1e-7)
+def test_derivatives_agree_with_differences(energy: Any, plate: Mesh, moved: np.ndarray, triangle: Mesh) -> None:
+    assert_derivatives(energy.at(plate), moved, plate.successor)
+    squeezed = triangle.vertices * [0.9, 1.2] + [[0.1, 0.0], [0.0, 0.2], [0.05, 0.1]]
+    assert_derivatives(energy.at(triangle), squeezed, triangle.successor)
 
 
 AT_REST = (NoEnergy(), StepDisplacement(), InitialDisplacement(), BoundaryARAP(), InteriorARAP())
 
 
 @pytest.mark.parametrize("energy", AT_REST, ids=lambda energy: type(energy).__name__)
-def test_the_coarse_mesh_is_at_rest(energy: Energy, plate: Mesh) -> None:
+def test_the_coarse_mesh_is_at_rest(energy: Any, plate: Mesh) -> None:
     bound = energy.at(plate)
     assert abs(bound.value(plate.vertices, plate.successor)) < 1e-28
     assert np.abs(bound.gradient(plate.vertices, plate.successor)).max() < 1e-14
@@ -159,15 +156,6 @@ def test_shape_keeping_sees_only_area_in_a_scaled_cage(plate: Mesh) -> None:
     assert value == pytest.approx(Area().value(scaled, plate.successor), rel=1e-14)
 
 
-@pytest.mark.parametrize("corners", [8, 12, 16])
-def test_shape_keeping_keeps_mirror_images(corners: int) -> None:
-    """Left and right of the cage of a star, in a ring with the same mirror axis, differ by round-off alone."""
-    fine, coarse = star(6, 120), Mesh.from_loops([ring(corners, 1.2, np.pi / corners)])
-    cage = nested_cages(fine, [coarse], Settings(energy=ShapeKeeping())).levels[0].cage.vertices
-    mirrored = cage * [-1.0, 1.0]
-    assert np.hypot(*(cage[:, None] - mirrored[None]).T).min(axis=0).max() < 1e-8
-
-
 def test_displacement_of_one_edge_length_weighs_half_the_boundary_times_it(plate: Mesh) -> None:
     length = plate.edge_lengths.mean()
     value = InitialDisplacement().at(plate).value(plate.vertices + np.array([length, 0.0]), plate.successor)
@@ -188,8 +176,41 @@ def test_a_sum_is_as_infinite_as_its_terms(plate: Mesh) -> None:
     assert Area().value(plate.vertices * [-1.0, 1.0], plate.successor) == np.inf
 
 
+def test_area_agrees_with_shapely_far_from_the_origin(plate: Mesh) -> None:
+    expected = shapely.Polygon(plate.vertices[:10], [plate.vertices[10:]]).area
+    assert Area().value(plate.vertices, plate.successor) == pytest.approx(expected, rel=1e-14)
+    assert Area().value(plate.vertices + 1e6, plate.successor) == pytest.approx(expected, rel=1e-8)
+
+
+def test_blocks_add_up_and_are_symmetric() -> None:
+    value = np.array([[[1.0, 2.0], [3.0, 4.0]], [[1.0, 0.0], [0.0, 1.0]], [[1.0, 0.0], [0.0, 1.0]]])
+    matrix = Blocks(np.array([0, 1, 1]), np.array([1, 1, 1]), value).dense(2)
+    assert matrix.tolist() == [[0, 0, 1, 2], [0, 0, 3, 4], [1, 3, 2, 0], [2, 4, 0, 2]]
+
+
+@pytest.mark.parametrize("weight", [-1.0, np.inf, np.nan])
+@pytest.mark.parametrize("term", [NoEnergy(), Area, "area", None])
+def test_a_weighted_sum_takes_energies_with_weights_from_zero(weight: float, term: Any) -> None:
+    for wrong in ((weight, term), (weight, Area()), (1.0, term) if term != NoEnergy() else (weight, term)):
+        with pytest.raises(NestedCagesError) as caught:
+            WeightedSum(((1.0, Area()), wrong))
+        assert caught.value.code == "setting.invalid"
+
+
+# Cages
+
+
+@pytest.mark.parametrize("corners", [8, 12, 16])
+def test_shape_keeping_keeps_mirror_images(corners: int) -> None:
+    """Left and right of the cage of a star, in a ring with the same mirror axis, differ by round-off alone."""
+    fine, coarse = star(6, 120), Mesh.from_loops([ring(corners, 1.2, np.pi / corners)])
+    cage = nested_cages(fine, [coarse], Settings(energy=ShapeKeeping())).levels[0].cage.vertices
+    mirrored = cage * [-1.0, 1.0]
+    assert np.hypot(*(cage[:, None] - mirrored[None]).T).min(axis=0).max() < 1e-8
+
+
 @pytest.mark.parametrize("energy", slow_after(4, ENERGIES[:8]), ids=lambda energy: type(energy).__name__)
-def test_cages_of_every_energy_are_certified(energy: Energy) -> None:
+def test_cages_of_every_energy_are_certified(energy: Any) -> None:
     for coarse in (octagon_with_hole(), 10):
         level = nested_cages(annulus(24, 0.45), [coarse], Settings(energy=energy)).levels[0]
         assert_nested(level.cage, level.fine)
@@ -217,32 +238,104 @@ def test_the_way_home_can_have_an_energy_of_its_own() -> None:
     assert loose.report.iterations["tightening"] == 0
 
 
-def test_area_agrees_with_shapely_far_from_the_origin(plate: Mesh) -> None:
-    expected = shapely.Polygon(plate.vertices[:10], [plate.vertices[10:]]).area
-    assert Area().value(plate.vertices, plate.successor) == pytest.approx(expected, rel=1e-14)
-    assert Area().value(plate.vertices + 1e6, plate.successor) == pytest.approx(expected, rel=1e-8)
+# Formulas of one's own
 
 
-def test_blocks_add_up_and_are_symmetric() -> None:
-    value = np.array([[[1.0, 2.0], [3.0, 4.0]], [[1.0, 0.0], [0.0, 1.0]], [[1.0, 0.0], [0.0, 1.0]]])
-    matrix = Blocks(np.array([0, 1, 1]), np.array([1, 1, 1]), value).dense(2)
-    assert matrix.tolist() == [[0, 0, 1, 2], [0, 0, 3, 4], [1, 3, 2, 0], [2, 4, 0, 2]]
+FORMULAS: dict[str, Callable[[Any, Any], Any]] = {
+    "+": lambda u, v: u + v + 1.5,
+    "-": lambda u, v: 2.0 - (u - v) - 0.5,
+    "*": lambda u, v: 3.0 * u * v * u,
+    "/": lambda u, v: u / v + 1.0 / v + v / 7.0,
+    "-u": lambda u, v: -u * +v,
+    "u ** 3": lambda u, v: u**3 * v**-1.5,
+    "u ** v": lambda u, v: u**v + 2.0**v,
+    "square": lambda u, v: np.square(u) * np.reciprocal(v),
+    "sqrt": lambda u, v: np.sqrt(u * v),
+    "exp": lambda u, v: np.exp(u - v),
+    "log": lambda u, v: np.log(u + 2.0 * v),
+    "sin": lambda u, v: np.sin(u * v),
+    "cos": lambda u, v: np.cos(u) * v,
+    "arctan": lambda u, v: np.arctan(u / v),
+    "arctan2": lambda u, v: np.arctan2(u - 1.4, v - 1.0) + np.arctan2(u, 2.0) + np.arctan2(-1.0, v),
+    "hypot": lambda u, v: np.hypot(u, v) + np.hypot(u, 1.0),
+    "abs": lambda u, v: np.abs(u - 1.5) * v,
+    "max": lambda u, v: np.maximum(u, v) * np.maximum(u, 1.2),
+    "min": lambda u, v: np.minimum(u, v) * np.minimum(1.2, v),
+}
 
 
-def test_restoring_gradient_agrees_with_differences() -> None:
-    random = np.random.default_rng(1)
-    fine = random.normal(size=(5, 2))
-    energy = Restoring(random.normal(size=(5, 2)), random.uniform(size=5))
-    assert energy.gradient(fine) == pytest.approx(derivative(energy.value, fine), abs=1e-8)
+@pytest.mark.parametrize("formula", FORMULAS.values(), ids=FORMULAS.keys())
+def test_formulas_have_the_derivatives_of_their_values(formula: Callable[[Any, Any], Any], triangle: Mesh) -> None:
+    """Of coordinates, with functions of numpy."""
+    energy = ElementEnergy.per_vertex(lambda now, rest: formula(now[0].x, now[0].y)).at(triangle)
+    random = np.random.default_rng(5)
+    for _ in range(8):
+        x = random.uniform(0.6, 2.0, size=(3, 2))
+        assert energy.value(x, triangle.successor) == pytest.approx(formula(*x.T).sum(), rel=1e-13)
+        gradient = derivative(lambda at: energy.value(at, triangle.successor), x, 1e-5)
+        assert energy.gradient(x, triangle.successor) == pytest.approx(gradient, rel=1e-6, abs=1e-8)
+        hessian = derivative(lambda at: energy.gradient(at, triangle.successor), x, 1e-5)
+        found = energy.hessian(x, triangle.successor).dense(3)
+        assert found == pytest.approx(hessian.reshape(6, 6), rel=1e-5, abs=1e-7)
 
 
-@pytest.mark.parametrize(
-    ("term", "sentence"),
-    [
-        *(((weight, NoEnergy()), "weights must be finite and at least 0, not") for weight in (-1.0, np.inf, np.nan)),
-        *(((1.0, term), r"a term must be an energy such as Area\(\), not") for term in (Area, "area", None)),
-    ],
-)
-def test_a_weighted_sum_takes_energies_with_weights_from_zero(term: tuple[float, Energy], sentence: str) -> None:
-    with pytest.raises(NestedCagesError, match=f"WeightedSum: {sentence}"):
-        WeightedSum(((1.0, Area()), term))
+@pytest.mark.parametrize("power", [0, 1, 2, 3])
+def test_small_powers_have_derivatives_at_zero(power: int, triangle: Mesh) -> None:
+    energy = ElementEnergy.per_vertex(lambda now, rest: (now[0].x - rest[0].x) ** power).at(triangle)
+    x, successor = triangle.vertices, triangle.successor
+    assert energy.value(x, successor) == 3.0 * 0.0**power
+    assert energy.gradient(x, successor).tolist() == [[float(power == 1), 0.0]] * 3
+    assert energy.hessian(x, successor).dense(3).tolist() == np.diag([2.0 * (power == 2), 0.0] * 3).tolist()
+
+
+def test_angles_are_right_all_around(triangle: Mesh) -> None:
+    energy = ElementEnergy.per_vertex(lambda now, rest: np.arctan2(now[0].y, now[0].x)).at(triangle)
+    places = np.array([(1.0, 0.1), (0.1, 1.0), (-1.0, 0.1), (-1.0, -0.1), (-0.1, -1.0), (0.0, 1.0)])
+    for x in places.reshape(2, 3, 2):
+        assert energy.value(x, triangle.successor) == pytest.approx(np.arctan2(x[:, 1], x[:, 0]).sum(), abs=1e-15)
+        expected = np.stack([-x[:, 1], x[:, 0]], axis=1) / (x**2).sum(axis=1)[:, None]
+        assert energy.gradient(x, triangle.successor) == pytest.approx(expected)
+        assert np.trace(energy.hessian(x, triangle.successor).dense(3)) == pytest.approx(0.0, abs=1e-13)  # harmonic
+
+
+def test_points_calculate_as_vectors_do(triangle: Mesh) -> None:
+    def formula(now: Any, rest: Any) -> Any:
+        across = 2.0 * (now[0] + now[1]) / 4.0 - now[1] * 0.5  # half of the first point
+        return across.dot(now[1]) - across.cross(rest[0]) + (now[1] - now[0]).length()
+
+    energy = ElementEnergy.per_edge(formula).at(triangle)
+    x = np.random.default_rng(6).normal(size=(3, 2))
+    half, after, rest = 0.5 * x, x[triangle.successor], triangle.vertices
+    cross = -(half[:, 0] * rest[:, 1] - half[:, 1] * rest[:, 0])
+    expected = ((half * after).sum(axis=1) + cross + np.hypot(*(after - x).T)).sum()
+    assert energy.value(x, triangle.successor) == pytest.approx(expected)
+    assert_derivatives(energy, x, triangle.successor)
+
+
+WITHOUT_A_RULE: list[Callable[[Any, Any], Any]] = [
+    lambda now, rest: np.tanh(now[0].x),
+    lambda now, rest: now[0].x if now[0].x < 1.0 else now[0].y,
+    lambda now, rest: rest[0].dot(rest[0]),
+]
+
+
+@pytest.mark.parametrize("formula", WITHOUT_A_RULE, ids=["no derivative rule", "a comparison", "constant"])
+def test_formulas_without_derivatives_are_refused(formula: Callable[[Any, Any], Any], triangle: Mesh) -> None:
+    with pytest.raises(TypeError):
+        ElementEnergy.per_vertex(formula).at(triangle).gradient(triangle.vertices, triangle.successor)
+
+
+def test_a_formula_without_a_value_is_infinite(plate: Mesh) -> None:
+    inside = ElementEnergy.per_vertex(lambda now, rest: -np.log(2.0 - now[0].dot(now[0]))).at(plate)
+    assert np.isfinite(inside.value(plate.vertices, plate.successor))
+    assert inside.value(3.0 * plate.vertices, plate.successor) == np.inf
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize("power", [1.0, 1.5], ids=["no slope", "no curvature"])
+def test_a_formula_must_have_derivatives_at_the_coarse_mesh(power: float) -> None:
+    """Powers of a length where the length is zero, as all are at the start."""
+    energy = ElementEnergy.per_vertex(lambda now, rest: (now[0] - rest[0]).length() ** power)
+    with pytest.raises(NestedCagesError) as caught:
+        nested_cages(Mesh.from_loops([ring(30)]), [8], Settings(decimation=OuterHull(), energy=energy))
+    assert caught.value.code == "solver.not_finite"
