@@ -1,240 +1,222 @@
-"""Random valid shapes, every one of which must get certified cages.
-
-    python benchmarks/stress.py --count 10000 --seed 0 --jobs 2
-
-Per case: a random shape (kind, size, gaps), one to three levels of random vertex counts, started from the outer hull,
-line cycles, the curve or a simplification. A count that is refused because the loops need more is replaced by the one
-that the refusal names, and told apart. Prints each failure with its seed (repeat it with --seed SEED --count 1), and at
-the end tables of cages, counts replaced, and refusals by their sentence. A sample is checked by shapely as well. Exit
-status 1 when anything failed.
-"""
+"""Random shapes that must all get certified cages, and random requests over all settings: errors, and the slowest."""
 
 from __future__ import annotations
 
-import argparse
-import multiprocessing
-import os
-import re
-import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import shapely
 
-import clone  # noqa: F401
-from nestedcages_core import (
-    ArcLength,
-    Hierarchy,
-    Level,
-    LineCycles,
-    Mesh,
-    NestingError,
-    OnCurve,
-    OuterHull,
-    Settings,
-    nested_cages,
-    verify,
-    verify_motion,
-)
-from published import DouglasPeucker, EdgeCollapse, Visvalingam
+import nestedcages_core as core
+from common import DETAILS, FAILED, Options, Server, ServerError, forget, parts, spread, table
+from nestedcages_core import Mesh, NestedCagesError, check, inner_cages, nested_cages, verify_motion
 from random_shapes import random_shape
 
-DECIMATIONS = (
-    OuterHull(), OnCurve(), ArcLength(), LineCycles(), DouglasPeucker(), Visvalingam(), EdgeCollapse(),
-)  # fmt: skip
-"""Coarse meshes that cages start from."""
-
-SHAPELY_SAMPLE = 10
-"""Every tenth case is checked by shapely too."""
-
-LARGEST = 1500
-"""Shapes with more vertices are left out: growth has its own benchmark."""
-
-SLOWEST = 5
-"""Number of slow cases that are named."""
-
-SMALLEST_POSSIBLE = re.compile(r"ask for at least (\d+)")
-"""How a refusal names the smallest vertex count that was found to be possible."""
-
-DETAILS = re.compile(r" \([\d, ]+ for its loops\)|-?\d+(\.\d+)?(e[+-]?\d+)?")
-"""What differs between sentences of one kind: lists of numbers, and numbers."""
-
-REFUSALS = 2
-"""Refusals of a count that are followed: one for a later level, one for the fine mesh itself."""
+SHAPES, QUICK_SHAPES, LARGEST, PATIENCE = 1_000, 30, 1_500, 300.0
+REQUESTS, QUICK_REQUESTS, FIRST_SEED = 2_000, 40, 4_500_000
+MOST = 400.0
+"""Largest multiple of the time of a plain cage that a request of 3 to 12 vertices a loop may take."""
+SHOWN = 12
+STARTS = ("LineCycles", "OnCurve", "ArcLength")
+"""Decimations that cages start from."""
 
 
-@dataclass(frozen=True)
-class Case:
-    """What became of one seed."""
-
-    seed: int
-    kind: str
-    vertices: int = 0
-    levels: tuple[int, ...] = ()
-    decimation: str = ""
-    start: str = ""
-    excess: float = float("nan")
-    seconds: float = 0.0
-    refusals: tuple[str, ...] = ()
-    """Sentences that refused a count, each of which was replaced."""
-    failure: str = ""
+def run(options: Options) -> str:
+    made = {"shapes": shapes, "requests": requests}
+    return parts({name: make(options) for name, make in made.items() if options.wants(name)})
 
 
-def run_case(seed: int) -> Case | None:
-    """Cages for one seed; None where the seed draws no valid shape or one that is too large."""
+# shapes
+
+
+def caged(seed: int) -> dict[str, Any] | None:
+    """In a server: one to three levels around a random shape; None where the seed draws none of the right size."""
     drawn = random_shape(seed)
     if drawn is None or len(drawn[1].vertices) > LARGEST:
         return None
-    kind, fine = drawn
-    random = np.random.default_rng([seed, 1])
-    fewest, most = 3 * len(fine.loops), len(fine.vertices)
-    counts = {int(c) for c in random.integers(fewest, max(fewest, min(most, 100)) + 1, random.integers(1, 4))}
-    levels = tuple(sorted(counts, reverse=True))
-    decimation = DECIMATIONS[random.integers(len(DECIMATIONS))]
-    case = Case(seed, kind, most, levels, type(decimation).__name__)
-    settings = Settings(decimation=decimation, fallback=OuterHull())
+    (kind, fine), random = drawn, np.random.default_rng([seed, 1])
+    fewest, most = 3 * len(fine.loops), max(3 * len(fine.loops), min(len(fine.vertices), 100))
+    counts = {int(c) for c in random.integers(fewest, most + 1, random.integers(1, 4))}
+    levels, start = sorted(counts, reverse=True), STARTS[random.integers(len(STARTS))]
+    found = {"kind": kind, "start": start, "asked": f"{len(fine.vertices)} in {levels} from {start}", "fault": ""}
+    forget()
     begin = time.process_time()
     try:
-        hierarchy, case = cages_or_smallest(fine, case, settings)
-    except Exception as error:  # a crash is a failure too, and its seed must be printed
-        return replace(case, failure=f"{type(error).__name__}: {error}")
+        hierarchy = nested_cages(fine, levels, decimation=getattr(core, start)())
+    except NestedCagesError as error:
+        return {**found, "code": error.code, "seconds": time.process_time() - begin, "excess": np.nan}
     seconds = time.process_time() - begin
-    first = hierarchy.levels[0].report
-    return replace(
-        case,
-        start=first.start,
-        excess=first.excess,
-        seconds=seconds,
-        failure=next((fault for level in hierarchy.levels if (fault := fault_of(level, seed))), ""),
-    )
-
-
-def cages_or_smallest(fine: Mesh, case: Case, settings: Settings) -> tuple[Hierarchy, Case]:
-    """Cages for the case's levels; where a count is refused as too small, one level of the number that is named."""
-    for _ in range(REFUSALS):
-        try:
-            return nested_cages(fine, case.levels, settings), case
-        except NestingError as error:
-            possible = SMALLEST_POSSIBLE.search(str(error))
-            if possible is None:
-                raise
-            # named for the mesh inside the refused level, which may have been a cage already
-            case = replace(case, levels=(int(possible[1]),), refusals=(*case.refusals, str(error)))
-    return nested_cages(fine, case.levels, settings), case
-
-
-def fault_of(level: Level, seed: int) -> str:
-    """What is wrong with a level; empty when nothing is."""
-    certificate = verify(level.cage, level.fine)
-    if not certificate.holds:
-        return " ".join(certificate.problems)
-    way = level.reinflation
-    motion = verify_motion(level.cage, level.fine, way.cage_steps, way.fine_steps)
-    if not motion:
-        return f"the motion after step {motion.step} of {len(way.cage_steps) - 1} is not certified"
-    if seed % SHAPELY_SAMPLE == 0 and not nested_by_shapely(level.cage, level.fine):
-        return "shapely disagrees"
-    return ""
+    fault = "; ".join(str(problem) for problem in check(fine, hierarchy).problems)
+    for level in hierarchy.levels:
+        way = level.reinflation
+        if not verify_motion(level.cage, level.fine, way.cage_steps, way.fine_steps):
+            fault += " the motion is not certified"
+        if not nested_by_shapely(level.cage, level.fine):
+            fault += " shapely disagrees"
+    excess = 100.0 * hierarchy.levels[0].report.excess
+    return {**found, "code": "", "fault": fault, "seconds": seconds, "excess": excess}
 
 
 def nested_by_shapely(cage: Mesh, fine: Mesh) -> bool:
     """Whether shapely, in coordinates of the shape's own size, finds the cage around the fine mesh."""
-    outside, inside = (solid(mesh, fine) for mesh in (cage, fine))
+    outside, inside = (
+        shapely.geometry.shape(
+            Mesh((m.vertices - fine.vertices.mean(axis=0)) / fine.diagonal, m.edges).__geo_interface__
+        )
+        for m in (cage, fine)
+    )
     return bool(outside.is_valid and outside.covers(inside) and outside.boundary.distance(inside.boundary) > 0.0)
 
 
-def solid(mesh: Mesh, frame: Mesh) -> shapely.Geometry:
-    """The mesh as a shapely geometry in units of the frame's diagonal, centred."""
-    unit = (mesh.vertices - frame.vertices.mean(axis=0)) / frame.diagonal
-    shape: shapely.Geometry = shapely.MultiPolygon()
-    for loop in sorted(mesh.loops, key=lambda loop: -shapely.Polygon(unit[loop]).area):
-        shape = shape.symmetric_difference(shapely.Polygon(unit[loop]))
-    return shape
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=1000, help="valid shapes to try")
-    parser.add_argument("--seed", type=int, default=0, help="the first seed")
-    parser.add_argument("--jobs", type=int, default=2, help="processes")
-    options = parser.parse_args()
-
-    # the matrices here are small: in every process, threads of the linear algebra would only wait for each other
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    cases: list[Case] = []
-    seed = options.seed
-    with ProcessPoolExecutor(options.jobs, multiprocessing.get_context("spawn")) as pool:
-        while len(cases) < options.count:
-            wanted = options.count - len(cases)
-            for case in pool.map(run_case, range(seed, seed + wanted), chunksize=8):
+def shapes(options: Options) -> str:
+    wanted, lines, details = QUICK_SHAPES if options.quick else SHAPES, [], []
+    for name, tree in options.trees().items():
+        found: list[dict[str, Any]] = []
+        seed = options.seed - 1
+        with Server(tree, "stress:caged") as server:
+            while len(found) < wanted:
                 seed += 1
-                if case is None:
-                    continue
-                cases.append(case)
-                if case.failure:
-                    print(f"failed: {described(case)}: {case.failure}", flush=True)
-    report(cases, options.seed, seed)
-    return 1 if any(case.failure for case in cases) else 0
-
-
-def described(case: Case) -> str:
-    """What a case is, for those who repeat it."""
-    levels = ", ".join(map(str, case.levels))
-    return f"seed {case.seed}, {case.kind}, {case.vertices} vertices, levels [{levels}], from {case.decimation}"
-
-
-def report(cases: list[Case], first: int, last: int) -> None:
-    """The tables, by kind and by start, and the slowest cases."""
-    sample = sum(case.seed % SHAPELY_SAMPLE == 0 for case in cases)
-    print(f"\nseeds {first} to {last - 1}; {sample} cases checked by shapely too")
-    table("kind", ((case.kind, case) for case in cases))
-    table("coarse", ((case.decimation, case) for case in cases))
-    refusals(cases)
-    print()
-    for case in sorted(cases, key=lambda case: -case.seconds)[:SLOWEST]:
-        print(f"{case.seconds:.1f} s: {described(case)}")
-
-
-def refusals(cases: list[Case]) -> None:
-    """How many counts were replaced, and the sentences that refused counts or whole cases, numbers left out."""
-    replaced = sum(bool(case.refusals) and not case.failure for case in cases)
-    asked = sum(not case.refusals and not case.failure for case in cases)
-    print(f"\ncertified with the counts asked for: {asked}; with counts replaced: {replaced}; failed: "
-          f"{sum(bool(case.failure) for case in cases)}")  # fmt: skip
-    sentences = Counter(
-        DETAILS.sub(lambda found: "" if found[0].startswith(" (") else "N", told)
-        for case in cases
-        for told in (*case.refusals, case.failure)
-        if told
-    )
-    for sentence, count in sentences.most_common():
-        print(f"{count:6d} x {sentence}")
-
-
-def table(title: str, named: Iterable[tuple[str, Case]]) -> None:
-    """One line for the cases of each name, and one for all of them."""
-    groups: dict[str, list[Case]] = defaultdict(list)
-    everything: list[Case] = []
-    for name, case in named:
-        groups[name].append(case)
-        everything.append(case)
-    columns = ("cases", "certified", "replaced", "flow", "hull", "median s", "slowest s", "excess %")
-    print(f"\n{title:10}" + "".join(f"{name:>10}" for name in columns))
-    for name, group in [*sorted(groups.items()), ("all", everything)]:
-        good = [case for case in group if not case.failure]
-        starts = Counter(case.start for case in good)
-        seconds = [case.seconds for case in good] or [0.0]
-        excess = [100.0 * case.excess for case in good] or [0.0]
-        print(
-            f"{name:10}{len(group):10d}{len(good):10d}{sum(bool(case.refusals) for case in good):10d}"
-            f"{starts['flow']:10d}{starts['outer hull']:10d}"
-            f"{np.median(seconds):10.3f}{max(seconds):10.2f}{np.median(excess):10.2f}"
+                try:
+                    one = server(seed, patience=PATIENCE)
+                except ServerError as error:  # a crash is a failure too
+                    one = {"kind": "?", "start": "?", "asked": "", "code": "", "fault": str(error), "seconds": np.nan,
+                           "excess": np.nan}  # fmt: skip
+                if one is not None:
+                    found.append({**one, "seed": seed})
+        codes = Counter(one["code"] for one in found if one["code"])
+        wrong = [one for one in found if one["fault"]]
+        lines.append(
+            f"{name}: {len(found) - len(wrong) - codes.total()} of {len(found)} certified, errors {dict(codes)}, "
+            f"CPU seconds {spread([one['seconds'] for one in found])}"
         )
+        lines += [f"{FAILED}: seed {one['seed']}, {one['asked']}: {one['fault']}" for one in wrong]
+        groups: dict[str, list[dict[str, Any]]] = defaultdict(list)
+        for one in found:
+            groups[one["kind"]].append(one)
+            groups[f"from {one['start']}"].append(one)
+        for group, ones in sorted(groups.items()):
+            errors = sum(bool(one["code"]) for one in ones)
+            seconds, excess = ([one[key] for one in ones] for key in ("seconds", "excess"))
+            told = spread(seconds), f"{max(seconds):.2f}", spread(excess, 1)
+            details.append((group, name, len(ones), errors, *told))
+    heads = ("group", "of", "cases", "errors", "CPU s (10 … 90 %)", "slowest", "excess % (10 … 90 %)")
+    return "\n".join([*lines, DETAILS, table(heads, details)])
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+# requests
+
+
+def loop(random: np.random.Generator) -> np.ndarray:
+    """A closed polygon around the origin, of any width and direction."""
+    count = int(random.integers(3, 13))
+    angles = np.sort(random.random(count)) * 2.0 * np.pi
+    radii = 10.0 ** random.uniform(-2.0 * random.random(), 0.0, count)
+    points = radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    thin = 10.0 ** random.uniform(-3.0, 0.0) if random.random() < 0.5 else 1.0
+    turn = random.uniform(0.0, np.pi)
+    return points * [1.0, thin] @ [[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]
+
+
+def small(random: np.random.Generator) -> Mesh:
+    """A shape of one to three loops: needles, slits, specks beside large parts, points that nearly meet."""
+    while True:
+        loops = [loop(random) for _ in range(int(random.integers(1, 4)))]
+        loops = [each + random.uniform(-2.0, 2.0, 2) * (k > 0) for k, each in enumerate(loops)]
+        if random.random() < 0.2:
+            loops = [loops[0], loops[0] * random.uniform(0.2, 0.999)]
+        if random.random() < 0.2:
+            loops = [each.round(int(random.integers(1, 4))) for each in loops]
+        try:
+            return Mesh.from_loops([10.0 ** random.integers(-3, 4) * each for each in loops])
+        except NestedCagesError:
+            continue
+
+
+def settings(random: np.random.Generator, fine: Mesh) -> dict[str, Any]:
+    """Up to three settings at random values."""
+    size, pick = float(np.ptp(fine.vertices, axis=0).max()), random.choice
+    low, high = fine.vertices.min(axis=0) - 0.01 * size, fine.vertices.max(axis=0) + 0.01 * size
+    options: dict[str, Any] = {
+        "clearance": size * 10.0 ** random.uniform(-8.0, 0.0),
+        "grid": size * 10.0 ** random.uniform(-4.0, 0.0),
+        "stored": str(pick(["float32", "float16"])),
+        "symmetry": [core.Found(), core.Mirror(None, (1.0, 0.0)), core.Rotation(None, int(pick([2, 3, 6])))][pick(3)],
+        "convex": True,
+        "merge": size * 10.0 ** random.uniform(-2.0, 0.0),
+        "constraints": [
+            [
+                core.LeastEdge(size * 10.0 ** random.uniform(-2.0, 0.0)),
+                core.LeastAngle(float(random.uniform(5.0, 60.0))),
+                core.Box(tuple(low), tuple(high)),
+            ][pick(3)]
+        ],
+        "weights": np.where(fine.vertices[:, 0] > fine.vertices[:, 0].mean(), 100.0, 1.0),
+    }
+    names = pick(list(options), size=int(random.integers(0, 4)), replace=False).tolist()
+    return {name: options[name] for name in names}
+
+
+def asked(seed: int) -> tuple[float, str, str]:
+    """In a server: CPU seconds of a random request, what it was, and how it ended."""
+    random = np.random.default_rng(seed)
+    fine = small(random)
+    given = settings(random, fine)
+    size, count = float(np.ptp(fine.vertices, axis=0).max()), int(random.integers(3, 2 * len(fine.vertices) + 3))
+    limit = 10.0 ** random.uniform(-3.0, 0.5)
+    levels = [[count], [count, max(3, count // 2)], [core.Within(excess=limit)], [core.Within(distance=limit * size)]]
+    which = levels[int(random.choice(len(levels), p=[0.6, 0.2, 0.1, 0.1]))]
+    make = inner_cages if random.random() < 0.15 else nested_cages
+    words = ", ".join([*map(str, which), *(f"{key}={value!r:.40}" for key, value in given.items())])
+    what = f"{make.__name__}({'+'.join(str(len(each)) for each in fine.loops)}: {words})"
+    forget()
+    begin, end = time.process_time(), "made"
+    try:
+        make(fine, which, **given)
+    except NestedCagesError as error:
+        end = error.code or f"{FAILED}: an error without a code"
+    except Exception as error:  # what no request may end with
+        end = f"{FAILED}: {type(error).__name__}: {error}"
+    return time.process_time() - begin, what, end
+
+
+def plain() -> float:
+    """In a server: CPU seconds of a plain cage."""
+    wheel = Mesh.from_loops([[(np.cos(t), np.sin(t)) for t in np.linspace(0.0, 6.0, 30)]])
+    found = []
+    for _ in range(20):
+        forget()
+        begin = time.process_time()
+        nested_cages(wheel, [8])
+        found.append(time.process_time() - begin)
+    return float(np.median(found))
+
+
+def requests(options: Options) -> str:
+    lines, details = [], []
+    seeds = range(
+        FIRST_SEED + options.seed, FIRST_SEED + options.seed + (QUICK_REQUESTS if options.quick else REQUESTS)
+    )
+    for name, tree in options.trees().items():
+        with Server(tree, "stress:plain") as server:
+            unit = server()
+        found: list[tuple[float, str, int, str]] = []
+        with Server(tree, "stress:asked") as server:
+            for seed in seeds:
+                try:
+                    seconds, what, end = server(seed, patience=4.0 * MOST * unit)
+                except ServerError as error:
+                    seconds, what, end = np.inf, "?", f"{FAILED}: {error}"
+                found.append((seconds / unit, end, seed, what))
+        found.sort(reverse=True)
+        multiples = np.array([ratio for ratio, *_ in found])
+        ends = Counter(end for _, end, *_ in found)
+        lines.append(
+            f"{name}: {len(found)} requests take {np.median(multiples):.1f} plain cages in the median, "
+            f"{np.quantile(multiples, 0.99):.0f} in 99 of 100, {multiples.max():.0f} at most; {ends['made']} made"
+        )
+        lines += [f"{FAILED}: more than {MOST:.0f}"] if multiples.max() > MOST else []
+        lines += [f"seed {seed}: {end}: {what}" for _, end, seed, what in found if end.startswith(FAILED)]
+        details += [(f"{ratio:.1f}", name, seed, end, what) for ratio, end, seed, what in found[:SHOWN]]
+    return "\n".join([*lines, DETAILS, table(("plain cages", "of", "seed", "ended", "request"), details)])
