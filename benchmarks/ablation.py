@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+import nestedcages_core as core
 from common import DETAILS, Options, forget, table
 from nestedcages_core import ArcLength, Mesh, NestedCagesError, Settings, Tightening, nested_cages, verify
 from random_shapes import KINDS, random_shape
@@ -56,16 +57,21 @@ class Off:
 
 
 def contacts(*names: str) -> Callable[[], Settings]:
-    import nestedcages_core as core
-
     return lambda: Settings(contact=[getattr(core, name)() for name in names])
+
+
+def chosen_as(name: str, method: str, **options: object) -> Callable[[], Settings]:
+    return lambda: Settings(**{name: getattr(core, method)(**options)})
 
 
 CYCLES, HULL, CLEARANCE = "decimation.line_cycles", "decimation.hull", "tightening.reach_clearance"
 MECHANISMS: dict[str, Off] = {
-    "the fallback": Off(partial(Settings, fallback=None)),
+    "the hull as fallback": Off(partial(Settings, fallback=None)),
     "untightened cage as last resort": Off(patches={"level.assembly:Assembly.untightened": no_stage}),
     "line cycles (places by arc length)": Off(partial(Settings, decimation=ArcLength())),
+    "line cycles (outer hull)": Off(chosen_as("decimation", "OuterHull")),
+    "the curve": Off(chosen_as("decimation", "LineCycles", on_curve=False)),
+    "flow: steps with samples at vertices (6 to 1)": Off(chosen_as("flow", "TwoSidedFlow", vertex_limit=1)),
     "line cycles: searches through other lines": Off(
         patches={f"{CYCLES}.loop_search:MAX_ACROSS": 0, f"{CYCLES}.loop_search:MAX_MORE": 0}
     ),
@@ -74,6 +80,8 @@ MECHANISMS: dict[str, Off] = {
     "clearing": Off(patches={f"{HULL}.outer_search:cleared": first}),
     "clearing: small details built over": Off(patches={f"{HULL}.offset:without_small_details": first}),
     "clearing: narrow gaps filled": Off(patches={f"{HULL}.offset:without": first}),
+    "filling of gaps like round-off": Off(patches={f"{HULL}.outer_search:without_gaps": first}),
+    "details like round-off built over": Off(patches={f"{HULL}.outer_search:without_small_details": first}),
     "room in small holes": Off(patches={f"{HULL}.small_holes:with_room": first}),
     "sequential QPs first (IPC first)": Off(contacts("IPC", "SequentialQP")),
     "sequential QPs (IPC only)": Off(contacts("IPC")),

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+import platform
 import re
 import subprocess
 from datetime import date
 from functools import cache
 from pathlib import Path
+
+import numpy as np
 
 from common import DETAILS, ROOT
 
@@ -23,12 +26,13 @@ def write(name: str, command: str, printed: str) -> None:
     stamp = f"commit {commit()}, {date.today()}"
     MEASURED.mkdir(exist_ok=True)
     kept = MEASURED / f"{name}.txt"
-    kept.write_text(f"{command}\n{stamp}\n\n{printed}\n", encoding="utf-8")
+    kept.write_text(f"{command}\n{stamp}\n{machine()}\n\n{printed}\n", encoding="utf-8")
     for page in [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]:
         text = changed = page.read_text(encoding="utf-8")
         link = Path(os.path.relpath(kept, page.parent)).as_posix()
         for place, shown in shown_of(name, printed).items():
-            block = shown.rpartition("\n\n")[2] if page.name == "README.md" else f"```text\n{shown}\n```"
+            text_of = shown.rpartition("\n\n")[2] if page.name == "README.md" else shown
+            block = f"```text\n{text_of}\n```" if "\n" in text_of else text_of
             between = f"\n\n{block}\n\n`{command}`, {stamp}: [output]({link}).\n\n"
             where = re.compile(rf"(<!-- table {place} -->)\n.*?(<!-- end of table {place} -->)", re.DOTALL)
             changed = where.sub(lambda found, between=between: f"{found[1]}{between}{found[2]}", changed)
@@ -43,9 +47,23 @@ def shown_of(name: str, printed: str) -> dict[str, str]:
     return {place: text.partition(f"\n{DETAILS}\n")[0].strip("\n") for place, text in {name: printed, **found}.items()}
 
 
+def machine() -> str:
+    """The processor, as far as the system tells, and versions."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return f"{(names or [platform.machine()])[0]}, Python {platform.python_version()}, numpy {np.__version__}"
+
+
 @cache
 def commit() -> str:
-    """The commit of this clone when first asked, with a sign where files differ from it."""
-    words = ["git", "-C", str(ROOT), "describe", "--always", "--dirty=+", "--exclude=*"]
-    told = subprocess.run(words, capture_output=True, text=True, check=False)
-    return told.stdout.strip() or "unknown"
+    """The commit of this clone when first asked, with a sign where its code differs from it."""
+
+    def git(*words: str) -> str:
+        done = subprocess.run(["git", "-C", str(ROOT), *words], capture_output=True, text=True, check=False)
+        return done.stdout.strip()
+
+    changed = git("status", "--porcelain", "--untracked-files=no", "--", "nestedcages_core", "benchmarks", "addon")
+    return (git("rev-parse", "--short=8", "HEAD") or "unknown") + ("+" if changed else "")
