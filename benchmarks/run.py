@@ -92,7 +92,7 @@ def command(name: str) -> str:
     """The command that makes one of the tables of this run again."""
     words = sys.argv[1:]
     first = next((k for k, word in enumerate(words) if word.startswith("-")), len(words))
-    return shlex.join(["python", "benchmarks/run.py", name, *words[first:]])
+    return shlex.join(["python", "benchmarks/run.py", name.rpartition("/")[2], *words[first:]])
 
 
 if __name__ == "__main__":
