@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from common import Options, Server, table
+from common import Options, Server, parts, table
 
 PACKAGE = "nested_cages_extension"
 """Any name: Blender gives extensions names of its own."""
@@ -242,6 +242,4 @@ def run(options: Options) -> str:
         "bound": ("cage", "generate", "bind", "pose ms"),
     }
     first = {"sets": "drawings", "large": "vertices", "bound": "vertices"}
-    return "\n\n".join(
-        f"[{name}]\n{table((name, first[name], *heads[name]), found)}" for name, found in rows.items() if found
-    )
+    return parts({name: table((name, first[name], *heads[name]), found) for name, found in rows.items() if found})

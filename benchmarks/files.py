@@ -34,7 +34,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import shapely
 
-from common import DETAILS, FAILED, HERE, ROOT, Options, Server, ServerError, table
+from common import DETAILS, FAILED, HERE, ROOT, Options, Server, ServerError, parts, table
 from nestedcages_core import (
     NestedCagesError,
     features_from_geojson,
@@ -541,4 +541,4 @@ def run(options: Options) -> str:
     words = [word for word in options.only if not Path(word).exists()]
     wanted = [name for name in TABLES if any(word in name for word in words)]
     wanted = wanted or (["drawings"] if options.only else list(TABLES))
-    return "\n\n".join(f"[{name}]\n{TABLES[name](options)}" for name in wanted)
+    return parts({name: TABLES[name](options) for name in wanted})

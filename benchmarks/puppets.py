@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 import shapely.affinity
 
-from common import DETAILS, HERE, Options, Server, table
+from common import DETAILS, HERE, Options, Server, parts, table
 from nestedcages_core import (
     Mesh,
     Puppet,
@@ -313,7 +313,7 @@ TABLES = {each.__name__: each for each in (graph, ranges, folds, against, gaps, 
 
 
 def tables(options: Options) -> str:
-    return "\n\n".join(f"[{name}]\n{make(options)}" for name, make in TABLES.items() if options.wants(name))
+    return parts({name: make(options) for name, make in TABLES.items() if options.wants(name)})
 
 
 def run(options: Options) -> str:
