@@ -1,7 +1,8 @@
 """How likely a part hangs on another one, and how likely it is the root: a weighted sum of the evidence.
 
 Weights are logarithms of odds per unit, fitted to the characters of `benchmarks/cast` whose parents are known
-(`python benchmarks/run.py puppet_weights`): a part chooses among those that it meets, as in multinomial logistic regression.
+(`python benchmarks/run.py puppet_weights`): a part chooses among those that it meets, as in multinomial logistic
+regression.
 """
 
 from __future__ import annotations
