@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import io
 import struct
-import zipfile
 import zlib
 from pathlib import Path
 from typing import Any
@@ -14,7 +12,7 @@ import pytest
 from PIL import Image
 
 from support.command import run
-from support.documents import png_of, svg
+from support.documents import archive, png_of, svg
 from support.engines import Rig, composed, read_godot, read_spine
 from support.marks import slow_after
 
@@ -153,14 +151,6 @@ def test_krita_and_ag_psd_have_the_same_pixels(tmp_path: Path) -> None:
     rows, columns = np.nonzero(arm)
     arm = arm[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
     assert arm.ravel().tolist() == [(128 + 3 * k) % 256 for k in range(64)]  # as much as its mask shows
-
-
-def archive(files: dict[str, bytes | str]) -> bytes:
-    out = io.BytesIO()
-    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as made:
-        for name, content in files.items():
-            made.writestr(name, content)
-    return out.getvalue()
 
 
 def test_openraster(tmp_path: Path) -> None:

@@ -29,7 +29,7 @@ from nestedcages_core import (
     read_png,
 )
 from support.command import run
-from support.documents import png, squares
+from support.documents import png, png_chunk, png_header, squares
 from support.engine_json import frames_of
 from support.marks import slow_after
 from support.shapes import polygon
@@ -37,10 +37,6 @@ from support.shapes import polygon
 ADAM7 = [(0, 0, 8, 8), (0, 4, 8, 8), (4, 0, 8, 4), (0, 2, 4, 4), (2, 0, 4, 2), (0, 1, 2, 2), (1, 0, 2, 1)]
 CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 DEPTHS = {0: (1, 2, 4, 8, 16), 2: (8, 16), 3: (1, 2, 4, 8), 4: (8, 16), 6: (8, 16)}
-
-
-def chunk(kind: bytes, content: bytes) -> bytes:
-    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
 
 
 def paeth(a: int, b: int, c: int) -> int:
@@ -69,19 +65,19 @@ def packed(samples: np.ndarray, depth: int) -> list[bytes]:
     return rows
 
 
-def header(width: int, height: int, depth: int = 8, colour: int = 6, interlaced: int = 0) -> bytes:
-    ihdr = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, interlaced)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", ihdr)
-
-
 def encoded(samples: np.ndarray, depth: int, colour: int, interlaced: bool = False, extra: bytes = b"") -> bytes:
     """Samples (H, W, C) of a depth, their data in two chunks."""
     pixel = max(samples.shape[2] * depth // 8, 1)
     parts = [samples[r::down, c::across] for r, c, down, across in ADAM7] if interlaced else [samples]
     data = zlib.compress(b"".join(bytes(filtered(packed(part, depth), pixel)) for part in parts if part.size))
     split = len(data) // 2
-    middle = chunk(b"IDAT", data[:split]) + chunk(b"IDAT", data[split:])
-    return header(samples.shape[1], samples.shape[0], depth, colour, interlaced) + extra + middle + chunk(b"IEND", b"")
+    middle = png_chunk(b"IDAT", data[:split]) + png_chunk(b"IDAT", data[split:])
+    return (
+        png_header(samples.shape[1], samples.shape[0], depth, colour, interlaced)
+        + extra
+        + middle
+        + png_chunk(b"IEND", b"")
+    )
 
 
 @pytest.mark.parametrize("interlaced", [False, True])
@@ -91,7 +87,7 @@ def test_every_kind_of_png_is_read(colour: int, depth: int, interlaced: bool, tm
     samples = rng.integers(0, 2**depth, (11, 13, CHANNELS[colour]))
     palette = rng.integers(0, 256, (2**depth, 3), dtype=np.uint8) if colour == 3 else None
     alpha = np.append(rng.integers(0, 256, 2), np.full(254, 255)).astype(np.uint8)
-    extra = b"" if palette is None else chunk(b"PLTE", palette.tobytes()) + chunk(b"tRNS", alpha[:2].tobytes())
+    extra = b"" if palette is None else png_chunk(b"PLTE", palette.tobytes()) + png_chunk(b"tRNS", alpha[:2].tobytes())
     path = tmp_path / "a.png"
     path.write_bytes(encoded(samples, depth, colour, interlaced, extra))
     found = read_png(path)
@@ -109,15 +105,15 @@ def test_every_kind_of_png_is_read(colour: int, depth: int, interlaced: bool, tm
 
 def test_one_colour_may_be_transparent(tmp_path: Path) -> None:
     path = tmp_path / "a.png"
-    clear = chunk(b"tRNS", struct.pack(">HHH", 4, 5, 6))
+    clear = png_chunk(b"tRNS", struct.pack(">HHH", 4, 5, 6))
     path.write_bytes(encoded(np.array([[[1, 2, 3], [4, 5, 6]]]), 8, 2, extra=clear))
     assert read_png(path)[0].tolist() == [[1, 2, 3, 255], [4, 5, 6, 0]]
-    path.write_bytes(encoded(np.array([[[3], [0]]]), 2, 0, extra=chunk(b"tRNS", struct.pack(">H", 3))))
+    path.write_bytes(encoded(np.array([[[3], [0]]]), 2, 0, extra=png_chunk(b"tRNS", struct.pack(">H", 3))))
     assert read_png(path)[0].tolist() == [[255, 255, 255, 0], [0, 0, 0, 255]]
 
 
 GOOD = encoded(np.zeros((4, 4, 4), dtype=int), 8, 6)
-END = chunk(b"IEND", b"")
+END = png_chunk(b"IEND", b"")
 
 
 @pytest.mark.parametrize(
@@ -129,10 +125,10 @@ END = chunk(b"IEND", b"")
         (GOOD[:-6], "file.invalid"),
         (GOOD[:29] + b"\0\0\0\0" + GOOD[33:], "file.invalid"),  # a wrong check sum
         (GOOD[:8] + END, "file.invalid"),
-        (header(9, 9) + chunk(b"IDAT", zlib.compress(b"\0")) + END, "file.invalid"),
-        (header(9, 9, 3) + chunk(b"IDAT", b"") + END, "file.invalid"),
-        (GOOD[:33] + chunk(b"IDAT", b"junk") + END, "file.invalid"),
-        (header(2**20, 2**20) + chunk(b"IDAT", b"") + END, "limit.exceeded"),
+        (png_header(9, 9) + png_chunk(b"IDAT", zlib.compress(b"\0")) + END, "file.invalid"),
+        (png_header(9, 9, 3) + png_chunk(b"IDAT", b"") + END, "file.invalid"),
+        (GOOD[:33] + png_chunk(b"IDAT", b"junk") + END, "file.invalid"),
+        (png_header(2**20, 2**20) + png_chunk(b"IDAT", b"") + END, "limit.exceeded"),
     ],
 )
 def test_damaged_pngs_are_an_error(data: bytes, code: str, tmp_path: Path) -> None:
@@ -155,7 +151,7 @@ def test_pictures_are_read_within_limits(tmp_path: Path) -> None:
 def test_data_beyond_the_size_of_a_picture_are_never_unpacked(tmp_path: Path) -> None:
     packer = zlib.compressobj()
     data = b"".join(packer.compress(bytes(10**7)) for _ in range(15)) + packer.flush()
-    bomb = header(1, 1) + chunk(b"IDAT", data) + END
+    bomb = png_header(1, 1) + png_chunk(b"IDAT", data) + END
     (tmp_path / "a.png").write_bytes(bomb)
     tracemalloc.start()
     try:

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import io
 import json
+import struct
+import zipfile
+import zlib
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -71,6 +75,26 @@ def png_of(pixels: np.ndarray) -> bytes:
     """A picture (H, W, 4)."""
     out = io.BytesIO()
     Image.fromarray(pixels, "RGBA").save(out, "PNG")
+    return out.getvalue()
+
+
+def png_chunk(kind: bytes, content: bytes) -> bytes:
+    """A part of a PNG with its right check sum."""
+    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+
+def png_header(width: int, height: int, depth: int = 8, colour: int = 6, interlaced: int = 0) -> bytes:
+    """How a PNG begins."""
+    size = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, interlaced)
+    return b"\x89PNG\r\n\x1a\n" + png_chunk(b"IHDR", size)
+
+
+def archive(files: Mapping[str, bytes | str]) -> bytes:
+    """A zip."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as made:
+        for name, content in files.items():
+            made.writestr(name, content)
     return out.getvalue()
 
 

@@ -1,0 +1,374 @@
+"""Puppets: which part hangs on which, parts that bend, and the ranges in which nothing folds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import pytest
+import shapely
+import shapely.affinity
+
+from nestedcages_core import (
+    Mesh,
+    NestedCagesError,
+    PartChoice,
+    Puppet,
+    PuppetDraft,
+    PuppetPart,
+    draft_puppet,
+    idle,
+    puppet_of,
+    puppet_parts,
+    walk,
+    wave,
+)
+from support.documents import svg
+from support.marks import slow_after
+
+
+def solid(name: str, area: shapely.Geometry, *groups: str) -> PuppetPart:
+    return PuppetPart(name, Mesh.of(area), groups, identity=name)
+
+
+def limb(name: str, *points: tuple[float, float], width: float = 1.0) -> PuppetPart:
+    return solid(name, shapely.LineString(points).buffer(0.5 * width))
+
+
+def ball(name: str, x: float, y: float, radius: float) -> PuppetPart:
+    return solid(name, shapely.Point(x, y).buffer(radius))
+
+
+def figure() -> list[PuppetPart]:
+    """A figure from the front: legs behind the torso, arms over it with hands below the arms, and a face."""
+    parts = [limb(f"thigh_{s}", (k * 1.0, -1.0), (k * 1.1, -4.0)) for s, k in (("l", 1), ("r", -1))]
+    parts += [limb(f"shin_{s}", (k * 1.1, -4.0), (k * 1.2, -7.0), width=0.9) for s, k in (("l", 1), ("r", -1))]
+    parts += [limb("neck", (0.0, 3.0), (0.0, 4.4), width=0.8)]
+    parts += [solid("torso", shapely.box(-1.6, -1.4, 1.6, 3.4).buffer(0.3))]
+    parts += [ball("head", 0.0, 5.5, 1.5), ball("eye_l", 0.5, 5.8, 0.3), ball("eye_r", -0.5, 5.8, 0.3)]
+    parts += [ball("pupil_l", 0.5, 5.8, 0.12), ball("pupil_r", -0.5, 5.8, 0.12)]
+    for s, k in (("l", 1), ("r", -1)):
+        parts += [ball(f"hand_{s}", k * 3.4, -0.4, 0.6)]
+        parts += [limb(f"arm_{s}", (k * 1.6, 3.0), (k * 3.4, 0.0), width=0.9)]
+    return parts
+
+
+def strider() -> list[PuppetPart]:
+    """A figure from the side that looks to the right: one arm and one leg behind the body, one of each before it."""
+    far = [limb("leg_far", (0.2, -1.0), (0.2, -5.0), width=0.9), limb("arm_far", (0.2, 2.6), (0.2, -0.4), width=0.7)]
+    near = [limb("leg", (-0.2, -1.0), (-0.2, -5.0), width=0.9), limb("arm", (-0.2, 2.6), (-0.2, -0.4), width=0.7)]
+    body = [solid("body", shapely.box(-1.0, -1.6, 1.0, 3.0).buffer(0.3)), ball("head", 0.2, 4.2, 1.2)]
+    return [*far, *body, ball("eye", 0.9, 4.4, 0.2), ball("ear", 0.3, 4.2, 0.25), *near]
+
+
+PARENTS = {
+    "torso": None, "neck": "torso", "head": "neck", "thigh_l": "torso", "thigh_r": "torso", "shin_l": "thigh_l",
+    "shin_r": "thigh_r", "eye_l": "head", "eye_r": "head", "pupil_l": "eye_l", "pupil_r": "eye_r", "arm_l": "torso",
+    "arm_r": "torso", "hand_l": "arm_l", "hand_r": "arm_r",
+}  # fmt: skip
+
+
+def parents(draft: PuppetDraft) -> dict[str, str | None]:
+    names = [part.name for part in draft.parts]
+    return {
+        name: None if link.parent is None else names[link.parent] for name, link in zip(names, draft.links, strict=True)
+    }
+
+
+@pytest.fixture(scope="module")
+def draft() -> PuppetDraft:
+    return draft_puppet(figure())
+
+
+@cache
+def tailed(count: int | None = None) -> Puppet:
+    """A bent tail with a spot on it, on a body."""
+    bent = [(2.0 + 0.4 * k, 0.5 + 0.8 * np.sin(0.4 * k)) for k in range(24)]
+    parts = [limb("tail", *bent, width=1.2), ball("body", 0.0, 0.5, 2.6), ball("spot", *bent[14], 0.3)]
+    return puppet_of(draft_puppet(parts, {} if count is None else {"tail": PartChoice(bones=count)}))
+
+
+@cache
+def puppet_from(parts: Callable[[], list[PuppetPart]]) -> Puppet:
+    return puppet_of(draft_puppet(parts()))
+
+
+def test_parts_hang_together_by_their_overlaps(draft: PuppetDraft) -> None:
+    assert parents(draft) == PARENTS
+    riders = {part.name for k, part in enumerate(draft.parts) if not draft.chain(k)}
+    assert riders == {"eye_l", "eye_r", "pupil_l", "pupil_r"}  # without bones of their own
+    assert {bone.name for bone in draft.bones} >= {"torso", "head", "arm.L", "arm.R", "hand.L", "shin.R"}
+    knee = draft.links[draft.number("shin_l")].joint
+    assert np.hypot(knee[0] - 1.1, knee[1] + 4.0) < 0.3
+    assert [bone.parent for bone in draft.bones].count(None) == 1
+    assert all(bone.parent is None or bone.parent < k for k, bone in enumerate(draft.bones))
+
+
+def test_neither_place_nor_size_nor_direction_of_the_drawing_counts() -> None:
+    turn = np.array([[0.0, -1.0], [1.0, 0.0]])
+    moved = [
+        PuppetPart(part.name, Mesh(1e3 * part.outline.vertices @ turn + 5e4, part.outline.edges)) for part in figure()
+    ]
+    assert parents(draft_puppet(moved)) == PARENTS
+
+
+@pytest.mark.slow
+def test_a_choice_moves_a_part_to_another_parent_and_can_be_taken_back(draft: PuppetDraft) -> None:
+    edited = draft.edited("hand_l", PartChoice(parent="torso", joint=(1.0, 0.0)))
+    assert parents(edited) == PARENTS | {"hand_l": "torso"}
+    assert edited.links[edited.number("hand_l")].joint == (1.0, 0.0)
+    assert parents(edited.edited("hand_l", PartChoice())) == PARENTS
+    rooted = draft.edited("head", PartChoice(parent=""))
+    assert parents(rooted) == PARENTS | {"head": None, "neck": "head", "torso": "neck"}
+
+
+@pytest.mark.parametrize(
+    "choices",
+    [
+        {"arm_l": PartChoice(parent="hand_l"), "hand_l": PartChoice(parent="arm_l")},
+        {"arm_l": PartChoice(parent="wing")},
+        {"wing": PartChoice(bones=2)},
+        {"arm_l": PartChoice(parent=""), "head": PartChoice(parent="")},
+    ],
+)
+def test_choices_that_cannot_be_are_an_error(choices: dict[str, PartChoice]) -> None:
+    for parts in (figure(), []):
+        with pytest.raises(NestedCagesError):
+            draft_puppet(parts, choices)
+    for wrong in ({"bones": 0}, {"bones": 2, "chain": ((0, 0), (1, 0))}):
+        with pytest.raises(NestedCagesError) as error:
+            PartChoice(**wrong)
+        assert error.value.code == "setting.invalid"
+
+
+def test_a_part_that_touches_nothing_hangs_on_the_nearest_and_is_doubtful() -> None:
+    balloon = draft_puppet([*figure(), ball("balloon", 9.0, 9.0, 1.0)])
+    assert parents(balloon) == PARENTS | {"balloon": "head"}
+    assert "balloon" in balloon.doubtful and len(balloon.notes) == 1 and "balloon" in balloon.notes[0]
+
+
+def test_joints_lie_in_what_parts_share() -> None:
+    """Nearly touching, touching along an edge and at a corner, and overlapping where outlines touch elsewhere too."""
+    near = draft_puppet([solid("body", shapely.box(0.0, 0.0, 6.0, 3.0)), ball("head", 7.03, 2.0, 1.0)])
+    assert near.links[1].parent == 0 and np.hypot(near.links[1].joint[0] - 6.0, near.links[1].joint[1] - 2.0) < 0.1
+    boxes = [shapely.box(0.0, 0.0, 4.0, 2.0), shapely.box(0.0, 0.0, 1.0, 6.0), shapely.box(0.0, 4.0, 3.0, 6.0)]
+    other = shapely.union_all([shapely.box(2.0, 2.0, 6.0, 3.0), shapely.box(3.0, 2.0, 6.0, 4.0)])
+    touching = draft_puppet(
+        [solid("one", shapely.union_all(boxes)), solid("other", other)], {"one": PartChoice(parent="")}
+    )
+    assert touching.links[1].parent == 0 and not touching.doubtful
+    boxes = [shapely.box(8.0, 1.0, 12.0, 5.0), shapely.box(11.0, -2.0, 12.0, 5.0), shapely.box(2.0, -2.0, 12.0, 0.0)]
+    arm = shapely.box(0.0, 0.0, 10.0, 2.0)
+    bent = draft_puppet([solid("bent", shapely.union_all(boxes)), solid("arm", arm)], {"bent": PartChoice(parent="")})
+    assert shapely.box(8.0, 1.0, 10.0, 2.0).contains(shapely.Point(bent.links[1].joint))
+
+
+def test_a_hand_before_a_hip_is_no_pin_of_it() -> None:
+    by_name = {
+        "leg": 'd="M90 100 L90 190" stroke="#456" stroke-width="34" stroke-linecap="round" fill="none"',
+        "body": 'd="M60 20 H120 V120 H60 Z" fill="#e95"',
+        "arm": 'd="M66 34 L52 72" stroke="#c73" stroke-width="22" stroke-linecap="round" fill="none"',
+        "forearm": 'd="M52 72 L84 98" stroke="#c73" stroke-width="18" stroke-linecap="round" fill="none"',
+        "hand": 'd="M90 92 a11 11 0 1 0 .1 0 z" fill="#c73"',
+    }
+    parts, _ = puppet_parts(svg("".join(f'<path id="{name}" {data}/>' for name, data in by_name.items())))
+    assert parents(draft_puppet(parts))["hand"] == "forearm"
+
+
+# Names and groups
+
+
+def crossed(child: str, parent: str, other: str) -> str | None:
+    """What the child hangs on that lies on a parent and another part alike, beside each other."""
+    strap = solid(child, shapely.box(-1.4, -6.4, 1.4, -5.6))
+    beside = [limb(name, (x, -2.0), (x, -9.0), width=1.6) for name, x in ((parent, -0.9), (other, 0.9))]
+    return parents(draft_puppet([ball("body", 0.0, 0.0, 3.0), *beside, strap]))[child]
+
+
+@pytest.mark.parametrize(
+    ("child", "parent", "other"),
+    [
+        ("foot_l", "leg_l", "leg_r"),
+        ("RightHand", "rightForeArm", "leftForeArm"),
+        ("left foot", "LeftUpLeg", "RightUpLeg"),
+        ("foot", "leg", "wing"),
+        ("tooth_low", "jaw_low", "nose"),
+        ("tail_tip", "tail", "path12"),
+        ("segment 3", "segment 2", "segment 1"),
+        ("FL_lower", "FL_upper", "FR_upper"),
+        ("banana", "hand", "leg"),
+        ("hand", "forearm", "leg"),
+    ],
+)
+def test_names_say_what_hangs_on_what(child: str, parent: str, other: str) -> None:
+    for names in ((parent, other), (other, parent)):
+        assert crossed(child, *names) == parent
+
+
+def test_a_group_of_layers_says_what_hangs_together() -> None:
+    for own in ("one", "other"):
+        parts = [solid("strap", shapely.box(-1.4, -6.4, 1.4, -5.6), own)]
+        for name, x in (("one", -0.9), ("other", 0.9)):
+            parts.insert(0, solid(f"path_{name}", shapely.box(x - 0.8, -9.0, x + 0.8, -2.0), name))
+        assert parents(draft_puppet([ball("body", 0.0, 0.0, 3.0), *parts]))["strap"] == f"path_{own}"
+
+
+def test_hips_are_the_root_of_names_where_there_are_some() -> None:
+    for first, second, root in (("torso", "pelvis", "pelvis"), ("shirt", "shorts", "shorts"), ("torso", "x", "torso")):
+        boxes = [solid(first, shapely.box(-2, 1.5, 2, 6)), solid(second, shapely.box(-2, -2, 2, 2.5))]
+        found = parents(draft_puppet([*boxes, limb("arm", (1.5, 5.0), (5.0, 4.0))]))
+        assert found[root] is None and found["arm"] == first
+
+
+def test_near_and_far_are_named_as_left_and_right() -> None:
+    """Also where both legs lie behind the body, as trousers under a coat."""
+    _, arm_far, *body, _, arm = strider()
+    legs = [limb(name, (x, -1.0), (x, -5.0), width=0.9) for name, x in (("leg_far", 0.5), ("leg_near", -0.5))]
+    for parts, near, far in ((strider(), "leg", "leg_far"), ([arm_far, *legs, *body, arm], "leg_near", "leg_far")):
+        made = draft_puppet(parts)
+        sides = {part.name: side.side for part, side in zip(made.parts, made.sides, strict=True)}
+        assert (sides[near], sides["arm"], sides[far], sides["arm_far"]) == ("R", "R", "L", "L")
+        assert {bone.name for bone in made.bones} >= {"leg.L", "leg.R", "arm.L", "arm.R"}
+
+
+def test_what_is_rigid_by_its_name_has_one_bone_unless_a_user_wants_more() -> None:
+    for name, choices, bones in (("spear", {}, 1), ("spear", {"spear": PartChoice(bones=3)}, 3), ("tail", {}, 6)):
+        made = draft_puppet([ball("hand", 0.0, 0.0, 1.0), limb(name, (0.0, 0.0), (14.0, 0.0))], choices)
+        assert len(made.chain(1)) == bones
+
+
+def test_bones_are_longer_where_a_part_is_thicker_and_shorter_at_its_ends() -> None:
+    """The blends of two joints share the bones between; a blend is as long as the part is thick there."""
+    four = {"tail": PartChoice(parent="body", bones=4)}
+    straight = draft_puppet([ball("body", 0.0, 0.0, 2.0), limb("tail", (1.0, 0.0), (25.0, 0.0), width=1.0)], four)
+    wedge = shapely.Polygon([(0.0, -2.0), (0.0, 2.0), (28.0, 0.8), (28.0, -0.8)])
+    pointed = draft_puppet([ball("body", 0.0, 0.0, 3.0), solid("tail", wedge)], four)
+    for made in (straight, pointed):
+        first, second, third, last = (made.bones[bone].length for bone in made.chain(1))
+        assert first < 0.9 * second and last < 0.9 * third
+    second, third = (pointed.bones[bone].length for bone in pointed.chain(1)[1:3])
+    assert second > 1.1 * third
+
+
+# Bending
+
+
+@pytest.mark.parametrize("count", slow_after(1, [2, None, 8], thorough_after=2))
+def test_no_outline_folds_within_the_ranges_whatever_the_other_joints_do(count: int | None) -> None:
+    """Points of the part keep their order: small triangles around them do not flip."""
+    puppet = tailed(count)
+    joints = puppet.draft.chain(0)[1:]
+    assert all(puppet.ranges[k].low <= -60.0 and puppet.ranges[k].high >= 60.0 for k in joints) or count == 8
+    random = np.random.default_rng(1)
+    low, high = puppet.draft.parts[0].outline.bounds[:2], puppet.draft.parts[0].outline.bounds[2:]
+    centres = random.uniform(low, high, (4000, 2))
+    centres = centres[shapely.contains_xy(puppet.draft.parts[0].solid.buffer(-0.02), *centres.T)]
+    corners = (centres[:, None] + 1e-3 * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])).reshape(-1, 2)
+    for trial in range(20):
+        pick = random.uniform if trial % 2 else lambda *ends: random.choice(ends)
+        turned = {puppet.bones[k].name: float(pick(puppet.ranges[k].low, puppet.ranges[k].high)) for k in joints}
+        assert puppet.beyond(turned) == ()
+        a, b, c = puppet.moved(0, corners, turned).reshape(-1, 3, 2).transpose(1, 0, 2)
+        assert np.linalg.det(np.stack([b - a, c - a], axis=1)).min() > 0.0
+
+
+def test_ranges_reach_far_and_a_pose_beyond_names_its_bones() -> None:
+    puppet = tailed(2)
+    own = puppet.ranges[puppet.draft.chain(0)[1]]
+    assert own.low <= own.simple_low < -60.0 and 60.0 < own.simple_high <= own.high
+    assert 90.0 < -own.low <= 170.0 and 90.0 < own.high <= 170.0
+    assert puppet.beyond({"tail.001": 30.0, "tail": 175.0}) == ()
+    assert puppet.beyond({"tail.001": 172.0}) == ("tail.001",)
+    for angle in np.linspace(own.simple_low, own.simple_high, 15):
+        (outline, *_) = puppet.posed({"tail.001": angle})
+        assert shapely.Polygon(outline).is_valid
+    with pytest.raises(NestedCagesError):
+        puppet.posed({"wing": 1.0})
+
+
+def test_weights_suit_engines() -> None:
+    puppet = tailed()
+    for part in (0, 2):  # a rider bends with what it lies on
+        bones, weights = puppet.strongest(part, puppet.draft.parts[part].outline.vertices)
+        assert bones.shape == weights.shape and weights.shape[1] <= 4
+        assert np.allclose(weights.sum(axis=1), 1.0) and (np.diff(weights, axis=1) <= 0.0).all()
+        assert set(bones[weights > 0].tolist()) <= set(puppet.draft.chain(0))
+    inside = np.array([[2.2 + 0.1 * k, 0.5 + 0.8 * np.sin(0.1 * k + 0.2)] for k in range(80)])
+    strongest = puppet.strongest(0, inside)[0][:, 0]
+    assert (np.diff(strongest) >= 0).all() and len(set(strongest.tolist())) == len(puppet.draft.chain(0))
+    rest = puppet.posed({})
+    assert all(np.allclose(a, part.outline.vertices) for a, part in zip(rest, puppet.draft.parts, strict=True))
+
+
+def test_a_limb_turns_alone_with_what_hangs_on_it() -> None:
+    puppet = puppet_from(figure)
+    arm = next(bone for bone in puppet.bones if bone.name == "arm.L")
+    turned = shapely.affinity.rotate
+    for part, points in zip(puppet.draft.parts, puppet.posed({"arm.L": 40.0}), strict=True):
+        moves = part.name in ("arm_l", "hand_l")
+        assert np.allclose(points, part.outline.vertices) != moves
+        if part.name == "hand_l":
+            wanted = turned(shapely.LinearRing(part.outline.vertices), 40.0, origin=arm.head)
+            np.testing.assert_allclose(points, shapely.get_coordinates(wanted)[:-1], atol=1e-6)
+
+
+def test_a_part_whose_joints_would_turn_too_little_has_fewer_bones() -> None:
+    """A wedge folds early; a user may still ask for its bones."""
+    wedge = solid("fin", shapely.Polygon([(0.0, -3.0), (0.0, 3.0), (5.0, 0.6), (9.0, 2.5), (9.0, -2.5), (5.0, -0.6)]))
+    parts = [wedge, ball("body", -2.0, 0.0, 4.0)]
+    assert len(puppet_of(draft_puppet(parts, {"fin": PartChoice(bones=2)})).ranges) == 3
+    free = puppet_of(draft_puppet(parts)).ranges
+    assert all(each.low <= -90.0 and each.high >= 90.0 for each in free)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", slow_after(0, [None, 6], thorough_after=1))
+def test_parts_of_several_areas_and_with_narrow_holes_bend(count: int | None) -> None:
+    """Joints lie in the area that bends, not on the way to it."""
+    tail = limb("tail", (5.0, 0.0), (12.0, 0.0), width=0.7).solid
+    speck, hole = shapely.Point(2.0, 0.0).buffer(0.4), shapely.Point(9.0, 0.1).buffer(0.06)
+    parts = [solid("tail", shapely.union_all([tail, speck]) - hole), ball("body", 0.0, 0.0, 2.6)]
+    puppet = puppet_of(draft_puppet(parts, {"tail": PartChoice(bones=count)}))
+    joints = [puppet.bones[bone].head for bone in puppet.draft.chain(0)[1:]]
+    assert joints and shapely.contains_xy(tail, *np.array(joints).T).all()
+
+
+def test_covers_keep_the_joint_painted_and_show_nothing_at_rest() -> None:
+    """A bar with square ends opens at its joint; one with round ends in the middle of its parent does not."""
+    lower, upper = (solid(name, shapely.box(x, 0.0, x + 5.0, 2.0)) for name, x in (("lower", 4.6), ("upper", 0.0)))
+    round_end = limb("arm", (1.0, 1.0), (1.0, -4.0), width=0.9)
+    made = draft_puppet([lower, upper, round_end], {"upper": PartChoice(parent="")})
+    (cap,) = puppet_of(made).caps
+    area, joint = shapely.Polygon(cap.outline.vertices), made.links[0].joint
+    assert (cap.part, made.bones[cap.bone].name) == (0, "upper")
+    assert lower.solid.buffer(1e-9).contains(area)
+    kept = shapely.union_all([upper.solid, area, shapely.affinity.rotate(lower.solid, 90.0, origin=joint)])
+    disc = shapely.Point(joint).buffer(1.0)
+    assert disc.difference(kept).area < 0.001 * disc.area < disc.difference(shapely.difference(kept, area)).area
+
+
+# Clips
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("parts", slow_after(0, [strider, figure]), ids=["side", "front"])
+def test_clips_stay_within_the_ranges_and_repeat(parts: Callable[[], list[PuppetPart]]) -> None:
+    puppet = puppet_from(parts)
+    for clip in (walk, wave, idle):
+        frames = clip(puppet).frames
+        assert all(puppet.beyond(frame) == () for frame in frames)
+        assert max(abs(angle) for frame in frames for angle in frame.values()) > 1.0
+        following = [*frames[1:], frames[0]]
+        assert max(abs(a[bone] - b[bone]) for a, b in zip(frames, following, strict=True) for bone in a) < 15.0
+
+
+def test_legs_of_a_walk_take_turns_and_clips_need_limbs() -> None:
+    frames = walk(puppet_from(strider)).frames
+    left, right = (np.array([frame[name] for frame in frames]) for name in ("leg.L", "leg.R"))
+    assert np.ptp(left) > 30.0 and np.allclose(left, np.roll(right, len(frames) // 2))
+    puppet = puppet_of(draft_puppet([ball("body", 0.0, 0.0, 2.0)]))
+    assert idle(puppet).frames
+    for clip in (walk, wave):
+        with pytest.raises(NestedCagesError):
+            clip(puppet)
