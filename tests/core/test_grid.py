@@ -203,11 +203,11 @@ def test_every_step_is_stored_without_rounding(kind: str, inside: bool) -> None:
     fine = letter_a().moved((letter_a().vertices + np.array([30.0, -7.0])).astype(kind).astype(float))
     level = (inner_cages if inside else nested_cages)(fine, 20, stored=kind, clearance=0.05)[0]
     assert level.report.stored == kind and len(level.cage.vertices) == 20
-    for points in (level.cage.vertices, level.reinflation.cage_steps, level.coarse.vertices, level.flow.steps[1:]):
+    steps = level.reinflation.cage_steps, level.reinflation.fine_steps
+    for points in (level.cage.vertices, level.coarse.vertices, level.flow.steps, *steps):
         assert np.array_equal(points, np.asarray(points).astype(kind))
     outer, inner = (fine, level.cage) if inside else (level.cage, fine)
     assert verify(outer, inner, level.report.wanted_clearance)
-    steps = level.reinflation.cage_steps, level.reinflation.fine_steps
     assert verify_motion(*((fine, level.cage, *steps[::-1]) if inside else (level.cage, fine, *steps)))
     assert (level.reinflation.fine_steps[-1] == fine.vertices).all()
 

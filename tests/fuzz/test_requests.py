@@ -1,0 +1,197 @@
+"""Random shapes with random settings: a cage that the checker accepts and that keeps what was asked, or a code."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from nestedcages_core import (
+    AxisAligned,
+    BoundaryARAP,
+    Box,
+    Found,
+    InitialDisplacement,
+    LeastEdge,
+    Mesh,
+    Mirror,
+    NestedCagesError,
+    Rotation,
+    Settings,
+    Within,
+    check,
+    inner_cages,
+    nested_cages,
+    verify,
+)
+from support.families import blob, drawing, simple
+from support.judging import is_along_the_axes, is_convex, is_on_grid, is_symmetric, lengths_of, lies_within, sharpest
+from support.shapes import annulus, islands, letter_a, ring, star
+
+pytestmark = [pytest.mark.thorough, pytest.mark.timeout(900)]
+
+NO_CAGE = {"unknown", "solver.not_finite", "constraint.failed"}
+"""Codes that no request of these may end in."""
+SHAPES = [star(5, 30), annulus(24), letter_a(), islands(), Mesh.from_loops([ring(12) * [2.0, 1.0]])]
+WISHES: dict[str, st.SearchStrategy[Any]] = {
+    "clearance": st.sampled_from([0.0, 1e-9, 1e-3, 0.05]),
+    "grid": st.sampled_from([1e-9, 0.01, 0.1, 0.3]),
+    "symmetry": st.sampled_from([Mirror(None), Mirror((0.0, 0.0), (1.0, 0.2)), Rotation(None, 2), Found()]),
+    "convex": st.just(True),
+    "merge": st.sampled_from([1e-9, 0.1, 1.0, inf]),
+    "min_edge": st.sampled_from([1e-6, 0.1, 1.0]),
+    "min_angle": st.sampled_from([5.0, 40.0]),
+    "pins": st.lists(st.integers(0, 11), min_size=1, max_size=3, unique=True),
+    "joints": st.just([(0.0, 0.5)]),
+    "weights": st.sampled_from([0.0, 1.0, 1e6]),
+    "energy": st.sampled_from([InitialDisplacement(), BoundaryARAP()]),
+    "loops": st.sampled_from(["auto", "keep", "one"]),
+    "stored": st.sampled_from(["float32", "float16"]),
+}
+"""Settings, each with values from the smallest to the largest that make sense."""
+
+
+@st.composite
+def shapes(draw: st.DrawFn) -> Mesh:
+    """A shape whose loops begin anywhere, if wanted with an edge or a hole of any small size."""
+    fine = draw(st.sampled_from(SHAPES))
+    loops = [np.roll(loop, draw(st.integers(0, 9)), axis=0) for loop in fine.rings]
+    size = 10.0 ** draw(st.sampled_from([-3, -12, -40, -51, -170, -300]))
+    detail = draw(st.sampled_from(["none", "edge", "hole"]))
+    if detail == "edge":  # at the origin, where numbers are dense enough
+        loops = [loop - loops[0][0] for loop in loops]
+        loops[0] = np.insert(loops[0], 1, size * np.array([0.6, 0.8]), axis=0)
+    elif detail == "hole" and len(loops) == 1:
+        loops.append(size * ring(draw(st.integers(3, 12))))
+    try:
+        return Mesh.from_loops(loops)
+    except NestedCagesError:  # the detail crosses something
+        return fine
+
+
+@st.composite
+def requests(draw: st.DrawFn) -> tuple[Mesh, dict[str, Any], Any, bool]:
+    fine = draw(shapes())
+    names = draw(st.lists(st.sampled_from(sorted(WISHES)), min_size=1, max_size=3, unique=True))
+    wanted = {name: draw(WISHES[name]) for name in names}
+    if "weights" in wanted:
+        wanted["weights"] = np.full(len(fine.vertices), 1.0) + wanted["weights"] * (np.arange(len(fine.vertices)) < 5)
+    level = draw(st.sampled_from([6, 12, 20, Within(distance=0.3), Within(excess=0.5)]))
+    return fine, wanted, level, draw(st.booleans())
+
+
+def fulfilled(fine: Mesh, wanted: dict[str, Any], count: Any, inside: bool = False) -> bool:
+    """Whether there is a cage, which then is judged; raises whatever is not a NestedCagesError with a code."""
+    try:
+        level = (inner_cages if inside else nested_cages)(fine, [count], Settings(**wanted))[0]
+    except NestedCagesError as error:
+        assert error.code not in NO_CAGE and str(error).strip(), (wanted, count, inside, error)
+        return False
+    cage, symmetry, distance = level.cage, wanted.get("symmetry"), getattr(count, "distance", None)
+    loops = False if {"convex", "merge", "loops"} & set(wanted) else None
+    placed = None if isinstance(symmetry, Found) else symmetry
+    verdict = check(fine, level, wanted.get("clearance"), same_loops=loops, grid=wanted.get("grid"), symmetry=placed,
+                    distance=None if inside else distance, motions=4)  # fmt: skip
+    assert verdict, (wanted, count, inside, verdict.problems[:3])
+    assert not isinstance(count, int) or len(cage.vertices) <= count or "symmetry" in wanted or "convex" in wanted
+    assert "grid" not in wanted or wanted["grid"] < 1e-6 or is_on_grid(cage, wanted["grid"])
+    assert not wanted.get("convex") or is_convex(cage)
+    stored = wanted.get("stored")
+    assert stored is None or np.array_equal(cage.vertices, cage.vertices.astype(stored))
+    assert getattr(count, "excess", None) is None or abs(level.excess) <= count.excess
+    if distance is not None:
+        assert lies_within(*((fine, cage) if inside else (cage, fine)), distance)
+    notes = {note.code for note in level.report.notes}
+    if "min_edge" in wanted and "note.edge" not in notes:
+        assert lengths_of(cage).min() >= wanted["min_edge"] * (1.0 - 1e-12)
+    if "min_angle" in wanted and "note.angle" not in notes:
+        assert sharpest(cage) >= wanted["min_angle"] * (1.0 - 1e-12)
+    return True
+
+
+def test_settings_on_shapes_with_the_smallest_details() -> None:
+    found = []
+
+    @settings(max_examples=1500, deadline=None, suppress_health_check=list(HealthCheck))
+    @given(requests())
+    def one(drawn: Any) -> None:
+        found.append(fulfilled(*drawn))
+
+    one()
+    assert sum(found) > len(found) // 4
+
+
+def random_options(random: np.random.Generator, fine: Mesh) -> dict[str, Any]:
+    """One to three settings in the shape's own lengths."""
+    size = fine.diagonal
+    low, high = fine.vertices.min(axis=0) - 0.1 * size, fine.vertices.max(axis=0) + 0.1 * size
+    every: dict[str, Any] = {
+        "clearance": float(random.choice([1e-6, 1e-3, 0.02])) * size,
+        "stored": "float32",
+        "weights": random.uniform(0.1, 10.0, len(fine.vertices)),
+        "pins": [int(k) for k in random.integers(0, len(fine.vertices), 2)],
+        "min_edge": 0.02 * size,
+        "min_angle": 15.0,
+        "constraints": [[Box(tuple(low), tuple(high))], [LeastEdge(0.01 * size, must=False)]][random.integers(2)],
+        "loops": str(random.choice(["keep", "auto"])),
+    }
+    return {name: every[name] for name in random.choice(sorted(every), random.integers(1, 4), replace=False)}
+
+
+@pytest.mark.parametrize("start", range(0, 200, 10))
+def test_random_drawings_with_random_settings(start: int) -> None:
+    found = []
+    for seed in range(start, start + 10):
+        random, fine = np.random.default_rng(seed), drawing(1000 + seed)
+        fine = Mesh((fine.vertices - fine.vertices.mean(axis=0)) / fine.diagonal, fine.edges)  # for stored numbers
+        found.append(fulfilled(fine, random_options(random, fine), int(random.integers(6, 40)), bool(seed % 4 == 0)))
+    assert sum(found) >= 5
+
+
+@pytest.mark.parametrize("start", range(0, 100, 10))
+def test_around_single_outlines_more_vertices_are_never_worse(start: int) -> None:
+    """Within half a per cent, since cages end in local minima; and every count has its cage."""
+    for seed in range(start, start + 10):
+        random = np.random.default_rng(seed)
+        fine = simple(random, 10, 80) if seed % 2 else blob(random, int(random.integers(20, 160)))
+        areas: list[float] = []
+        for count in (3, 4, 5, 6, 7, 8, 10, 13, 17, 24, 40):
+            level = nested_cages(fine, count)[0]
+            assert len(level.cage.vertices) <= count and verify(level.cage, fine, level.report.wanted_clearance)
+            assert not areas or level.cage.area <= 1.005 * min(areas), (seed, count)
+            areas.append(level.cage.area)
+
+
+@pytest.mark.parametrize("start", range(0, 60, 10))
+def test_what_a_box_satisfies_is_not_refused_around_single_outlines(start: int) -> None:
+    """On a grid, with edges along the axes, large clearances and stored numbers; no cage is larger than it."""
+    for seed in range(start, start + 10):
+        random = np.random.default_rng(seed)
+        fine = simple(random, 10, 60)
+        for wanted, room in (
+            ({}, 1e-4),
+            ({"constraints": [AxisAligned()]}, 1e-4),
+            ({"grid": 0.05}, 0.1001),
+            ({"grid": 0.05, "constraints": [AxisAligned()]}, 0.1001),
+            ({"clearance": 0.1}, 0.1001),
+            ({"stored": "float32"}, 1e-4),
+        ):
+            level = nested_cages(fine, int(random.integers(4, 16)), Settings(**wanted))[0]
+            assert level.cage.area <= float(np.prod(np.ptp(fine.vertices, axis=0) + 2.0 * room)) * 1.005, (seed, wanted)
+            assert "constraints" not in wanted or is_along_the_axes(level.cage)
+
+
+@pytest.mark.parametrize("start", range(0, 60, 10))
+def test_symmetric_requests(start: int) -> None:
+    for seed in range(start, start + 10):
+        random = np.random.default_rng(seed)
+        symmetry = [Mirror(), Mirror((0.1, 0.2), (1.0, 1.0)), Rotation((0.0, 0.0), 3), Rotation((0.2, 0.0), 2)][
+            seed % 4
+        ]
+        level = nested_cages(simple(random, 10, 50), int(random.integers(6, 30)), symmetry=symmetry)[0]
+        assert is_symmetric(level.cage.vertices, symmetry)
+        assert all(is_symmetric(step, symmetry) for step in level.reinflation.cage_steps)
