@@ -288,30 +288,6 @@ def test_small_powers_have_derivatives_at_zero(power: int, triangle: Mesh) -> No
     assert energy.hessian(x, successor).dense(3).tolist() == np.diag([2.0 * (power == 2), 0.0] * 3).tolist()
 
 
-def test_angles_are_right_all_around(triangle: Mesh) -> None:
-    energy = ElementEnergy.per_vertex(lambda now, rest: np.arctan2(now[0].y, now[0].x)).at(triangle)
-    places = np.array([(1.0, 0.1), (0.1, 1.0), (-1.0, 0.1), (-1.0, -0.1), (-0.1, -1.0), (0.0, 1.0)])
-    for x in places.reshape(2, 3, 2):
-        assert energy.value(x, triangle.successor) == pytest.approx(np.arctan2(x[:, 1], x[:, 0]).sum(), abs=1e-15)
-        expected = np.stack([-x[:, 1], x[:, 0]], axis=1) / (x**2).sum(axis=1)[:, None]
-        assert energy.gradient(x, triangle.successor) == pytest.approx(expected)
-        assert np.trace(energy.hessian(x, triangle.successor).dense(3)) == pytest.approx(0.0, abs=1e-13)  # harmonic
-
-
-def test_points_calculate_as_vectors_do(triangle: Mesh) -> None:
-    def formula(now: Any, rest: Any) -> Any:
-        across = 2.0 * (now[0] + now[1]) / 4.0 - now[1] * 0.5  # half of the first point
-        return across.dot(now[1]) - across.cross(rest[0]) + (now[1] - now[0]).length()
-
-    energy = ElementEnergy.per_edge(formula).at(triangle)
-    x = np.random.default_rng(6).normal(size=(3, 2))
-    half, after, rest = 0.5 * x, x[triangle.successor], triangle.vertices
-    cross = -(half[:, 0] * rest[:, 1] - half[:, 1] * rest[:, 0])
-    expected = ((half * after).sum(axis=1) + cross + np.hypot(*(after - x).T)).sum()
-    assert energy.value(x, triangle.successor) == pytest.approx(expected)
-    assert_derivatives(energy, x, triangle.successor)
-
-
 WITHOUT_A_RULE: list[Callable[[Any, Any], Any]] = [
     lambda now, rest: np.tanh(now[0].x),
     lambda now, rest: now[0].x if now[0].x < 1.0 else now[0].y,
