@@ -22,13 +22,11 @@ from shapes import GROWING
 POSITIONS = ((0.0, 0.0), (0.7, 0.3), (2.1, -5.0))
 """Rotation in radians and shift in diagonals of each position; the first is as given."""
 SHAPES, QUICK_SHAPES, SIZES = 6, 1, (300, 1_000)
-COUNTS, OWN_COUNT = (16, 32), 24
-"""Cage vertices, raised to four for every loop; those of coarse meshes that are given."""
+COUNTS, OWN_COUNT = (16, 32), 24  # cage vertices, raised to four for every loop; those of coarse meshes that are given
 WIDE_CLEARANCE, SMALL_EXCESS = 0.02, 3e-4
 """A clearance in diagonals that does not fit into narrow gaps; what is added to both excesses of a ratio."""
 FIRST_SEED, LARGEST = 40_000, 300
-NEEDLES = ("needles", "star")
-"""Kinds whose excess is decided by round-off: they are apart."""
+NEEDLES = ("needles", "star")  # kinds whose excess is decided by round-off: they are apart
 
 
 def first(given: Any, *_: Any, **__: Any) -> Any:
@@ -159,8 +157,7 @@ def cases(shapes: int, sizes: Sequence[int]) -> list[Case]:
     ]
 
 
-Made = tuple[float, float]
-"""Excess, nan where there is no certified cage, and CPU seconds."""
+Made = tuple[float, float]  # excess, nan where there is no certified cage, and CPU seconds
 
 
 def make(case: Case, off: Off) -> Made:

@@ -22,16 +22,11 @@ from nestedcages_core import Mesh
 
 
 FULL = 2.0 * np.pi
-SAME_ANGLE = 1e-13
-"""Radians between two vertices, seen from a third, below which rays between them are not tried."""
-WIDER = 1e-10
-"""By how many radians all intervals of directions are widened."""
-FARTHER = 1e-7
-"""By which fraction what a ray reaches is raised."""
-LOWER = 1e-9
-"""By how much all areas are lowered, in units of the squared size; also a length, in units of the size."""
-PARALLEL = 1e-11
-"""Cross product of a direction and an edge below which no point of intersection is computed."""
+SAME_ANGLE = 1e-13  # radians between two vertices, seen from a third, below which rays between them are not tried
+WIDER = 1e-10  # by how many radians all intervals of directions are widened
+FARTHER = 1e-7  # by which fraction what a ray reaches is raised
+LOWER = 1e-9  # by how much all areas are lowered, in units of the squared size; also a length, in units of the size
+PARALLEL = 1e-11  # cross product of a direction and an edge below which no point of intersection is computed
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -55,8 +50,7 @@ class Sight(NamedTuple):
     """Intervals of directions from convex vertices within which rays first meet one edge, or none (-1)."""
 
     vertex: np.ndarray
-    low: np.ndarray
-    """Angles from the direction of the edge before the vertex."""
+    low: np.ndarray  # angles from the direction of the edge before the vertex
     high: np.ndarray
     edge: np.ndarray
 
@@ -71,11 +65,9 @@ class Seen(NamedTuple):
 
     cell: np.ndarray
     edge: np.ndarray
-    low: np.ndarray
-    """Parameters of edges."""
+    low: np.ndarray  # parameters of edges
     high: np.ndarray
-    reach: np.ndarray
-    """For each cell."""
+    reach: np.ndarray  # for each cell
 
 
 class Outline:
@@ -178,8 +170,7 @@ class Nodes:
 
     outline: Outline
     kind: np.ndarray
-    at: np.ndarray
-    """Vertex or edge of the outline."""
+    at: np.ndarray  # vertex or edge of the outline
     low: np.ndarray
     high: np.ndarray
 
@@ -238,10 +229,8 @@ def first_nodes(outline: Outline, per_half_turn: int, pieces: int) -> Nodes:
 
 
 SMALLEST_SINE = 1e-15
-STRAIGHT = 1e-9
-"""Radians below half a turn up to which the area of a triangle is computed."""
-CHUNK = 2_000_000
-"""Pairs of cells, or of chords and edges, that are looked at in one go."""
+STRAIGHT = 1e-9  # radians below half a turn up to which the area of a triangle is computed
+CHUNK = 2_000_000  # pairs of cells, or of chords and edges, that are looked at in one go
 
 
 class Moves(NamedTuple):
@@ -393,16 +382,11 @@ def _to_vertices(nodes: Nodes) -> Iterator[Moves]:
 # Moves along chords of the outline, between cage vertices on it.
 
 
-ALLOWED = ((CORNER, CORNER), (CORNER, LEAVE), (ENTER, CORNER), (ENTER, LEAVE))
-"""Kinds of both ends."""
-STRICTLY = 1e-11
-"""Cross product above which a point lies off a line."""
-INWARD = 1e-12
-"""Cross product above which a chord leaves a vertex into the solid."""
-LONGEST_CUT = 4
-"""Most edges of a part of the outline that is tried as a cut through chords."""
-SPARSE = 8
-"""Every so many edges are tried first."""
+ALLOWED = ((CORNER, CORNER), (CORNER, LEAVE), (ENTER, CORNER), (ENTER, LEAVE))  # kinds of both ends
+STRICTLY = 1e-11  # cross product above which a point lies off a line
+INWARD = 1e-12  # cross product above which a chord leaves a vertex into the solid
+LONGEST_CUT = 4  # most edges of a part of the outline that is tried as a cut through chords
+SPARSE = 8  # every so many edges are tried first
 
 
 def along_chords(nodes: Nodes, source: np.ndarray, target: np.ndarray, below: float) -> np.ndarray:
@@ -507,12 +491,9 @@ FEWEST_GROUPS, MOST_GROUPS, WORK = 24, 400, 4e7
 class Cheap(NamedTuple):
     """What a search found."""
 
-    least: float
-    """Lower bound on the area of all closed walks."""
-    moves: np.ndarray
-    """(K,) whether a move can be on a walk below the threshold."""
-    through: np.ndarray
-    """(N,) lower bound on walks through a node."""
+    least: float  # lower bound on the area of all closed walks
+    moves: np.ndarray  # (K,) whether a move can be on a walk below the threshold
+    through: np.ndarray  # (N,) lower bound on walks through a node
 
 
 class Layers:
@@ -641,33 +622,24 @@ def _best_cut(key: np.ndarray, moves: Moves, around: int) -> int:
 # Branch and bound: cells that cheap walks use are halved until all walks cost as much as the target.
 
 
-PER_HALF_TURN = 8
-"""First cells in half a turn."""
-FEW_VERTICES = 200
-"""Vertices of an outline below which its edges get two pieces each, on average."""
-FEW_NODES = 1000
-"""Nodes below which a larger part of them is halved in a round."""
+PER_HALF_TURN = 8  # first cells in half a turn
+FEW_VERTICES = 200  # vertices of an outline below which its edges get two pieces each, on average
+FEW_NODES = 1000  # nodes below which a larger part of them is halved in a round
 HALVED_OF_FEW, HALVED_OF_MANY = 0.6, 0.1
 """Nodes are halved whose cheapest walk lies within this part of the way from the bound to the target."""
-SMALLEST_CELL = 1e-7
-"""Radians or part of an edge; cells that are smaller are not halved."""
-PAIRS = 300_000
-"""Pairs of nodes that are looked at in one go."""
-MOST_MOVES, MOST_ROUNDS = 1_200_000, 40
-"""Caps."""
+SMALLEST_CELL = 1e-7  # radians or part of an edge; cells that are smaller are not halved
+PAIRS = 300_000  # pairs of nodes that are looked at in one go
+MOST_MOVES, MOST_ROUNDS = 1_200_000, 40  # caps
 
 
 class Bound(NamedTuple):
     """A lower bound, and what it took."""
 
-    area: float
-    """No simple polygon of at most m vertices whose solid holds the shape has less."""
-    proven: bool
-    """Whether the target was reached."""
+    area: float  # no simple polygon of at most m vertices whose solid holds the shape has less
+    proven: bool  # whether the target was reached
     rounds: int
     nodes: int
-    seconds: float
-    """CPU time."""
+    seconds: float  # CPU time
 
 
 def lower_bound(shape: Mesh, most: int, cage_area: float, *, target: float = 0.01, seconds: float = 30.0) -> Bound:

@@ -20,26 +20,19 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 
-FAILED = "FAILED"
-"""In a table: something that must not be. The exit status of the command is then 1."""
-
-DETAILS = "Details"
-"""A line of this alone separates what pages show from what only docs/measured keeps."""
+FAILED = "FAILED"  # in a table: something that must not be. The exit status of the command is then 1
+DETAILS = "Details"  # a line of this alone separates what pages show from what only docs/measured keeps
 
 
 @dataclass(frozen=True)
 class Options:
     """What a benchmark is asked for."""
 
-    quick: bool = False
-    """A small part of the work, within about ten seconds."""
-    against: Path | None = None
-    """A checkout of another commit, whose package is measured side by side."""
-    commit: str = ""
-    """The name of that commit."""
+    quick: bool = False  # a small part of the work, within about ten seconds
+    against: Path | None = None  # a checkout of another commit, whose package is measured side by side
+    commit: str = ""  # the name of that commit
     seed: int = 0
-    only: tuple[str, ...] = ()
-    """Words, one of which the name of a part has to contain; all parts if there are none."""
+    only: tuple[str, ...] = ()  # words, one of which the name of a part has to contain; all parts if there are none
 
     def wants(self, name: str) -> bool:
         return not self.only or any(word in name for word in self.only)

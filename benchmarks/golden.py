@@ -17,16 +17,11 @@ from random_shapes import random_shape
 
 FIRST_SEED = 870_000
 SHAPES, QUICK_SHAPES = 46, 3
-FEWEST, MOST = 12, 400
-"""Vertices of the shapes."""
-ROUND_OFF = 1e-9
-"""Distance in diagonals up to which cages are called equal."""
-FLOOR = 3e-4
-"""Added to both excesses of a ratio: below that the clearance decides."""
-LOOSER = 1.01
-"""Ratio of excesses from which a case is named."""
-NAMED = 30
-"""Most cases that are named."""
+FEWEST, MOST = 12, 400  # vertices of the shapes
+ROUND_OFF = 1e-9  # distance in diagonals up to which cages are called equal
+FLOOR = 3e-4  # added to both excesses of a ratio: below that the clearance decides
+LOOSER = 1.01  # ratio of excesses from which a case is named
+NAMED = 30  # most cases that are named
 
 
 def simplified(fine: Mesh, count: int) -> Mesh:

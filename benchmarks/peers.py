@@ -14,21 +14,16 @@ import shapely
 
 from nestedcages_core import Mesh, NestedCagesError, verify
 
-HALVINGS = 20
-"""Trials that each recipe gets to come down to a number of vertices."""
-MOST_VERTICES = 700
-"""Of a loop for a shortcut hull: chords are its square, and each is tested."""
-LEAST = 3
-"""Vertices of a loop."""
+HALVINGS = 20  # trials that each recipe gets to come down to a number of vertices
+MOST_VERTICES = 700  # of a loop for a shortcut hull: chords are its square, and each is tested
+LEAST = 3  # vertices of a loop
 
 
 class Peer(NamedTuple):
     """What a recipe made of a shape."""
 
-    seconds: float
-    """CPU seconds."""
-    excess: float
-    """Per cent."""
+    seconds: float  # CPU seconds
+    excess: float  # per cent
     vertices: int
     verdict: str
     """What our certificate says: certified, touching (inside but for touching), other loops, leaking or invalid."""

@@ -17,14 +17,9 @@ from nestedcages_core import InvalidMeshError, Mesh
 
 Generator = np.random.Generator
 
-VERTEX_COUNTS = (8, 20, 60, 200, 500)
-"""Typical numbers of vertices of the kinds that can have any."""
-
-SMALLEST_GAP = -6.0
-"""Power of ten of the narrowest gaps, as a fraction of the shape's size."""
-
-FARTHEST_SCALE = 6.0
-"""Shapes are scaled by powers of ten from minus to plus this."""
+VERTEX_COUNTS = (8, 20, 60, 200, 500)  # typical numbers of vertices of the kinds that can have any
+SMALLEST_GAP = -6.0  # power of ten of the narrowest gaps, as a fraction of the shape's size
+FARTHEST_SCALE = 6.0  # shapes are scaled by powers of ten from minus to plus this
 
 
 def star(random: Generator) -> BaseGeometry:

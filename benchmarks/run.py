@@ -73,6 +73,8 @@ def main() -> int:
         print("\n".join(f"{name:{width}}  {line}" for name, line in names.items()))
         return 0
     status = 0
+    if given.write:
+        pages.commit()  # what is measured, whatever changes meanwhile
     with ExitStack() as stack:
         against = stack.enter_context(checkout(given.against)) if given.against else None
         options = Options(given.quick, against, given.against or "", given.seed, tuple(given.only))

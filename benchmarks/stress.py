@@ -16,11 +16,9 @@ from random_shapes import random_shape
 
 SHAPES, QUICK_SHAPES, LARGEST, PATIENCE = 1_000, 30, 1_500, 300.0
 REQUESTS, QUICK_REQUESTS, FIRST_SEED = 2_000, 40, 4_500_000
-MOST = 400.0
-"""Largest multiple of the time of a plain cage that a request of 3 to 12 vertices a loop may take."""
+MOST = 400.0  # largest multiple of the time of a plain cage that a request of 3 to 12 vertices a loop may take
 SHOWN = 12
-STARTS = ("LineCycles", "OnCurve", "ArcLength")
-"""Decimations that cages start from."""
+STARTS = ("LineCycles", "OnCurve", "ArcLength")  # decimations that cages start from
 
 
 def run(options: Options) -> str:

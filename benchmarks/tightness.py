@@ -18,12 +18,9 @@ from random_shapes import random_shape
 from shapes import DATA, drawn, held_out, ring
 
 COUNTS = (16, 32, 64)
-CLEARANCE = 0.03
-"""Points of excess that the clearance may cost: the records were set without one."""
-NEGLIGIBLE = 0.01
-"""Records below this many per cent count as this: a ratio to nothing says nothing."""
-FEWEST, MOST = 60, 1000
-"""Vertices of the outlines that are bounded."""
+CLEARANCE = 0.03  # points of excess that the clearance may cost: the records were set without one
+NEGLIGIBLE = 0.01  # records below this many per cent count as this: a ratio to nothing says nothing
+FEWEST, MOST = 60, 1000  # vertices of the outlines that are bounded
 OUTLINES, QUICK_OUTLINES, SECONDS, TARGET = 30, 2, 30.0, 0.01
 """Outlines of each source; CPU seconds of a bound, and x at which its search ends."""
 GROUPS = (

@@ -19,8 +19,7 @@ MOST_VERTICES, VERTICES_PER_COARSE, LEAST_PER_LOOP = 150, 6, 5
 """Of a fine mesh, since all pairs, a hundred times a step, are slow; fine vertices for each coarse one."""
 FONTS = ("DejaVu Sans", "DejaVu Serif")
 CHARACTERS = "agQ&8$BeR@36CDGJOPSUbcdfhjmnopqrstu059?%§ßæøåçñäöüéâîûŒÆØÅΩθφψαβγδεζηλμξπρσω"
-FAMILIES = {"random": 10, "glyphs": 10, "held out": 20}
-"""Shapes of each; held-out ones took no part in tuning."""
+FAMILIES = {"random": 10, "glyphs": 10, "held out": 20}  # shapes of each; held-out ones took no part in tuning
 
 
 class Case(NamedTuple):
@@ -63,8 +62,7 @@ def cases(quick: bool) -> list[Case]:
     return found
 
 
-Runs = dict[str, list[Run]]
-"""Method -> its run of each case."""
+Runs = dict[str, list[Run]]  # method -> its run of each case
 
 
 def solved(made: list[Case], runs: Runs, name: str) -> list[str]:

@@ -111,17 +111,10 @@ def distance_hessian(pairs: PointEdge, a: Array, b: Array) -> Array:
     return np.where(interior(pairs)[:, None, None], inside, at_end)
 
 
-REFERENCE_DISTANCE = 1e-8
-"""Distance, in bounding-box diagonals, at which the least stiffness is measured."""
-
-STIFFNESS_RANGE = 100.0
-"""Largest κ over the least one."""
-
-STIFFENING = 2.0
-"""Factor on κ while pairs that are very close come closer still."""
-
-VERY_CLOSE = 1e-9
-"""Distance, in bounding-box diagonals, below which a pair is very close."""
+REFERENCE_DISTANCE = 1e-8  # distance, in bounding-box diagonals, at which the least stiffness is measured
+STIFFNESS_RANGE = 100.0  # largest κ over the least one
+STIFFENING = 2.0  # factor on κ while pairs that are very close come closer still
+VERY_CLOSE = 1e-9  # distance, in bounding-box diagonals, below which a pair is very close
 
 
 @dataclass(frozen=True)
@@ -151,26 +144,15 @@ class StiffnessBounds:
         return min(STIFFENING * kappa, self.largest) if closer else kappa
 
 
-SLACKNESS = 0.8
-"""Fraction of the time of impact that a step may take."""
-
-FIRST_PENALTY, LARGEST_PENALTY, PENALTY_GROWTH = 1e6, 1e8, 2.0
-"""ρ: first value, maximum, and growth factor."""
-
-NEAR_ARRIVAL = 0.99
-"""Fraction of the path from which λ is updated instead of ρ."""
-
-MAX_HALVINGS = 60
-"""Cap on the halvings of a step."""
-
-MAX_SHIFTS = 8
-"""Cap on the shifts of a Hessian that rounding has made singular."""
-
+SLACKNESS = 0.8  # fraction of the time of impact that a step may take
+FIRST_PENALTY, LARGEST_PENALTY, PENALTY_GROWTH = 1e6, 1e8, 2.0  # ρ: first value, maximum, and growth factor
+NEAR_ARRIVAL = 0.99  # fraction of the path from which λ is updated instead of ρ
+MAX_HALVINGS = 60  # cap on the halvings of a step
+MAX_SHIFTS = 8  # cap on the shifts of a Hessian that rounding has made singular
 FIRST_SHIFT, SHIFT_GROWTH = 1e-10, 100.0
 """First shift, relative to the largest diagonal entry of the cage, and its growth."""
 
-ROOM_LEFT = 0.2
-"""Fraction of its distance that each pair must keep when the fine mesh is placed at its target."""
+ROOM_LEFT = 0.2  # fraction of its distance that each pair must keep when the fine mesh is placed at its target
 
 
 @dataclass(frozen=True)
@@ -179,14 +161,12 @@ class OriginalIPC:
 
     energy: object = field(default_factory=Area)
     """E_cages, the potential of the cage; its projected Hessian must be positive definite."""
-    d_hat: float = 1e-3
-    """d̂, the range of the barrier."""
+    d_hat: float = 1e-3  # d̂, the range of the barrier
     stiffness: float = 1e11
     """Curvature of the softest barrier at a distance of 1e-8, in units of the mass: the lower bound of κ."""
     tolerance: float = 2.5e-4
     """Largest component of a Newton step at which a time step ends: 1e-2 per unit of time, for steps of 0.025."""
-    iterations: int = 300
-    """Maximum number of Newton steps per step of the flow; the original has 10,000."""
+    iterations: int = 300  # maximum number of Newton steps per step of the flow; the original has 10,000
 
     def reinflate(
         self, bodies: Bodies, x: Array, path: Sequence[Array], *, clearance: float

@@ -51,8 +51,7 @@ DESCENT = replace(
     BY_NEWTON, step_filter=PaperContact().step_filter, broad_phase=PaperContact().broad_phase,
     solver=GradientDescent(refuse_infinite=True),
 )  # fmt: skip
-RANGES = (1e-3, 1e-2, PaperContact().d_hat)
-"""d̂ in diagonals: the default of IPC (2020), and up to that of 2022."""
+RANGES = (1e-3, 1e-2, PaperContact().d_hat)  # d̂ in diagonals: the default of IPC (2020), and up to that of 2022
 OURS = Settings(fallback=None, flow=TwoSidedFlow(), contact=IPC(), tightening=Tightening())
 """Ours with IPC, from one coarse mesh and without a fallback."""
 
@@ -136,13 +135,11 @@ def figures() -> dict[str, tuple[Mesh, Mesh]]:
 class Run(NamedTuple):
     """What became of a run: excess in per cent, CPU seconds; a distance in diagonals."""
 
-    failed: str
-    """The stage that failed or ran out of time, or empty."""
+    failed: str  # the stage that failed or ran out of time, or empty
     excess: float = np.nan
     seconds: float = np.nan
     contact_seconds: float = np.nan
-    distance: float = np.nan
-    """Between cage and fine mesh at the end."""
+    distance: float = np.nan  # between cage and fine mesh at the end
     flow_steps: int = 0
 
 

@@ -38,10 +38,8 @@ class SachtFlow:
     The program keeps the edge lengths of the fine mesh as weights; here they are those of the moving mesh.
     """
 
-    step: float = 1e-3
-    """Length of a step, in longest sides of the box around both meshes."""
-    limit: int = 1000
-    """Maximum number of steps."""
+    step: float = 1e-3  # length of a step, in longest sides of the box around both meshes
+    limit: int = 1000  # maximum number of steps
 
     def run(self, fine: Mesh, coarse: Mesh) -> Generator[float, None, FlowResult]:
         """All steps from the fine mesh to a position strictly inside the coarse one. Raises FlowError."""
@@ -83,42 +81,26 @@ def _gradient(fine: Mesh, points: Array, coarse: Mesh, solid: shapely.Geometry) 
 
 # impulses and zones
 
-SEPARATION_RATE = 0.1
-"""Fraction of the missing distance by which a pair may separate in a step."""
-
-PROXIMITY_STIFFNESS = 10.0
-"""Largest impulse of a pair that is too close, per missing distance and time."""
-
-TESTS_PER_CANDIDATE = 5
-"""Budget of tests, per pair in the list when the first pass is over."""
-
-COLLISION_DISTANCE = 1e-6
-"""Distance, in bounding-box diagonals, below which a point has met an edge."""
+SEPARATION_RATE = 0.1  # fraction of the missing distance by which a pair may separate in a step
+PROXIMITY_STIFFNESS = 10.0  # largest impulse of a pair that is too close, per missing distance and time
+TESTS_PER_CANDIDATE = 5  # budget of tests, per pair in the list when the first pass is over
+COLLISION_DISTANCE = 1e-6  # distance, in bounding-box diagonals, below which a point has met an edge
 
 Vector = tuple[float, float]
 
-PROJECTION = 0.8
-"""β: the part of the change that is made before collisions are detected again."""
-
-MAX_PROJECTIONS = 20
-"""Cap on the projections of one zone."""
-
-MAX_ROUNDS = 50
-"""Cap on the rounds in which zones grow; the original has none."""
-
-UNSOLVED = 1e-6
-"""Relative normal velocity left, relative to the largest one, from which a zone counts as unsolvable."""
+PROJECTION = 0.8  # β: the part of the change that is made before collisions are detected again
+MAX_PROJECTIONS = 20  # cap on the projections of one zone
+MAX_ROUNDS = 50  # cap on the rounds in which zones grow; the original has none
+UNSOLVED = 1e-6  # relative normal velocity left, relative to the largest one, from which a zone counts as unsolvable
 
 
 @dataclass(frozen=True)
 class Impulses:
     """Filters velocities of cage vertices, the first m of all."""
 
-    pairs: Pairs
-    """All pairs that can meet in the step."""
+    pairs: Pairs  # all pairs that can meet in the step
     m: int
-    proximity: float
-    """Distance below which pairs are pushed apart; a length."""
+    proximity: float  # distance below which pairs are pushed apart; a length
 
     def apart(self, x: Array, v: Array, time: float) -> Array:
         """Velocities (m + n, 2) after the impulses of all pairs that are too close at x, in a step of length time."""
@@ -354,42 +336,26 @@ class InelasticZones:
 
 # the expansion
 
-SMALLEST_TIME = 1e-3
-"""Fraction of a step below which the original gives up on El Topo."""
-
-MAX_SUBSTEPS = 200
-"""Cap on the parts of one step; the original has none."""
-
-REACH = 4.0
-"""Search radius of pairs, in longest desired motions, since impulses make vertices faster."""
-
-SKIN_PER_EDGE = 0.3
-"""Skin of the candidate list, as a fraction of the mean coarse edge length."""
-
-DESCENT_REDUCTION, DESCENT_GROWTH = 0.5, 1.1
-"""Factors on the descent step after the energy has increased or decreased."""
+SMALLEST_TIME = 1e-3  # fraction of a step below which the original gives up on El Topo
+MAX_SUBSTEPS = 200  # cap on the parts of one step; the original has none
+REACH = 4.0  # search radius of pairs, in longest desired motions, since impulses make vertices faster
+SKIN_PER_EDGE = 0.3  # skin of the candidate list, as a fraction of the mean coarse edge length
+DESCENT_REDUCTION, DESCENT_GROWTH = 0.5, 1.1  # factors on the descent step after the energy has increased or decreased
 
 
 @dataclass(frozen=True)
 class ElTopo:
     """Prescribed fine velocities, cage velocities filtered by impulses; lengths in bounding-box diagonals."""
 
-    energy: object = field(default_factory=NoEnergy)
-    """Energy that the cage lowers while the fine mesh moves back."""
+    energy: object = field(default_factory=NoEnergy)  # energy that the cage lowers while the fine mesh moves back
     final_energy: object = field(default_factory=Area)
     """Energy that it lowers once the fine mesh is back; ``NoEnergy()``: no final pass."""
-    proximity: float = 1e-3
-    """Distance below which pairs are pushed apart."""
-    room: float = 5e-3
-    """The same for a cage without energy, to leave space for the final pass."""
-    final_proximity: float = 5e-4
-    """The same in the final pass."""
-    first_step: float = 1e-2
-    """First descent step, relative to the gradient of the energy."""
-    smallest_step: float = 1e-3
-    """Descent step at which descent ends."""
-    still: float = 1e-5
-    """Motion of the cage at which descent ends."""
+    proximity: float = 1e-3  # distance below which pairs are pushed apart
+    room: float = 5e-3  # the same for a cage without energy, to leave space for the final pass
+    final_proximity: float = 5e-4  # the same in the final pass
+    first_step: float = 1e-2  # first descent step, relative to the gradient of the energy
+    smallest_step: float = 1e-3  # descent step at which descent ends
+    still: float = 1e-5  # motion of the cage at which descent ends
     iterations: int = 100
     """Maximum number of descent steps per step of the flow and in the final pass; the original has none."""
 

@@ -14,8 +14,7 @@ import numpy as np
 from nestedcages_core import InvalidMeshError, Mesh, NestingError
 from peers import corners, searched, solid
 
-POINTS_PER_VERTEX = 8
-"""Maximum number of contour points per wanted vertex that are collapsed."""
+POINTS_PER_VERTEX = 8  # maximum number of contour points per wanted vertex that are collapsed
 FIRST_OFFSET, OFFSET_GROWTH, BISECTIONS = 2e-3, 1.6, 6
 """In diagonals; factor to the next while none encloses; halvings between the last that did not and the first."""
 MIDPOINT_WEIGHT = 1e-3
