@@ -9,7 +9,7 @@ import numpy as np
 
 from common import DETAILS, FAILED, ROOT, Options, Server, ServerError, ratios, table
 from nestedcages_core import Mesh, animated_cages, nested_cages, read_svg, verify_motion
-from shapes import ring
+from shapes import fractal, smooth
 
 Motion = Callable[[float], np.ndarray]
 """Phase from 0 to 1 -> vertices (n, 2)."""
@@ -27,24 +27,6 @@ def of_unit_size(points: np.ndarray) -> np.ndarray:
     """Points centred, with a bounding box of diagonal 1."""
     low, high = points.min(axis=0), points.max(axis=0)
     return (points - 0.5 * (low + high)) / np.hypot(*(high - low))
-
-
-def blob(count: int = 300) -> np.ndarray:
-    """A smooth star-shaped outline."""
-    random, angle = np.random.default_rng(0), 2.0 * np.pi * np.arange(count) / count
-    radius = 1.0 + sum(0.25 / k * random.normal() * np.cos(k * angle + random.uniform(0, 7)) for k in range(2, 10))
-    return of_unit_size(radius[:, None] * ring(count))
-
-
-def coast(halvings: int = 7) -> np.ndarray:
-    """A square whose edges are halved and displaced again and again."""
-    random, points = np.random.default_rng(1), ring(4)
-    for _ in range(halvings):
-        onward = np.roll(points, -1, axis=0)
-        length = np.hypot(*(onward - points).T)[:, None]
-        middle = 0.5 * (points + onward) + 0.11 * length * random.normal(size=points.shape)
-        points = np.stack((points, middle), axis=1).reshape(-1, 2)
-    return of_unit_size(points)
 
 
 def strip(middle: np.ndarray, width: float) -> np.ndarray:
@@ -86,7 +68,11 @@ def worm(phase: float) -> np.ndarray:
 def motions() -> dict[str, tuple[list[int], Motion]]:
     """Name -> sizes of the loops, and the motion."""
     letter = read_svg(ROOT / "examples" / "letter_a.svg", tolerance=0.5)
-    a, round_, rough = of_unit_size(letter.vertices[np.concatenate(letter.loops)]), blob(), coast()
+    a, round_, rough = (
+        of_unit_size(letter.vertices[np.concatenate(letter.loops)]),
+        of_unit_size(smooth(300).vertices),
+        of_unit_size(fractal(512).vertices),
+    )
 
     def bend(phase: float) -> np.ndarray:
         leaning = np.stack((a[:, 0] + 0.08 * np.sin(2.0 * np.pi * phase + 4.0 * a[:, 1]), a[:, 1]), axis=1)

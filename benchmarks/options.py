@@ -1,4 +1,4 @@
-"""Cages with options: within a distance, inside, on grids, convex, symmetric, with constraints; and convex pieces."""
+"""Cages with options: within a distance, inside, on grids, convex, symmetric, and with constraints."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ import shapely
 import nestedcages_core as core
 from bound import lower_bound
 from common import DETAILS, FAILED, Options, forget, parts, table
-from nestedcages_core import Mesh, NestedCagesError, Within, convex_pieces, inner_cages, nested_cages, verify
+from nestedcages_core import Mesh, NestedCagesError, Within, inner_cages, nested_cages, verify
 from peers import corners, polygon_hull, solid
 from random_shapes import random_shape
 from shapes import drawn, ring
 
 
 def run(options: Options) -> str:
-    made = {"within": within, "inner": inner, "grids": grids, "convex": convex, "pieces": pieces,
+    made = {"within": within, "inner": inner, "grids": grids, "convex": convex,
             "symmetry": symmetry, "constraints": constraints}  # fmt: skip
     return parts({name: make(options) for name, make in made.items() if options.wants(name)})
 
@@ -169,30 +169,6 @@ def convex(options: Options) -> str:
     )
     heads = ("shape", "hull", *(f"{most} vertices" for most in CONVEX_COUNTS))
     return told(summary, heads, rows, wrong)
-
-
-def pieces(options: Options) -> str:
-    """Convex pieces of cages, and how many at least: half of the reflex vertices and one for each part, less holes."""
-    rows, wrong, total = [], 0, np.zeros(2, int)
-    for name, fine in drawn(options.quick).items():
-        for most in (12, 24):
-            made, _ = timed(lambda f=fine, n=most: nested_cages(f, n)[0])
-            if made is None:
-                continue
-            cage, cells = made.cage, []
-            for limit in (8, 1000):
-                found, seconds = timed(lambda c=cage, k=limit: convex_pieces(c, k))
-                area = sum(shapely.Polygon(piece).area for piece in found)
-                wrong += abs(area / cage.area - 1.0) > 1e-12 or max(map(len, found)) > limit
-                cells += [len(found), f"{1e3 * seconds:.0f}"]
-            here, edges = cage.vertices, cage.vertices[cage.successor] - cage.vertices
-            before = here - here[cage.predecessor]
-            reflex = int((before[:, 0] * edges[:, 1] - before[:, 1] * edges[:, 0] < 0.0).sum())
-            least = max(1, -(-reflex // 2) + int(cage.loop_signs.sum()))
-            total += cells[2], least
-            rows.append((name, len(cage.vertices), reflex, least, *cells))
-    summary = f"{len(rows)} cages have {total[0]} pieces; half of their reflex vertices need at least {total[1]}."
-    return told(summary, ("shape", "cage", "reflex", "at least", "at most 8", "ms", "any", "ms"), rows, wrong)
 
 
 # symmetry

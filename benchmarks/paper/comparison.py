@@ -1,4 +1,4 @@
-"""Contacts, flows and whole methods, published and ours, from the same coarse meshes of three kinds."""
+"""Contacts and whole methods, published and ours, from the same coarse meshes of three kinds."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from common import DETAILS, Options, parts, spread, table
 from nestedcages_core import Mesh, NestedCagesError, Tightening
 from paper.check import check as check
-from paper.methods import CONTACTS, FLOWS, OURS, STARTS, WHOLE, Run, alone, measured, replace
+from paper.methods import CONTACTS, STARTS, WHOLE, Run, alone, measured, replace
 from random_shapes import random_shape
 from shapes import glyph, held_out
 
@@ -118,20 +118,7 @@ def methods(made: list[Case], starts: Iterable[str]) -> str:
     return f"{text}\n{DETAILS}\n{table(('start: shape', 'points', 'coarse', *WHOLE), details)}"
 
 
-def flows(made: list[Case], _: Iterable[str]) -> str:
-    """Flows alone, from line cycles: whether they get inside, and in how many steps."""
-    runs: Runs = {}
-    for name, flow in FLOWS.items():
-        found = [measured(replace(OURS, flow=flow), case.fine, case.coarse["line cycles"], 20.0) for case in made]
-        runs[name] = [one._replace(failed=one.failed if one.failed.startswith("flow") else "") for one in found]
-    all_enter = [k for k in shared(runs, runs) if all(runs[name][k].flow_steps for name in FLOWS)]
-    rows = [
-        (name, *solved(made, runs, name), spread([runs[name][k].flow_steps for k in all_enter], 0)) for name in FLOWS
-    ]
-    return table(("flow", *FAMILIES, "steps"), rows)
-
-
 def run(options: Options) -> str:
     made, starts = cases(options.quick), list(STARTS)[-1:] if options.quick else list(STARTS)
-    tables = {"contacts": contacts, "methods": methods, "flows": flows}
+    tables = {"contacts": contacts, "methods": methods}
     return parts({name: make(made, starts) for name, make in tables.items() if options.wants(name)})

@@ -81,13 +81,6 @@ CONTACTS: dict[str, Any] = {
     **{f"IPC 2020, {d:.2g}": OriginalIPC(d_hat=d) for d in RANGES},
     **{f"energy of 2022, {d:.2g}": replace(BY_NEWTON, d_hat=d) for d in RANGES},
 }
-FLOWS: dict[str, Any] = {
-    "2022, its program's": PaperFlow(exact_parity=True),
-    "2022, Algorithm 2": PaperFlow(exact_parity=True, over_length=False),
-    "2015": SachtFlow(),
-    "two-sided, ours": TwoSidedFlow(),
-}
-
 # our drawings of the figures
 
 

@@ -12,8 +12,9 @@ i s / w · n over Σ s² / w, with s = (1, -(1 - t), -t) and the masses w: 1 for
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from math import hypot, sqrt
 
 import numpy as np
@@ -128,7 +129,11 @@ class Impulses:
             return v, True
         velocity = [(a, b) for a, b in v.tolist()]
         position = [(a, b) for a, b in x.tolist()]
-        incident = self._incident()
+        all_corners = self.pairs.corners
+
+        @cache
+        def incident(vertex: int) -> list[int]:
+            return np.flatnonzero((all_corners == vertex).any(axis=1)).tolist()
 
         def handle(k: int) -> list[int]:
             """The pairs to test again after pair k."""
@@ -158,23 +163,10 @@ class Impulses:
     def _ordered(self, chosen: Array) -> list[int]:
         """Pairs in El Topo's order: first the vertices of the cage with the fine mesh, then its edges with all."""
         first = (self.pairs.point[chosen] < self.m) & (self.pairs.start[chosen] >= self.m)
-        ordered: list[int] = np.concatenate([chosen[first], chosen[~first]]).tolist()
-        return ordered
+        return np.concatenate([chosen[first], chosen[~first]]).tolist()
 
     def _corners(self, k: int) -> tuple[int, int, int]:
         return int(self.pairs.point[k]), int(self.pairs.start[k]), int(self.pairs.end[k])
-
-    def _incident(self) -> Callable[[int], list[int]]:
-        """Lookup of the pairs that a vertex is part of."""
-        corners = self.pairs.corners
-        known: dict[int, list[int]] = {}
-
-        def of(vertex: int) -> list[int]:
-            if vertex not in known:
-                known[vertex] = np.flatnonzero((corners == vertex).any(axis=1)).tolist()
-            return known[vertex]
-
-        return of
 
     def _push(self, velocity: list[Vector], corners: tuple[int, int, int], n: Vector, t: float, size: float) -> None:
         """Change the velocities of a pair by an impulse."""
@@ -277,8 +269,7 @@ class InelasticZones:
     def _candidates(self, x: Array, velocity: Array, time: float, distance: Array) -> list[int]:
         """Pairs that are fast enough to meet."""
         speed = time * np.hypot(velocity[:, 0], velocity[:, 1])
-        fast: list[int] = np.flatnonzero(self.pairs.approach(speed) >= distance - COLLISION_DISTANCE).tolist()
-        return fast
+        return np.flatnonzero(self.pairs.approach(speed) >= distance - COLLISION_DISTANCE).tolist()
 
     def _meeting(self, k: int, x: Array, velocity: Array, time: float, distance: Array) -> tuple[Vector, float] | None:
         corners = [self.pairs.point[k], self.pairs.start[k], self.pairs.end[k]]
@@ -458,16 +449,12 @@ class _Expansion:
                 self.systems += systems
                 velocity, resolved = (velocity, False) if filtered is None else (filtered, True)
             motion = time * velocity
-            if resolved and self._covered(motion, longest) and not self._collide(pairs, x, motion, distance):
+            covered = 2.0 * np.hypot(motion[:, 0], motion[:, 1]).max() <= REACH * longest  # by the list of pairs
+            if (
+                resolved
+                and covered
+                and not len(impacts(pairs, x, motion, distance, COLLISION_DISTANCE / HIT_DISTANCE)[0])
+            ):
                 return x + motion, time
             time *= 0.5
         return x, 0.0
-
-    def _covered(self, motion: Array, longest: float) -> bool:
-        """Whether the list of pairs is complete for a motion."""
-        return 2.0 * float(np.sqrt((motion * motion).sum(axis=1).max())) <= REACH * longest
-
-    def _collide(self, pairs: Pairs, x: Array, motion: Array, distance: Array) -> bool:
-        """Whether any pair meets."""
-        hits, _ = impacts(pairs, x, motion, distance, COLLISION_DISTANCE / HIT_DISTANCE)
-        return len(hits) > 0
