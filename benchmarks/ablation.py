@@ -29,21 +29,10 @@ FIRST_SEED, LARGEST = 40_000, 300
 NEEDLES = ("needles", "star")  # kinds whose excess is decided by round-off: they are apart
 
 
-def first(given: Any, *_: Any, **__: Any) -> Any:
-    return given
-
-
-def nothing(*_: Any, **__: Any) -> None:
-    return None
-
-
-def no_stage(*_: Any, **__: Any) -> Iterator[Any]:
-    return
-    yield
-
-
-def all_kept(pairs: Any, *_: Any, **__: Any) -> Any:
-    return np.ones(len(pairs), bool)
+FIRST: Any = lambda given, *_, **__: given  # noqa: E731
+NOTHING: Any = lambda *_, **__: None  # noqa: E731
+NO_STAGE: Any = lambda *_, **__: iter(())  # noqa: E731
+ALL_KEPT: Any = lambda pairs, *_, **__: np.ones(len(pairs), bool)  # noqa: E731
 
 
 @dataclass(frozen=True)
@@ -65,7 +54,7 @@ def chosen_as(name: str, method: str, **options: object) -> Callable[[], Setting
 CYCLES, HULL, CLEARANCE = "decimation.line_cycles", "decimation.hull", "tightening.reach_clearance"
 MECHANISMS: dict[str, Off] = {
     "the hull as fallback": Off(partial(Settings, fallback=None)),
-    "untightened cage as last resort": Off(patches={"level.assembly:Assembly.untightened": no_stage}),
+    "untightened cage as last resort": Off(patches={"level.assembly:Assembly.untightened": NO_STAGE}),
     "line cycles (places by arc length)": Off(partial(Settings, decimation=ArcLength())),
     "line cycles (outer hull)": Off(chosen_as("decimation", "OuterHull")),
     "the curve": Off(chosen_as("decimation", "LineCycles", on_curve=False)),
@@ -75,20 +64,20 @@ MECHANISMS: dict[str, Off] = {
     ),
     "line cycles: ways to clear crossings (3 to 1)": Off(patches={f"{CYCLES}.method:BIASES": (1.0,)}),
     "line cycles: places (3 to 2 per vertex)": Off(patches={f"{CYCLES}.around:PLACES_PER_VERTEX": 2.0}),
-    "clearing": Off(patches={f"{HULL}.outer_search:cleared": first}),
-    "clearing: small details built over": Off(patches={f"{HULL}.offset:without_small_details": first}),
-    "clearing: narrow gaps filled": Off(patches={f"{HULL}.offset:without": first}),
-    "filling of gaps like round-off": Off(patches={f"{HULL}.outer_search:without_gaps": first}),
-    "details like round-off built over": Off(patches={f"{HULL}.outer_search:without_small_details": first}),
-    "room in small holes": Off(patches={f"{HULL}.small_holes:with_room": first}),
+    "clearing": Off(patches={f"{HULL}.outer_search:cleared": FIRST}),
+    "clearing: small details built over": Off(patches={f"{HULL}.offset:without_small_details": FIRST}),
+    "clearing: narrow gaps filled": Off(patches={f"{HULL}.offset:without": FIRST}),
+    "filling of gaps like round-off": Off(patches={f"{HULL}.outer_search:without_gaps": FIRST}),
+    "details like round-off built over": Off(patches={f"{HULL}.outer_search:without_small_details": FIRST}),
+    "room in small holes": Off(patches={f"{HULL}.small_holes:with_room": FIRST}),
     "sequential QPs first (IPC first)": Off(contacts("IPC", "SequentialQP")),
     "sequential QPs (IPC only)": Off(contacts("IPC")),
     "IPC behind sequential QPs": Off(contacts("SequentialQP")),
     "IPC: stiffening": Off(patches={"contact.ipc:MOST_ROUNDS": 0}),
     "pruning of implied constraints": Off(
-        patches={"contact.contact_response:not_implied": all_kept, "tightening.quadratic_model:not_implied": all_kept}
+        patches={"contact.contact_response:not_implied": ALL_KEPT, "tightening.quadratic_model:not_implied": ALL_KEPT}
     ),
-    "escapes from saddles": Off(patches={"tightening.tightening:negative_curvature": nothing}),
+    "escapes from saddles": Off(patches={"tightening.tightening:negative_curvature": NOTHING}),
     "widening in small steps": Off(patches={f"{CLEARANCE}:MOST_STEPS": 0}),
     "trials of shortened steps (3 to 1)": Off(patches={"tightening.trust_region:MAX_ATTEMPTS": 1}),
     "overshoot of restoration": Off(patches={f"{CLEARANCE}:OVERSHOOT": 1.0}),

@@ -48,9 +48,6 @@ def cases() -> list[Case]:
     square = "f = Mesh.from_loops([[(0, 0), (1, 0), (1, 1), (0, 1)]])"
     add("rotation of order 200", square, "nested_cages(f, 200, symmetry=core.Rotation((.5, .5), 200))")
     add("SVG of 100,000 points", "s = path(100000)", "core.from_svg(s)")
-    add("SVG of 3,200 circles", "s = circles(3200)", "core.from_svg(s)")
-    for seed in (0, 1, 2):
-        add(f"strokes {seed} at 16", f"f = strokes({seed})", "nested_cages(f, 16)")
     return found
 
 
@@ -66,21 +63,9 @@ def pulled(n):
     fine = Mesh.from_loops([radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])])
     return fine, np.exp(-(((angle - 0.5) / 0.2) ** 2))[:, None] * 1.6 * np.array([0.005, 0.011])
 
-def circles(n):
-    place = np.random.default_rng(0).uniform(0.0, 1.0, (n, 2))
-    return '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1 1">' + "".join(
-        f'<circle cx="{x:.5f}" cy="{y:.5f}" r="0.02"/>' for x, y in place) + "</svg>"
-
 def path(n):
     points = " ".join(f"{x:.6f},{y:.6f}" for x, y in blob(n).vertices)
     return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="-2 -2 4 4"><path d="M {points} z"/></svg>'
-
-def strokes(seed):
-    import shapely
-    t, ends = np.linspace(0.0, 1.0, 40)[:, None], np.random.default_rng(seed).normal(size=(4, 2, 2))
-    lines = [shapely.LineString(2.0 * t * (1.0 - t) * a + t**2 * b) for a, b in ends]
-    joined = shapely.union_all([line.buffer(0.1) for line in lines])
-    return Mesh.from_loops([np.array(joined.exterior.coords)[:-1]])
 """
 """What the requests are made of."""
 

@@ -8,11 +8,6 @@ from common import Options, table
 from nestedcages_core import FlowError, Mesh, as_published, verify
 from paper.methods import DESCENT, SIMPLE_2022, WHOLE, figures, measured, of_2022
 
-SAID = """What the paper says. 1, 2: "the result of the flow step is in the centre, and the reinflated fine mesh with
-nested cage is on the right"; 3: "another example of a successful nested cage"; 4: "nested cages can be generated when
-the fundamental group of the coarse mesh is a subgroup of the fundamental group of the fine mesh"; 5: "the flow step may
-fail for very coarse meshes"."""
-
 
 def written(fine: Mesh, coarse: Mesh) -> str:
     """The method as written, which never returns exactly: the fine mesh ends so many diagonals short."""
@@ -37,7 +32,7 @@ def run(options: Options) -> str:
         rows.append((name, *(told(settings, *pair) for pair in drawn.values())))
     simple = (told(SIMPLE_2022, fine, len(coarse.vertices)) for fine, coarse in drawn.values())
     rows.append(("simple cages 2022", *simple))
-    return f"Excess and CPU seconds, or the stage that fails\n{table(('method', *drawn), rows)}\n\n{SAID}"
+    return f"Excess and CPU seconds, or the stage that fails\n{table(('method', *drawn), rows)}"
 
 
 def told(settings: object, fine: Mesh, coarse: Mesh | int) -> str:

@@ -36,10 +36,10 @@ from nestedcages_core import (
 )
 from paper.li_2020 import OriginalIPC
 from paper.sacht_2015 import ElTopo, SachtFlow
-from paper.sellan_2022 import EdgeCollapse, LevelSet
+from paper.sellan_2022 import Decimation, edge_collapse, level_set
 from shapes import ring
 
-STARTS = {"edge collapse": EdgeCollapse(), "arc length": ArcLength(), "line cycles": OnCurve()}
+STARTS = {"edge collapse": Decimation(edge_collapse), "arc length": ArcLength(), "line cycles": OnCurve()}
 """Coarse meshes that methods start from: that of 2015, evenly spaced vertices, and ours put on the curve."""
 
 BY_NEWTON = PaperContact(
@@ -61,7 +61,10 @@ def of_2022(contact: Any) -> Settings:
 
 
 NESTED_CAGES_2015 = replace(
-    AUGMENTED_2022, decimation=EdgeCollapse(), flow=SachtFlow(), contact=ElTopo(energy=NoEnergy(), final_energy=Area())
+    AUGMENTED_2022,
+    decimation=Decimation(edge_collapse),
+    flow=SachtFlow(),
+    contact=ElTopo(energy=NoEnergy(), final_energy=Area()),
 )
 """Sacht et al. (2015): expansion by El Topo without an energy, and a final pass that lowers the area."""
 WHOLE: dict[str, Settings] = {
@@ -72,7 +75,7 @@ WHOLE: dict[str, Settings] = {
     "default": Settings(),
 }
 """Whole methods from one coarse mesh, the last with its fallbacks."""
-SIMPLE_2022 = replace(AUGMENTED_2022_REPAIRED, decimation=LevelSet())
+SIMPLE_2022 = replace(AUGMENTED_2022_REPAIRED, decimation=Decimation(level_set))
 """Sellán et al. (2022): the level set itself is the cage, with no flow and no contact."""
 CONTACTS: dict[str, Any] = {
     "IPC, ours": IPC(),

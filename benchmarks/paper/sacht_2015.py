@@ -229,14 +229,9 @@ class _Zone:
 class InelasticZones:
     """Inelastic impact zones (Harmon et al. 2008, section 4; Brochu & Bridson 2009): equalities, zone by zone.
 
-    Collisions that share a vertex form a zone. A zone loses the relative normal velocities J v of all its collisions at
-    once, by the smallest change of the velocities of the cage that does so,
-
-        v ← v - β Jᵀ (J Jᵀ)⁻¹ J v,
-
-    and its collisions are detected again. New collisions enlarge zones, which begin again with the velocities before,
-    until there are no collisions. Where a zone has more collisions than unknowns, no velocity may satisfy all of them,
-    and it fails. The equalities also hold back pairs that could separate.
+    Collisions that share a vertex form a zone, which loses their relative normal velocities J v at once by the smallest
+    change of velocities of the cage, v ← v - β Jᵀ (J Jᵀ)⁻¹ J v; then collisions are detected again. New ones enlarge
+    zones, which begin again. A zone with more collisions than unknowns may fail.
     """
 
     pairs: Pairs
@@ -373,10 +368,8 @@ class ElTopo:
 class _Expansion:
     """State of one reinflation.
 
-    The fine mesh has infinite mass and goes back by one step of the flow with a prescribed velocity; the desired
-    velocity of the cage descends the gradient of its energy. A filter replaces the velocity of the cage by one without
-    penetration. Then the fine mesh rests while the cage lowers its energy further by filtered steps: one that raises
-    the energy is undone and halved, one that lowers it makes the next longer by a tenth (Sacht et al. 2015, section 5).
+    The fine mesh goes back by one step of the flow while the cage descends its energy, both filtered. Then the cage
+    descends alone: a step that raises the energy is undone and halved, one that lowers it makes the next one longer.
     """
 
     def __init__(self, method: ElTopo, bodies: Bodies, x: Array) -> None:

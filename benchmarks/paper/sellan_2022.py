@@ -7,6 +7,7 @@ The level set is shapely's round buffer instead of a contour on a grid. Holes ma
 from __future__ import annotations
 
 import heapq
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,19 +23,13 @@ MIDPOINT_WEIGHT = 1e-3
 
 
 @dataclass(frozen=True)
-class EdgeCollapse:
-    """Vertices near the fine mesh, where squared distances to its lines are least (Garland & Heckbert 1997)."""
+class Decimation:
+    """One of the two functions below as a decimation."""
+
+    make: Callable[[Mesh, int], Mesh]
 
     def decimate(self, fine: Mesh, count: int, *, clearance: float = 0.0) -> Mesh:
-        return edge_collapse(fine, count)
-
-
-@dataclass(frozen=True)
-class LevelSet:
-    """The level set as a coarse mesh."""
-
-    def decimate(self, fine: Mesh, count: int, *, clearance: float = 0.0) -> Mesh:
-        return level_set(fine, count)
+        return self.make(fine, count)
 
 
 def level_set(fine: Mesh, count: int) -> Mesh:
@@ -65,7 +60,7 @@ def level_set(fine: Mesh, count: int) -> Mesh:
 
 
 def edge_collapse(fine: Mesh, count: int) -> Mesh:
-    """The fine mesh with so many vertices, loop k on loop k; loops never pass each other. Raises NestingError."""
+    """The fine mesh with so many vertices near it, loop k on loop k (Garland & Heckbert 1997). Raises NestingError."""
     state = _Collapsing(fine)
     made = True
     while state.total > count and made:
