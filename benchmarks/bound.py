@@ -20,7 +20,6 @@ from nestedcages_core import Mesh
 
 # A loop in units of its size, areas between it and chords, and what rays from its convex vertices meet first.
 
-
 FULL = 2.0 * np.pi
 SAME_ANGLE = 1e-13  # radians between two vertices, seen from a third, below which rays between them are not tried
 WIDER = 1e-10  # by how many radians all intervals of directions are widened
@@ -157,7 +156,6 @@ class Outline:
 
 # Nodes: cells of all that an edge or a vertex of a cage can be where it touches the outline.
 
-
 EDGE, CORNER, ENTER, LEAVE = range(4)
 """Kinds. EDGE: an edge that touches a convex vertex, in an interval of directions. CORNER: a cage vertex on a vertex of
 the outline. ENTER, LEAVE: a cage vertex in an interval of an edge of the outline, between an EDGE and a chord, and
@@ -226,7 +224,6 @@ def first_nodes(outline: Outline, per_half_turn: int, pieces: int) -> Nodes:
 
 
 # Moves of edges that touch a vertex: to another such edge over a corner, to and from a vertex on the outline.
-
 
 SMALLEST_SINE = 1e-15
 STRAIGHT = 1e-9  # radians below half a turn up to which the area of a triangle is computed
@@ -381,7 +378,6 @@ def _to_vertices(nodes: Nodes) -> Iterator[Moves]:
 
 # Moves along chords of the outline, between cage vertices on it.
 
-
 ALLOWED = ((CORNER, CORNER), (CORNER, LEAVE), (ENTER, CORNER), (ENTER, LEAVE))  # kinds of both ends
 STRICTLY = 1e-11  # cross product above which a point lies off a line
 INWARD = 1e-12  # cross product above which a chord leaves a vertex into the solid
@@ -482,7 +478,6 @@ def _cut(nodes: Nodes, source: np.ndarray, target: np.ndarray, edges: np.ndarray
 
 
 # The cheapest closed walk once around the outline with at most m cage vertices, and the moves of all cheap ones.
-
 
 FEWEST_GROUPS, MOST_GROUPS, WORK = 24, 400, 4e7
 """Groups of first nodes that are searched at once: bounds, and moves times groups."""
@@ -620,7 +615,6 @@ def _best_cut(key: np.ndarray, moves: Moves, around: int) -> int:
 
 
 # Branch and bound: cells that cheap walks use are halved until all walks cost as much as the target.
-
 
 PER_HALF_TURN = 8  # first cells in half a turn
 FEW_VERTICES = 200  # vertices of an outline below which its edges get two pieces each, on average
