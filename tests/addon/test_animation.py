@@ -85,7 +85,7 @@ def test_the_animation_fits_a_length(length: int) -> None:
     poly_curve("Drawing", [star()])
     generate(start_frame=11, fit_length=True, length=length)
     assert end_of(made()[-1]) - 11 + 1 == pytest.approx(length, abs=2)
-    assert bpy.context.scene.frame_end == end_of(made()[-1])
+    assert bpy.context.scene.frame_end >= end_of(made()[-1])
     for obj in made():
         assert (np.diff(keyed(obj)[0]) > 0.0).all()
 
@@ -310,7 +310,7 @@ def test_an_original_that_makes_way_can_be_caged_again() -> None:
     at_frame(2)
     assert not source.visible_get()
     source.select_set(False)
-    assert generate(levels="12") == {"FINISHED"}
+    generate("12")
     assert len(bpy.data.collections) == 1
 
 

@@ -184,7 +184,7 @@ def test_inner_cages_lie_inside_and_play() -> None:
     fine, first, second = made(inside=True)
     names = [f"Drawing Inner {name}" for name in ("Fine", "Cage 1", "Cage 2")]
     assert [each.name for each in (fine, first, second)] == names
-    assert bpy.context.scene.frame_current == end_of(first)
+    assert bpy.context.scene.frame_current == end_of(second)
     for outer, cage in ((fine, first), (first, second)):
         begin, end = certificate(cage).frames[1], certificate(cage).frames[3]
         assert end > begin + 5

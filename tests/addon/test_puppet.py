@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from math import radians
 from pathlib import Path
 from typing import Any
@@ -463,13 +464,17 @@ def bones_of(armature: Object) -> dict[str, tuple[str, str, tuple[float, ...]]]:
     return found
 
 
-def figure_of_faces(own: Matrix, name: str = "Torso") -> list[Object]:
-    """The parts of a figure, one of which has a transform of its own, and looks as without."""
+FEW = ("Torso", "Neck", "Head", "Arm.L")
+"""Parts that make a small figure."""
+
+
+def figure_of_faces(own: Matrix = Matrix(), parts: Sequence[str] = tuple(LIMBS)) -> list[Object]:  # noqa: B008
+    """Parts of a figure, the first of which has a transform of its own, and looks as without."""
     drawings = []
-    for number, (part, limb) in enumerate(LIMBS.items()):
-        obj = face(part, capsule(*limb))
+    for number, part in enumerate(parts):
+        obj = face(part, capsule(*LIMBS[part]))
         obj.location.z = 0.001 * number
-        if part == name:
+        if part == parts[0]:
             obj.data.transform(own.inverted())
             obj.matrix_world = obj.matrix_basis @ own
         drawings.append(obj)
@@ -511,7 +516,7 @@ def test_strokes_that_stand_upright_are_seen_from_the_front_or_the_right(side: s
 
 def test_parts_are_stacked_by_where_their_vertices_are() -> None:
     """Also if their transforms were applied."""
-    drawings = figure_of_faces(Matrix())
+    drawings = figure_of_faces(parts=FEW)
     bpy.context.view_layer.update()
     heights = {obj: obj.location.z for obj in drawings}
     for obj in drawings:
@@ -528,7 +533,7 @@ def test_parts_are_stacked_by_where_their_vertices_are() -> None:
 
 
 def test_pictures_on_planes_are_told(reports: Any) -> None:
-    drawings = figure_of_faces(Matrix())
+    drawings = figure_of_faces(parts=FEW)
     material = bpy.data.materials.new("Picture")
     material.use_nodes = True
     shown: Any = material.node_tree.nodes.new("ShaderNodeTexImage")
@@ -607,7 +612,7 @@ def test_parents_of_drawings_say_what_hangs_on_what() -> None:
     own = {"Head": "Torso", "Arm.L": "Neck", "Neck": "Torso"}
     for parents in (own, dict.fromkeys(("Head", "Arm.L", "Neck"), "Torso")):
         new_file()
-        drawings = {obj.name: obj for obj in figure_of_faces(Matrix())}
+        drawings = {obj.name: obj for obj in figure_of_faces(parts=FEW)}
         for child, parent in parents.items():
             drawings[child].parent = drawings[parent]
         make(*drawings.values())
@@ -616,7 +621,7 @@ def test_parents_of_drawings_say_what_hangs_on_what() -> None:
 
 
 def test_what_moves_all_drawings_moves_their_puppet() -> None:
-    drawings = figure_of_faces(Matrix())
+    drawings = figure_of_faces(parts=FEW)
     empty = bpy.data.objects.new("Stage", None)
     bpy.context.collection.objects.link(empty)
     empty.location, empty.rotation_euler, empty.scale = (2.0, 1.0, 0.0), (0.0, 0.0, 0.3), (1.5, 1.5, 1.5)

@@ -23,7 +23,7 @@ CRASHED = 41
 @pytest.mark.parametrize("seed", [0, CRASHED])
 def test_a_scene_outlives_random_edits_between_and_during_jobs(extension, window, reports, tmp_path, seed) -> None:
     """Every tick does one step, so that a seed says what happens when."""
-    Artist(seed, extension, window, tmp_path).live_through(20)
+    Artist(seed, extension, window, tmp_path).live_through(16)
     reports.read()  # without a traceback
 
 
@@ -36,9 +36,9 @@ def test_a_rig_outlives_random_edits(tmp_path) -> None:
 
 
 def test_a_character_outlives_random_edits(tmp_path) -> None:
-    outlive(Animator(Random(0), str(tmp_path / "character")), 6, 0)
+    outlive(Animator(Random(0), str(tmp_path / "character")), 4, 0)
 
 
 def test_a_puppet_outlives_random_edits(tmp_path) -> None:
     pytest.importorskip("shapely")
-    outlive(Puppeteer(Random(0), str(tmp_path / "puppet")), 6, 0)
+    outlive(Puppeteer(Random(0), str(tmp_path / "puppet")), 4, 0)

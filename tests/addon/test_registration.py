@@ -11,6 +11,7 @@ import pytest
 
 from support.blender import refused
 from support.drawings import add, certificate, choose, circle, generate, made, poly_curve, star
+from support.marks import slow_after
 from support.sources import ROOT
 
 
@@ -88,7 +89,7 @@ def test_the_operator_and_the_scene_have_the_same_settings() -> None:
         assert (operator[name].default == scene[name].default) == (name != "fit_length")
 
 
-PRESETS = ("Collision", "Outline", "Rig", "Tight", "IPC 2022 Repaired")
+PRESETS = slow_after(4, ("Collision", "Outline", "Rig", "Tight", "IPC 2022 Repaired"), thorough_after=4)
 
 
 def settings_now() -> dict[str, object]:

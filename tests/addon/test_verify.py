@@ -211,6 +211,7 @@ def test_steps_that_cross_on_purpose_are_no_fault(cages) -> None:
         bpy.ops.object.nested_cages_verify(whole=True)
     assert scene.frame_current == before
     bpy.ops.object.nested_cages_remove_animation()
+    scene.frame_end = 8
     bpy.ops.object.nested_cages_verify(whole=True)
     for cage in cages[1:]:
         assert holds(cage) and checked(cage) == [scene.frame_start, scene.frame_end]

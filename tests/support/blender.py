@@ -208,7 +208,7 @@ class Window:
             if hasattr(sys.modules[module], "bpy"):
                 self._monkeypatch.setattr(sys.modules[module], "bpy", _InWindow(self))
         bases = tuple(base for base in kind.__bases__ if base.__module__.startswith(PACKAGE))
-        made = type("StandIn", bases, {key: value for key, value in vars(kind).items() if not key.startswith("_")})()
+        made = type("StandIn", bases, {key: value for key, value in vars(kind).items() if not key.startswith("__")})()
         for prop in getattr(bpy.ops.object, f"nested_cages_{name}").get_rna_type().properties:
             if prop.type != "POINTER" and not hasattr(made, prop.identifier):
                 setattr(made, prop.identifier, [] if prop.type == "COLLECTION" else prop.default)
