@@ -274,6 +274,7 @@ def test_what_was_made_by_hand_stays(fox: tuple[Any, dict[str, np.ndarray]]) -> 
     assert "tail" not in moved(posed_shapes, shapes()) and "head" not in moved(posed_shapes, shapes())
 
 
+@pytest.mark.slow
 def test_puppets_made_again_elsewhere_are_copied_and_lose_their_body(
     fox: tuple[Any, dict[str, np.ndarray]],
 ) -> None:
@@ -413,6 +414,7 @@ def test_caps_have_the_ink_of_their_drawings() -> None:
     assert {name for name, edge in zip(painted, above, strict=True) if not edge} == {"Ink", "Fill"}
 
 
+@pytest.mark.slow
 def test_layers_of_one_grease_pencil_drawing_are_parts() -> None:
     """The drawing itself is hidden; a second press finds the parts that were made of it."""
     hero = grease_pencil("Hero", [capsule(*LIMBS["Torso"])])
@@ -488,6 +490,7 @@ TURNS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("own", slow_after(1, TURNS[::-1], thorough_after=1))
 def test_a_part_that_was_turned_or_mirrored_turns_no_puppet(man: Any, own: Matrix) -> None:
     wanted = bones_of(man)
@@ -497,6 +500,7 @@ def test_a_part_that_was_turned_or_mirrored_turns_no_puppet(man: Any, own: Matri
     assert bpy.ops.object.nested_cages_clip(kind="WALK") == {"FINISHED"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", slow_after(1, ["RIGHT", "FRONT"], thorough_after=1))
 def test_strokes_that_stand_upright_are_seen_from_the_front_or_the_right(side: str) -> None:
     """Grease Pencil stores them upright, in an object that is not turned."""
@@ -574,6 +578,7 @@ def test_a_copy_of_a_part_is_a_part_of_its_own(man: Any) -> None:
     assert far == {"Arm.L.001", "Hand.L.001"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cuts", slow_after(1, [2, 1], thorough_after=1))
 def test_a_subdivided_bone_bends_its_part(man: Any, cuts: int) -> None:
     rig = man
@@ -607,12 +612,13 @@ def test_a_joint_moved_off_its_part_comes_back(man: Any) -> None:
     np.testing.assert_allclose(bones_of(rig)["Leg.001.L"][2], before["Leg.001.L"][2], atol=0.1)
 
 
+@pytest.mark.slow
 def test_parents_of_drawings_say_what_hangs_on_what() -> None:
     """Unless all hang on one, which moves them; what is the parent of all is that of the puppet."""
     own = {"Head": "Torso", "Arm.L": "Neck", "Neck": "Torso"}
     for parents in (own, dict.fromkeys(("Head", "Arm.L", "Neck"), "Torso")):
         new_file()
-        drawings = {obj.name: obj for obj in figure_of_faces(parts=FEW)}
+        drawings = {obj.name: obj for obj in figure_of_faces()}
         for child, parent in parents.items():
             drawings[child].parent = drawings[parent]
         make(*drawings.values())
@@ -649,6 +655,7 @@ def test_nothing_selected_is_told() -> None:
         bpy.ops.object.nested_cages_puppet()
 
 
+@pytest.mark.slow
 def test_poses_are_assets_and_mirrored_as_pictures() -> None:
     """What Blender pastes flipped by .L and .R is the mirrored picture, controls of limbs included."""
     drawings = figure()
@@ -747,6 +754,7 @@ def test_an_override_is_posed_and_walks_and_says_what_it_cannot(tmp_path: Path) 
     assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
 
 
+@pytest.mark.slow
 def test_limbs_snap_between_their_controls_and_their_bones() -> None:
     armature = make(*figure().values())
     bones = armature.pose.bones
