@@ -40,6 +40,7 @@ def test_each_cage_is_the_better_one_by_its_own_measure(made: Any, symmetry: Mir
     assert (weighted.cage.vertices[:, 1] > TOP).sum() >= (alike.cage.vertices[:, 1] > TOP).sum()
 
 
+@pytest.mark.slow
 def test_weights_have_no_unit_and_reach_the_next_level() -> None:
     fine = letter_a()
     one, other = (nested_cages(fine, [32, 20], weights=factor * heavy(fine, 8.0)) for factor in (1.0, 8.0))
