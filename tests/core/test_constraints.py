@@ -340,6 +340,7 @@ def test_meshes_of_ones_own_are_kept_if_they_have_the_directions() -> None:
     assert "edges.not_aligned" in codes(nested_cages(FLOWER, [skew], constraints=[AxisAligned(must=False)])[0])
 
 
+@pytest.mark.slow
 def test_directions_that_no_cage_has_are_an_error() -> None:
     for count, constraints in ((3, [AxisAligned()]), (20, [AxisAligned(), AxisAligned((30.0, 120.0))])):
         with pytest.raises(NestedCagesError) as caught:

@@ -173,6 +173,7 @@ def test_symmetric_polygons_are_the_least_where_these_are_symmetric() -> None:
     assert [len(loop) for loop in pair.cage.loops] == [6, 6]
 
 
+@pytest.mark.slow
 def test_weights_move_convex_cages() -> None:
     fine = Mesh.from_loops([ring(120)])
     weights = 1.0 + 99.0 * (fine.vertices[:, 0] > 0.5)

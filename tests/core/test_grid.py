@@ -100,7 +100,7 @@ def smallest_on_grid(corners: np.ndarray, step: float, clearance: float) -> tupl
 
 @pytest.mark.parametrize(
     ("name", "grid"),
-    slow_after(1, [("star", 0.05), ("letter", 0.05), ("ring", 1e-6), ("islands", 0.02), ("star", 1 / 3)]),
+    slow_after(0, [("star", 0.05), ("letter", 0.05), ("ring", 1e-6), ("islands", 0.02), ("star", 1 / 3)]),
 )
 def test_levels_on_a_grid(name: str, grid: float) -> None:
     """A step of the grid along the whole boundary is more than what it costs."""
@@ -144,6 +144,7 @@ def test_what_is_missed_is_measured_on_the_grid() -> None:
         assert said.data["distance"] == pytest.approx(away, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_slits_narrower_than_the_grid_are_filled() -> None:
     fine = comb(5, 0.02)
     level = nested_cages(fine, 16, grid=0.04)[0]
@@ -212,6 +213,7 @@ def test_every_step_is_stored_without_rounding(kind: str, inside: bool) -> None:
     assert (level.reinflation.fine_steps[-1] == fine.vertices).all()
 
 
+@pytest.mark.slow
 def test_grid_and_stored_numbers_go_together_and_no_other_types_are_known() -> None:
     level = nested_cages(letter_a(), 20, stored=np.float32, grid=0.125)[0]
     assert is_on_grid(level.cage, 0.125)

@@ -285,6 +285,7 @@ def test_images_are_reflections_and_turns_and_each_its_own(symmetry: Mirror | Ro
     assert np.abs(shapely.get_coordinates(turned) - images).max() < 1e-14
 
 
+@pytest.mark.slow
 def test_images_that_are_too_many_are_refused_at_once() -> None:
     square = Mesh.from_loops([[(0, 0), (1, 0), (1, 1), (0, 1)]])
     with pytest.raises(NestedCagesError) as caught:

@@ -101,6 +101,7 @@ def test_a_pin_on_an_edge_and_a_joint_get_vertices() -> None:
     assert level.cage.area == pytest.approx(6.0, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_more_pins_than_vertices_are_noted_with_the_farthest() -> None:
     fine = letter_a(6)
     pins = [int(k) for k in np.linspace(0, 400, 9)]
@@ -123,6 +124,7 @@ def test_no_edge_is_shorter_and_no_angle_sharper(symmetry: Mirror | None) -> Non
     assert sharpest(nested_cages(letter_a(), 20).cages[0]) < 40.0
 
 
+@pytest.mark.slow
 def test_limits_without_room_mean_fewer_vertices_or_are_noted() -> None:
     level = nested_cages(Mesh.from_loops([ring(64)]), 40, min_edge=0.3)[0]
     assert certified(level) and lengths_of(level.cage).min() >= 0.3
