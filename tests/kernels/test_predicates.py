@@ -23,6 +23,7 @@ from nestedcages_core.geometry.predicates import (
     winding_around,
     winding_number,
 )
+from nestedcages_core.published.gurditta_jacobson_2022.ray_parity import edges_meet, inside_by_parity
 from support.marks import slow_after, slowly
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -293,3 +294,26 @@ def test_winding_number_of_nothing() -> None:
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     assert winding_number(none, square, np.roll(square, -1, axis=0)).shape == (0,)
     assert winding_number(square, none, none).tolist() == [0, 0, 0, 0]
+
+
+# The predicates of the paper's program, which are right but for what touches a vertex
+
+
+def test_parity_is_that_of_shapely_but_for_a_ray_through_a_vertex() -> None:
+    angle = np.arange(7) + 0.3
+    corners = np.stack([np.cos(angle), np.sin(angle)], axis=1) * np.array([1.0, 0.4, 1.0, 0.7, 0.9, 0.5, 1.0])[:, None]
+    points = np.random.default_rng(1).uniform(-1.0, 1.0, (500, 2))
+    expected = shapely.contains_xy(shapely.Polygon(corners), points)
+    assert np.array_equal(inside_by_parity(points, corners, np.roll(corners, -1, axis=0)), expected)
+    diamond = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    found = inside_by_parity(np.array([[0.1, 0.2], [0.1, 0.0]]), diamond, np.roll(diamond, -1, axis=0))
+    assert found.tolist() == [True, False]
+
+
+def test_edges_of_the_paper_meet_where_they_cross_and_touch() -> None:
+    quadruples = np.random.default_rng(2).normal(size=(300, 4, 1, 2))
+    expected = segments_intersect(*quadruples[:, :, 0].transpose(1, 0, 2)).tolist()
+    assert [bool(edges_meet(*each)) for each in quadruples] == expected
+    touching = np.array([[[0.5, 0.0]], [[0.5, 1.0]], [[0.0, 0.0]], [[1.0, 0.0]]])
+    assert edges_meet(*touching)
+    assert not edges_meet(*(touching + np.array([[0.0, 0.1], [0.0, 0.1], [0.0, 0.0], [0.0, 0.0]])[:, None]))
