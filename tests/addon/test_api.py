@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
 from types import ModuleType
 
 import bpy
 import pytest
 
-from support.drawings import certificate, circle, poly_curve, snapshot, star, wire
+from support.drawings import circle, facts, poly_curve, snapshot, star, wire
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def drawings() -> list[bpy.types.Object]:
@@ -26,7 +31,7 @@ def test_the_cages_of_each_object_come_back(extension: ModuleType) -> None:
         ["Two Cage 1", "Two Cage 2"],
     ]
     assert [[len(cage.data.vertices) for cage in cages] for cages in made] == [[24, 12], [24, 12]]
-    assert all(certificate(cage).clearance >= 0.01 for cages in made for cage in cages)
+    assert all(facts(cage)["clearance"] >= 0.01 for cages in made for cage in cages)
     assert bpy.context.selected_objects == [] and bpy.context.view_layer.objects.active == two
     assert bpy.context.scene.frame_current == 1
 
@@ -58,11 +63,18 @@ def test_what_cannot_be_caged_has_no_cages_though_it_had_some(extension: ModuleT
     assert [len(cages) for cages in made] == [1, 0]
 
 
-@pytest.mark.parametrize("settings", [{"levels": "many"}, {"levels": 2.5}, {"colour": "red"}, {"energy": "MOST"}])
-def test_what_is_wrong_is_an_error_and_nothing_changes(extension: ModuleType, settings: dict) -> None:
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"levels": "many"}, "'many' is none of these"),
+        ({"levels": 2.5}, "between 0 and 1"),
+        ({"colour": "red"}, "There is no setting 'colour'"),
+    ],
+)
+def test_what_is_wrong_is_told_and_nothing_changes(extension: ModuleType, settings: dict, message: str) -> None:
     objects = drawings()
     before = snapshot()
-    with pytest.raises(ValueError, match=str(next(iter(settings.values()))) + "|" + next(iter(settings))):
+    with pytest.raises(ValueError, match=message):
         extension.cages(objects, **settings)
     assert snapshot() == before
 
@@ -70,11 +82,24 @@ def test_what_is_wrong_is_an_error_and_nothing_changes(extension: ModuleType, se
 def test_objects_that_cannot_be_caged_are_named(extension: ModuleType) -> None:
     one, two = drawings()
     two.hide_set(True)
-    with pytest.raises(ValueError, match="'Two'"):
+    with pytest.raises(ValueError, match="'Two' is not visible"):
         extension.cages([one, two], 12)
     camera = bpy.data.objects.new("Eye", bpy.data.cameras.new("Eye"))
-    with pytest.raises(ValueError, match="'Eye'"):
+    with pytest.raises(ValueError, match="'Eye' has no outline"):
         extension.cages([camera])
-    for wrong in ([], ["A"], [None], "A"):
-        with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match="No objects"):
+        extension.cages([])
+    for wrong in (["A"], [None], "A"):
+        with pytest.raises(ValueError, match="is not an object: give objects"):
             extension.cages(wrong)
+
+
+@pytest.mark.slow
+def test_the_example_writes_one_file_per_object(tmp_path: Path) -> None:
+    command = [sys.executable, "examples/one_file_each.py", "--output", str(tmp_path)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=170, check=False)
+    assert done.returncode == 0, done.stderr
+    written = sorted(path.name for path in tmp_path.iterdir())
+    assert written == ["0026.svg", "0041.svg", "0051.svg", "0052.svg", "03c0.svg", "20ac.svg"]
+    assert all("<path" in path.read_text() for path in tmp_path.iterdir())
+    assert done.stdout.count("2 cages") == 6

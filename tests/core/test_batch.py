@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import pickle
 import signal
 import sys
 import threading
@@ -26,7 +25,7 @@ from nestedcages_core import (
     nested_cages,
     nested_cages_many,
 )
-from support.shapes import annulus, assert_nested, islands, ring, star
+from support.shapes import assert_nested, star
 
 BOW_TIE = shapely.Polygon([(0, 0), (1, 1), (1, 0), (0, 1)])
 
@@ -85,8 +84,9 @@ def test_a_failure_does_not_lose_the_others(executor: Executor | None) -> None:
     assert [outcome.key for outcome in outcomes] == ["a", "bow tie", "text", "b"]
     assert [type(outcome.error) for outcome in outcomes] == [type(None), InvalidMeshError, InvalidMeshError, type(None)]
     assert_nested(outcomes[3].result.cages[0], Mesh.from_geometry(shapes["b"]))
-    with pytest.raises(InvalidMeshError, match="crosses itself"):
+    with pytest.raises(InvalidMeshError) as caught:
         outcomes[1].unwrap()
+    assert caught.value.code == "mesh.crossing"
     (small,) = nested_cages_many([star(5, 50)], [20, 2], Settings(clearance=1e-3), executor=executor)
     assert isinstance(small.error, NestingError)
 
@@ -98,8 +98,9 @@ def test_levels_by_key_and_by_function(executor: Executor | None) -> None:
     assert [[len(cage.vertices) for cage in outcome.result.cages] for outcome in by_key] == [[20, 10], [8]]
     by_function = nested_cages_many(shapes, half, executor=executor, keep=outermost)
     assert [len(outcome.result.vertices) for outcome in by_function] == [25, 30]
-    with pytest.raises(NestedCagesError, match="no entry for the shape 'b'"):
+    with pytest.raises(NestedCagesError) as caught:
         nested_cages_many(shapes, {"a": [8]})
+    assert caught.value.code == "batch.invalid"
 
 
 def test_an_empty_batch() -> None:
@@ -155,13 +156,12 @@ def lock(hierarchy: Hierarchy) -> object:
 
 
 @pytest.mark.slow
-def test_results_that_do_not_travel_are_told_as_such() -> None:
+def test_results_that_do_not_travel_are_errors_of_their_shape() -> None:
     (read,) = nested_cages_many([star(5, 50)], [12], executor=lambda: ProcessPoolExecutor(1), keep=bomb)
-    assert "The shape 0 has no cages, since a worker died, or sent what cannot be read" in str(read.error)
-    assert "invalid literal for int" in str(read.error.__cause__.__cause__)
     (written,) = nested_cages_many([star(5, 50)], [12], executor=lambda: ProcessPoolExecutor(1), keep=lock)
-    assert "could not be sent" in str(written.error)
-    assert "cannot pickle" in str(written.error)
+    assert [outcome.error.code for outcome in (read, written)] == ["batch.invalid"] * 2
+    assert isinstance(read.error.__cause__, BrokenExecutor)
+    assert isinstance(written.error.__cause__, TypeError)
 
 
 # Workers that die
@@ -177,7 +177,7 @@ class Deadly:
 
 
 @pytest.mark.slow
-def test_every_shape_without_a_result_is_told_when_a_worker_dies() -> None:
+def test_every_shape_without_a_result_has_an_error_when_a_worker_dies() -> None:
     shapes: dict[str, object] = {f"glyph {k}": shape for k, shape in enumerate(glyphs(9))}
     shapes["deadly"] = Deadly()
     shapes.update({f"more {k}": shape for k, shape in enumerate(glyphs(3))})
@@ -187,12 +187,12 @@ def test_every_shape_without_a_result_is_told_when_a_worker_dies() -> None:
     assert [outcome.key for outcome in outcomes] == list(shapes)
     for outcome in (*outcomes[9:], *again):
         assert isinstance(outcome.error, NestedCagesError)
-        assert f"The shape {outcome.key!r} has no cages, since a worker died" in str(outcome.error)
+        assert outcome.error.code == "batch.invalid"
     made = [outcome for outcome in outcomes if outcome.error is None]
     assert made and all(len(outcome.result.cages[0].vertices) == 12 for outcome in made)
 
 
-def test_a_broken_executor_is_told_for_every_shape() -> None:
+def test_a_broken_executor_is_an_error_of_every_shape() -> None:
     class Dead(Executor):
         def submit(self, *_: object, **__: object) -> Future:
             raise BrokenExecutor("dead")
@@ -215,23 +215,3 @@ def test_dask_makes_cages_too() -> None:
     with workers as cluster, Client(cluster) as client:
         outcomes = nested_cages_many(shapes, [12], executor=client.get_executor())
     assert [len(outcome.unwrap().cages[0].vertices) for outcome in outcomes] == [12] * 4
-
-
-# What travels between processes
-
-
-@pytest.mark.slow
-def test_meshes_settings_and_results_travel() -> None:
-    for mesh in (annulus(12), islands(), Mesh.from_loops([ring(5)]).moved(2.0 * ring(5))):
-        copy = pickle.loads(pickle.dumps(mesh))
-        assert (copy.vertices == mesh.vertices).all()
-        assert (copy.edges == mesh.edges).all()
-        assert copy.is_validated == mesh.is_validated
-        assert not copy.vertices.flags.writeable
-        assert copy.area == mesh.area
-    hierarchy = nested_cages(star(5, 50), [20, 10])
-    copy = pickle.loads(pickle.dumps(hierarchy))
-    assert all((a.vertices == b.vertices).all() for a, b in zip(copy.cages, hierarchy.cages, strict=True))
-    assert (copy.levels[0].reinflation.cage_steps == hierarchy.levels[0].reinflation.cage_steps).all()
-    assert copy.levels[0].report == hierarchy.levels[0].report
-    assert pickle.loads(pickle.dumps(Settings(clearance=0.1))) == Settings(clearance=0.1)

@@ -20,8 +20,6 @@ from nestedcages_core import (
     grids,
     nested_cages,
 )
-from nestedcages_core.coordinates import field
-from nestedcages_core.geometry.triangulation import triangulate
 from support.shapes import annulus, islands, letter_a, polygon, ring, star
 
 KINDS = [MeanValue(), Harmonic(), PiecewiseLinear()]
@@ -155,10 +153,12 @@ def test_coordinates_do_not_depend_on_place_and_scale(kind: object, scale: float
 
 
 def test_a_point_outside_is_refused_by_name() -> None:
-    with pytest.raises(NestedCagesError, match=r"Point 1 at \(5, 5\) is outside the cage"):
+    with pytest.raises(NestedCagesError) as caught:
         cage_coordinates([[0.6, 0.0], [5.0, 5.0]], annulus(8))
-    with pytest.raises(NestedCagesError, match="shape"):
+    assert (caught.value.code, caught.value.data) == ("coordinates.outside", {"vertex": 1, "place": (5.0, 5.0)})
+    with pytest.raises(NestedCagesError) as caught:
         cage_coordinates([1.0, 2.0], annulus(8))
+    assert caught.value.code == "mesh.unreadable"
 
 
 def test_many_poses_at_once() -> None:
@@ -169,8 +169,15 @@ def test_many_poses_at_once() -> None:
         moved = deform(weights, poses)
         assert moved.shape == (4, 2, 9, 3)
         assert moved[2, 1] == pytest.approx(dense(weights) @ poses[2, 1])
-    with pytest.raises(NestedCagesError, match="cage of 12 vertices"):
+    with pytest.raises(NestedCagesError) as caught:
         deform(weights, np.zeros((5, 2)))
+    assert caught.value.code == "mesh.unreadable"
+
+
+def turns(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(T,) twice the areas of triangles, positive where they are counter-clockwise."""
+    (ax, ay), (bx, by), (cx, cy) = points[triangles].transpose(1, 2, 0)
+    return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
 
 
 @pytest.mark.slow
@@ -180,13 +187,17 @@ def test_linear_coordinates_keep_the_drawing_inside_while_no_triangle_turns_over
     """Then the triangles of the posed cage tile its solid, and each point stays in its own: the guarantee."""
     rng = np.random.default_rng(3)
     for fine, cage in nested.values():
-        grid = triangulate(cage)
         weights = cage_coordinates(fine, cage, PiecewiseLinear())
+        inside = shapely.points(rng.uniform(*np.reshape(cage.bounds, (2, 2)), size=(6000, 2)))
+        inside = shapely.get_coordinates(inside[shapely.contains(polygon(cage), inside)])
+        rows = dense(cage_coordinates(inside, cage, PiecewiseLinear()))
+        found = {tuple(np.flatnonzero(row > 1e-9)) for row in rows}
+        triangles = np.array([triangle for triangle in found if len(triangle) == 3])
+        triangles = np.where(turns(cage.vertices, triangles)[:, None] > 0.0, triangles, triangles[:, ::-1])
         pose, poses = cage.vertices, 0
         for _ in range(300):
             trial = pose + 0.05 * cage.diagonal * rng.normal(size=pose.shape) * (rng.random((len(pose), 1)) < 0.1)
-            a, b, c = (trial[grid.triangles[:, k]] for k in range(3))
-            upright = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0]) > 0.0
+            upright = turns(trial, triangles) > 0.0
             with suppress(InvalidMeshError):  # a cage that crosses itself has no inside
                 if upright.all() and cage.moved(trial).validated():
                     pose, poses = trial, poses + 1
@@ -224,27 +235,10 @@ def test_prolongation_keeps_linear_functions_on_every_level() -> None:
 def test_prolongation_refuses_levels_that_are_not_there() -> None:
     hierarchy = nested_cages(star(5, 60), [20])
     levels = grids(hierarchy)
-    with pytest.raises(NestedCagesError, match="2 grids"):
-        levels.prolongation(0, 2)
-    with pytest.raises(NestedCagesError, match="from grid 0 to grid 1"):
-        levels.prolongation(1, 0)
-    for spacing in (0.0, float("inf")):
-        with pytest.raises(NestedCagesError, match="must be a positive length"):
+    for finer, coarser in ((0, 2), (1, 0)):
+        with pytest.raises(NestedCagesError):
+            levels.prolongation(finer, coarser)
+    for spacing in (0.0, float("inf"), [1.0, 2.0, 3.0]):
+        with pytest.raises(NestedCagesError) as caught:
             grids(hierarchy, spacing)
-    with pytest.raises(NestedCagesError, match="3 spacings were given for 2 grids"):
-        grids(hierarchy, [1.0, 2.0, 3.0])
-
-
-def test_a_field_covers_the_plane_around_a_cage_and_keeps_affine_motions() -> None:
-    bend = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)]
-    cage = Mesh.from_loops([bend, [(0.3, 0.3), (0.7, 0.3), (0.5, 0.7)]])
-    turn = np.array([[0.8, 0.5], [-0.2, 0.7]])
-    for sampling in (field.INSIDE, None):
-        found = field.field_of(cage, sampling)
-        moved = found.weights @ (cage.vertices @ turn + 3.0)
-        np.testing.assert_allclose(moved, found.vertices @ turn + 3.0, atol=1e-12)
-        corners = found.vertices[found.triangles]
-        on_corners = found.weights[: len(cage.vertices)]
-        np.testing.assert_allclose(on_corners, np.eye(len(cage.vertices)), atol=1e-12)
-        (ax, ay), (bx, by) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
-        assert np.isclose(0.5 * (ax * by - ay * bx).sum(), np.ptp(found.vertices, axis=0).prod(), rtol=1e-12)
+        assert caught.value.code == "setting.invalid"

@@ -1,33 +1,49 @@
-"""Errors and notes say one sentence, carry a code and data, and what was finished before them."""
+"""Errors and notes carry a code and data, and are one sentence each."""
 
 from __future__ import annotations
 
-import ast
 import copy
 import pickle
+import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from nestedcages_core import Mesh, Settings, Within, nested_cages, verify
-from nestedcages_core.errors import (
-    CODES,
-    UNKNOWN,
+from nestedcages_core import (
+    Box,
     Fault,
     FlowError,
     InvalidMeshError,
+    Limits,
+    Mesh,
     NestedCagesError,
     NestingError,
+    Outside,
     ReinflationError,
+    Rotation,
+    Settings,
+    Within,
+    animated_cages,
+    cage_coordinates,
+    convex_pieces,
+    deform,
+    from_engine_json,
+    from_geojson,
+    from_svg,
+    inner_cages,
+    nested_cages,
+    nested_cages_many,
+    swept,
+    verify,
+    verify_motion,
 )
-from nestedcages_core.errors.notes import in_units, sentence
-from support.shapes import annulus, star
+from support.shapes import annulus, ring, star
 
-CORE = Path(__file__).resolve().parents[2] / "nestedcages_core"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "errors.md"
 KINDS = (InvalidMeshError, FlowError, ReinflationError, NestingError)
-NAMES = {kind.__name__ for kind in (NestedCagesError, *KINDS)} | {"LimitError", "AsymmetricError"}
 
 
 @pytest.mark.parametrize("kind", [NestedCagesError, *KINDS])
@@ -38,7 +54,8 @@ def test_errors_carry_what_they_know_and_travel_between_processes(kind: type[Nes
         assert isinstance(copied, NestedCagesError)
         assert (str(copied), copied.partial, copied.code) == ("stuck", [1, 2], "flow.stuck")
         assert copied.data == {"place": (1.0, 2.0), "loops": (3,)}
-    assert (kind("stuck").partial, kind("stuck").code, dict(kind("stuck").data)) == (None, UNKNOWN, {})
+    plain = kind("stuck")
+    assert (plain.partial, plain.code, dict(plain.data)) == (None, "unknown", {})
 
 
 def test_a_fault_is_its_sentence() -> None:
@@ -49,78 +66,119 @@ def test_a_fault_is_its_sentence() -> None:
     assert NestingError(fault).fault is fault
 
 
-def test_notes_of_other_versions_are_their_text_and_lengths_have_units() -> None:
-    assert sentence("note.of_tomorrow", {"text": "It is so."}) == "It is so."
-    data = {"limit": 2.0, "taken": 1.0, "on": ""}
-    assert in_units(data, "note.tolerance", 10.0) == {"limit": 20.0, "taken": 10.0, "on": ""}
-    assert in_units({**data, "on": "excess"}, "note.tolerance", 10.0)["limit"] == 2.0
-
-
-def _is_sentence(node: ast.expr) -> bool:
-    return isinstance(node, ast.JoinedStr | ast.BinOp) or (isinstance(node, ast.Constant) and bool(node.value))
-
-
-@pytest.mark.slow
-def test_every_place_that_raises_names_a_code_and_data_of_the_table() -> None:
-    used: set[str] = set()
-    without: list[str] = []
-    for path in sorted(CORE.rglob("*.py")):
-        source = path.read_text(encoding="utf-8")
-        shorthand = "code=" if path.parent.name == "errors" else ""  # the table itself is no use
-        used |= {code for code in CODES if f'{shorthand}"{code}"' in source}
-        for node in ast.walk(ast.parse(source)):
-            name = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
-            if not isinstance(node, ast.Call) or name not in NAMES | {"Fault", "note"}:
-                continue
-            given = {keyword.arg: keyword.value for keyword in node.keywords}
-            place = {"Fault": 1, "note": 0}.get(name, len(node.args))
-            code = node.args[place] if place < len(node.args) else given.get("code")
-            if isinstance(code, ast.Constant):
-                data = {key for key in given if key is not None} - {"code", "partial"}
-                if code.value not in CODES or not data <= set(CODES[code.value]):
-                    without.append(f"{path.name}:{node.lineno}: {code.value} with {sorted(data)}")
-            elif code is None and node.args and _is_sentence(node.args[0]):
-                without.append(f"{path.name}:{node.lineno}: no code")
-    assert without == []
-    assert sorted(set(CODES) - used) == ["note.text"]  # for programs that add notes of their own
-
-
 BOWTIE = [(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)]
 APART = [[(0, 0), (1, 0), (1, 1), (0, 1)], [(1.01, 0), (2, 0), (2, 1), (1.01, 1)]]
 SQUARE = Mesh.from_loops([[(-1, -1), (1, -1), (1, 1), (-1, 1)]])
+THIN = Mesh.from_loops([[[0.0, 0.0], [1.0, 0.0], [1.0, 1e-6], [0.0, 1e-6]]])
+STILL = np.stack([SQUARE.vertices] * 2)
+
+BAD: dict[str, tuple[Callable[[], object], str, dict[str, Any]]] = {
+    "crossing": (lambda: Mesh.from_loops([BOWTIE]), "mesh.crossing", {"loops": (0,), "place": (1.0, 1.0)}),
+    "open": (lambda: Mesh([(0, 0), (1, 0), (0, 1)], [(0, 1), (1, 2)]), "mesh.open", {"vertices": (0,)}),
+    "too few": (lambda: nested_cages(annulus(8), [5], loops="keep"), "count.too_small", {"total": 5, "least": 6}),
+    "no room": (
+        lambda: nested_cages(Mesh.from_loops(APART), [8], loops="keep", clearance=0.1),
+        "clearance.no_room", {"loops": (0, 1), "wanted": 0.1, "largest": pytest.approx(0.005)},
+    ),
+    "elsewhere": (
+        lambda: nested_cages(star(), [SQUARE.moved(SQUARE.vertices + 9.0)], fallback=None), "flow.loops_differ", {},
+    ),
+    "no setting": (lambda: Settings(clearance=-1.0), "setting.invalid", {}),
+    "no progress": (
+        lambda: nested_cages(SQUARE, 4, progress="x"), "setting.invalid", {"name": "progress", "value": "x"},  # type: ignore[arg-type]
+    ),
+    "a conflict": (lambda: Settings(convex=True, pins=[0]), "setting.conflict", {}),
+    "no tolerance": (lambda: Within(distance=-1.0), "setting.invalid", {}),
+    "no shape": (lambda: verify(None, SQUARE), "mesh.unreadable", {}),  # type: ignore[arg-type]
+    "no level": (lambda: nested_cages(SQUARE, "x"), "level.invalid", {}),
+    "a box": (lambda: nested_cages(SQUARE, 4, constraints=[Box((0.0, 0.0), (1.0, 1.0))]), "box.left", {}),
+    "an obstacle": (
+        lambda: nested_cages(SQUARE, 4, constraints=[Outside(SQUARE.moved(SQUARE.vertices + 1.0), 0.1)]),
+        "obstacle.met", {},
+    ),
+    "a grid": (lambda: nested_cages(SQUARE, 4, grid=50.0, clearance=0.1), "numbers.no_room", {"spacing": 50.0}),
+    "a tolerance": (lambda: nested_cages(SQUARE, Within(distance=1e-3), clearance=0.1), "tolerance.unreachable", {}),
+    "inside": (lambda: inner_cages(THIN, [4], clearance=1e-5), "clearance.no_room", {}),
+    "not inside": (lambda: inner_cages(SQUARE, [ring(8, 3.0)], fallback=None), "coarse.not_nested", {}),
+    "a pose": (lambda: animated_cages(SQUARE, STILL[:1], 4), "poses.invalid", {}),
+    "a swept pose": (lambda: swept(SQUARE, [SQUARE.vertices, SQUARE.vertices[[0, 2, 1, 3]]]), "poses.invalid", {}),
+    "steps": (lambda: verify_motion(SQUARE, SQUARE, STILL, STILL[:1]), "mesh.unreadable", {}),
+    "a point": (
+        lambda: cage_coordinates([[5.0, 5.0]], SQUARE), "coordinates.outside", {"vertex": 0, "place": (5.0, 5.0)},
+    ),
+    "weights": (lambda: deform(np.eye(4), np.zeros((5, 2))), "mesh.unreadable", {}),
+    "pieces": (lambda: convex_pieces(SQUARE, 2), "setting.invalid", {}),
+    "a rotation": (lambda: Rotation(None, 1), "setting.invalid", {}),
+    "a batch": (lambda: nested_cages_many({"a": SQUARE}, {"b": [4]}), "batch.invalid", {}),
+    "a drawing": (lambda: from_svg("<svg"), "file.invalid", {}),
+    "a map": (lambda: from_geojson("{"), "file.invalid", {}),
+    "an outline": (lambda: from_engine_json("[]"), "file.invalid", {}),
+    "a limit": (lambda: from_geojson("{}", limits=Limits(bytes=1)), "limit.exceeded", {"what": "bytes"}),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("work", "code", "data"),
-    [
-        (lambda: Mesh.from_loops([BOWTIE]), "mesh.crossing", {"loops": (0,), "place": (1.0, 1.0)}),
-        (lambda: Mesh([(0, 0), (1, 0), (0, 1)], [(0, 1), (1, 2)]), "mesh.open", {"vertices": (0,)}),
-        (lambda: nested_cages(annulus(8), [5], loops="keep"), "count.too_small", {"total": 5, "least": 6}),
-        (
-            lambda: nested_cages(Mesh.from_loops(APART), [8], Settings(clearance=0.1)),
-            "clearance.no_room",
-            {"loops": (0, 1), "wanted": 0.1, "largest": pytest.approx(0.005)},
-        ),
-        (
-            lambda: nested_cages(star(), [SQUARE.moved(SQUARE.vertices + 9.0)], Settings(fallback=None)),
-            "flow.loops_differ",
-            {},
-        ),
-        (lambda: Settings(clearance=-1.0), "setting.invalid", {}),
-        (lambda: Within(distance=-1.0), "setting.invalid", {}),
-    ],
-)
-def test_errors_say_where_in_data_too(work: Callable[[], object], code: str, data: dict[str, object]) -> None:
+def documented() -> dict[str, set[str]]:
+    """Codes and the names of their data, as the page on errors has them."""
+    rows = re.findall(r"^\| `([a-z_.]+)` \|.*\|([^|]*)\|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    return {code: set(re.findall(r"`(\w+)`", names)) for code, names in rows}
+
+
+def assert_is_sentence(text: str) -> None:
+    """With a capital, or the name of a setting, and a full stop, in one line, without a trace of code."""
+    assert text[0].isupper() or text[0].isdigit() or re.match(r"['\"]|[a-z_]+(\W)", text)
+    assert text.endswith((".", "…"))
+    assert "\n" not in text
+    assert not re.search(r"\{\w*\}|<\w+ object|Traceback|  |\.\.|None\b", text), text
+
+
+@pytest.mark.parametrize(("work", "code", "data"), BAD.values(), ids=BAD.keys())
+def test_errors_say_what_and_where_in_data_and_in_a_sentence(
+    work: Callable[[], object], code: str, data: dict[str, object]
+) -> None:
     with pytest.raises(NestedCagesError) as caught:
         work()
-    assert caught.value.code == code
-    assert {name: caught.value.data.get(name) for name in data} == data
+    error = caught.value
+    assert error.code == code
+    assert {name: error.data.get(name) for name in data} == data
+    assert_is_sentence(str(error))
+    assert set(error.data) <= documented()[code]
 
 
-def test_problems_and_notes_have_codes() -> None:
-    fine = star(9)
-    assert [problem.code for problem in verify(fine, fine).problems] == ["cage.meets"]
-    (close,) = verify(SQUARE.moved(2.0 * SQUARE.vertices), SQUARE, 1.5).problems
-    assert (close.code, close.data) == ("cage.too_close", {"clearance": 1.0, "wanted": 1.5})
-    notes = nested_cages(SQUARE, [9]).levels[0].report.notes
-    assert [(note.code, dict(note.data)) for note in notes] == [("note.count", {"on": "mesh", "asked": 9, "given": 4})]
+NOTES: dict[str, tuple[Callable[[], Any], str, dict[str, Any]]] = {
+    "more than there are": (lambda: nested_cages(SQUARE, [9]), "note.count", {"on": "mesh", "asked": 9, "given": 4}),
+    "a symmetry": (lambda: nested_cages(star(5, 40), 12, symmetry=Rotation(None, 5)), "note.count", {"given": 10}),
+    "loops": (lambda: nested_cages(annulus(24, 0.2), [ring(6, 1.2)]), "note.loops", {"filled": (1,), "joined": ()}),
+    "a tolerance": (lambda: nested_cages(star(5, 40), "+50%"), "note.tolerance", {"on": "excess", "limit": 0.5}),
+    "narrow": (lambda: inner_cages(THIN, 4), "note.clearance", {"on": "inside"}),
+    "a pin": (lambda: nested_cages(star(5, 40), 5, pins=range(0, 40, 4)), "note.pin", {"pins": 10}),
+    "elsewhere": (lambda: nested_cages(star(5, 40), [ring(6) + 9.0]), "note.start", {"on": "fallback"}),
+}
+
+
+@pytest.mark.parametrize(("work", "code", "data"), NOTES.values(), ids=NOTES.keys())
+def test_notes_say_what_differs_in_data_and_in_a_sentence(
+    work: Callable[[], Any], code: str, data: dict[str, object]
+) -> None:
+    (level,) = work()
+    assert code in [note.code for note in level.report.notes]
+    (note, *_) = [note for note in level.report.notes if note.code == code]
+    assert {name: note.data[name] for name in data} == data
+    assert str(note) in str(level.report)
+    for said in level.report.notes:
+        assert_is_sentence(said)
+        assert set(said.data) <= documented().get(said.code, set(said.data))
+
+
+def test_problems_of_certificates_are_sentences() -> None:
+    fine, wide = star(9), SQUARE.moved(2.0 * SQUARE.vertices)
+    found = [verify(fine, fine), verify(wide, SQUARE, 1.5), verify(SQUARE, wide), verify(wide, annulus(8)),
+             verify([BOWTIE], SQUARE)]  # fmt: skip
+    for certificate, codes in zip(
+        found,
+        (["cage.meets"], ["cage.too_close"], ["cage.leaves_out"] * 2, ["cage.loops_differ"], ["cage.invalid"]),
+        strict=True,
+    ):
+        assert [problem.code for problem in certificate.problems] == codes
+        for problem in certificate.problems:
+            assert_is_sentence(problem)
+            assert set(problem.data) <= documented()[problem.code]

@@ -1,8 +1,6 @@
-"""Cages inside: certified with the roles swapped, as tight as outer ones, through the command too."""
+"""Cages inside: certified with the roles swapped, as tight as outer ones."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,13 +17,8 @@ from nestedcages_core import (
     WeightedSum,
     inner_cages,
     nested_cages,
-    read_svg,
-    to_svg,
     verify,
 )
-from nestedcages_core.command import main
-from nestedcages_core.energies.area import LostArea
-from nestedcages_core.level.settings import DEFAULT_CLEARANCE
 from support.marks import slow_after
 from support.shapes import annulus, islands, letter_a, polygon, ring, square_with_hole, star
 
@@ -49,7 +42,7 @@ def test_levels_nest_inwards(fine: Mesh) -> None:
     assert hierarchy.levels[1].fine is hierarchy.levels[0].cage
     for level in hierarchy.levels:
         assert_inside(level)
-        assert level.report.wanted_clearance == DEFAULT_CLEARANCE * fine.diagonal
+        assert level.report.wanted_clearance == 1e-5 * fine.diagonal
 
 
 def test_the_largest_octagon_in_a_disc() -> None:
@@ -88,42 +81,34 @@ def test_a_mesh_that_is_not_inside_gives_its_counts_to_the_hull() -> None:
     mine = annulus(10, 0.4)
     level = inner_cages(fine, [mine]).levels[0]
     assert level.report.start == "inner hull"
-    assert "inner hull instead" in level.report.notes[0]
+    assert [note.code for note in level.report.notes] == ["note.start"]
     assert [len(loop) for loop in level.cage.loops] == [10, 10]
-    with pytest.raises(NestingError, match="move it inside"):
+    with pytest.raises(NestingError) as caught:
         inner_cages(fine, [mine], Settings(fallback=None))
+    assert caught.value.code == "coarse.not_nested"
 
 
 def test_narrow_shapes_get_less_than_the_default_clearance_but_not_less_than_asked() -> None:
     thin = Mesh.from_loops([[[0.0, 0.0], [1.0, 0.0], [1.0, 1e-6], [0.0, 1e-6]]])
     level = inner_cages(thin, [4]).levels[0]
-    assert level.report.wanted_clearance < DEFAULT_CLEARANCE
-    assert "is narrow, and leaves" in level.report.notes[0]
+    assert level.report.wanted_clearance < 1e-5
+    assert (level.report.notes[0].code, level.report.notes[0].data["on"]) == ("note.clearance", "inside")
     assert_inside(level)
-    with pytest.raises(NestingError):
+    with pytest.raises(NestingError) as caught:
         inner_cages(thin, [4], Settings(clearance=1e-5))
+    assert caught.value.code == "clearance.no_room"
 
 
 def test_too_few_vertices_for_a_thin_ring() -> None:
-    with pytest.raises(NestingError, match="ask for at least"):
+    with pytest.raises(NestingError) as caught:
         inner_cages(annulus(64, 0.95), [8])
+    assert caught.value.code == "count.too_small"
+    assert inner_cages(annulus(64, 0.95), [caught.value.data["least"]])
 
 
 @pytest.mark.parametrize("energy", [ShapeKeeping(), WeightedSum(((1.0, Area()), (0.1, StepDisplacement())))])
 def test_energies(energy) -> None:
     assert_inside(inner_cages(star(), [24], Settings(energy=energy)).levels[0])
-
-
-def test_derivatives_of_the_lost_area() -> None:
-    cage = star(5, 20)
-    assert LostArea(10.0).value(cage.vertices, cage.successor) == pytest.approx(10.0 - cage.area)
-    energy = ShapeKeeping().at(cage).with_area(LostArea(10.0))
-    moved = 1.1 * cage.vertices + 0.01 * np.sin(np.arange(40.0)).reshape(-1, 2)
-    step = 1e-6 * np.cos(np.arange(40.0)).reshape(-1, 2)
-    change = energy.value(moved + step, cage.successor) - energy.value(moved - step, cage.successor)
-    assert change == pytest.approx(2.0 * float((energy.gradient(moved, cage.successor) * step).sum()), rel=1e-5)
-    edges = energy.with_area(Area()).on_edge(3, moved[3:4], moved[4:5]) + energy.on_edge(3, moved[3:4], moved[4:5])
-    assert edges == pytest.approx([0.0])
 
 
 def test_far_from_the_origin_turned_and_scaled() -> None:
@@ -135,7 +120,7 @@ def test_far_from_the_origin_turned_and_scaled() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(seed=st.integers(0, 10_000), count=st.integers(3, 24))
 def test_random_shapes(seed: int, count: int) -> None:
     rng = np.random.default_rng(seed)
@@ -143,15 +128,3 @@ def test_random_shapes(seed: int, count: int) -> None:
     angle = 2.0 * np.pi * np.arange(24) / 24.0
     fine = Mesh.from_loops([radius[:, None] * np.stack((np.cos(angle), np.sin(angle)), axis=1)])
     assert_inside(inner_cages(fine, [count]).levels[0])
-
-
-def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    drawing, cages = tmp_path / "letter.svg", tmp_path / "cages.svg"
-    drawing.write_text(to_svg(letter_a(2)))
-    assert main([str(drawing), "--levels", "20", "12", "--inside", "-o", str(cages), "--quiet"]) == 0
-    assert "excess -" in capsys.readouterr().out
-    fine, outer, inner = (read_svg(cages, element=name) for name in ("drawing", "cage-1", "cage-2"))
-    assert verify(fine, outer)
-    assert verify(outer, inner)
-    with pytest.raises(SystemExit):
-        main([str(drawing), "--levels", "20", "--inside", "--borders"])

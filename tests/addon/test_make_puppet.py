@@ -1,0 +1,828 @@
+"""Puppets: parts of a layered drawing that move by themselves, in plain Blender."""
+
+from __future__ import annotations
+
+import json
+from math import radians
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+from bpy.types import Object
+from mathutils import Matrix, Vector
+from test_character import LIMBS, capsule, face, figure, points
+
+from nestedcages_core.exchange.pictures import read_png
+from support.drawings import choose, grease_pencil
+from support.marks import slow_after
+
+pytest.importorskip("shapely")
+
+ROOT = Path(__file__).resolve().parents[2]
+FOX = ROOT / "examples" / "fox.svg"
+
+
+def is_cap(obj: Object) -> bool:
+    return "nested_cages_cap" in obj.keys()  # noqa: SIM118
+
+
+def shape(obj: Object) -> np.ndarray:
+    """(n, 3) points of an object as it is displayed, in the world."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    seen = obj.evaluated_get(depsgraph)
+    points = np.array([vertex.co[:] for vertex in seen.to_mesh().vertices])
+    matrix = np.array(seen.matrix_world)
+    return points @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def shapes() -> dict[str, np.ndarray]:
+    bpy.context.view_layer.update()
+    seen = [obj for obj in bpy.data.objects if obj.type == "MESH" and not obj.hide_render and not is_cap(obj)]
+    return {obj.name: shape(obj) for obj in seen}
+
+
+def turn(armature: Object, **degrees: float) -> None:
+    for name, angle in degrees.items():
+        armature.pose.bones[name.replace("_R", ".R").replace("_L", ".L")].rotation_euler[2] = radians(angle)
+
+
+def moved(before: dict[str, np.ndarray], after: dict[str, np.ndarray]) -> set[str]:
+    """Layers of which something is elsewhere."""
+    size = max(np.ptp(points, axis=0).max() for points in before.values())
+    far = {name for name in before if np.abs(after[name] - before[name]).max() > 1e-4 * size}
+    return {name.rpartition(" ")[0] if name[-1].isdigit() else name for name in far}
+
+
+@pytest.fixture
+def fox() -> tuple[Object, dict[str, np.ndarray]]:
+    assert bpy.ops.object.nested_cages_import(filepath=str(FOX)) == {"FINISHED"}
+    before = shapes()
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    armature = bpy.context.object
+    assert armature is not None and armature.type == "ARMATURE" and armature.mode == "POSE"
+    return armature, before
+
+
+def bone(armature: Object, part: str) -> Any:
+    """The bone at the joint of a part."""
+    return next(each for each in armature.data.bones if each["nested_cages_part"] == part)
+
+
+@pytest.mark.slow
+def test_a_leg_moves_alone_and_the_drawing_is_as_before(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
+    armature, before = fox
+    assert moved(before, shapes()) == set()
+    for part, riders in (
+        ("foreleg-near", set()),
+        ("hind-leg-far", set()),
+        ("head", {"nose", "eye", "ear-far", "ear-near"}),
+    ):
+        posed = armature.pose.bones[bone(armature, part).name]
+        posed.rotation_euler[2] = radians(40.0)
+        assert moved(before, shapes()) == {part, *riders}
+        posed.rotation_euler[2] = 0.0
+    tip = armature.pose.bones[[each.name for each in armature.data.bones if each["nested_cages_part"] == "tail"][-1]]
+    tip.rotation_euler[2] = radians(60.0)
+    bent = shapes()
+    assert moved(before, bent) == {"tail"}
+    root = np.abs(bent["tail 1"] - before["tail 1"]).max(axis=1)
+    assert root.min() < 1e-4 < root.max()  # its root stays on the body
+
+
+@pytest.mark.slow
+def test_turns_are_limited_to_what_is_proved(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
+    armature, _ = fox
+    limits = [limit for each in armature.pose.bones for limit in each.constraints if limit.type == "LIMIT_ROTATION"]
+    assert limits and all(limit.min_z <= -radians(90.0) and limit.max_z >= radians(90.0) for limit in limits)
+    pairs = [
+        (each["nested_cages_part"], each.parent and each.parent["nested_cages_part"]) for each in armature.data.bones
+    ]
+    hanging = {part: parent for part, parent in pairs if part != parent}
+    assert hanging["body"] == ""  # on the control at the root
+    assert {part for part, parent in hanging.items() if parent == "body"} == {
+        "tail", "hind-leg-far", "hind-leg-near", "foreleg-far", "foreleg-near", "head"
+    }  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_bone_hung_elsewhere_takes_its_part_along(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
+    armature, before = fox
+    bpy.ops.object.mode_set(mode="EDIT")
+    bones = armature.data.edit_bones
+    bones[bone(armature, "ear-near").name].parent = bones[bone(armature, "body").name]
+    bpy.ops.object.mode_set(mode="POSE")
+    armature.pose.bones[bone(armature, "head").name].rotation_euler[2] = radians(30.0)
+    name = armature.name
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    again = bpy.context.object
+    assert again is not None and again.name == name
+    assert moved(before, shapes()) == {"head", "nose", "eye", "ear-far"}
+    assert len([obj for obj in bpy.data.objects if obj.type == "ARMATURE"]) == 1
+
+
+@pytest.mark.slow
+def test_the_file_moves_without_the_extension(fox: tuple[Object, dict[str, np.ndarray]], tmp_path: Path) -> None:
+    armature, before = fox
+    path, part = str(tmp_path / "fox.blend"), bone(armature, "tail").name
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    armature = next(obj for obj in bpy.data.objects if obj.type == "ARMATURE")
+    armature.pose.bones[part].rotation_euler[2] = radians(25.0)
+    assert moved(before, shapes()) == {"tail"}
+    armature.location.x += 3.0
+    assert len(moved(before, shapes())) > 10
+    assert shapes()["body 7"] == pytest.approx(before["body 7"] + np.array([3.0, 0.0, 0.0]), abs=1e-4)
+
+
+@pytest.mark.slow
+def test_limbs_reach_for_controls_within_their_ranges(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
+    armature, before = fox
+    armature.pose.bones["Root"].location[0] = 0.5
+    assert len(moved(before, shapes())) == 12
+    armature.pose.bones["Root"].location[0] = 0.0
+    reaching = [(each, limit) for each in armature.pose.bones for limit in each.constraints if limit.type == "IK"]
+    assert len(reaching) == 4 and moved(before, shapes()) == set()
+    lower, reach = reaching[-1]
+    control = armature.pose.bones[reach.subtarget]
+    control.location[1] = -0.3 * lower.length
+    assert moved(before, shapes()) == set()
+    reach.influence = 1.0
+    assert moved(before, shapes()) == {lower.bone["nested_cages_part"]}
+    assert (lower.tail - control.head).length < 1e-3 * lower.length
+    low, high, *_ = lower.bone["nested_cages_proved"]
+    for shift in (-3.0, 0.7, 3.0):
+        control.location[1] = shift * lower.length
+        bpy.context.view_layer.update()
+        rest = lower.parent.bone.matrix_local.inverted() @ lower.bone.matrix_local
+        turned = (rest.inverted() @ lower.parent.matrix.inverted() @ lower.matrix).to_euler()
+        assert low - 0.1 <= np.rad2deg(turned.z) <= high + 0.1
+
+
+@pytest.mark.slow
+def test_clips_repeat_and_fold_nothing(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
+    armature, before = fox
+    scene = bpy.context.scene
+    tip = [each for each in armature.pose.bones if each.bone["nested_cages_part"] == "tail"][-1]
+    tip.keyframe_insert("rotation_euler", frame=1)
+    own = armature.animation_data.action
+    for kind in ("WAVE", "IDLE", "WALK"):
+        assert bpy.ops.object.nested_cages_clip(kind=kind) == {"FINISHED"}
+    walk = armature.animation_data.action
+    assert own.use_fake_user and own not in (walk, None) and len(bpy.data.actions) == 4
+    first, last = map(round, walk.frame_range)
+    poses = []
+    for frame in range(first, last + 1):
+        scene.frame_set(frame)
+        poses.append(shapes())
+        for each in armature.pose.bones:
+            low, high, *_ = each.bone.get("nested_cages_proved", (-180.0, 180.0))
+            assert low <= np.rad2deg(each.rotation_euler[2]) <= high
+    legs = {"hind-leg-far", "hind-leg-near", "foreleg-far", "foreleg-near"}
+    assert moved(poses[0], poses[-1]) == set()
+    assert legs < moved(poses[0], poses[9])
+    lowest = [min(points[:, 2].min() for points in pose.values()) for pose in poses]
+    assert np.ptp(lowest) < 0.02 * np.ptp(before["body 7"][:, 0])  # some leg stands on the ground
+    scene.frame_end = last
+    assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
+    armature.animation_data.action = None
+    tip.constraints.remove(tip.constraints["Proved Range"])
+    for frame, angle in ((3, 0.0), (5, 2.9), (7, 0.0)):
+        tip.rotation_euler[2] = angle
+        tip.keyframe_insert("rotation_euler", frame=frame)
+    assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
+    assert scene.frame_current == 5
+    assert bpy.ops.object.nested_cages_select_fault() == {"FINISHED"}
+
+
+@pytest.mark.slow
+def test_what_was_made_by_hand_stays(fox: tuple[Object, dict[str, np.ndarray]]) -> None:
+    """A part is redrawn and another one added: names, poses, own bones, constraints and painted weights stay."""
+    armature, _ = fox
+    carrier = bpy.data.objects["tail Bend"]
+    tip = carrier.vertex_groups[-1]
+    vertex = next(each.index for each in carrier.data.vertices if [on.group for on in each.groups] == [tip.index])
+    tip.add([vertex], 0.5, "REPLACE")
+    carrier.vertex_groups[0].add([vertex], 0.5, "REPLACE")
+    armature.pose.bones["head"].name = "skull"
+    posed = armature.pose.bones["skull"]
+    posed.rotation_euler[2] = 0.4
+    posed.constraints.new("COPY_SCALE").name = "Mine"
+    posed.keyframe_insert("rotation_euler", frame=1)
+    bpy.ops.object.mode_set(mode="EDIT")
+    own = armature.data.edit_bones.new("Own")
+    own.tail = (0.0, 1.0, 0.0)
+    own.parent = armature.data.edit_bones["skull"]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    posed_shapes = shapes()
+    head = next(obj for obj in bpy.data.objects if obj.name.startswith("head "))
+    hat = bpy.data.objects.new("hat", head.data.copy())
+    head.users_collection[0].objects.link(hat)
+    hat.matrix_world = head.matrix_world
+    body = bpy.data.objects["body 7"].data
+    body.vertices.foreach_set("co", 1.02 * np.array([each.co[:] for each in body.vertices]).ravel())
+    hat.select_set(True)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    assert bpy.context.object == armature and armature.animation_data.action is not None
+    assert armature.pose.bones["skull"].rotation_euler[2] == pytest.approx(0.4)
+    assert "Mine" in armature.pose.bones["skull"].constraints
+    assert armature.data.bones["Own"].parent.name == "skull"
+    assert hat.parent == armature
+    again = bpy.data.objects["tail Bend"]
+    weights = [group.weight(vertex) for group in again.vertex_groups]
+    assert weights == pytest.approx([0.5, 0.5], abs=1e-3)
+    assert "tail" not in moved(posed_shapes, shapes()) and "head" not in moved(posed_shapes, shapes())
+
+
+def test_puppets_made_again_elsewhere_are_copied_and_lose_their_body(
+    fox: tuple[Object, dict[str, np.ndarray]],
+) -> None:
+    armature, _ = fox
+    armature.location = (3.0, 1.0, 0.5)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.object.select_all(action="SELECT")
+    assert bpy.ops.object.duplicate() == {"FINISHED"}
+    copied = list(bpy.context.selected_objects)
+    bpy.context.view_layer.objects.active = rig = next(obj for obj in copied if obj.type == "ARMATURE")
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    bend = bpy.data.objects["tail Bend"]
+    assert [obj.name for obj in bpy.data.objects if obj.name.startswith("tail Bend.")] == ["tail Bend.001"]
+    for made in (bend, bpy.data.objects["tail Bend.001"]):
+        np.testing.assert_allclose(np.array(made.matrix_world), np.array(made.parent.matrix_world), atol=1e-6)
+    bodies = [obj for obj in copied if obj.name.startswith("body")]
+    bpy.data.batch_remove(bodies)
+    own = [bone for bone in rig.data.bones if bone["nested_cages_part"] not in ("", "body")]
+    heads = {bone.name: bone.head_local.copy() for bone in own}
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    for name, head in heads.items():
+        np.testing.assert_allclose(rig.data.bones[name].head_local, head, atol=1e-5, err_msg=name)
+    before, root = shapes(), rig.pose.bones["Root"]
+    root.rotation_euler[2] = 0.5
+    bpy.context.view_layer.update()
+    motion = np.array(rig.matrix_world @ root.matrix @ root.bone.matrix_local.inverted() @ rig.matrix_world.inverted())
+    after = shapes()
+    for obj in [each for each in rig.children if each.name in after]:
+        wanted = before[obj.name] @ motion[:3, :3].T + motion[:3, 3]
+        np.testing.assert_allclose(after[obj.name], wanted, atol=1e-3, err_msg=obj.name)
+
+
+ARM = """<svg xmlns="http://www.w3.org/2000/svg">
+<rect id="body" x="100" y="100" width="90" height="140" fill="#00f" stroke="#f00" stroke-width="6"/>
+<rect id="arm" x="10" y="120" width="130" height="24" rx="12" fill="#0f0"/>
+<circle id="eye" cx="150" cy="150" r="8"/></svg>"""
+
+
+@pytest.mark.slow
+def test_vector_puppets_are_exported_as_pictures(tmp_path: Path) -> None:
+    """With the bones and keys of the armature, parts in their colours, and weights of engines, also while posed."""
+    (tmp_path / "arm.svg").write_text(ARM, encoding="utf-8")
+    bpy.ops.object.nested_cages_import(filepath=str(tmp_path / "arm.svg"))
+    bpy.ops.object.nested_cages_puppet()
+    rig = bpy.context.object
+    last = rig.pose.bones[[each.name for each in rig.data.bones if each["nested_cages_part"] == "arm"][-1]]
+    for frame, angle in ((1, 0.0), (25, radians(45.0))):
+        last.rotation_euler.z = angle
+        last.keyframe_insert("rotation_euler", frame=frame)
+    bpy.context.scene.frame_set(25)
+    assert bpy.ops.object.nested_cages_export(filepath=str(tmp_path / "arm.json"), engine="SPINE") == {"FINISHED"}
+    assert rig.data.pose_position == "POSE" and last.rotation_euler.z == pytest.approx(radians(45.0))
+    found = json.loads((tmp_path / "arm.json").read_text(encoding="utf-8"))
+    parents = {each["name"]: each["parent"] for each in found["bones"][1:]}
+    assert parents == {"body": "root", "arm": "body", "arm.001": "arm"}  # without controls
+    assert [slot["name"] for slot in found["slots"]] == ["body", "arm", "eye"]
+    assert found["slots"][2]["bone"] == "body"
+    (turns,) = (each["rotate"] for each in found["animations"].popitem()[1]["bones"].values())
+    assert turns[-1]["value"] == pytest.approx(45.0, abs=0.01)
+    bent = next(each for each in found["bones"] if each["name"] == last.name)
+    assert bent["proved_degrees"][0] <= -90.0 and bent["proved_degrees"][1] >= 90.0
+    pixels = read_png(tmp_path / "arm.png")
+    colours = {tuple(row) for row in pixels[pixels[..., 3] == 255].tolist()}
+    assert {(0, 0, 255, 255), (255, 0, 0, 255), (0, 255, 0, 255), (0, 0, 0, 255)} <= colours
+
+
+def test_caps_keep_joints_painted_behind_their_drawings() -> None:
+    """A bar with square ends leaves paint on the one that it turns on: what the bar shows there, with its texture."""
+    material = bpy.data.materials.new("Paint")
+    bars: list[Any] = []
+    for name, left, right, z in (("upper", 0.0, 5.0, 0.0), ("lower", 4.6, 9.6, 0.1)):
+        corners = [(left, 0.0, 0.0), (right, 0.0, 0.0), (right, 2.0, 0.0), (left, 2.0, 0.0)]
+        data = bpy.data.meshes.new(name)
+        data.from_pydata(corners, [], [(0, 1, 2, 3)])
+        layer: Any = data.uv_layers.new()
+        layer.data.foreach_set("uv", [0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0])
+        data.materials.append(material)
+        bars.append(bpy.data.objects.new(name, data))
+        bpy.context.collection.objects.link(bars[-1])
+        bars[-1].location.z = z
+        bars[-1].select_set(True)
+    bpy.context.view_layer.objects.active = bars[0]
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    (cap,) = [obj for obj in bpy.data.objects if is_cap(obj)]
+    child = next(obj for obj in bars if obj.name == cap.name.removesuffix(" Cap"))
+    assert cap.parent_bone == next(obj.name for obj in bars if obj != child)
+    points = shape(cap)
+    assert (
+        (points >= shape(child).min(axis=0) - (1e-6, 1e-6, 1.0)) & (points <= shape(child).max(axis=0) + 1e-6)
+    ).all()
+    assert (np.abs(points[:, 2] - child.matrix_world.translation.z) > 1e-3).all()
+    assert (points[:, 2] < child.matrix_world.translation.z).all()
+    uv = np.array([corner.uv[:] for corner in cap.data.uv_layers[0].data])
+    used = [corner.vertex_index for corner in cap.data.loops]
+    wide = shape(child)[:, 0]
+    np.testing.assert_allclose(uv[:, 0], (points[used, 0] - wide.min()) / np.ptp(wide), atol=1e-6)
+    np.testing.assert_allclose(uv[:, 1], points[used, 1] / 2.0, atol=1e-6)
+    assert cap.data.materials[0] == material
+    turn(bpy.context.object, **{child.name: 90.0})
+    bpy.context.view_layer.update()
+    np.testing.assert_allclose(shape(cap), points, atol=1e-6)
+    for frame, hidden in ((2, False), (3, True)):
+        child.hide_viewport = child.hide_render = hidden
+        child.keyframe_insert("hide_viewport", frame=frame)
+        child.keyframe_insert("hide_render", frame=frame)
+    for frame, hidden in ((3, True), (2, False)):
+        bpy.context.scene.frame_set(frame)
+        assert cap.hide_viewport == cap.hide_render == hidden
+    bpy.ops.object.nested_cages_puppet(caps=False)
+    assert not [obj for obj in bpy.data.objects if is_cap(obj)]
+
+
+def test_caps_have_the_ink_of_their_drawings() -> None:
+    """Bars with a line around them: the edge of the cap, where paint was cut, has it too."""
+    materials = [bpy.data.materials.new(name) for name in ("Ink", "Fill")]
+    for name, left, z in (("upper", 0.0, 0.0), ("lower", 4.6, 0.1)):
+        right = left + 5.0
+        rings = [[(left + d, d, 0.0), (right - d, d, 0.0), (right - d, 2.0 - d, 0.0), (left + d, 2.0 - d, 0.0)]
+                 for d in (0.0, 0.1)]  # fmt: skip
+        data = bpy.data.meshes.new(name)
+        data.from_pydata([*rings[0], *rings[1]], [], [(0, 1, 2, 3), (4, 5, 6, 7)])
+        for material in materials:
+            data.materials.append(material)
+        data.polygons.foreach_set("material_index", [0, 1])
+        bar = bpy.data.objects.new(name, data)
+        bpy.context.collection.objects.link(bar)
+        bar.location.z = z
+        bar.select_set(True)
+    bpy.context.view_layer.objects.active = bar
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    (cap,) = [obj for obj in bpy.data.objects if is_cap(obj)]
+    points = shape(cap)
+    above = [(points[list(each.vertices), 2] > points[:, 2].max() - 1e-6).all() for each in cap.data.polygons]
+    painted = [cap.data.materials[each.material_index].name for each in cap.data.polygons]
+    assert {name for name, edge in zip(painted, above, strict=True) if edge} == {"Ink"}
+    assert {name for name, edge in zip(painted, above, strict=True) if not edge} == {"Ink", "Fill"}
+
+
+def test_layers_of_one_grease_pencil_drawing_are_parts() -> None:
+    """The drawing itself is hidden; a second press finds the parts that were made of it."""
+    hero = grease_pencil("Hero", [capsule(*LIMBS["Torso"])])
+    hero.data.layers.remove(hero.data.layers[0])
+    for part, limb in LIMBS.items():
+        x, z = capsule(*limb).T
+        drawing = hero.data.layers.new(part).frames.new(1).drawing
+        drawing.add_strokes([len(x)])
+        drawing.strokes[0].cyclic = True
+        for point, place in zip(drawing.strokes[0].points, zip(x, 0.0 * x, z, strict=True), strict=True):
+            point.position = place
+    hero.location = (3.0, 1.0, 0.0)
+    hero.keyframe_insert("location", frame=1)
+    bpy.context.view_layer.update()
+    before = points(hero)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    armature: Any = bpy.context.object
+    assert armature.name == "Hero Puppet"
+    assert {each["nested_cages_part"] for each in armature.data.bones} == {*LIMBS, ""}
+    parts = [bpy.data.objects[name] for name in LIMBS]
+    assert [obj.parent for obj in parts] == [armature] * len(LIMBS)
+    assert not hero.visible_get() and hero.hide_render
+    shown = np.concatenate([points(obj) for obj in parts])
+    np.testing.assert_allclose(shown[:, [0, 2]], before[:, [0, 2]], atol=1e-5)
+    depths = [points(obj)[:, 1].mean() for obj in parts]
+    assert depths == sorted(depths, reverse=True) and len(set(depths)) == len(depths)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    assert {each["nested_cages_part"] for each in armature.data.bones} == {*LIMBS, ""}
+
+
+def test_joints_of_grease_pencil_are_told(capfd: pytest.CaptureFixture[str]) -> None:
+    for name, left in (("upper", 0.0), ("lower", 4.6)):
+        bar = grease_pencil(name, [np.array([[left, 0.0], [left + 5.0, 0.0], [left + 5.0, 2.0], [left, 2.0]])])
+        bar.select_set(True)
+    bpy.context.view_layer.objects.active = bar
+    for options, told in ({}, True), ({"caps": False}, False):
+        assert bpy.ops.object.nested_cages_puppet(**options) == {"FINISHED"}
+        assert ("Joints of Grease Pencil and collection instances are not painted" in capfd.readouterr().out) == told
+
+
+def bones_of(armature: Object) -> dict[str, tuple[str, str, tuple[float, ...]]]:
+    """The part, the parent and the place of each bone."""
+    matrix, found = armature.matrix_world, {}
+    for each in armature.data.bones:
+        place = tuple(round(value, 3) for value in matrix @ each.head_local)
+        found[each.name] = (each["nested_cages_part"], each.parent.name if each.parent else "", place)
+    return found
+
+
+def figure_of_faces(own: Matrix, name: str = "Torso") -> list[Object]:
+    """The parts of a figure, one of which has a transform of its own, and looks as without."""
+    drawings = []
+    for number, (part, limb) in enumerate(LIMBS.items()):
+        obj = face(part, capsule(*limb))
+        obj.location.z = 0.001 * number
+        if part == name:
+            obj.data.transform(own.inverted())
+            obj.matrix_world = obj.matrix_basis @ own
+        drawings.append(obj)
+    return drawings
+
+
+@pytest.mark.parametrize("own", [
+    Matrix.Rotation(radians(90.0), 4, "Z"), Matrix.Rotation(radians(180.0), 4, "Y"), Matrix.Diagonal((-1, 1, 1, 1))
+])  # fmt: skip
+def test_a_part_that_was_turned_or_mirrored_turns_no_puppet(own: Matrix) -> None:
+    made = []
+    for matrix in (Matrix(), own):
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        choose(*figure_of_faces(matrix))
+        assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+        made.append(bones_of(bpy.context.object))
+        bpy.ops.object.nested_cages_clip(kind="WALK")
+    assert made[0] == made[1]
+
+
+@pytest.mark.parametrize("side", ["FRONT", "RIGHT"])
+def test_strokes_that_stand_upright_are_seen_from_the_front_or_the_right(side: str) -> None:
+    """Grease Pencil stores them upright, in an object that is not turned."""
+    for number, (part, limb) in enumerate(LIMBS.items()):
+        x, z = capsule(*limb).T
+        away = np.full(len(x), 0.01 * number)
+        points = np.column_stack([x, -away, z] if side == "FRONT" else [away, x, z])
+        grease_pencil(part, [points])
+    choose(*bpy.data.objects)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    armature = bpy.context.object
+    right = (1.0, 0.0, 0.0) if side == "FRONT" else (0.0, 1.0, 0.0)
+    np.testing.assert_allclose(np.array(armature.matrix_world)[:3, 0], right, atol=1e-4)
+    np.testing.assert_allclose(np.array(armature.matrix_world)[:3, 1], (0.0, 0.0, 1.0), atol=1e-4)
+    assert bpy.ops.object.nested_cages_clip(kind="WALK") == {"FINISHED"}
+
+
+def test_parts_are_stacked_by_where_their_vertices_are() -> None:
+    """Also if their transforms were applied."""
+    drawings = figure_of_faces(Matrix())
+    bpy.context.view_layer.update()
+    heights = {obj: obj.location.z for obj in drawings}
+    for obj in drawings:
+        obj.data.transform(obj.matrix_world)
+        obj.matrix_world = Matrix()
+    choose(*drawings)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    caps = [obj for obj in bpy.data.objects if is_cap(obj)]
+    assert caps
+    for cap in caps:
+        own = next(heights[obj] for obj in drawings if cap.name.startswith(f"{obj.name} Cap"))
+        below = max((each for each in heights.values() if each < own - 1e-6), default=-1.0)
+        inside = shape(cap)[:, 2]
+        assert ((inside < own) & (inside > below)).all()
+
+
+def test_pictures_on_planes_are_told(capfd: pytest.CaptureFixture[str]) -> None:
+    drawings = figure_of_faces(Matrix())
+    material = bpy.data.materials.new("Picture")
+    material.use_nodes = True
+    shown: Any = material.node_tree.nodes.new("ShaderNodeTexImage")
+    shown.image = bpy.data.images.new("Picture", 8, 8, alpha=True)
+    drawings[0].data.materials.append(material)
+    choose(*drawings)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    said = "".join(capfd.readouterr())
+    assert f"'{drawings[0].name}' counts as its rectangle" in said
+    assert drawings[1].name not in said.split("counts as its rectangle")[0]
+
+
+def test_an_armature_that_was_deleted_leaves_nothing_behind() -> None:
+    drawings = figure_of_faces(Matrix())
+    choose(*drawings)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    before = {obj.name for obj in bpy.data.objects}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    choose(bpy.context.object)
+    assert bpy.ops.object.delete() == {"FINISHED"}
+    choose(*drawings)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    assert {obj.name for obj in bpy.data.objects} == before
+
+
+def test_a_copy_of_a_part_is_a_part_of_its_own() -> None:
+    """It hangs where it lies now, and not on the part that it is a copy of."""
+    drawings = {obj.name: obj for obj in figure_of_faces(Matrix())}
+    choose(*drawings.values())
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    rig: Any = bpy.context.object
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for name in ("Arm.L", "Hand.L"):
+        choose(drawings[name])
+        assert bpy.ops.object.duplicate() == {"FINISHED"}
+        bpy.context.object.location.y -= 0.6
+        bpy.context.object.select_set(True)
+        drawings[f"Second {name}"] = bpy.context.object
+    choose(*drawings.values(), rig)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    parents = {
+        part: rig.data.bones[parent]["nested_cages_part"] for part, parent, _ in bones_of(rig).values() if parent
+    }
+    assert parents["Arm.L.001"] == "Torso" and {"Hand.L.001", "Hand.L"} <= {*parents}
+    before = shapes()
+    turn(rig, **{bone(rig, "Arm.L.001").name: 30.0})
+    after = shapes()
+    far = {name for name, points in before.items() if np.abs(after[name] - points).max() > 1e-3}
+    assert far == {"Arm.L.001", "Hand.L.001"}
+
+
+@pytest.mark.parametrize("cuts", [1, 2])
+def test_a_subdivided_bone_bends_its_part(cuts: int) -> None:
+    drawings = {obj.name: obj for obj in figure_of_faces(Matrix())}
+    choose(*drawings.values())
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    rig: Any = bpy.context.object
+    (first,) = [each.name for each in rig.data.bones if each["nested_cages_part"] == "Arm.L"]
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.armature.select_all(action="DESELECT")
+    bone = rig.data.edit_bones.active = rig.data.edit_bones[first]
+    bone.select = bone.select_head = bone.select_tail = True
+    assert bpy.ops.armature.subdivide(number_cuts=cuts) == {"FINISHED"}
+    bone_before = next(each.parent.name for each in rig.data.edit_bones if each.get("nested_cages_part") == "Hand.L")
+    own = rig.data.edit_bones.new(f"{first}.009")
+    own.parent = rig.data.edit_bones[bone_before]
+    own.head, own.tail, own.use_connect = own.parent.tail, own.parent.tail + own.parent.vector, True  # extruded
+    bpy.ops.object.mode_set(mode="POSE")
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    chain = [each.name for each in rig.data.bones if each.get("nested_cages_part") == "Arm.L"]
+    assert len(chain) == cuts + 1 and f"{first}.009" not in chain
+    before = shapes()
+    rig.pose.bones[chain[-1]].rotation_euler[2] = 0.5
+    assert "Arm.L" in moved(before, shapes()) <= {"Arm.L", "Hand.L"}
+    assert bpy.ops.object.nested_cages_clip(kind="WAVE") == {"FINISHED"}
+
+
+def test_a_joint_moved_off_its_part_comes_back() -> None:
+    choose(*figure_of_faces(Matrix()))
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    rig: Any = bpy.context.object
+    before = bones_of(rig)
+    bpy.ops.object.mode_set(mode="EDIT")
+    rig.data.edit_bones["Leg.L"].tail += Vector((1.0, 0.0, 0.0))
+    bpy.ops.object.mode_set(mode="POSE")
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    np.testing.assert_allclose(bones_of(rig)["Leg.001.L"][2], before["Leg.001.L"][2], atol=0.1)
+
+
+def test_parents_of_drawings_say_what_hangs_on_what() -> None:
+    """Unless all hang on one, which moves them; what is the parent of all is that of the puppet."""
+    own = {"Head": "Torso", "Arm.L": "Neck", "Neck": "Torso"}
+    for parents in (own, dict.fromkeys(("Head", "Arm.L", "Neck"), "Torso")):
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        drawings = {obj.name: obj for obj in figure_of_faces(Matrix())}
+        for child, parent in parents.items():
+            drawings[child].parent = drawings[parent]
+        choose(*drawings.values())
+        assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+        found = {part: parent for part, parent, _ in bones_of(bpy.context.object).values()}
+        assert (found["Head"], found["Arm.L"]) == (("Torso", "Neck") if parents == own else ("Neck", "Torso"))
+
+
+def test_what_moves_all_drawings_moves_their_puppet() -> None:
+    drawings = figure_of_faces(Matrix())
+    empty = bpy.data.objects.new("Stage", None)
+    bpy.context.collection.objects.link(empty)
+    empty.location, empty.rotation_euler, empty.scale = (2.0, 1.0, 0.0), (0.0, 0.0, 0.3), (1.5, 1.5, 1.5)
+    for obj in drawings:
+        obj.parent = empty
+    before = shapes()
+    choose(*drawings)
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    rig: Any = bpy.context.object
+    assert rig.parent == empty and moved(before, shapes()) == set()
+    empty.location.x += 5.0
+    after = shapes()
+    for name, there in before.items():
+        np.testing.assert_allclose(after[name], there + np.array([5.0, 0.0, 0.0]), atol=1e-4)
+
+
+def test_each_file_is_a_puppet(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        (tmp_path / f"{name}.svg").write_text(ARM, encoding="utf-8")
+    files = [{"name": "one.svg"}, {"name": "two.svg"}]
+    bpy.ops.object.nested_cages_import(directory=str(tmp_path), files=files, outlines="PUPPET")
+    assert {obj.name for obj in bpy.data.objects if obj.type == "ARMATURE"} == {"one Puppet", "two Puppet"}
+
+
+def test_nothing_selected_is_told() -> None:
+    with pytest.raises(RuntimeError, match="Select the parts of a drawing"):
+        bpy.ops.object.nested_cages_puppet()
+
+
+def test_poses_are_assets_and_mirrored_as_pictures() -> None:
+    """What Blender pastes flipped by .L and .R is the mirrored picture, controls of limbs included."""
+    drawings = figure()
+    choose(*drawings.values())
+    assert bpy.ops.object.nested_cages_puppet(reach=True) == {"FINISHED"}
+    rig: Any = bpy.context.object
+
+    def picture() -> dict[str, np.ndarray]:
+        bpy.context.view_layer.update()
+        return {name: points(obj) for name, obj in drawings.items() if name != "Badge"}
+
+    def rest() -> None:
+        for each in rig.pose.bones:
+            each.rotation_euler, each.location = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+
+    turn(rig, Arm_L=25.0, Hand_L=-20.0, Leg_L=15.0, Neck=10.0)
+    rig.pose.bones["Leg.001 IK.L"].location = (0.1, 0.2, 0.0)
+    posed = picture()
+    action = bpy.data.actions.new("Lean")
+    rig.animation_data_create().action = action
+    for each in rig.pose.bones:
+        each.keyframe_insert("rotation_euler", frame=1)
+        each.keyframe_insert("location", frame=1)
+    rig.animation_data.action = None
+    action.asset_mark()
+    bpy.ops.pose.select_all(action="SELECT")
+    bpy.ops.pose.copy()
+    rest()
+    bpy.ops.pose.paste(flipped=True)
+    for name, flipped in picture().items():
+        other = name[:-1] + {"L": "R", "R": "L"}[name[-1]] if name[-2] == "." else name
+        mirrored = posed[other] * (-1.0, 1.0, 1.0)
+        far = np.linalg.norm(mirrored[:, None, :2] - flipped[None, :, :2], axis=2).min(axis=1)
+        assert far.max() < 0.02, name
+    rest()
+    rig.pose.apply_pose_from_action(action)
+    for name, applied in picture().items():
+        np.testing.assert_allclose(applied, posed[name], atol=1e-5, err_msg=name)
+
+
+@pytest.mark.slow
+def test_an_override_is_posed_and_walks_and_says_what_it_cannot(tmp_path: Path) -> None:
+    drawings = figure()
+    home = bpy.data.collections.new("Character")
+    bpy.context.scene.collection.children.link(home)
+    for obj in drawings.values():
+        home.objects.link(obj)
+        bpy.context.scene.collection.objects.unlink(obj)
+    choose(*drawings.values())
+    assert bpy.ops.object.nested_cages_puppet(reach=True) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    library, shot = str(tmp_path / "character.blend"), str(tmp_path / "shot.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=library)
+    names = set(drawings) - {"Badge"}
+
+    def parts() -> dict[str, Object]:
+        """Those that belong to this file: its own ones, or overrides."""
+        return {obj.name: obj for obj in bpy.data.objects if obj.library is None}
+
+    def picture() -> dict[str, np.ndarray]:
+        bpy.context.view_layer.update()
+        return {name: points(obj) for name, obj in parts().items() if name in names}
+
+    def pose() -> None:
+        bones: Any = parts()["Character Puppet"].pose.bones
+        bones["Leg.001 IK.L"].location, bones["Neck"].rotation_euler[2] = (0.1, 0.2, 0.0), 0.3
+
+    def assert_shows(wanted: dict[str, np.ndarray]) -> None:
+        for name, seen in picture().items():
+            np.testing.assert_allclose(seen, wanted[name], atol=1e-5, err_msg=name)
+
+    rest = picture()
+    pose()
+    posed = picture()
+    assert {"Leg.L", "Head", "Neck"} == {name for name in names if np.abs(posed[name] - rest[name]).max() > 1e-3}
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(library, link=True) as (_, wanted):
+        wanted.collections = ["Character"]
+    bpy.context.scene.collection.children.link(wanted.collections[0])
+    wanted.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+    assert_shows(rest)
+    pose()
+    assert_shows(posed)
+    bpy.ops.wm.save_as_mainfile(filepath=shot)
+    bpy.ops.wm.open_mainfile(filepath=shot)
+    assert_shows(posed)
+    armature: Any = parts()["Character Puppet"]
+    choose(armature)
+    with pytest.raises(RuntimeError, match="'Character Puppet' is an override of another file"):
+        bpy.ops.object.nested_cages_puppet()
+    assert_shows(posed)
+    assert bpy.ops.object.nested_cages_clip(kind="WALK") == {"FINISHED"}
+    bpy.context.scene.frame_set(7)
+    walking = picture()
+    assert np.abs(walking["Leg.R"] - posed["Leg.R"]).max() > 0.05
+    bpy.ops.wm.save_as_mainfile(filepath=shot)
+    bpy.ops.wm.open_mainfile(filepath=shot)
+    assert_shows(walking)
+    assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
+
+
+def test_limbs_snap_between_their_controls_and_their_bones(addon: Any) -> None:
+    curves_of = addon.animation.shape_keys.curves_of
+    choose(*figure().values())
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    armature: Any = bpy.context.object
+    bones = armature.pose.bones
+    leg = [bones["Leg.L"], bones["Leg.001.L"]]
+    control, reach = bones["Leg.001 IK.L"], leg[1].constraints["IK"]
+
+    def ends() -> np.ndarray:
+        bpy.context.view_layer.update()
+        return np.array([each.tail[:2] for each in bones if "IK" not in each.name])
+
+    def snap(**options: str) -> set[str]:
+        return bpy.ops.object.nested_cages_snap(**options)
+
+    bones["Root"].location[0], bones["Torso"].rotation_euler[2] = 0.3, 0.2
+    for turns in ((0.5, -0.7), (-0.4, 0.9)):  # the knee to both sides
+        for each, turn in zip(leg, turns, strict=True):
+            each.rotation_euler[2] = turn
+        shown = ends()
+        assert snap(control=control.name) == {"FINISHED"} and reach.influence == 1.0
+        np.testing.assert_allclose(ends(), shown, atol=1e-3)
+        control.location += type(control.location)((0.1, 0.2, 0.0))
+        shown = ends()
+        assert snap(control=control.name) == {"FINISHED"} and reach.influence == 0.0
+        np.testing.assert_allclose(ends(), shown, atol=1e-5)
+    control.location[1] -= 9.0  # out of reach
+    reach.influence = 0.5
+    shown = ends()
+    assert snap(control=control.name) == snap(control=control.name) == {"FINISHED"} and reach.influence == 1.0
+    np.testing.assert_allclose(ends(), shown, atol=1e-3)
+    assert armature.animation_data is None
+    bpy.ops.pose.select_all(action="DESELECT")
+    with pytest.raises(RuntimeError, match="Select a bone or the control of a limb"):
+        snap()
+    leg[0].keyframe_insert("rotation_euler", frame=1)
+    reach.keyframe_insert("influence", frame=1)
+    bpy.context.scene.frame_set(9)
+    bpy.ops.pose.select_all(action="SELECT")
+    others = [each for each in bones if (each.constraints.get("IK") or reach) != reach]
+    assert snap() == {"FINISHED"} and reach.influence == 0.0
+    assert len(others) == 3 and all(each.constraints["IK"].influence == 1.0 for each in others)
+
+    def keyed() -> dict[str, int]:
+        return {curve.data_path: len(curve.keyframe_points) for curve in curves_of(armature)}
+
+    first = {f"{leg[0].path_from_id()}.rotation_euler": 2, f"{reach.path_from_id()}.influence": 2}
+    assert keyed() == first
+    bpy.context.scene.tool_settings.use_keyframe_insert_auto = True
+    assert snap(control=control.name) == {"FINISHED"}
+    own = {f"{leg[1].path_from_id()}.rotation_euler": 1, f"{control.path_from_id()}.location": 1}
+    assert keyed() == first | own
+
+
+@pytest.mark.parametrize("by", slow_after(1, ["keys", "eye"]))
+def test_swapped_mouths_and_hands_stay_when_the_puppet_is_made_again(by: str) -> None:
+    """Hidden ones too, though Blender doesn't move what is hidden."""
+    drawings = figure()
+    pairs = (("Hand.L", "Open Hand.L"), ("Smile", "Frown"))
+    for name, loop, height in (
+        ("Open Hand.L", capsule(LIMBS["Hand.L"][0], (1.55, 1.3), 0.13), 0.0055),
+        ("Smile", capsule((-0.05, 1.6), (0.05, 1.6), 0.03), 0.02),
+        ("Frown", capsule((-0.05, 1.6), (0.05, 1.6), 0.04), 0.021),
+    ):
+        drawings[name] = face(name, loop)
+        drawings[name].location.z = height
+    choose(*drawings.values())
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    armature: Any = bpy.context.object
+
+    def swap(frame: int) -> None:
+        bpy.context.scene.frame_set(frame)
+        for pair in pairs:
+            for number, name in enumerate(pair):
+                obj, hidden = drawings[name], frame != (1, 5)[number]
+                if by == "eye":
+                    obj.hide_set(hidden)
+                elif armature.animation_data is None:
+                    obj.hide_viewport = obj.hide_render = hidden
+                    obj.keyframe_insert("hide_viewport", frame=frame)
+                    obj.keyframe_insert("hide_render", frame=frame)
+        bpy.context.view_layer.update()
+
+    def seen() -> dict[str, np.ndarray]:
+        found: dict[str, np.ndarray] = {}
+        for frame in (5, 1):
+            swap(frame)
+            found |= {name: points(obj) for name, obj in drawings.items() if obj.visible_get() and name != "Badge"}
+        return found
+
+    seen()
+    turn(armature, Arm_L=30.0, Neck=25.0)
+    armature.keyframe_insert("location")
+    before = seen()
+    heads = {each.name: each.head_local.copy() for each in armature.data.bones}
+    assert bpy.ops.object.nested_cages_puppet() == {"FINISHED"}
+    assert [drawings[name].visible_get() for pair in pairs for name in pair] == [True, False] * 2
+    assert set(before) == set(drawings) - {"Badge"}
+    for name, wanted in seen().items():
+        np.testing.assert_allclose(wanted, before[name], atol=1e-4, err_msg=name)
+    for each in armature.data.bones:
+        np.testing.assert_allclose(each.head_local, heads[each.name], atol=1e-5, err_msg=each.name)

@@ -1,0 +1,90 @@
+"""Everything is in one submenu, and what is exported comes back as it was."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+from test_panels import Layout
+
+from support.drawings import evaluated, in_world, poly_curve, star
+from support.marks import slow_after
+
+
+def test_all_operators_are_in_the_submenu(addon) -> None:
+    drawn: list[str] = []
+    addon.ui.menus.VIEW3D_MT_nested_cages.draw(SimpleNamespace(layout=Layout(drawn)), bpy.context)
+    known = {f"object.{name}" for name in dir(bpy.ops.object) if name.startswith("nested_cages")}
+    assert known - set(drawn) == {"object.nested_cages_cancel"}
+
+
+@pytest.mark.parametrize("kind", ["SVG", "GEOJSON"])
+def test_three_exported_outlines_come_back_as_three_of_the_same_size(addon, tmp_path, kind) -> None:
+    poly_curve("Drawing", [star()])
+    bpy.ops.object.nested_cages_generate(levels="20, 10")
+    path = str(tmp_path / ("cages" + addon.operators.files.SUFFIXES[kind]))
+    bpy.ops.object.nested_cages_export(filepath=path, kind=kind)
+    names = ("Drawing Fine", "Drawing Cage 1", "Drawing Cage 2")
+    sizes = sorted(tuple(np.ptp([v.co for v in bpy.data.objects[name].data.vertices], axis=0)) for name in names)
+    before = set(bpy.data.objects)
+    assert bpy.ops.object.nested_cages_import(filepath=path) == {"FINISHED"}
+    made = sorted(set(bpy.data.objects) - before, key=lambda obj: obj.dimensions.x)
+    assert len(made) == 3
+    found = sorted(tuple(np.ptp([v.co for v in obj.data.vertices], axis=0)) for obj in made)
+    np.testing.assert_allclose(found, sizes, rtol=1e-6)
+    for obj in made:
+        bpy.data.objects.remove(obj)
+    assert bpy.ops.object.nested_cages_import(filepath=path, scale=2.0, outlines="ONE") == {"FINISHED"}
+    made = set(bpy.data.objects) - before
+    assert len(made) == (1 if kind == "SVG" else 3)
+    assert max(obj.dimensions.x for obj in made) == pytest.approx(2.0 * max(size[0] for size in sizes), rel=1e-4)
+
+
+def test_shapes_of_any_svg_can_be_read_one_by_one(addon, tmp_path) -> None:
+    path = tmp_path / "two.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 10"><rect width="10" height="10"/>'
+        '<circle id="dot" cx="12" cy="5" r="4"/><path fill="none" d="M0 0h1"/></svg>'
+    )
+    assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="ONE") == {"FINISHED"}
+    assert len(bpy.data.objects) == 1
+    assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="SEVERAL") == {"FINISHED"}
+    assert sorted(obj.name for obj in bpy.data.objects) == ["dot", "rect 1", "two"]
+    assert bpy.data.objects["rect 1"].dimensions.x == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("shapes", slow_after(1, [1, 2]))
+@pytest.mark.parametrize(("plane", "up"), [("AUTO", 2), ("XZ", 2), ("XY", 1)])
+def test_a_drawing_stands_in_its_middle_and_several_shapes_are_parts(tmp_path, shapes, plane, up) -> None:
+    drawn = ('<rect id="low" x="10" width="10" height="40" fill="red"/>', '<circle id="high" cx="30" cy="35" r="5"/>')
+    path = tmp_path / "drawing.svg"
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 90 90">{"".join(drawn[:shapes])}</svg>')
+    assert bpy.ops.object.nested_cages_import(filepath=str(path), plane=plane) == {"FINISHED"}
+    bpy.context.view_layer.update()
+    made = {obj.name: obj for obj in bpy.context.selected_objects}
+    assert list(made) == (["drawing"] if shapes == 1 else ["low", "high"])
+    corners = np.concatenate([in_world(obj, evaluated(obj)) for obj in made.values()])
+    size = (0.1, 0.4) if shapes == 1 else (0.25, 0.4)
+    for axis, extent in zip((0, up), size, strict=True):
+        assert [corners[:, axis].min(), corners[:, axis].max()] == pytest.approx([-extent / 2, extent / 2], abs=1e-6)
+    if shapes == 2:  # what is drawn later is above, or in front, and y goes down in the file
+        above, front = made["high"].location - made["low"].location, -1.0 if up == 2 else 1.0
+        assert above[up] == pytest.approx(-0.15, abs=1e-6) and above[3 - up] * front > 0.0
+        assert made["low"].data.polygons and made["low"].data.materials[0].name == "Fill #FF0000"
+    assert bpy.ops.object.nested_cages_generate(levels="8") == {"FINISHED"}
+
+
+@pytest.mark.slow
+def test_every_drawn_shape_is_an_outline_whatever_the_spelling(addon, tmp_path) -> None:
+    path = tmp_path / "many.svg"
+    shapes = '<s:g id="dot"><s:circle id="dot" r="1"/></s:g><s:defs><s:rect id="r" width="1" height="1"/></s:defs>'
+    copies = "".join(f'<s:use href="#r" x="{3 * k}"/>' for k in range(1, 400))
+    document = f'<s:svg xmlns:s="http://www.w3.org/2000/svg">{shapes}<s:path id="dot" d="M0 5h1v1z"/>{copies}</s:svg>'
+    path.write_text(f'<?xml version="1.0" encoding="UTF-16"?>{document}', encoding="utf-16")
+    assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="SEVERAL") == {"FINISHED"}
+    assert len(bpy.data.objects) == 401
+    assert {"dot", "dot.001", "r", "r.398"} <= {obj.name for obj in bpy.data.objects}
+    assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="ONE") == {"FINISHED"}
+    assert len(bpy.data.objects) == 402

@@ -1,0 +1,378 @@
+"""The main job: certified cages for the shapes of the paper, drawn here and checked by shapely; starts and levels."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from nestedcages_core import (
+    IPC,
+    ArcLength,
+    BoundaryARAP,
+    FlowError,
+    Hierarchy,
+    InvalidMeshError,
+    Mesh,
+    NestedCagesError,
+    NestingError,
+    OnCurve,
+    OuterHull,
+    SequentialQP,
+    Settings,
+    Share,
+    Within,
+    animated_cages,
+    inner_cages,
+    nested_cages,
+    verify,
+)
+from support.marks import slow_after
+from support.methods import Offering
+from support.shapes import (
+    annulus,
+    assert_nested,
+    islands,
+    letter_a,
+    letter_a_coarse,
+    octagon_with_hole,
+    ring,
+    square_with_hole,
+    star,
+)
+
+OUTER, HOLE = ring(60, 1.0), ring(20, 0.4)
+
+
+def codes(level: Any) -> list[str]:
+    return [note.code for note in level.report.notes]
+
+
+def assert_sound(hierarchy: Hierarchy, clearance: float | None = None) -> None:
+    """Everything that a result promises."""
+    inner = hierarchy.fine
+    wanted = 1e-5 * hierarchy.fine.diagonal if clearance is None else clearance
+    for level in hierarchy.levels:
+        assert level.fine is inner
+        assert_nested(level.cage, level.fine)
+        assert (level.report.strict, level.report.simple) == (True, True)
+        assert level.report.clearance >= wanted * (1 - 1e-9)
+        assert verify(level.cage, level.fine, wanted).holds
+        assert (level.cage.edges == level.coarse.edges).all()
+        steps = level.reinflation
+        assert (level.flow.steps[0] == level.fine.vertices).all()
+        assert (steps.fine_steps[0] == level.flow.steps[-1]).all()
+        assert (steps.fine_steps[steps.tightening_start :] == level.fine.vertices).all()
+        assert (steps.cage_steps[0] == level.coarse.vertices).all()
+        assert (steps.cage_steps[-1] == level.cage.vertices).all()
+        assert len(steps.fine_steps) == len(steps.cage_steps)
+        inner = level.cage
+
+
+# The shapes of the paper
+
+
+@pytest.mark.parametrize("per_ring", slow_after(4, [16, 32, 64, 256, 24, 48, 96, 128], thorough_after=4))
+def test_discs_of_table_1_come_within_3_percent(per_ring: int) -> None:
+    """Annuli of radii 1 and 0.5 in a coarse one of 16 + 16 vertices (Gurditta & Jacobson 2022, Table 1)."""
+    hierarchy = nested_cages(annulus(per_ring), [annulus(16)])
+    assert_sound(hierarchy)
+    assert hierarchy[0].excess < 0.03
+    assert hierarchy[0].report.start == "flow"
+
+
+@pytest.mark.parametrize(("fine", "coarse"), [(letter_a, letter_a_coarse), (octagon_with_hole, square_with_hole)])
+def test_shapes_with_holes_flow_into_their_own_coarse_mesh(
+    fine: Callable[[], Mesh], coarse: Callable[[], Mesh]
+) -> None:
+    """In the spirit of figure 1: arms, legs and a hole."""
+    hierarchy = nested_cages(fine(), [coarse()])
+    assert_sound(hierarchy)
+    assert hierarchy[0].report.start == "flow"
+
+
+@pytest.mark.parametrize("decimation", [OuterHull(), OnCurve(), ArcLength()], ids=lambda d: type(d).__name__)
+@pytest.mark.parametrize("shape", slow_after(0, [islands, letter_a, star], thorough_after=1), ids=lambda s: s.__name__)
+def test_several_levels_by_every_decimation(shape: Callable[[], Mesh], decimation: Any) -> None:
+    hierarchy = nested_cages(shape(), [48, 24], Settings(decimation=decimation, loops="keep"))
+    assert_sound(hierarchy)
+    assert len(hierarchy.cages[0].vertices) <= 48
+    assert len(hierarchy.cages[1].vertices) <= 24
+
+
+@pytest.mark.parametrize("clearance", slow_after(1, [0.05, 0.0, 1e-4, 0.1]))
+def test_the_wanted_clearance_is_kept(clearance: float) -> None:
+    hierarchy = nested_cages(letter_a(1), [24], clearance=clearance)
+    assert_sound(hierarchy, clearance)
+    assert hierarchy[0].report.wanted_clearance == clearance
+    assert hierarchy[0].report.clearance <= max(1.001 * clearance, 1e-6)
+
+
+# What a level starts from, and what it starts from where that fails
+
+
+def far_away() -> Mesh:
+    coarse = letter_a_coarse()
+    return Mesh(coarse.vertices + 100.0, coarse.edges)
+
+
+@dataclass(frozen=True)
+class Failing:
+    """A decimation that never succeeds."""
+
+    def decimate(self, fine: Mesh, count: Any, *, clearance: float = 0.0) -> Mesh:
+        raise NestingError("This decimation makes nothing.", code="count.too_small")
+
+
+@dataclass(frozen=True)
+class BoundingPolygon:
+    """A decimation that encloses, and is none of ours."""
+
+    def decimate(self, fine: Mesh, count: Any, *, clearance: float = 0.0) -> Mesh:
+        return OuterHull().decimate(fine, count, clearance=clearance)
+
+
+STARTS: dict[str, tuple[Mesh, Any, dict[str, Any], str, list[str]]] = {
+    "a hull encloses": (star(5, 60), 24, {"decimation": OuterHull()}, "outer hull", []),
+    "another one that encloses": (star(5, 60), 24, {"decimation": BoundingPolygon()}, "bounding polygon", []),
+    "a decimation fails": (annulus(24), 12, {"decimation": Failing()}, "outer hull", ["note.start"]),
+    "another fallback": (
+        annulus(24), 12, {"decimation": Failing(), "fallback": BoundingPolygon()}, "bounding polygon", ["note.start"],
+    ),
+    "nothing flows into an own mesh": (letter_a(1), far_away(), {}, "line cycles", ["note.start"]),
+    "nothing flows there, by another fallback": (
+        letter_a(1), far_away(), {"decimation": ArcLength(), "fallback": BoundingPolygon()}, "bounding polygon",
+        ["note.start"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("fine", "level", "options", "start", "notes"), STARTS.values(), ids=STARTS.keys())
+def test_the_report_says_what_a_level_started_from(
+    fine: Mesh, level: Any, options: dict[str, Any], start: str, notes: list[str]
+) -> None:
+    found = nested_cages(fine, level, **options)[0]
+    assert (found.report.start, codes(found)) == (start, notes)
+    assert_nested(found.cage, found.fine)
+    assert sorted(len(loop) for loop in found.cage.loops) == (
+        [24] if level == 24 else [6, 6] if level == 12 else [3, 20]
+    )
+    if notes == []:  # it encloses: nothing flows, and the shape is at home
+        assert (len(found.flow.steps), found.reinflation.tightening_start) == (1, 0)
+
+
+def test_without_a_fallback_the_error_is_raised() -> None:
+    with pytest.raises(NestingError) as caught:
+        nested_cages(annulus(24), [12], Settings(decimation=Failing(), fallback=None))
+    assert caught.value.code == "count.too_small"
+    with pytest.raises(FlowError) as stuck:
+        nested_cages(letter_a(1), [40, far_away()], Settings(fallback=None))
+    assert stuck.value.code == "flow.loops_differ"
+    assert isinstance(stuck.value.partial, Hierarchy)
+    assert [len(cage.vertices) for cage in stuck.value.partial.cages] == [40]
+
+
+@pytest.mark.parametrize(
+    ("own", "vertices"),
+    [
+        (Mesh.from_loops([ring(9, 1.2) + 50.0, 0.4 * ring(4) + 50.0]), 13),  # loops that match none
+        (Mesh.from_loops([ring(4, 1.5) + 50.0]), 6),  # fewer loops: at least triangles
+        (Mesh.from_loops([ring(9, 1.5) + 50.0]), 9),
+    ],
+)
+def test_the_fallback_has_as_many_vertices_as_the_own_mesh(own: Mesh, vertices: int) -> None:
+    (level,) = nested_cages(annulus(24), [own])
+    assert len(level.cage.vertices) == vertices
+    assert_nested(level.cage, level.fine)
+
+
+@pytest.mark.slow
+def test_a_loose_cage_from_an_own_mesh_is_compared_with_that_of_the_other_contact() -> None:
+    random = np.random.default_rng(30)  # needles of different lengths: the contacts end in different minima
+    length = np.where(np.arange(24) % 3 == 0, random.uniform(0.6, 1.0, 24), 0.1)
+    fine = Mesh.from_loops([ring(24) * length[:, None]])
+    own = Mesh.from_loops([0.45 * ring(13) + random.uniform(-0.05, 0.05, 2)])
+    first, second, kept = (
+        nested_cages(fine, [own], **options)[0].excess
+        for options in ({"contact": SequentialQP()}, {"contact": IPC()}, {})
+    )
+    assert abs(first - second) > 0.1
+    assert kept == pytest.approx(min(first, second), rel=1e-3)
+
+
+@dataclass(frozen=True)
+class OfferingSeveral(Offering):
+    """A decimation that offers several coarse meshes, one after the other."""
+
+    def starts(self, fine: Mesh, count: Any, *, clearance: float) -> Any:
+        offered = OuterHull().starts(fine, count, clearance=clearance)
+        try:
+            while True:
+                yield next(offered)
+        except StopIteration as end:
+            first = end.value[0]
+        return [first._replace(coarse=coarse, source="offered", on_curve=None) for coarse in self.meshes]
+
+
+@pytest.mark.parametrize("order", slow_after(1, [((1, 2, 0),), ((0, 1, 2),), ((2, 1, 0),)]))
+def test_the_tightest_of_several_starts_is_kept(order: tuple[int, ...]) -> None:
+    """They end in optima that are far apart, and come in several orders."""
+    fine = Mesh.from_loops([letter_a().rings[0]])
+    starts = [Mesh.from_loops([ring(5, 5.2, angle) + np.array([0.0, 2.0])]) for angle in (0.0, 0.63, 0.94)]
+    areas = [nested_cages(fine, [start], fallback=None).cages[0].area for start in starts]
+    assert max(areas) > 1.08 * min(areas) > (1.0 + 1e-9) * min(areas)
+    offered = OfferingSeveral(tuple(starts[k] for k in order))
+    assert nested_cages(fine, [5], decimation=offered, fallback=None).cages[0].area < (1.0 + 1e-9) * min(areas)
+
+
+def test_a_cage_that_its_energy_leaves_as_it_starts_has_a_note() -> None:
+    """Energies that keep a shape have their minimum at the hull."""
+    (level,) = nested_cages(star(), [16], Settings(energy=BoundaryARAP(), decimation=OuterHull()))
+    assert (level.cage.vertices == level.coarse.vertices).all()
+    assert codes(level) == ["note.energy"]
+    assert not nested_cages(star(), [16], Settings(decimation=OuterHull()))[0].report.notes
+
+
+# What a level is
+
+
+@pytest.mark.parametrize(
+    "level", [12, np.int64(12), Mesh.from_loops([ring(12, 1.5)]), ring(12, 1.5), Within(excess=0.2)]
+)
+def test_a_single_level_needs_no_list(level: Any) -> None:
+    assert nested_cages(OUTER, level)[0].cage == nested_cages(OUTER, [level])[0].cage
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("20%", Share(0.2)),
+        ("0.2u", Within(distance=0.2)),
+        ("0.2px", Within(distance=0.2)),
+        ("+25%", Within(excess=0.25)),
+        ("24", 24),
+        ("24, 12", [24, 12]),
+        (["20%", 9], [12, 9]),
+    ],
+)
+def test_levels_can_be_texts_as_in_the_command(text: Any, same: Any) -> None:
+    make = inner_cages if text == "24" else nested_cages
+    assert make(OUTER, text).cages == make(OUTER, same).cages
+
+
+def test_a_motion_takes_texts_too() -> None:
+    poses = np.stack([OUTER, OUTER + 0.1])
+    assert len(animated_cages(OUTER, poses, "20%").levels[0].cage.vertices) == 12
+
+
+@pytest.mark.parametrize(
+    ("given", "counts"),
+    [
+        ([12, 24], [24, 12]),
+        (["20%", 24, "10%"], [24, 12, 6]),
+        ([24, 24], [24, 24]),
+        ([Share(0.1), Share(0.5)], [30, 6]),
+        ([20, Mesh.from_loops([ring(9, 1.5)]), 12], [20, 9, 9]),  # what cannot be compared stays in order
+        (["+50%", "+5%"], [9, 4]),
+    ],
+)
+def test_levels_in_any_order_are_made_finest_first(given: list[Any], counts: list[int]) -> None:
+    assert [len(cage.vertices) for cage in nested_cages(OUTER, given).cages] == counts
+
+
+def test_after_a_cage_with_fewer_loops_fewer_vertices_are_enough() -> None:
+    hierarchy = nested_cages(annulus(60), [Mesh.from_loops([ring(9, 1.2)]), 3])
+    assert [len(cage.vertices) for cage in hierarchy.cages] == [9, 3]
+    assert_nested(hierarchy.cages[1], hierarchy.cages[0])
+
+
+@pytest.mark.parametrize(
+    ("levels", "code", "data"),
+    [
+        ([], "level.invalid", {}),
+        (["many"], "level.invalid", {}),
+        ("24x", "level.invalid", {}),
+        ("5mm", "level.invalid", {}),
+        ([24, ""], "level.invalid", {}),
+        ([True], "setting.invalid", {}),
+        (None, "level.invalid", {}),
+        (2, "count.too_small", {"total": 2, "least": 3}),
+        ([Mesh.from_loops([ring(9, 1.2)]), 2], "count.too_small", {"total": 2, "least": 3}),
+    ],
+)
+def test_levels_that_make_no_sense_are_refused(levels: Any, code: str, data: dict[str, int]) -> None:
+    with pytest.raises(NestingError) as caught:
+        nested_cages([ring(200), HOLE], levels)
+    assert caught.value.code == code
+    assert {name: caught.value.data.get(name) for name in data} == data
+
+
+# What a shape is
+
+
+@pytest.mark.parametrize("make", [nested_cages, inner_cages])
+def test_anything_that_describes_a_shape_has_cages(make: Callable[..., Hierarchy]) -> None:
+    mesh = annulus(24)
+    loops = list(mesh.rings)
+    wanted = make(mesh, [12]).cages[0]
+    for shape in (loops, np.array(loops), mesh.__geo_interface__, shapely.geometry.shape(mesh)):
+        (level,) = make(shape, [12]).levels
+        back = shapely.geometry.shape(level.cage)
+        assert back.is_valid
+        assert len(back.interiors) == 1
+        assert back.area == pytest.approx(wanted.area, rel=1e-9)
+        assert verify(*((shape, level.cage) if level.inside else (level.cage, shape)))
+
+
+@pytest.mark.parametrize(
+    ("fine", "error", "code"),
+    [
+        (None, NestingError, "mesh.unreadable"),
+        ("star.svg", NestingError, "mesh.unreadable"),
+        (ring(20)[:, :1], InvalidMeshError, "mesh.unreadable"),
+        ({"type": "Point", "coordinates": [0, 0]}, InvalidMeshError, "mesh.unreadable"),
+    ],
+)
+def test_what_is_no_shape_has_no_cages(fine: object, error: type[NestedCagesError], code: str) -> None:
+    with pytest.raises(error) as caught:
+        nested_cages(fine, [5])  # type: ignore[arg-type]
+    assert caught.value.code == code
+
+
+def test_moved_meshes_are_validated_when_they_come_in() -> None:
+    fine, coarse = Mesh.from_loops([ring(50)]), Mesh.from_loops([ring(8)])
+    scribble = fine.moved(fine.vertices[np.random.default_rng(0).permutation(50)])
+    for shape, level in ((scribble, 8), (fine, coarse.moved(coarse.vertices[[0, 4, 2, 6, 1, 5, 3, 7]]))):
+        with pytest.raises(InvalidMeshError) as caught:
+            nested_cages(shape, [level])
+        assert caught.value.code == "mesh.crossing"
+    mirrored = fine.moved(fine.vertices * np.array([1.0, -1.0]))
+    assert_nested(nested_cages(mirrored, [8]).cages[0], mirrored.validated())
+
+
+# Results of one's own
+
+
+def test_the_arrays_of_a_result_are_not_shared_with_later_ones() -> None:
+    fine = star(5, 60)
+    first = nested_cages(fine, [20])[0]
+    kept = first.cage.vertices.copy()
+    first.flow.steps[:] = 0.0
+    first.reinflation.cage_steps[:] = 0.0
+    again = nested_cages(fine, [20])[0]
+    assert (again.cage.vertices == kept).all()
+    assert (again.flow.steps[0] == fine.vertices).all()
+
+
+def test_the_log_tells_the_story_of_a_run_at_debug_level_alone(caplog: pytest.LogCaptureFixture) -> None:
+    nested_cages(star(5, 50), [12])
+    assert caplog.text == ""
+    with caplog.at_level(logging.DEBUG, logger="nestedcages_core"):
+        nested_cages(star(5, 52), [12])
+    assert len(caplog.records) > 3
+    assert {record.levelno for record in caplog.records} == {logging.DEBUG}

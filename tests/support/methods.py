@@ -1,0 +1,124 @@
+"""A user's own methods: they work as those of the package, and then do something wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from nestedcages_core import Area, Constraint, Fault, FlowResult, Mesh, SequentialQP, Tightening, TwoSidedFlow
+
+Further = Callable[[np.ndarray], list[np.ndarray]]
+
+
+def nothing(_: np.ndarray) -> list[np.ndarray]:
+    return []
+
+
+@dataclass(frozen=True)
+class Continued(Tightening):
+    """A tightening that takes further steps at its end, and may be told another clearance; at first it does neither.
+
+    It notes the clearances that it is asked for.
+    """
+
+    further: Further = nothing
+    share: float = 1.0
+    first: int = 0
+    """Runs that go well before."""
+    asked: list[float] = field(default_factory=list, compare=False)
+
+    def run(self, bodies: Any, cage: np.ndarray, fine: np.ndarray, *, clearance: float, energy: Any) -> Any:
+        self.asked.append(clearance)
+        works = len(self.asked) <= self.first
+        share = 1.0 if works else self.share
+        stage = super().run(bodies, cage, fine, clearance=share * clearance, energy=energy)
+        last, outcome = yield from _noting(stage, cage)
+        yield from [] if works else self.further(last)
+        return outcome
+
+
+@dataclass(frozen=True)
+class Detouring(Tightening):
+    """A tightening that turns the cage over and back again before it does its work."""
+
+    def run(self, bodies: Any, cage: np.ndarray, fine: np.ndarray, **options: Any) -> Any:
+        yield cage * np.array([-1.0, 1.0])
+        yield cage
+        return (yield from super().run(bodies, cage, fine, **options))
+
+
+@dataclass(frozen=True)
+class Elsewhere(SequentialQP):
+    """A contact whose last step is changed, and that says that it reached its target."""
+
+    change: Callable[[np.ndarray, int], np.ndarray] = lambda x, m: x
+
+    def reinflate(self, bodies: Any, x: np.ndarray, path: Any, **options: Any) -> Any:
+        _, outcome = yield from _noting(super().reinflate(bodies, x, path, **options), x)
+        ended = self.change(outcome.x.copy(), bodies.m)
+        yield ended
+        return outcome._replace(x=ended, reached_target=True)
+
+
+@dataclass(frozen=True)
+class GivingUp(SequentialQP):
+    """A contact that takes one step and stops."""
+
+    def reinflate(self, bodies: Any, x: np.ndarray, path: Any, **options: Any) -> Any:
+        _, outcome = yield from _noting(super().reinflate(bodies, x, path, **options), x)
+        return outcome._replace(reached_target=False, reason="it had enough")
+
+
+@dataclass(frozen=True)
+class Pretending(TwoSidedFlow):
+    """A flow with a change to its steps."""
+
+    change: Callable[[np.ndarray], np.ndarray] = lambda steps: steps
+
+    def run(self, fine: Mesh, coarse: Mesh) -> Any:
+        found = yield from super().run(fine, coarse)
+        return FlowResult(self.change(found.steps), found.iterations, found.stage)
+
+
+@dataclass(frozen=True)
+class Offering:
+    """A decimation that offers given coarse meshes."""
+
+    meshes: tuple[Mesh, ...]
+
+    def decimate(self, fine: Mesh, count: Any, *, clearance: float = 0.0) -> Mesh:
+        return self.meshes[0]
+
+
+@dataclass(frozen=True)
+class Misleading(Area):
+    """An area whose derivatives are wrong."""
+
+    factor: float = -1.0
+
+    def gradient(self, vertices: np.ndarray, successor: np.ndarray) -> np.ndarray:
+        return self.factor * super().gradient(vertices, successor)
+
+
+@dataclass(frozen=True)
+class Refusing(Constraint):
+    """A constraint that every cage misses."""
+
+    must: bool = True
+
+    def fault(self, cage: Mesh, fine: Mesh) -> Fault:
+        return Fault("No cage is good enough.", "constraint.missed")
+
+
+def _noting(stage: Generator[np.ndarray, None, Any], first: np.ndarray) -> Iterator[Any]:
+    """The same stage; returns what it yielded last and its outcome."""
+    last = first
+    try:
+        while True:
+            last = next(stage)
+            yield last
+    except StopIteration as end:
+        return last, end.value
