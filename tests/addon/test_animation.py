@@ -1,114 +1,364 @@
-"""Steps to keyframes: evaluated through the dependency graph, on and between frames, against the steps themselves."""
+"""The animation of how cages form: keys and frames, the moving copy, visibility, length, range, and life without it."""
 
 from __future__ import annotations
 
-from types import SimpleNamespace
+import itertools
+import re
 
 import bpy
 import numpy as np
 import pytest
 
-from support.drawings import at_frame, circle, evaluated, wire
+from support.drawings import (
+    at_frame,
+    base,
+    bind,
+    certificate,
+    choose,
+    circle,
+    curves_of,
+    edges_of,
+    end_of,
+    evaluated,
+    generate,
+    lines,
+    made,
+    poly_curve,
+    polygon_area,
+    save,
+    star,
+    verify,
+)
+from support.marks import slow_after
+from support.panels import draw
 
-FLOW_END, STEPS, PER_STEP = 3, 9, 4
+slotted = pytest.mark.skipif(bpy.app.version < (4, 4, 0), reason="actions have no slots")
 
 
-@pytest.fixture
-def level(addon):
-    """A level whose fine mesh shrinks and comes home while the cage stands and then grows."""
-    fine, cage = circle(20), circle(8, 1.3)
-    shrink = np.array([1.0, 0.9, 0.8, 0.7, 0.75, 0.8, 0.9, 1.0, 1.0])
-    grow = np.array([0.8, 0.8, 0.8, 0.8, 0.85, 0.9, 1.0, 1.1, 1.0])
-    return SimpleNamespace(
-        phases=addon.animation.timeline.Phases(FLOW_END, 7, STEPS - 1),
-        fine_steps=(fine[None] * shrink[:, None, None]).astype(np.float32),
-        cage_steps=(cage[None] * grow[:, None, None]).astype(np.float32),
-    )
+def keyed(obj):
+    """Frames (k,) on which an object has a step of its own, and the steps (k, n, 3) themselves."""
+    keys = obj.data.shape_keys
+    found = {}
+    for curve in curves_of(keys):
+        points = np.empty((len(obj.data.vertices), 3), np.float32)
+        keys.path_resolve(curve.data_path.removesuffix(".value")).points.foreach_get("co", points.ravel())
+        for point in curve.keyframe_points:
+            assert point.interpolation == "LINEAR"
+            if point.co[1] == 1.0:
+                found[float(point.co[0])] = points
+    frames = sorted(found)
+    return np.array(frames), np.array([found[frame] for frame in frames])
+
+
+@pytest.mark.parametrize("which", [0, 1, 2])
+def test_each_step_is_on_its_frame_and_the_motion_is_linear(which: int) -> None:
+    poly_curve("Drawing", [star()])
+    generate(frames_per_step=4)
+    obj = made()[which]
+    frames, steps = keyed(obj)
+    assert len(frames) > 5 and len(obj.data.shape_keys.key_blocks) <= len(steps) + 1
+    rounding = 8.0 * np.finfo(np.float32).eps * np.abs(steps).max()
+    for k, frame in enumerate(frames):
+        np.testing.assert_allclose(evaluated(obj, at_frame(frame)), steps[k], rtol=0.0, atol=rounding)
+        if k and frames[k] == frames[k - 1] + 4:
+            for part in (0.25, 0.5, 0.875):
+                wanted = steps[k - 1].astype(float) * (1.0 - part) + steps[k].astype(float) * part
+                found = evaluated(obj, at_frame(frames[k - 1] + 4 * part))
+                np.testing.assert_allclose(found, wanted, rtol=0.0, atol=rounding)
+    for frame in (end_of(made()[-1]), 5000):
+        np.testing.assert_array_equal(evaluated(obj, at_frame(frame)), base(obj))
+
+
+def test_a_level_plays_after_the_one_before() -> None:
+    poly_curve("Drawing", [star()])
+    generate(start_frame=10, frames_per_step=4, decimation="ARC_LENGTH")
+    first, second = (certificate(cage).frames for cage in made()[1:])
+    assert first[0] == 10 < first[1] < first[3] < second[0] < second[1] < second[3]
+    assert all((frame - 10) % 4 == 0 for frame in (*first, *second))
+    generate(start_frame=10, frames_per_step=4, decimation="ARC_LENGTH", show_flow=False)
+    hidden = certificate(made()[1]).frames
+    assert hidden[0] == hidden[1] == 10 and hidden[3] - hidden[1] == first[3] - first[1]
+
+
+@pytest.mark.parametrize("length", slow_after(1, [120, 30, 400]))
+def test_the_animation_fits_a_length(length: int) -> None:
+    poly_curve("Drawing", [star()])
+    generate(start_frame=11, fit_length=True, length=length)
+    assert end_of(made()[-1]) - 11 + 1 == pytest.approx(length, abs=2)
+    assert bpy.context.scene.frame_end >= end_of(made()[-1])
+    for obj in made():
+        assert (np.diff(keyed(obj)[0]) > 0.0).all()
 
 
 @pytest.mark.slow
-def test_levels_play_one_after_the_other(addon, level) -> None:
-    timing = addon.animation.timeline.Timing(start_frame=10, frames_per_step=PER_STEP)
-    first, second = addon.animation.timeline.spans([level.phases] * 2, timing)
-    assert (first.flow, first.reinflation, first.tightening, first.end) == (10, 22, 38, 42)
-    assert second.flow == first.end + PER_STEP
-    assert second.end - second.flow == first.end - first.flow
+def test_the_length_is_known_for_other_timings() -> None:
+    poly_curve("Drawing", [star()])
+    generate()
+    settings = bpy.context.scene.nested_cages
+    settings.start_frame, settings.fit_length = 5, False
+    for frames_per_step, show_flow in itertools.product((1, 3), (True, False)):
+        settings.frames_per_step, settings.show_flow = frames_per_step, show_flow
+        told = [int(number) for text in draw() for number in re.findall(r"\b(\d+) frames", text)]
+        choose(bpy.data.objects["Drawing"])
+        bpy.context.scene.frame_end = 6
+        generate(start_frame=5, frames_per_step=frames_per_step, show_flow=show_flow)
+        assert told == [bpy.context.scene.frame_end - 5 + 1]
 
 
-def test_without_the_flow_the_animation_starts_at_the_reinflation(addon, level) -> None:
-    (span,) = addon.animation.timeline.spans(
-        [level.phases], addon.animation.timeline.Timing(5, PER_STEP, show_flow=False)
-    )
-    assert (span.flow, span.reinflation, span.end) == (5, 5, 5 + (STEPS - 1 - FLOW_END) * PER_STEP)
-
-
-@pytest.mark.parametrize("which", ["fine_steps", "cage_steps"])
-def test_each_step_is_on_its_frame_and_the_motion_is_linear(addon, level, which) -> None:
-    steps = getattr(level, which)
-    obj = wire("Object", [steps[-1]])
-    frames = 1 + np.arange(STEPS) * PER_STEP
-    addon.animation.shape_keys.add_steps(obj, steps, frames, "Level 1")
-    rounding = 4.0 * np.finfo(np.float32).eps * np.abs(steps).max()
-    for step, frame in enumerate(frames):
-        found = evaluated(obj, at_frame(frame))[:, :2]
-        np.testing.assert_allclose(found, steps[step], rtol=0.0, atol=rounding)
-        if step + 1 < STEPS:
-            for part in (0.25, 0.5, 0.875):
-                found = evaluated(obj, at_frame(frame + part * PER_STEP))[:, :2]
-                expected = steps[step].astype(float) * (1.0 - part) + steps[step + 1].astype(float) * part
-                np.testing.assert_allclose(found, expected, rtol=0.0, atol=rounding)
-    np.testing.assert_array_equal(evaluated(obj, at_frame(frames[-1]))[:, :2], steps[-1])
-    np.testing.assert_array_equal(evaluated(obj, at_frame(500))[:, :2], steps[-1])
-    np.testing.assert_allclose(evaluated(obj, at_frame(-50))[:, :2], steps[0], rtol=0.0, atol=rounding)
-
-
-def test_a_mesh_that_stands_still_has_one_key_for_it(addon, level) -> None:
-    obj = wire("Object", [level.cage_steps[-1]])
-    addon.animation.shape_keys.add_steps(obj, level.cage_steps, 1 + np.arange(STEPS) * PER_STEP, "Level 1")
-    # The Basis, the coarse mesh during the flow, and four steps; step 6 and the last one are the Basis themselves.
-    assert len(obj.data.shape_keys.key_blocks) == 1 + 1 + 3
-
-
-def test_without_its_animation_an_object_shows_the_result(addon, level) -> None:
-    obj = wire("Object", [level.fine_steps[-1]])
-    addon.animation.shape_keys.add_steps(obj, level.fine_steps, 1 + np.arange(STEPS) * PER_STEP, "Level 1")
-    at_frame(13)
-    addon.animation.shape_keys.remove_animation(obj.data.shape_keys)
-    for key in obj.data.shape_keys.key_blocks:
-        key.value = 0.0
-    np.testing.assert_array_equal(evaluated(obj)[:, :2], level.fine_steps[-1])
-    assert not bpy.data.actions
-
-
-def test_two_levels_on_one_object_do_not_mix(addon, level) -> None:
-    obj = wire("Object", [level.fine_steps[-1]])
-    addon.animation.shape_keys.add_steps(obj, level.fine_steps, 1 + np.arange(STEPS) * PER_STEP, "Level 1")
-    addon.animation.shape_keys.add_steps(obj, level.fine_steps, 101 + np.arange(STEPS) * PER_STEP, "Level 2")
-    for step in range(STEPS):
-        first = evaluated(obj, at_frame(1 + step * PER_STEP))
-        second = evaluated(obj, at_frame(101 + step * PER_STEP))
-        np.testing.assert_array_equal(first, second)
-
-
-def test_markers_are_taken_back_once_each(addon) -> None:
+def test_markers_of_the_same_name_are_the_user_s() -> None:
     scene = bpy.context.scene
-    mine = ("Drawing", 30)
-    scene.timeline_markers.new(mine[0], frame=mine[1])
-    addon.animation.timeline.settle(scene, [], [mine, mine])
-    assert [(marker.name, marker.frame) for marker in scene.timeline_markers] == [mine]
-    scene.timeline_markers.new(mine[0], frame=mine[1])
-    addon.animation.timeline.settle(scene, [mine, mine])
-    assert [(marker.name, marker.frame) for marker in scene.timeline_markers] == [mine]
+    poly_curve("Drawing", [star()])
+    generate()
+    end = end_of(made()[-1])
+    assert [(marker.name, marker.frame) for marker in scene.timeline_markers] == [("Drawing", end)]
+    scene.timeline_markers.new("Drawing", frame=end)
+    bpy.ops.object.nested_cages_remove_animation()
+    assert [(marker.name, marker.frame) for marker in scene.timeline_markers] == [("Drawing", end)]
 
 
-def test_many_keys_are_written_in_bulk(addon) -> None:
-    """200 steps of 2,000 points: the keyframes are all there and linear."""
-    rng = np.random.default_rng(1)
-    steps = (circle(2000)[None] * (1.0 - 0.5 * rng.random((200, 1, 1)))).astype(np.float32)
-    obj = wire("Object", [steps[-1]])
-    addon.animation.shape_keys.add_steps(obj, steps, 1 + np.arange(200), "Level 1")
-    keys = obj.data.shape_keys
-    assert len(keys.key_blocks) == 200
-    curves = addon.animation.shape_keys.curves_of(keys)
-    assert len(curves) == 199
-    assert {point.interpolation for curve in curves for point in curve.keyframe_points} == {"LINEAR"}
+@pytest.mark.slow
+def test_a_large_drawing_plays_the_same_after_saving_and_loading(tmp_path) -> None:
+    poly_curve("Drawing", [star(4000)])
+    generate("24")
+    frames = np.linspace(1, end_of(made()[1]), 9).round().astype(int)
+    before = [[evaluated(obj, at_frame(frame)) for obj in made()] for frame in frames]
+    assert np.abs(before[4][0] - before[0][0]).max() > 0.01
+    save(tmp_path / "large.blend", again=True)
+    for frame, wanted in zip(frames, before, strict=True):
+        for obj, points in zip(made(), wanted, strict=True):
+            np.testing.assert_array_equal(evaluated(obj, at_frame(frame)), points)
+
+
+def test_a_cage_stays_home_until_its_own_flow_begins_out_of_sight() -> None:
+    poly_curve("Drawing", [star()])
+    generate(decimation="ARC_LENGTH", show_flow=False)
+    cages = made()[1:]
+    end = end_of(cages[0])
+    home = evaluated(cages[0], at_frame(9000))
+    np.testing.assert_array_equal(evaluated(cages[0], at_frame(end)), home)
+
+
+def test_thousands_of_frames_play_to_the_end() -> None:
+    poly_curve("Drawing", [star()])
+    generate(frames_per_step=500)
+    fine, *cages = made()
+    end = end_of(cages[-1])
+    assert end > 5000
+    home = evaluated(fine, at_frame(end + 1))
+    np.testing.assert_array_equal(evaluated(fine, at_frame(end)), home)
+    for frame in np.linspace(certificate(cages[-1]).frames[1], end, 25):
+        depsgraph = at_frame(frame)
+        assert not lines(cages[0], depsgraph).intersects(lines(cages[1], depsgraph))
+
+
+def test_the_drawing_shrinks_visibly_and_the_cages_are_the_same_without() -> None:
+    poly_curve("Drawing", [star()])
+    cages = {}
+    for shrink in (True, False):
+        generate(shrink=shrink)
+        fine = made()[0]
+        home = fine.data.shape_keys.reference_key
+        points = np.array([[point.co[:2] for point in key.data] for key in fine.data.shape_keys.key_blocks])
+        travel = np.linalg.norm(points - [point.co[:2] for point in home.data], axis=2).max() / 2.0
+        assert (travel > 0.05) == shrink
+        assert not shrink or len(points) > 12
+        cages[shrink] = [evaluated(cage, at_frame(9000)) for cage in made()[1:]]
+    for with_it, without in zip(cages[True], cages[False], strict=True):
+        np.testing.assert_array_equal(with_it, without)
+
+
+@pytest.fixture
+def cages():
+    """The fine mesh and the cages of two levels."""
+    poly_curve("Drawing", [star()])
+    generate()
+    return made()
+
+
+@pytest.mark.slow
+def test_the_drawing_is_hidden_as_long_as_the_new_animation_plays(cages) -> None:
+    end = end_of(cages[-1])
+    at_frame(end)
+    bpy.data.objects["Drawing"].select_set(True)
+    generate("20, 10", frames_per_step=1)
+    again = end_of(cages[-1])
+    assert again < end
+    for frame in (again - 1, again):
+        at_frame(frame)
+        assert bpy.data.objects["Drawing"].hide_viewport == (frame < again)
+    bpy.ops.object.nested_cages_remove_animation()
+    assert bpy.data.objects["Drawing"].animation_data is None
+
+
+@slotted
+def test_all_cages_of_a_drawing_share_one_action(cages) -> None:
+    fine, *others = cages
+    action = bpy.data.actions["Drawing Cages"]
+    # What hides the drawing while it plays, and its moving copy afterwards, is in another one.
+    assert {other.name for other in bpy.data.actions if other != action} == {"Drawing"}
+    owners = [fine.data.shape_keys, *others, *(cage.data.shape_keys for cage in others)]
+    assert all(owner.animation_data.action == action for owner in owners)
+    slots = {owner.animation_data.action_slot.identifier for owner in owners}
+    assert len(slots) == len(action.slots) == len(owners)  # the fine mesh is never hidden
+    at_frame(end_of(others[-1]))
+    others[0].keyframe_insert("location", frame=5)
+    generate("20, 10")
+    own = others[0].animation_data.action
+    assert {action.name for action in bpy.data.actions} == {"Drawing Cages", "Drawing", own.name}
+    assert len(own.slots) == 1 and len(bpy.data.actions["Drawing Cages"].slots) == len(owners) - 1
+    assert others[1].animation_data.action == bpy.data.actions["Drawing Cages"]
+
+
+@pytest.mark.slow
+def test_without_the_animation_the_cages_stay(cages) -> None:
+    scene = bpy.context.scene
+    objects = cages
+    end = end_of(cages[-1])
+    depsgraph = at_frame(end)
+    home, edges = [evaluated(obj, depsgraph) for obj in objects], [edges_of(obj) for obj in objects]
+    objects[1].keyframe_insert("location", frame=1)
+    at_frame(7)
+    assert bpy.ops.object.nested_cages_remove_animation() == {"FINISHED"}
+    for frame in (-3, 7, end, end + 100):
+        depsgraph = at_frame(frame)
+        for obj, points, pairs in zip(objects, home, edges, strict=True):
+            np.testing.assert_array_equal(evaluated(obj, depsgraph), points)
+            np.testing.assert_array_equal(edges_of(obj), pairs)
+            assert not obj.hide_viewport and not obj.hide_render
+            assert obj.data.shape_keys is None
+    assert [obj.animation_data is not None for obj in objects] == [False, True, False]
+    assert len(bpy.data.actions) == 1
+    assert not scene.timeline_markers
+    assert scene.frame_end == 250
+    assert not bpy.ops.object.nested_cages_remove_animation.poll()
+    assert verify(*cages[1:])
+    bpy.data.objects["Drawing"].select_set(True)  # Blender deselects what an animation hides
+    generate("20, 10")
+
+
+def coloured(name: str, loops):
+    """A filled curve with a red material."""
+    obj = poly_curve(name, loops)
+    obj.data.fill_mode = "BOTH"
+    red = bpy.data.materials.new("Red")
+    obj.data.materials.append(red)
+    return obj, red
+
+
+def area(obj, depsgraph) -> float:
+    """Area of the evaluated faces, and the materials on them."""
+    shape = obj.evaluated_get(depsgraph)
+    mesh = shape.to_mesh()
+    found = sum(polygon.area for polygon in mesh.polygons)
+    shape.to_mesh_clear()
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("height", [0.0, 0.5])
+def test_while_it_plays_a_filled_copy_moves_in_place_of_the_original(height) -> None:
+    source, red = coloured("Drawing", [star(), circle(12, 0.3)])
+    source.location.z = height
+    bpy.context.view_layer.update()
+    generate()
+    copy = bpy.data.objects["Drawing Moving"]
+    first, result = certificate(made()[1]).frames[0], end_of(made()[-1])
+    for frame, playing in ((first - 1, False), (first, True), (result - 1, True), (result, False), (result + 9, False)):
+        at_frame(frame)
+        assert source.hide_viewport is source.hide_render is playing
+        assert copy.hide_viewport is copy.hide_render is not playing
+    filled = area(copy, at_frame(first))
+    assert filled == pytest.approx(polygon_area(star()) - polygon_area(circle(12, 0.3)), rel=1e-4)
+    shrunk = certificate(bpy.data.objects["Drawing Cage 1"]).frames[1]
+    assert area(copy, at_frame(shrunk)) < filled
+    mesh = copy.evaluated_get(at_frame(first)).data
+    assert [material.name for material in mesh.materials] == [red.name]
+    corner = copy.evaluated_get(bpy.context.evaluated_depsgraph_get()).matrix_world @ mesh.vertices[0].co
+    assert corner.z == pytest.approx(height, abs=1e-6)
+
+
+@pytest.mark.slow
+def test_the_original_is_back_when_the_animation_goes_and_while_it_is_bound() -> None:
+    source, _ = coloured("Drawing", [star()])
+    actions = len(bpy.data.actions)
+    generate()
+    bind()
+    at_frame(3)
+    assert not source.hide_viewport and "Drawing Moving" not in bpy.data.objects
+    bpy.ops.object.nested_cages_unbind()
+    at_frame(3)
+    assert source.hide_viewport and "Drawing Moving" in bpy.data.objects
+    bpy.ops.object.nested_cages_remove_animation()
+    assert not source.hide_viewport and not source.hide_render
+    assert "Drawing Moving" not in bpy.data.objects and source.animation_data is None
+    assert len(bpy.data.actions) == actions
+
+
+def test_what_hides_the_original_on_the_user_s_behalf_is_left_alone() -> None:
+    source = poly_curve("Drawing", [star()])
+    source.keyframe_insert("hide_render", frame=5)
+    generate()
+    bpy.ops.object.nested_cages_remove_animation()
+    source.hide_render = True
+    at_frame(5)
+    assert not source.hide_render
+
+
+def test_an_original_that_makes_way_can_be_caged_again() -> None:
+    source = poly_curve("Drawing", [star()])
+    generate()
+    at_frame(2)
+    assert not source.visible_get()
+    source.select_set(False)
+    generate("12")
+    assert len(bpy.data.collections) == 1
+
+
+@pytest.mark.slow
+def test_every_drawing_and_level_has_a_colour_of_its_own_that_stays() -> None:
+    for x, name in ((0.0, "One"), (3.0, "Two")):
+        poly_curve(name, [star()]).location.x = x
+    bpy.data.objects["One"].select_set(True)
+    generate()
+    names = [f"{drawing} Cage {level}" for drawing in ("One", "Two") for level in (1, 2)]
+    before = [tuple(bpy.data.objects[name].color) for name in names]
+    assert len(set(before)) == 4
+    generate()
+    assert [tuple(bpy.data.objects[name].color) for name in names] == before
+
+
+@pytest.mark.slow
+def test_cages_have_a_width_in_renders() -> None:
+    poly_curve("Drawing", [star()])
+    generate()
+    cage = made()[1]
+    (modifier,) = cage.modifiers
+    assert modifier.show_render and not modifier.show_viewport
+    modifier.show_viewport = True
+    tube = cage.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    height = np.ptp([vertex.co.z for vertex in tube.vertices])
+    assert 0.0 < height < 0.05 * np.linalg.norm(np.ptp(star(), axis=0))
+    modifier.show_viewport = False
+    bind()
+    assert not modifier.show_render
+    bpy.ops.object.nested_cages_unbind()
+    assert modifier.show_render
+
+
+def test_the_scene_s_range_is_put_back_by_whichever_goes_last() -> None:
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 5, 20
+    for x, name in ((0.0, "One"), (3.0, "Two")):
+        poly_curve(name, [star()]).location.x = x
+    generate(start_frame=2, fit_length=True, length=60)
+    bpy.context.view_layer.objects.active = bpy.data.objects["One"]
+    bpy.data.objects["One"].select_set(True)
+    bpy.data.objects["Two"].select_set(False)
+    generate(fit_length=True, length=90)
+    assert (scene.frame_start, scene.frame_end) == (1, 90)
+    assert [(marker.name, marker.frame) for marker in scene.timeline_markers] == [("2 Drawings", 61), ("One", 90)]
+    bpy.ops.object.nested_cages_remove_animation()
+    assert (scene.frame_start, scene.frame_end) == (2, 61)
+    bpy.context.view_layer.objects.active = bpy.data.objects["Two"]
+    bpy.ops.object.nested_cages_remove_animation()
+    assert (scene.frame_start, scene.frame_end) == (5, 20)

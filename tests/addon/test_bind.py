@@ -11,20 +11,31 @@ import pytest
 import shapely
 from mathutils import Matrix
 
+from support.blender import refused
 from support.drawings import (
     at_frame,
+    base,
     bezier_circle,
+    bind,
+    checked,
     choose,
     circle,
     evaluated,
-    facts,
+    generate,
     grease_pencil,
+    holds,
     in_world,
     lines,
+    made,
     poly_curve,
+    put,
+    save,
+    set_of,
     snapshot,
+    solid,
     star,
     text,
+    verify,
     wire,
 )
 from support.marks import slow_after
@@ -37,27 +48,14 @@ def bound(draw=poly_curve, levels="24, 12", **values):
     source = draw("Drawing", [star() * 2.0, circle(20, 0.5)])
     source.location = (1.0, 2.0, 0.5)
     source.rotation_euler = (0.3, 0.2, 0.1)
-    assert bpy.ops.object.nested_cages_generate(levels=levels) == {"FINISHED"}
-    assert bpy.ops.object.nested_cages_bind(**values) == {"FINISHED"}
+    generate(levels)
+    bind(**values)
     return members(source)
 
 
 def members(source):
-    collection = bpy.data.collections["Drawing Cages"]
-    levels = [obj for obj in collection.objects if "level" in facts(obj)]
-    fine, *cages = sorted(levels, key=lambda obj: facts(obj)["level"])
-    return source, collection, fine, cages
-
-
-def base(obj):
-    points = np.empty((len(obj.data.vertices), 3), np.float32)
-    obj.data.vertices.foreach_get("co", points.ravel())
-    return points
-
-
-def put(obj, points):
-    obj.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
-    obj.data.update()
+    fine, *cages = made(source.name)
+    return source, bpy.data.collections["Drawing Cages"], fine, cages
 
 
 def turned(points):
@@ -71,14 +69,15 @@ EXACT = ("AUTO", "LINEAR")
 
 
 @pytest.mark.slow
-def test_a_cage_that_fills_a_hole_moves_what_is_in_it(addon) -> None:
+def test_a_cage_that_fills_a_hole_moves_what_is_in_it() -> None:
     source = poly_curve("Drawing", [star(120), circle(40, 0.35), circle(24, 0.1, (0.55, 0.0))])
-    assert bpy.ops.object.nested_cages_generate(levels="48, 12") == {"FINISHED"}
+    generate("48, 12")
     fine, _, last = (bpy.data.objects[f"Drawing {name}"] for name in ("Fine", "Cage 1", "Cage 2"))
-    shapes = [addon.scene.filling.shape_of(obj) for obj in (fine, last)]
-    assert len(shapes[1].loops) < len(shapes[0].loops)
+    assert len(shapely.get_rings(shapely.get_parts(solid(last)))) < len(
+        shapely.get_rings(shapely.get_parts(solid(fine)))
+    )
     choose(source)
-    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    bind()
     before = evaluated(fine)
     for vertex in last.data.vertices:
         vertex.co.x += 0.5
@@ -109,26 +108,14 @@ def test_a_moved_cage_object_takes_the_drawing_along(method) -> None:
 
 
 @pytest.mark.slow
-def test_a_cage_of_very_many_vertices_moves_its_own_triangles(addon, monkeypatch) -> None:
-    monkeypatch.setattr(addon.binding.field, "MAX_WEIGHTS", 1000)
-    _, _, fine, cages = bound(levels="12")
-    field = addon.binding.field.field_of(cages[0])
-    assert not [a.name for a in field.data.attributes if a.name.startswith("nested_cages_weight")]
-    put(cages[0], turned(base(cages[0])))
-    assert np.abs(evaluated(fine) - turned(base(fine))).max() <= 2e-5
-
-
-@pytest.mark.slow
 def test_a_drawing_that_leaves_its_posed_cage_is_found() -> None:
     _, _, _, (cage,) = bound(levels="12")
-    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-    assert facts(cage)["check"].startswith("Holds")
+    assert verify(cage)
     folded = base(cage)
     far = np.argmax(folded[:, 0])
     folded[far] *= -0.9
     put(cage, folded)
-    bpy.ops.object.nested_cages_verify()
-    assert facts(cage)["check"] == f"Broken on frame {bpy.context.scene.frame_current}"
+    assert not verify(cage) and checked(cage) == [bpy.context.scene.frame_current]
 
 
 @pytest.mark.slow
@@ -181,8 +168,8 @@ def test_the_original_follows(draw) -> None:
 def test_an_original_whose_modifiers_make_vertices_follows() -> None:
     source = wire("Drawing", [circle(40)[:20] + np.array((0.0, 0.3))])
     source.modifiers.new("Subdivision", "SUBSURF").subdivision_type = "SIMPLE"
-    assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
-    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    generate("12")
+    bind()
     _, _, _, (cage,) = members(source)
     before = evaluated(source)
     assert len(before) > len(source.data.vertices)
@@ -197,8 +184,8 @@ def test_an_original_whose_modifiers_make_vertices_follows() -> None:
 def test_a_thick_curve_follows() -> None:
     source = bezier_circle("Drawing")
     source.data.bevel_depth = 0.05
-    assert bpy.ops.object.nested_cages_generate(levels="8") == {"FINISHED"}
-    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    generate("8")
+    bind()
     _, _, _, (cage,) = members(source)
     before = evaluated(source)
     put(cage, base(cage) + np.array((1.0, 0.0, 0.0)))
@@ -216,8 +203,8 @@ def test_a_grease_pencil_follows_by_its_strokes() -> None:
     source = grease_pencil("Drawing", [star()])
     source.location, source.rotation_euler = (1.0, 2.0, 0.5), (0.3, 0.2, 0.1)
     before = stroke_points(source)
-    assert bpy.ops.object.nested_cages_generate(levels="24, 12") == {"FINISHED"}
-    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    generate("24, 12")
+    bind()
     _, _, fine, (*_, cage) = members(source)
     assert np.abs(stroke_points(source) - before).max() < 1e-5
     put(cage, base(cage) * (1.5, 0.8, 1.0) + np.array((1.0, 0.0, 0.0)))
@@ -239,7 +226,7 @@ def test_a_grease_pencil_follows_by_its_strokes() -> None:
 
 def parts():
     """Modifiers, visibility and data of all objects but the moving copy, which is made anew."""
-    objects = [obj for obj in bpy.data.objects if obj.nested_cages_member.role != "FILL"]
+    objects = [obj for obj in bpy.data.objects if "Moving" not in obj.name]
     return {obj.name: (tuple(m.name for m in obj.modifiers), obj.hide_render, obj.data) for obj in objects}
 
 
@@ -247,14 +234,14 @@ def parts():
 @pytest.mark.parametrize("draw", [poly_curve, wire])
 def test_unbinding_takes_it_all_back(draw) -> None:
     source = draw("Drawing", [star() * 2.0])
-    assert bpy.ops.object.nested_cages_generate(levels="24, 12", thickness=0.02) == {"FINISHED"}
+    generate("24, 12", thickness=0.02)
     _, _, fine, cages = members(source)
     bpy.context.view_layer.objects.active = fine
     bpy.context.scene.frame_set(1)
     objects = parts()
     meshes, shown = len(bpy.data.meshes), [evaluated(obj, at_frame(9)) for obj in (fine, *cages)]
     bpy.context.scene.frame_set(1)
-    bpy.ops.object.nested_cages_bind()
+    bind()
     put(cages[-1], turned(base(cages[-1])))
     cages[-1].location.x += 1.0
     assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
@@ -278,76 +265,40 @@ def test_rebinding_takes_the_cage_as_it_is() -> None:
     assert np.abs(evaluated(fine) - rest).max() < 1e-5
 
 
-@pytest.mark.parametrize("again", [True, False])
-def test_a_modifier_that_was_removed_meanwhile_is_not_written_to(addon, again) -> None:
-    obj = wire("Drawing", [star()])
-    obj.modifiers.new("Mine", "SMOOTH")
-    with addon.scene.display.unmodified([obj]):
-        assert not obj.modifiers["Mine"].show_viewport
-        obj.modifiers.clear()
-        if again:
-            obj.modifiers.new("Mine", "SMOOTH").show_viewport = False
-    assert [each.show_viewport for each in obj.modifiers] == [True] * again
-
-
 @pytest.mark.slow
 def test_a_cage_that_no_longer_encloses_is_refused() -> None:
     _, _, fine, cages = bound(levels="12")
     put(cages[0], base(cages[0]) * (0.7, 0.7, 1.0))
     before, shape = snapshot(), evaluated(fine)
-    with pytest.raises(RuntimeError, match="does not enclose"):
+    with refused():
         bpy.ops.object.nested_cages_rebind()
     assert snapshot() == before
     np.testing.assert_array_equal(evaluated(fine), shape)
 
 
-@pytest.mark.slow
-def test_a_binding_that_fails_half_way_changes_nothing(addon, monkeypatch) -> None:
-    poly_curve("Drawing", [star() * 2.0])
-    assert bpy.ops.object.nested_cages_generate(levels="24, 12", thickness=0.02) == {"FINISHED"}
-    made = addon.binding.field.make
-
-    def second_fails(cage, space, method):
-        if cage.name.endswith("2"):
-            raise addon.errors.UserError("It does not hold")
-        return made(cage, space, method)
-
-    monkeypatch.setattr(addon.binding.field, "make", second_fails)
-    before = snapshot()
-    with pytest.raises(RuntimeError, match="It does not hold"):
-        bpy.ops.object.nested_cages_bind()
-    bpy.context.view_layer.update()
-    after = snapshot()
-    # The file keeps the node groups for the next attempt.
-    assert {key: value for key, value in after.items() if key != "node_groups"} == {
-        key: value for key, value in before.items() if key != "node_groups"
-    }
-
-
 def test_a_cage_moved_out_of_the_plane_is_refused() -> None:
     _, _, _, cages = bound(levels="12")
     cages[0].location.z += 1.0
-    with pytest.raises(RuntimeError, match="one plane"):
+    with refused():
         bpy.ops.object.nested_cages_rebind()
 
 
 @pytest.mark.slow
-def test_generating_again_binds_again(addon) -> None:
+def test_generating_again_binds_again() -> None:
     source, collection, _, cages = bound(method="LINEAR")
     put(cages[-1], turned(base(cages[-1])))
     choose(source)
-    assert bpy.ops.object.nested_cages_generate(levels="16") == {"FINISHED"}
+    generate("16")
     fine, cage = members(source)[2], members(source)[3][0]
-    assert facts(collection)["bound"] == "LINEAR"
-    assert "Linear" in addon.record.node_of(fine).link
+    assert set_of(collection).bound == "LINEAR"
     at_rest = evaluated(fine)
     cage.data.vertices[3].co.x += 0.3
     assert np.abs(evaluated(fine) - at_rest).max() > 0.01
     everything = snapshot()
     bpy.context.view_layer.objects.active = source
     source.select_set(True)
-    bpy.ops.object.nested_cages_generate(levels="16")
-    bpy.ops.object.nested_cages_generate(levels="16")
+    generate("16")
+    generate("16")
     again = snapshot()
     for kind in ("objects", "meshes", "actions", "node_groups"):
         assert [users for _, users in again[kind]] == [users for _, users in everything[kind]], kind
@@ -356,9 +307,9 @@ def test_generating_again_binds_again(addon) -> None:
 
 
 @pytest.mark.slow
-def test_unbinding_hides_what_was_hidden_before_and_nothing_else(addon) -> None:
+def test_unbinding_hides_what_was_hidden_before_and_nothing_else() -> None:
     source = poly_curve("Drawing", [star()])
-    bpy.ops.object.nested_cages_generate(levels="24, 12, 6")
+    generate("24, 12, 6")
     bpy.ops.object.nested_cages_remove_animation()  # its keyframes would set again what they hide
     _, _, fine, cages = members(source)
     fine.hide_set(True)
@@ -369,26 +320,10 @@ def test_unbinding_hides_what_was_hidden_before_and_nothing_else(addon) -> None:
         return [(obj.hide_render, obj.hide_viewport, obj.hide_get()) for obj in (fine, *cages)]
 
     before = hidden()
-    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    bind()
     assert hidden() != before
     assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
     assert hidden() == before
-
-
-@pytest.mark.slow
-def test_what_cannot_be_bound_again_is_said(extension, addon, monkeypatch) -> None:
-    source, collection, _, _ = bound(levels="12")
-    choose(source)
-    binding = sys.modules[f"{extension.__name__}.addon.binding.binding"]
-
-    def refused(*_) -> None:
-        raise addon.errors.UserError("It does not hold")
-
-    monkeypatch.setattr(binding, "bind", refused)
-    assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
-    assert "bound" not in facts(collection)
-    monkeypatch.undo()
-    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
 
 
 OPENED = """
@@ -415,8 +350,7 @@ for name, rest in zip(names, before):
 @pytest.mark.parametrize(("draw", "method"), [(poly_curve, "AUTO"), (wire, "LINEAR")])
 def test_a_saved_file_moves_without_the_add_on(draw, method, tmp_path) -> None:
     bound(draw, method=method)
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "bound.blend"))
-    command = [sys.executable, "-c", OPENED, str(tmp_path / "bound.blend")]
+    command = [sys.executable, "-c", OPENED, save(tmp_path / "bound.blend")]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=100, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count("True") == 3, done.stdout
@@ -466,8 +400,8 @@ def body(source):
 )
 def test_a_bound_drawing_plays_its_own_changes_before_the_bend(edit) -> None:
     source = text("Drawing", "Hi") if edit in (size, body) else wire("Drawing", [star()])
-    assert bpy.ops.object.nested_cages_generate(levels="24, 12") == {"FINISHED"}
-    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    generate("24, 12")
+    bind()
     cage = bpy.context.object
     put(cage, base(cage) * (1.0, 2.0, 1.0))
     before, _ = shown(source)
@@ -481,8 +415,8 @@ def test_a_bound_drawing_plays_its_own_changes_before_the_bend(edit) -> None:
     assert np.abs(after - before).max() > 0.01
     assert bent == count
     bpy.context.view_layer.objects.active = cage
-    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    verify()
     finest = bpy.data.objects["Drawing Cage 1"]
     drawn, around = (shapely.polygonize(shapely.get_parts(shapely.node(displayed(o)))) for o in (source, finest))
     inside = shapely.contains_properly(shapely.unary_union(around), shapely.unary_union(drawn))
-    assert facts(finest)["check"].startswith("Holds" if inside else "Broken"), facts(finest)["finding"]
+    assert holds(finest) == inside

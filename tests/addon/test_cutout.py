@@ -11,7 +11,8 @@ import pytest
 import shapely
 from mathutils import Matrix
 
-from support.drawings import circle, evaluated, in_world, snapshot
+from support.blender import refused
+from support.drawings import evaluated, in_world, snapshot
 
 pytestmark = pytest.mark.slow
 
@@ -145,7 +146,7 @@ def test_what_has_no_limbs_gets_no_skeleton_and_nothing_is_made(tmp_path) -> Non
     path = file_of(picture("disc.png", np.hypot(x - 47.5, y - 23.5) < 20.0), tmp_path)
     bpy.data.images.load(str(path))
     before = snapshot()
-    with pytest.raises(RuntimeError, match="no limbs"):
+    with refused(unchanged=False):
         bpy.ops.object.nested_cages_cutout(filepath=str(path), skeleton=True)
     kept = ("objects", "meshes", "armatures", "collections", "selected", "active")
     assert {name: before[name] for name in kept} == {name: snapshot()[name] for name in kept}
@@ -200,51 +201,40 @@ def test_an_image_plane_is_cut_out_where_it_is_with_its_hole() -> None:
 
 
 @pytest.mark.parametrize(
-    ("break_it", "message"),
+    "break_it",
     [
-        (lambda obj: obj.data.uv_layers.remove(obj.data.uv_layers[0]), "has no texture coordinates"),
-        (lambda obj: setattr(obj.data.vertices[0], "co", (-1.0, -1.0, 1.0)), "is not a flat picture"),
+        lambda obj: obj.data.uv_layers.remove(obj.data.uv_layers[0]),
+        lambda obj: setattr(obj.data.vertices[0], "co", (-1.0, -1.0, 1.0)),
     ],
+    ids=["no texture coordinates", "not flat"],
 )
-def test_what_is_no_picture_is_told_and_nothing_changes(break_it: Any, message: str) -> None:
-    break_it(plane(picture()))
-    bpy.context.view_layer.update()
-    before = snapshot()
-    with pytest.raises(RuntimeError, match=message):
+def test_what_is_no_picture_is_told_and_nothing_changes(break_it: Any) -> None:
+    shown = plane(picture())
+    break_it(shown)
+    with refused(f"'{shown.name}'"):
         cut()
-    assert snapshot() == before
 
 
 def test_nothing_is_chosen() -> None:
-    with pytest.raises(RuntimeError, match="or select image planes, image empties or Grease Pencil drawings"):
+    with refused():
         cut()
 
 
 def test_a_file_that_is_no_picture_is_told(tmp_path) -> None:
     path = tmp_path / "note.png"
     path.write_text("no picture")
-    with pytest.raises(RuntimeError, match=r"note.png"):
+    with refused("note.png", unchanged=False):
         cut(filepath=str(path))
 
 
-def test_pictures_without_a_cage_are_skipped_and_opaque_ones_told(capfd) -> None:
+def test_pictures_without_a_cage_are_skipped_and_opaque_ones_told(reports) -> None:
     """A distance in units that is more than the clearance of a small picture, and less than that of a large one."""
     solid = bpy.data.images.new("solid.png", 8, 8, alpha=True)
     solid.pixels.foreach_set(np.ones(8 * 8 * 4, np.float32))
     large, small, rectangle = empty(picture("large.png")), empty(picture()), empty(solid)
     large.empty_display_size, small.empty_display_size, rectangle.empty_display_size = 300.0, 1.0, 1.0
     cut(levels="1e-4u", bind=False)
-    told = capfd.readouterr().out
-    assert "Skipped: 'large', cage 1: No cage within a distance" in told and "1 picture skipped" in told
-    assert "'solid.png' has no transparent pixels, so its outline is a rectangle" in told
-    assert "'part.png' has no" not in told
+    told = reports.read()
+    assert "'large'" in told and "'solid.png'" in told and "'part.png'" not in told
     assert {"part", "solid"} <= set(bpy.data.objects.keys()) and "large" not in bpy.data.objects
     assert not large.hide_get() and small.hide_get() and rectangle.hide_get()
-
-
-def test_a_short_edge_of_the_outline_makes_few_triangles(addon, core) -> None:
-    corners = circle(64)
-    outline = core.Mesh.from_loops([np.insert(corners, 1, 0.98 * corners[0] + 0.02 * corners[1], axis=0)])
-    image = bpy.data.images.new("Picture", 8, 8, alpha=True)
-    mesh = addon.io.pictures.textured_mesh("Picture", outline, addon.io.pictures.canvas_of(None, (8, 8)), image)
-    assert 200 < len(mesh.vertices) < 1000

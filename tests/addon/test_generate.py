@@ -1,133 +1,465 @@
-"""Levels as the user writes them, and the refusals before anything is computed."""
+"""The operator from end to end: against the core's own result, and as Blender evaluates what it wrote."""
 
 from __future__ import annotations
 
+import itertools
+import re
+
 import bpy
+import numpy as np
 import pytest
+import shapely
 
-from support.drawings import circle, facts, poly_curve, star
-from support.drawings import text as word
-
-UNITS = {"m": 1.0, "mm": 0.001, "u": 1.0}
-
-
-@pytest.mark.parametrize(
-    ("text", "levels"),
-    [
-        ("64, 24", (64, 24)),
-        ("64 24", (64, 24)),
-        (" 64;24 ", (64, 24)),
-        ("64, *", (64, "*")),
-        ("7", (7,)),
-        ("64,, 24,", (64, 24)),
-        ("24, 64", (64, 24)),  # the finest comes first
-        ("24, *, 64", (24, "*", 64)),
-    ],
+from support.blender import refused
+from support.drawings import (
+    at_frame,
+    bezier_circle,
+    certificate,
+    choose,
+    circle,
+    end_of,
+    evaluated,
+    generate,
+    in_world,
+    lines,
+    made,
+    nurbs_circle,
+    poly_curve,
+    snapshot,
+    solid,
+    star,
+    text,
+    wire,
 )
-def test_levels_are_counts_or_own_objects(addon, text, levels) -> None:
-    assert addon.generation.levels.parse_levels(text, UNITS) == levels
+from support.marks import slow_after
 
 
-def test_levels_are_percentages_distances_and_excesses(addon, core) -> None:
-    found = addon.generation.levels.parse_levels("12.5 %, 5 mm 2u;+25%", UNITS)
-    within = core.Within
-    assert found == (
-        core.hierarchy.Share(0.125), within(distance=0.005), within(distance=2.0), within(excess=0.25)
-    )  # fmt: skip
+def output(name="Drawing"):
+    """The collection, the fine mesh and the cages."""
+    fine, *cages = made(name)
+    return bpy.data.collections[f"{name} Cages"], fine, cages
 
 
-@pytest.mark.parametrize("text", ["", "  ", "x", "64, x", "-3", "1.5", "%", ",", "1e3", "0", "120%", "2 px", "+2m"])
-def test_other_texts_are_refused(addon, text) -> None:
-    kinds = r"a number of vertices such as 24, a share .* 8%, a distance such as 2m, or more area such as \+25%"
-    with pytest.raises(addon.errors.UserError, match=rf"A level is {kinds};"):
-        addon.generation.levels.parse_levels(text, UNITS)
-
-
-def request(addon, loops, name="Drawing"):
-    return addon.generation.generate.Request(
-        addon.scene.convert.fine_drawing(addon.scene.convert.read(bpy.context, poly_curve(name, loops)))
+def letter():
+    """A square letter with a hole, a second component and an island in the hole."""
+    outer = np.array([(0, 0), (4, 0), (4, 3), (3, 3), (3, 1), (1, 1), (1, 3), (0, 3)], dtype=float)
+    outer = np.concatenate(
+        [np.linspace(a, b, 6, endpoint=False) for a, b in zip(outer, np.roll(outer, -1, 0), strict=True)]
     )
-
-
-@pytest.mark.parametrize(
-    ("levels", "counts"),
-    [("24, 9", (24, 9)), ("50%, 10%", (30, 8)), ("1%", (8,)), ("100%, 60", (60, 60)), ("5", (6,))],
-)
-def test_percentages_are_of_the_drawing_and_leave_enough_vertices_per_loop(addon, levels, counts) -> None:
-    fine = request(addon, [circle(48), circle(12, 0.3)]).fine.mesh()
-    asked = addon.generation.levels.parse_levels(levels, UNITS)
-    found = addon.generation.levels.wanted_levels(asked, fine, (), "Drawing")
-    assert tuple(wanted.level for wanted in found) == counts
-
-
-@pytest.mark.parametrize(
-    ("levels", "counts", "note"),
-    [
-        ("61", [60], ("note.count", {"asked": 61, "given": 60, "on": "mesh"})),
-        ("20%, 21", [12, 12], ("level.order", {"level": 2, "asked": 21, "given": 12})),
-        ("2", [3], ("level.small", {"asked": 2, "given": 3})),
-        ("1%", [3], ("level.share", {"share": 1.0, "total": 60, "given": 3})),
-    ],
-)
-def test_levels_are_clamped_to_what_is_possible_with_a_note(addon, levels, counts, note) -> None:
-    options = addon.generation.generate.Options(levels=addon.generation.levels.parse_levels(levels, UNITS))
-    generation = addon.generation.generate.Generation([request(addon, [circle(48), circle(12, 0.3)])], options)
-    for _ in generation:
-        pass
-    (result,) = generation.results
-    assert [len(level.vertices) for level in result.levels] == counts
-    assert note in [(each.code, each.data) for each in result.levels[-1].report.notes]
+    return [outer, circle(12, 0.2, (0.5, 2.0)), star(40) * 0.5 + (5.5, 1.0)]
 
 
 @pytest.mark.slow
-def test_a_count_holds_where_loops_are_in_each_others_way_unless_all_are_kept(addon) -> None:
-    generate, levels = addon.generation.generate, addon.generation.levels.parse_levels("12", UNITS)
-    fine = [request(addon, [circle(40, size) for size in (4.0, 3.9, 3.8)])]
-    generation = generate.Generation(fine, generate.Options(levels=levels))
-    assert list(generation)
-    (level,) = generation.results[0].levels
-    (note,) = (note for note in level.report.notes if note.code == "note.loops")
-    assert len(level.vertices) <= 12 and "hole is filled" in note
-    keeping = generate.Options(levels=levels, rules=addon.generation.rules.Rules(loops="keep"))
-    with pytest.raises(addon.errors.UserError, match="ask for at least"):
-        list(generate.Generation(fine, keeping))
+@pytest.mark.parametrize("decimation", slow_after(1, ["ON_CURVE", "OUTER_HULL", "ARC_LENGTH"]))
+def test_no_cage_crosses_what_it_encloses_on_any_frame(decimation) -> None:
+    poly_curve("Drawing", letter())
+    generate("48, 20", decimation=decimation, frames_per_step=2)
+    _, fine, cages = output()
+    for inner, cage in itertools.pairwise([fine, *cages]):
+        begin, end = certificate(cage).frames[1], end_of(cage)
+        for half in range(2 * begin, 2 * end + 1):
+            depsgraph = at_frame(half / 2)
+            assert not lines(inner, depsgraph).intersects(lines(cage, depsgraph)), (cage.name, half / 2)
+        depsgraph = at_frame(end)
+        assert solid(cage, depsgraph).contains(solid(inner, depsgraph))
+        assert lines(inner, depsgraph).distance(lines(cage, depsgraph)) > 0.0
+        assert len(solid(cage, depsgraph).geoms) == 2
 
 
-def test_without_levels_there_is_nothing_to_do(addon) -> None:
-    with pytest.raises(addon.errors.UserError, match="Enter a number of vertices"):
-        addon.generation.generate.Generation([request(addon, [circle(48)])], addon.generation.generate.Options())
+def test_the_animation_begins_and_ends_with_the_source() -> None:
+    source = bezier_circle("Drawing", radius=2.0, resolution=16)
+    generate()
+    collection, fine, cages = output()
+    first = certificate(cages[0]).frames[0]
+    assert certificate(cages[0]).frames[1] > first
+    source.data.dimensions = "3D"
+    expected = evaluated(source)
+    for frame in (first, first - 10, end_of(collection), 4000):
+        np.testing.assert_array_equal(evaluated(fine, at_frame(frame)), expected)
+    assert np.abs(evaluated(fine, at_frame(certificate(cages[0]).frames[1])) - expected).max() > 1e-3
+    assert fine.matrix_world == source.matrix_world
 
 
-def test_progress_goes_up_to_one_over_all_drawings(addon) -> None:
-    requests = [request(addon, [circle(24)], "One"), request(addon, [circle(30)], "Two")]
-    generation = addon.generation.generate.Generation(requests, addon.generation.generate.Options(levels=(8, 4)))
-    fractions, messages = zip(*((p.fraction, p.message) for p in generation), strict=True)
-    assert list(fractions) == sorted(fractions)
-    assert fractions[0] >= 0.0
-    assert fractions[-1] == 1.0
-    assert {message.partition(":")[0] for message in messages} == {
-        "One, cage 1",
-        "One, cage 2",
-        "Two, cage 1",
-        "Two, cage 2",
-    }
-    assert [result.drawing.name for result in generation.results] == ["One", "Two"]
+def test_levels_appear_one_after_the_other_with_what_is_known_of_them() -> None:
+    scene = bpy.context.scene
+    scene.frame_end = 10
+    poly_curve("Drawing", [star()])
+    generate(start_frame=101, frames_per_step=3)
+    collection, fine, cages = output()
+    for number, cage in enumerate(cages, 1):
+        assert len(cage.data.vertices) == (20, 10)[number - 1]
+        assert not certificate(cage).edited and certificate(cage).seconds > 0.0
+        for before in (True, False):
+            at_frame(certificate(cage).frames[0] - before)
+            assert cage.hide_viewport == cage.hide_render == before
+    assert not fine.hide_viewport and certificate(cages[1]).frames[0] > end_of(cages[0])
+    assert scene.frame_end == end_of(collection) == end_of(cages[-1])
+    markers = {marker.name: marker.frame for marker in scene.timeline_markers}
+    assert markers == {"Drawing": end_of(collection)}
+    assert (certificate(cages[0]).frames[1] - 101) % 3 == 0
 
 
-def test_a_drawing_far_from_its_origin_is_certified_as_stored(addon, core) -> None:
-    """At a thousand times its size away, float32 leaves some 1e-4 of the size between two numbers."""
-    generation = addon.generation.generate.Generation(
-        [request(addon, [star() + 2000.0])], addon.generation.generate.Options(levels=(16,))
-    )
-    for _ in generation:
-        pass
-    (level,) = generation.results[0].levels
-    fine = generation.results[0].drawing.mesh()
-    assert core.verify(level.cage, fine, 1e-6 * fine.diagonal).holds
+def test_without_the_flow_the_drawing_is_inside_from_the_start() -> None:
+    poly_curve("Drawing", [star()])
+    generate("20", show_flow=False, decimation="ARC_LENGTH")
+    _, fine, (cage,) = output()
+    assert certificate(cage).frames[0] == certificate(cage).frames[1] == 1
+    for half in range(2, 2 * end_of(cage) + 1):
+        depsgraph = at_frame(half / 2)
+        assert not lines(fine, depsgraph).intersects(lines(cage, depsgraph))
 
 
-@pytest.mark.slow
-def test_letters_that_interlock_leave_room_for_the_next_cage() -> None:
-    word("Word", "Hifly")
+@pytest.mark.parametrize("clearance", slow_after(1, [0.02, 1e-3]))
+def test_the_clearance_is_a_length_of_the_scene(clearance) -> None:
+    obj = poly_curve("Drawing", [star()])
+    obj.scale = (3.0, 3.0, 3.0)
+    generate(clearance=clearance)
+    _, fine, cages = output()
+    depsgraph = at_frame(5000)
+    for inner, cage in itertools.pairwise([fine, *cages]):
+        measured = 3.0 * lines(inner, depsgraph).distance(lines(cage, depsgraph))
+        assert clearance * (1.0 - 1e-9) <= measured <= 1.05 * clearance
+        assert certificate(cage).clearance == pytest.approx(measured, rel=1e-6)
+
+
+ORDINARY = {
+    "Bezier circle": lambda: bezier_circle("Drawing"),
+    "NURBS circle": lambda: nurbs_circle("Drawing"),
+    "mesh circle": lambda: wire("Drawing", [circle(32)]),
+    "square": lambda: wire("Drawing", [circle(4)]),
+    "triangle": lambda: wire("Drawing", [circle(3)]),
+    "text": lambda: text("Drawing", "Ab"),
+    "letter": lambda: poly_curve("Drawing", letter()),
+    "many parts": lambda: wire("Drawing", [circle(5, 0.3, (x, 0.0)) for x in range(12)]),
+}
+
+
+@pytest.mark.parametrize("name", slow_after(4, ORDINARY))
+def test_the_default_works_on_any_ordinary_drawing(name) -> None:
+    ORDINARY[name]()
     assert bpy.ops.object.nested_cages_generate() == {"FINISHED"}
-    assert [facts(obj)["level"] for obj in bpy.data.collections["Word Cages"].objects] == [0, 1, 2]
+    _, fine, cages = output()
+    assert len(cages) == 2
+    assert len(fine.data.vertices) >= len(cages[0].data.vertices) >= len(cages[1].data.vertices)
+
+
+def test_selected_objects_become_the_levels() -> None:
+    finer = wire("Finer", [circle(24, 1.4)])
+    coarser = poly_curve("Coarser", [circle(9, 1.5)])
+    source = poly_curve("Drawing", [star()])
+    for obj in (finer, coarser):
+        obj.location = (0.05, 0.0, 0.0)
+        obj.select_set(True)
+    generate(use_selected_as_levels=True)
+    _, fine, cages = output()
+    assert [len(cage.data.vertices) for cage in cages] == [24, 9]
+    assert len(fine.data.vertices) == 60
+    assert bpy.context.view_layer.objects.active is source
+    start = evaluated(cages[0], at_frame(certificate(cages[0]).frames[1]))
+    np.testing.assert_allclose(start[:, :2], circle(24, 1.4, (0.05, 0.0)), atol=1e-6)
+    assert len(bpy.data.collections) == 1
+
+
+@pytest.mark.slow
+def test_all_selected_drawings_in_common_cages() -> None:
+    """Two drawings in objects of their own, each with its transform, and a hole that is an object too."""
+    one, two, hole = poly_curve("One", [star()]), wire("Two", [circle(40)]), wire("Hole", [circle(12, 0.3)])
+    two.location, two.rotation_euler = (3.0, 0.5, 0.0), (0.0, 0.0, 0.4)
+    for obj in (one, two, hole):
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = one
+    bpy.context.view_layer.update()
+    generate("30", together=True)
+    fine, cage = made("One")
+    depsgraph = at_frame(end_of(cage))
+    moved = in_world(two, evaluated(two, depsgraph))[:, :2]
+    expected = shapely.Polygon(star(), [circle(12, 0.3)]).union(shapely.Polygon(moved))
+    assert solid(fine, depsgraph).symmetric_difference(expected).area < 1e-5
+    assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
+    assert len(solid(cage, depsgraph).geoms) == 2
+    once = snapshot()
+    generate("30", together=True)
+    assert snapshot() == once
+
+
+def test_drawings_in_common_cages_are_united_where_they_cross_and_flattened_where_they_are_layers() -> None:
+    poly_curve("One", [star()])
+    two = wire("Two", [circle(40, 1.0, (0.9, 0.0))])
+    two.location.z = 0.01
+    bpy.data.objects["One"].select_set(True)
+    generate("30", together=True)
+    fine, cage = made("One")
+    depsgraph = at_frame(end_of(cage))
+    expected = shapely.Polygon(star()).union(shapely.Polygon(circle(40, 1.0, (0.9, 0.0))))
+    assert solid(fine, depsgraph).symmetric_difference(expected).area < 1e-5
+    assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
+
+
+def test_drawings_in_common_cages_must_be_parallel() -> None:
+    poly_curve("One", [star()])
+    wire("Two", [circle(40, 1.0, (4.0, 0.0))])
+    bpy.data.objects["One"].rotation_euler.x = 0.1
+    bpy.data.objects["One"].select_set(True)
+    with refused("'One'"):
+        generate(together=True)
+
+
+@pytest.mark.slow
+def test_output_that_is_selected_with_its_drawing_is_replaced_not_caged() -> None:
+    poly_curve("Drawing", [star()])
+    generate()
+    for obj in bpy.data.objects:
+        obj.hide_viewport = False
+        obj.select_set(True)
+    generate()
+    assert len(bpy.data.collections) == 1 and len(bpy.data.objects) == 5
+    cage = output()[2][0]
+    choose(cage)
+    generate("8")  # a cage that is selected on its own is a drawing like any other
+    assert "Drawing Cage 1 Cages" in bpy.data.collections
+
+
+@pytest.mark.slow
+def test_a_second_run_replaces_what_the_first_made() -> None:
+    poly_curve("Drawing", [star()])
+    generate()
+    collection, fine, cages = output()
+    modifier = cages[0].modifiers.new("Mine", "SKIN")
+    generate(frames_per_step=6)
+    once = snapshot()
+    generate(frames_per_step=6)
+    assert snapshot() == once
+    again = output()
+    assert again[0] == collection and again[1] == fine and again[2] == cages
+    assert modifier.name in cages[0].modifiers
+    generate("12")
+    assert len(output()[2]) == 1
+    assert len(bpy.data.objects) == 4 and len(bpy.data.meshes) == 3 and len(bpy.data.shape_keys) == 2
+    assert len({marker.name for marker in bpy.context.scene.timeline_markers}) == len(
+        bpy.context.scene.timeline_markers
+    )
+
+
+def seen_on(frame):
+    """The objects that are not hidden on a frame."""
+    at_frame(frame)
+    return [obj for obj in bpy.context.scene.objects if not obj.hide_viewport]
+
+
+def everything():
+    """The scene, and what is seen of it on some frames."""
+    scene = bpy.context.scene
+    frames = (scene.frame_start, scene.frame_end // 2, scene.frame_end)
+    shown = [
+        (frame, obj.name, obj.matrix_world.copy(), evaluated(obj, at_frame(frame)).tobytes())
+        for frame in frames
+        for obj in seen_on(frame)
+        if obj.type == "MESH"
+    ]
+    at_frame(1)
+    owners = (*bpy.data.collections, *bpy.data.objects)
+    return snapshot(), shown, {owner.name: own_properties(owner) for owner in owners}
+
+
+def own_properties(owner):
+    """Custom properties as text, without registered groups, which Blender before 5.0 lists among them."""
+    return {key: str(value) for key, value in owner.items() if not hasattr(value, "to_dict")}
+
+
+def test_a_renamed_drawing_keeps_its_output() -> None:
+    source = poly_curve("Drawing", [star()])
+    generate()
+    collection, fine, cages = output()
+    cages[1].name = "My own name"
+    source.name = "Picture"
+    poly_curve("Drawing", [circle(30)]).select_set(False)
+    source.select_set(True)
+    bpy.context.view_layer.objects.active = source
+    generate()
+    assert (collection.name, fine.name) == ("Picture Cages", "Picture Fine")
+    assert [cage.name for cage in cages] == ["Picture Cage 1", "My own name"]
+    assert len(bpy.data.collections) == 1 and len(bpy.data.objects) == 6
+    bpy.context.view_layer.objects.active = fine
+    assert bpy.ops.object.nested_cages_remove_animation.poll()
+
+
+def test_the_user_s_own_animation_of_a_cage_stays() -> None:
+    poly_curve("Drawing", [star()])
+    generate()
+    _, _, (cage, other) = output()
+    cage.location.x = 0.5
+    cage.keyframe_insert("location", frame=5)
+    other.driver_add("location", 2)
+    generate()
+    cage.location.x = 0.0
+    at_frame(5)
+    assert cage.location.x == 0.5
+    assert len(other.animation_data.drivers) == 1
+    at_frame(1)
+    assert other.hide_viewport
+
+
+def test_the_source_stays_selected_active_and_as_it_was() -> None:
+    source = poly_curve("Drawing", [star()])
+    source.data.bevel_depth = 0.1
+
+    def state():
+        return source.data.bevel_depth, source.data.dimensions, source.matrix_world.copy(), set(own_properties(source))
+
+    before = state()
+    generate()
+    assert state() == before
+    assert bpy.context.selected_objects == [source]
+    assert bpy.context.view_layer.objects.active is source
+
+
+def test_the_frame_jumps_to_the_result_or_stays() -> None:
+    poly_curve("Drawing", [star()])
+    generate(show_result=False)
+    assert bpy.context.scene.frame_current == 1
+    generate()
+    assert bpy.context.scene.frame_current == end_of(output()[0])
+
+
+def test_own_levels_that_are_missing_or_out_of_plane_are_refused() -> None:
+    poly_curve("Drawing", [star()])
+    with refused():
+        generate("20", use_selected_as_levels=True)
+    wire("Tilted", [circle(12, 1.5)]).rotation_euler = (0.3, 0.0, 0.0)
+    choose(bpy.data.objects["Tilted"], bpy.data.objects["Drawing"])
+    with refused("'Tilted'"):
+        generate("20", use_selected_as_levels=True)
+
+
+def test_undo_and_redo() -> None:
+    poly_curve("Drawing", [star()])
+    bpy.context.view_layer.update()
+    bpy.ops.ed.undo_push(message="before")
+    before = snapshot()
+    generate()
+    bpy.ops.ed.undo_push(message="after")
+    after = snapshot()
+    bpy.ops.ed.undo()
+    assert snapshot() == before
+    bpy.ops.ed.redo()
+    assert snapshot() == after
+
+
+ENERGIES = ["SHAPE_KEEPING", "INITIAL_DISPLACEMENT", "STEP_DISPLACEMENT", "BOUNDARY_ARAP", "INTERIOR_ARAP"]
+
+
+@pytest.mark.parametrize("energy", slow_after(2, ENERGIES))
+def test_each_energy_gives_its_own_certified_cage_looser_than_the_tightest(energy) -> None:
+    poly_curve("Drawing", [star()])
+    shapes = []
+    for wanted in ("AREA", energy):
+        generate("16", energy=wanted)
+        fine, cage = made()
+        depsgraph = at_frame(9000)
+        assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
+        shapes.append((evaluated(cage, depsgraph), certificate(cage).excess))
+    (tight, least), (other, more) = shapes
+    assert np.abs(tight - other).max() > 1e-4
+    assert more > least
+
+
+WAYS = [("decimation", key) for key in ("ON_CURVE", "OUTER_HULL", "ARC_LENGTH")] + [("fall_back", False)]
+
+
+@pytest.mark.parametrize(("name", "key"), [*WAYS, pytest.param("as_published", True, marks=pytest.mark.slow)])
+def test_each_way_to_start_makes_the_core_s_certified_cage(core, name, key) -> None:
+    poly_curve("Drawing", [star(24)])
+    generate("10", **{name: key})
+    fine, cage = made()
+    assert not certificate(cage).edited
+    depsgraph = at_frame(end_of(cage))
+    assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
+    assert lines(cage, depsgraph).distance(lines(fine, depsgraph)) > 0.0
+    starts = {"ON_CURVE": core.LineCycles, "OUTER_HULL": core.OuterHull, "ARC_LENGTH": core.ArcLength}
+    if key in starts:
+        mesh = core.Mesh.from_loops([star(24).astype(np.float32).astype(float)])
+        settings = core.Settings(decimation=starts[key]())
+        (level,) = core.nested_cages(mesh, [10], settings, stored=np.float32).levels
+        assert solid(cage, depsgraph).area == pytest.approx(level.cage.area, rel=1e-3)
+
+
+def eight() -> np.ndarray:
+    return np.array([(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])
+
+
+def test_in_a_batch_what_cannot_be_done_is_skipped_and_listed(reports) -> None:
+    for x in range(4):
+        poly_curve(f"Glyph {x}", [star()] if x % 2 else [eight()]).location.x = 3.0 * x
+    poly_curve("Open", [star()], cyclic=False)
+    choose(*bpy.data.objects)
+    generate()
+    assert {each.name for each in bpy.data.collections if "Glyph" in each.name} == {"Glyph 1 Cages", "Glyph 3 Cages"}
+    told = reports.read("Warning").splitlines()
+    assert all(any(f"'{name}'" in line for line in told) for name in ("Glyph 0", "Glyph 2", "Open"))
+    assert not any(f"'Glyph {number}'" in line for number in (1, 3) for line in told)
+
+
+def test_the_largest_clearance_is_told() -> None:
+    poly_curve("Drawing", [star(), circle(12, 0.1)])
+    with refused("0.0482963"):  # for two levels in a hole
+        generate("20, 10", clearance=0.06, loops="keep")
+    generate(clearance=0.02)
+
+
+@pytest.mark.slow
+def test_a_loose_cage_says_what_number_would_do() -> None:
+    poly_curve("Drawing", [star(120, 0.4, 7)])
+    generate("5")
+    said = " ".join(certificate(made()[1]).notes)
+    (better,) = [int(number) for number in re.findall(r"\b\d+(?= vertices)", said)]
+    assert 5 < better < 120
+    generate(str(better))
+    assert certificate(made()[1]).excess < 0.25 and not certificate(made()[1]).notes
+
+
+def test_nothing_selected_and_the_wrong_kind_are_refused() -> None:
+    with refused():
+        bpy.ops.object.nested_cages_generate()
+    bpy.ops.object.camera_add()
+    with refused("'Camera'"):
+        bpy.ops.object.nested_cages_generate()
+
+
+@pytest.mark.slow
+def test_drawings_of_one_run_share_a_collection_within_their_own() -> None:
+    scene = bpy.context.scene
+    face, character = bpy.data.collections.new("Face"), bpy.data.collections.new("Character")
+    scene.collection.children.link(character)
+    character.children.link(face)
+    for x, name in enumerate(("Eye", "Nose", "Mouth")):
+        obj = poly_curve(name, [star()])
+        obj.location.x = 3.0 * x
+        face.objects.link(obj)
+        scene.collection.objects.unlink(obj)
+    choose(*face.objects)
+    bpy.context.view_layer.objects.active = face.objects[0]
+    generate()
+    run = bpy.data.collections["Cages of 3 Drawings"]
+    assert set(face.children) == {run}
+    assert sorted(collection.name for collection in run.children) == ["Eye Cages", "Mouth Cages", "Nose Cages"]
+    assert [marker.name for marker in scene.timeline_markers] == ["3 Drawings"]
+    generate("12")
+    assert len(bpy.data.collections) == 6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("change", [{"levels": "12"}, {"frames_per_step": 9}, {"energy": "SHAPE_KEEPING"}])
+def test_the_redo_panel_leaves_nothing_of_the_first_result(change) -> None:
+    """What Blender does when a setting is changed there: it undoes the operator and executes it anew."""
+    poly_curve("Drawing", [star()])
+    bpy.context.view_layer.update()
+    bpy.ops.ed.undo_push(message="before")
+    generate(**change)
+    expected = snapshot()
+    bpy.ops.ed.undo_push(message="directly")
+    bpy.ops.ed.undo()
+    generate()
+    bpy.ops.ed.undo_push(message="first")
+    bpy.ops.ed.undo()
+    generate(**change)
+    assert snapshot() == expected

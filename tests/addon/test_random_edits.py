@@ -1,338 +1,44 @@
-"""Random edits before, between and during jobs: only sentences, nothing half done, and outputs that verify."""
+"""A short sequence of random edits of each kind: jobs and scenes, copies of sets, rigs, characters, puppets."""
 
 from __future__ import annotations
 
-import random
-import sys
-import time
-from pathlib import Path
-from types import ModuleType, SimpleNamespace
-from typing import Any
+from random import Random
 
-import bpy
-import numpy as np
 import pytest
-from test_job import ESCAPE, OTHER, TIMER, modal, on_selection, tick  # noqa: F401 - modal is a fixture
-from test_panels import Layout
 
-from support.drawings import circle, grid_face, poly_curve, snapshot, star, text, wire
+from support.animator import Animator, Puppeteer
+from support.artist import Artist
+from support.drawings import outlive
+from support.flock import Flock
+from support.rigger import Rigger
 
-STEPS = 40
-"""Edits and jobs of one sequence."""
-
-SECONDS = 60.0
-"""Time after which a sequence takes no further step."""
-
-FEW, MANY = 3, 100
-"""Sequences in every run of the tests, and in the thorough one."""
+pytestmark = pytest.mark.slow
 
 CRASHED = 41
 """A sequence in which Verify Cages crashed Blender 5.0."""
 
-STRANGE = [None, 0, -1, 10**9, 1.5, float("nan"), float("inf"), "", "x", "\N{SNOWMAN}" * 70, b"\xff", [1, 2], [0.5], {}]
-"""Values that files of strangers may have under names of ours."""
 
-OTHERS = (
-    "generate", "verify", "bind", "rebind", "unbind", "cancel", "add_handles", "follow", "live", "silhouette",
-    "remove_animation", "to_objects", "pieces", "select_fault", "report",
-)  # fmt: skip
-"""Operators that need no file."""
-
-WAYS_TO_STOP = ("escape", "button", "Blender", "quit", "another file")
-
-
-class Artist:
-    """Does random things to the scene, and checks what must hold after each."""
-
-    def __init__(self, seed: int, extension: ModuleType, addon: ModuleType, modal: Any, folder: Path) -> None:  # noqa: F811
-        self.random = random.Random(seed)
-        self.extension, self.addon, self.modal = extension, addon, modal
-        self.file = folder / "scene.blend"
-        self.done: list[str] = []
-        self.opened = False
-
-    def act(self) -> None:
-        """One random step."""
-        step = self.random.choice([self.draw, self.generate, self.generate, self.run_other, self.edit, self.edit])
-        step()
-        self.push()
-        assert self.addon.generation.job.running() is None
-        self.look()
-
-    def look(self) -> None:
-        """What is in the panels can be drawn, whatever the scene is."""
-        panels = sys.modules[f"{self.extension.__name__}.addon.ui.panels"]
-        for name, panel in vars(panels).items():
-            drawn = name.startswith("VIEW3D_PT_nested_cages") and issubclass(panel, panels.SidebarPanel)
-            if drawn and (not hasattr(panel, "poll") or panel.poll(bpy.context)):
-                layout = SimpleNamespace(layout=Layout([]), bl_label=getattr(panel, "bl_label", ""))
-                panel.draw(layout, bpy.context)
-
-    def tell(self, what: str) -> None:
-        self.done.append(what)
-
-    # Edits
-
-    def draw(self) -> None:
-        """Add a drawing; it is selected and active."""
-        self.object_mode()
-        bpy.context.scene.frame_end = 6
-        name, count = self.random.choice("ABC"), self.random.randint(5, 40)
-        made = self.random.randrange(5)
-        self.tell(f"draw {made} {name} {count}")
-        for obj in bpy.context.selected_objects:
-            obj.select_set(self.random.random() < 0.3)
-        if made == 0:
-            poly_curve(name, [star(3 * count, 0.3)])
-        elif made == 1:
-            wire(name, [circle(count), circle(count, 0.4)])
-        elif made == 2:
-            grid_face(name)
-        elif made == 3:
-            text(name, "ab")
-        else:
-            wire(name, [circle(count) * self.random.choice([1.0, 0.0, 1e-9, 1e9])])  # some are no drawing at all
-        bpy.context.view_layer.update()
-
-    def edit(self) -> None:
-        """Any change that an artist can make between two clicks."""
-        changes = [
-            self.move_points, self.delete_points, self.rename, self.delete, self.transform, self.select, self.duplicate,
-            self.undo, self.redo, self.save_and_load, self.edit_mode, self.strange_property, self.join, self.frame,
-            self.remove_collection, self.unlink,
-        ]  # fmt: skip
-        change = self.random.choice(changes)
-        self.tell(change.__name__)
-        change()
-        self.push()
-
-    def push(self) -> None:
-        """What Blender does after every change; without it, undo and redo of Blender itself leave loose ends."""
-        bpy.context.view_layer.update()
-        bpy.ops.ed.undo_push(message="edit")
-
-    def object_mode(self) -> None:
-        if bpy.context.mode != "OBJECT":
-            bpy.ops.object.mode_set(mode="OBJECT")
-
-    def some(self) -> Any:
-        """An object, or None."""
-        objects = sorted(bpy.data.objects, key=lambda obj: obj.name)
-        return self.random.choice(objects) if objects else None
-
-    def meshes(self) -> list[Any]:
-        return sorted(bpy.data.meshes, key=lambda mesh: mesh.name)
-
-    def move_points(self) -> None:
-        self.object_mode()
-        for mesh in self.meshes()[:3]:
-            points = np.empty(3 * len(mesh.vertices), np.float32)
-            mesh.vertices.foreach_get("co", points)
-            if len(points):
-                points[self.random.randrange(len(points))] += self.random.choice([0.1, -0.3, 5.0, float("nan")])
-                mesh.vertices.foreach_set("co", points)
-                mesh.update()
-
-    def delete_points(self) -> None:
-        self.object_mode()
-        if self.meshes():
-            mesh = self.random.choice(self.meshes())
-            if not mesh.shape_keys:
-                mesh.clear_geometry()
-
-    def rename(self) -> None:
-        for item in (self.some(), *list(bpy.data.collections)[:1]):
-            if item is not None:
-                item.name = self.random.choice(["A", "B", "x" * 63, "\N{SNOWMAN}", "A Cages", "."])
-
-    def delete(self) -> None:
-        self.object_mode()
-        obj = self.some()
-        if obj is not None:
-            bpy.data.objects.remove(obj)
-
-    def remove_collection(self) -> None:
-        if bpy.data.collections:
-            bpy.data.collections.remove(self.random.choice(list(bpy.data.collections)))
-
-    def unlink(self) -> None:
-        self.object_mode()
-        obj = self.some()
-        if obj is not None and obj.users_collection:
-            obj.users_collection[0].objects.unlink(obj)
-
-    def transform(self) -> None:
-        obj = self.some()
-        if obj is not None:
-            obj.scale[self.random.randrange(3)] = self.random.choice([2.0, 0.0, -1.0, 1e-30, float("nan")])
-            obj.location.x = self.random.choice([0.0, 100.0, 1e30, float("inf")])
-            obj.rotation_euler.x = self.random.choice([0.0, 1.0])
-            bpy.context.view_layer.update()
-
-    def select(self) -> None:
-        self.object_mode()
-        known = [obj for obj in bpy.data.objects if bpy.context.view_layer.objects.get(obj.name) == obj]
-        for obj in known:
-            obj.select_set(self.random.random() < 0.5)
-        bpy.context.view_layer.objects.active = self.random.choice(known) if known else None
-
-    def duplicate(self) -> None:
-        self.object_mode()
-        if bpy.context.selected_objects:
-            bpy.ops.object.duplicate(linked=self.random.random() < 0.3)
-
-    def join(self) -> None:
-        self.object_mode()
-        active = bpy.context.view_layer.objects.active
-        if active is not None and active.type == "MESH" and active.select_get():
-            bpy.ops.object.join()
-
-    def undo(self) -> None:
-        if bpy.ops.ed.undo.poll():
-            try_operator(bpy.ops.ed.undo)
-
-    def redo(self) -> None:
-        if bpy.ops.ed.redo.poll():
-            try_operator(bpy.ops.ed.redo)
-
-    def save_and_load(self) -> None:
-        self.object_mode()
-        bpy.ops.wm.save_as_mainfile(filepath=str(self.file), check_existing=False)
-        if self.random.random() < 0.7:
-            bpy.ops.wm.open_mainfile(filepath=str(self.file))
-            self.opened = True
-
-    def edit_mode(self) -> None:
-        active = bpy.context.view_layer.objects.active
-        if bpy.context.mode != "OBJECT":
-            self.object_mode()
-        elif active is not None and active.type in {"MESH", "CURVE"} and active.visible_get():
-            try_operator(lambda: bpy.ops.object.mode_set(mode="EDIT"))
-
-    def frame(self) -> None:
-        bpy.context.scene.frame_set(self.random.choice([1, 20, -5, 1000]))
-
-    def strange_property(self) -> None:
-        keys = [key for key in vars(self.addon.keys).values() if str(key).startswith(self.addon.keys.PREFIX)]
-        for item in (self.some(), self.random.choice([*bpy.data.collections, None]), bpy.context.scene):
-            if item is not None:
-                key, value = self.random.choice(keys), self.random.choice(STRANGE)
-                if value is None:
-                    item.pop(key, None)
-                else:
-                    item[key] = value
-
-    # Jobs
-
-    def generate(self) -> None:
-        """Generate cages by ticks; meanwhile the artist may edit, cancel, quit or open another file."""
-        self.object_mode()
-        levels = self.random.choice(["12", "20, 10", "4", "50%", "8, 9", "x", "", "1e9"])
-        self.tell(f"generate {levels!r}")
-        operator, context = self.modal.operator, on_selection(self.modal)
-        operator.levels = levels
-        context.view_layer = bpy.context.view_layer
-        before = repr(snapshot())
-        self.modal.log.clear()
-        outcome = operator.invoke(context, None)
-        edited = False
-        while outcome in ({"RUNNING_MODAL"}, {"PASS_THROUGH"}):
-            chance = self.random.random()
-            if chance < 0.02:
-                self.stop(operator, context, None if edited else before)
-                return
-            if chance < 0.1:
-                edited, self.opened = True, False
-                self.edit()
-                self.object_mode()
-                if self.opened:  # Blender ends the operator
-                    operator.cancel(context)
-                    return
-            if chance < 0.2:
-                assert operator.modal(context, OTHER) == {"PASS_THROUGH"}
-            for name in ("mode", "view_layer", "scene", "collection"):
-                setattr(context, name, getattr(bpy.context, name))
-            outcome = tick(self.addon, operator, context)
-        self.said()
-        assert outcome in ({"FINISHED"}, {"CANCELLED"})
-        if outcome == {"CANCELLED"} and not edited:
-            assert repr(snapshot()) == before
-        if outcome == {"FINISHED"} and not edited:
-            assert try_operator(bpy.ops.object.nested_cages_verify) in ({"FINISHED"}, {"CANCELLED"})
-
-    def stop(self, operator: Any, context: Any, before: str | None) -> None:
-        """Stop the job in any way; where nothing was edited, nothing has changed."""
-        how = self.random.choice(WAYS_TO_STOP)
-        self.tell(f"stop by {how}")
-        if how == "escape":
-            assert operator.modal(context, ESCAPE) == {"CANCELLED"}
-        elif how == "button":
-            bpy.ops.object.nested_cages_cancel()
-            assert operator.modal(context, TIMER) == {"CANCELLED"}
-        elif how == "Blender":
-            operator.cancel(context)
-        elif how == "quit":
-            operator._timer = None  # a stand-in, which the real window manager does not know
-            self.extension.unregister()
-            self.extension.register()
-        else:
-            bpy.ops.wm.read_factory_settings(use_empty=True)
-            operator.cancel(context)
-            before = None
-        if before is not None:
-            assert repr(snapshot()) == before
-
-    def run_other(self) -> None:
-        """Any other operator, as a script would call it."""
-        self.object_mode()
-        name = self.random.choice(OTHERS)
-        self.tell(name)
-        known = getattr(bpy.ops.object, f"nested_cages_{name}")
-        if known.poll():
-            try_operator(known)
-
-    def said(self) -> None:
-        """What was reported is in sentences, never an exception."""
-        for entry in self.modal.log:
-            if isinstance(entry, tuple):
-                assert "Traceback" not in entry[-1] and len(entry[-1]) < 2000
-
-
-def try_operator(operator: Any) -> Any:
-    """Call an operator, which may refuse with an error of its own, but not fail in Python."""
-    try:
-        return operator()
-    except RuntimeError as error:
-        assert "Traceback" not in str(error) and "Python" not in str(error), error
-        return {"CANCELLED"}
-
-
-@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize(
-    "seed", [k if k < FEW or k == CRASHED else pytest.param(k, marks=pytest.mark.thorough) for k in range(MANY)]
-)
-def test_random_edits_between_and_during_jobs(
-    extension,
-    addon,
-    modal,  # noqa: F811
-    monkeypatch,
-    tmp_path,
-    capfd,
-    seed,
-) -> None:
-    """Every tick does one slice, so that a seed says what happens when."""
-    advance = addon.generation.job.Job.advance
-    monkeypatch.setattr(addon.generation.job.Job, "advance", lambda job, _seconds: advance(job, 0.0))
-    artist = Artist(seed, extension, addon, modal, tmp_path)
-    began = time.monotonic()
-    artist.draw()
-    try:
-        for _ in range(STEPS):
-            if time.monotonic() - began < SECONDS:
-                artist.act()
-    except BaseException:
-        print("steps:", *artist.done, sep="\n  ")
-        raise
-    said = capfd.readouterr()
-    assert "Traceback" not in said.err + said.out, "\n".join([*artist.done, said.err])
+@pytest.mark.usefixtures("hasty")
+@pytest.mark.parametrize("seed", [0, CRASHED])
+def test_a_scene_outlives_random_edits_between_and_during_jobs(extension, window, reports, tmp_path, seed) -> None:
+    """Every tick does one step, so that a seed says what happens when."""
+    Artist(seed, extension, window, tmp_path).live_through(16)
+    reports.read()  # without a traceback
+
+
+def test_a_flock_outlives_random_edits(tmp_path) -> None:
+    outlive(Flock(tmp_path / "flock.blend", 0), 10, 0)
+
+
+def test_a_rig_outlives_random_edits(tmp_path) -> None:
+    outlive(Rigger(Random(0), str(tmp_path / "rig.blend")), 12, 0)
+
+
+def test_a_character_outlives_random_edits(tmp_path) -> None:
+    outlive(Animator(Random(0), str(tmp_path / "character")), 4, 0)
+
+
+def test_a_puppet_outlives_random_edits(tmp_path) -> None:
+    pytest.importorskip("shapely")
+    outlive(Puppeteer(Random(0), str(tmp_path / "puppet")), 4, 0)

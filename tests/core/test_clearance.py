@@ -36,7 +36,7 @@ def inradius(fine: Mesh) -> float:
 HOLES = {"ring": annulus(32, 0.22), "bent": bent_hole(), "star": star_with_hole(0), "other": star_with_hole(1)}
 
 
-@pytest.mark.parametrize("name", ["letter", "star", "ring"])
+@pytest.mark.parametrize("name", slow_after(0, ["ring", "letter", "star"], thorough_after=1))
 def test_the_cage_is_as_close_as_the_clearance_and_no_closer(name: str) -> None:
     fine = {"letter": letter_a(), "star": star(), "ring": annulus(60)}[name]
     for clearance in (0.0, 1e-6, 1e-3, 0.03):
@@ -79,7 +79,7 @@ def test_a_clearance_may_fill_a_hole_nearly(name: str, share: float) -> None:
     assert len(level.cage.loops) == 2 and verify(level.cage, fine, clearance)
 
 
-@pytest.mark.parametrize("name", slow_after(1, ["bent", "ring", "star"]))
+@pytest.mark.parametrize("name", slow_after(1, ["bent", "ring", "star"], thorough_after=2))
 def test_a_clearance_that_a_hole_has_no_room_for_is_refused_with_the_hole_and_the_largest(name: str) -> None:
     fine, hole = HOLES[name], shapely.Polygon(HOLES[name].rings[1])
     wanted = 1.05 * inradius(fine)
@@ -94,7 +94,8 @@ def test_a_clearance_that_a_hole_has_no_room_for_is_refused_with_the_hole_and_th
 
 
 @pytest.mark.parametrize(
-    ("width", "part"), slow_after(1, [(0.1, "square"), (0.01, "disc"), (0.01, "square"), (0.1, "disc")])
+    ("width", "part"),
+    slow_after(0, [(0.1, "square"), (0.01, "disc"), (0.01, "square"), (0.1, "disc")], thorough_after=2),
 )
 def test_two_parts_share_the_gap_between_them(width: float, part: str) -> None:
     loop = ring(4, 1.0, np.pi / 4) if part == "square" else ring(40)
@@ -108,6 +109,7 @@ def test_two_parts_share_the_gap_between_them(width: float, part: str) -> None:
         assert caught.value.data["largest"] == pytest.approx(0.5 * width, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_an_island_shares_its_hole_and_close_rings_their_gap() -> None:
     fine = Mesh.from_loops([ring(40), ring(40, 0.6), ring(40, 0.3)])
     with pytest.raises(NestingError) as caught:
@@ -150,7 +152,7 @@ def test_gaps_narrower_than_the_default_have_their_cage_with_a_note() -> None:
     assert joined.cage.area == pytest.approx(2.0, rel=1e-3)
 
 
-@pytest.mark.parametrize(("width", "clearance"), slow_after(1, [(0.05, 0.005), (0.1, 0.01)]))
+@pytest.mark.parametrize(("width", "clearance"), slow_after(0, [(0.05, 0.005), (0.1, 0.01)], thorough_after=1))
 def test_a_level_leaves_room_for_the_next(width: float, clearance: float) -> None:
     """Two letters with serifs; alone, the first cage would have its two loops next to each other."""
     side = [(0.6, 0), (0.6, 0.08), (0.35, 0.12), (0.35, 1.3), (0.6, 1.4), (0.6, 1.5)]
@@ -168,7 +170,7 @@ def test_what_is_no_clearance_is_refused(wrong: object) -> None:
     assert caught.value.code == "setting.invalid"
 
 
-@pytest.mark.parametrize("seed", slow_after(1, range(12), thorough_after=4))
+@pytest.mark.parametrize("seed", slow_after(0, range(12), thorough_after=2))
 def test_random_drawings_keep_any_clearance_or_say_why_not(seed: int) -> None:
     fine = drawing(500 + seed)
     for part in (1e-7, 1e-3, 0.02, 0.1):

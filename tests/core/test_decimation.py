@@ -26,7 +26,7 @@ from nestedcages_core import (
 from support.families import drawing, smallest_around
 from support.judging import codes, gap, never_rises
 from support.marks import slow_after
-from support.shapes import annulus, assert_nested, comb, disc, islands, letter_a, polygon, resampled, ring, star
+from support.shapes import annulus, assert_nested, comb, islands, letter_a, polygon, resampled, ring, star
 
 ALL = pytest.mark.parametrize("method", [LineCycles(), ArcLength(), OnCurve()], ids=lambda each: type(each).__name__)
 ON_CURVE = pytest.mark.parametrize("method", [ArcLength(), OnCurve()], ids=lambda each: type(each).__name__)
@@ -105,7 +105,7 @@ TINY_EDGES = {
 }
 
 
-@pytest.mark.parametrize("name", TINY_EDGES)
+@pytest.mark.parametrize("name", slow_after(1, TINY_EDGES))
 def test_edges_whose_squares_underflow_are_caged(name: str) -> None:
     fine = Mesh.from_loops([TINY_EDGES[name]])
     for count in (3, 4):
@@ -128,7 +128,7 @@ AREAS = {  # of the start, in areas of the shape
 }
 
 
-@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("name", slow_after(1, SHAPES))
 def test_lines_enclose_the_shape_closely_with_the_vertices_asked_for(name: str) -> None:
     fine, areas = SHAPES[name], []
     for count in (17, 18, 21, 27, 40):
@@ -141,7 +141,7 @@ def test_lines_enclose_the_shape_closely_with_the_vertices_asked_for(name: str) 
 
 @pytest.mark.parametrize(
     ("width", "clearance", "excess"),
-    slow_after(3, [(0.02, 1e-6, 0.04), (1e-5, 1e-5, 1e-3), (1e-13, 1e-4, 2e-3), (1e-3, 1e-4, 2e-3), (0.02, 0.0, 0.04)]),
+    slow_after(1, [(0.02, 1e-6, 0.04), (1e-5, 1e-5, 1e-3), (1e-13, 1e-4, 2e-3), (1e-3, 1e-4, 2e-3), (0.02, 0.0, 0.04)]),
 )
 def test_slits_are_followed_or_filled_but_the_clearance_holds(width: float, clearance: float, excess: float) -> None:
     fine = comb(3, width)
@@ -169,6 +169,7 @@ def test_a_small_hole_in_a_large_solid_is_followed() -> None:
     assert mesh.area < 1.1 * fine.area
 
 
+@pytest.mark.slow
 def test_large_counts_have_no_steps() -> None:
     turn = 2.0 * np.pi * np.arange(700) / 700
     radius = 1.0 + sum(0.2 / k**1.1 * np.cos(k * turn + k * k) for k in range(2, 40, 3))
@@ -261,6 +262,7 @@ def test_vertices_on_the_curve_are_at_its_corners() -> None:
     assert caught.value.code == "setting.invalid"
 
 
+@pytest.mark.slow
 @ON_CURVE
 def test_levels_may_start_from_them(method: Any) -> None:
     for name in ("letter", "ring"):
@@ -311,7 +313,7 @@ def test_any_object_that_decimates_is_a_decimation() -> None:
 # Next to the best there are
 
 
-@pytest.mark.parametrize("count", slow_after(4, [3, 4, 7, 12, 5, 6, 16]))
+@pytest.mark.parametrize("count", slow_after(1, [3, 7, 12, 4, 5, 6, 16], thorough_after=4))
 def test_around_a_disc_the_regular_polygon_is_found(count: int) -> None:
     fine = Mesh.from_loops([ring(400)])
     best = count * np.tan(np.pi / count)
@@ -321,10 +323,9 @@ def test_around_a_disc_the_regular_polygon_is_found(count: int) -> None:
 
 def test_straight_sides_cost_nothing() -> None:
     """The smallest triangle around a square is twice as large; parallelograms and their holes are themselves."""
-    for angle in (0.0, 0.4):
-        fine = turned(dense_square(), angle, 3.0, (5.0, -2.0))
-        areas = {count: nested_cages(fine, count, clearance=1e-9)[0].cage.area / 9.0 for count in (3, 4, 9)}
-        assert areas == pytest.approx({3: 2.0, 4: 1.0, 9: 1.0}, rel=1e-5)
+    fine = turned(dense_square(), 0.4, 3.0, (5.0, -2.0))
+    areas = {count: nested_cages(fine, count, clearance=1e-9)[0].cage.area / 9.0 for count in (3, 4, 9)}
+    assert areas == pytest.approx({3: 2.0, 4: 1.0, 9: 1.0}, rel=1e-5)
     frame = Mesh.from_loops([resampled(Mesh.from_loops([each]), 60).vertices for each in (3.0 * SQUARE, SQUARE + 1.0)])
     assert nested_cages(frame, 8, clearance=1e-9)[0].cage.area == pytest.approx(8.0, rel=1e-5)
 
@@ -336,7 +337,7 @@ def hull_of(seed: int) -> np.ndarray:
     return shapely.get_coordinates(shapely.MultiPoint(points).convex_hull.exterior.normalize())[:-1][::-1]
 
 
-@pytest.mark.parametrize("seed", slow_after(3, range(10)))
+@pytest.mark.parametrize("seed", slow_after(1, range(10), thorough_after=5))
 def test_around_a_convex_shape_the_smallest_polygon_is_found(seed: int) -> None:
     """Of all with all edges but one along those of the shape."""
     corners = hull_of(seed)
@@ -354,7 +355,7 @@ def test_a_small_shape_gets_the_best_cage_there_is() -> None:
     assert nested_cages(fine, 6)[0].excess < 0.1306
 
 
-@pytest.mark.parametrize("seed", slow_after(1, range(5)))
+@pytest.mark.parametrize("seed", slow_after(0, range(5), thorough_after=1))
 @pytest.mark.parametrize("spikes", [9, 40])
 def test_no_vertex_of_a_small_cage_runs_away_from_spikes(seed: int, spikes: int) -> None:
     random = np.random.default_rng(seed)
@@ -371,7 +372,7 @@ def test_no_vertex_of_a_small_cage_runs_away_from_spikes(seed: int, spikes: int)
 # More vertices
 
 
-@pytest.mark.parametrize(("gap_width", "tight"), slow_after(1, [(0.5, 0.0), (0.5, 0.1), (1.5, 0.1)]))
+@pytest.mark.parametrize(("gap_width", "tight"), slow_after(0, [(0.5, 0.1), (0.5, 0.0), (1.5, 0.1)], thorough_after=1))
 def test_more_vertices_around_a_comb_are_never_worse(gap_width: float, tight: float) -> None:
     side = 1.0 / (1.0 + gap_width)
     teeth = [shapely.box(k, -0.1, k + side, 3.0 - 0.2 * k) for k in range(6)]
@@ -380,20 +381,14 @@ def test_more_vertices_around_a_comb_are_never_worse(gap_width: float, tight: fl
     assert never_rises([nested_cages(fine, count, **options)[0].cage.area for count in range(8, 20)], 1e-4)
 
 
-@pytest.mark.parametrize("turns", slow_after(1, [7.0, 10.0, 13.0]))
+@pytest.mark.parametrize("turns", slow_after(0, [7.0, 10.0, 13.0], thorough_after=1))
 def test_more_vertices_around_a_spiral_are_never_worse(turns: float) -> None:
     turn = np.linspace(0.6, turns, 30)
     band = shapely.LineString(turn[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)).buffer(1.2, quad_segs=3)
     assert never_rises([nested_cages(band, count)[0].cage.area for count in (9, 10, 11, 12, 14, 16)], 1e-3)
 
 
-def test_more_vertices_are_never_worse_where_one_loop_has_long_edges() -> None:
-    fine = Mesh.from_loops([disc(24, 2.0, 0.0, 0.0), disc(40, 1.0, 10.0, 0.0), disc(44, 1.0, 0.0, 10.0)])
-    areas = [LineCycles().decimate(fine, count).area for count in (48, 50, 52, 55)]
-    assert areas == sorted(areas, reverse=True) and areas[0] < 1.02 * fine.area
-
-
-@pytest.mark.parametrize("seed", slow_after(4, range(24), thorough_after=12))
+@pytest.mark.parametrize("seed", slow_after(1, range(24), thorough_after=6))
 def test_more_vertices_around_a_random_outline_are_never_worse(seed: int) -> None:
     """Cages end in local minima, so half a per cent is allowed."""
     fine = drawing(100 + seed)

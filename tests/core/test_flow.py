@@ -55,6 +55,8 @@ def assert_flows(fine: Mesh, coarse: Mesh, method: Any = METHODS["two-sided"]) -
     """The last step lies strictly inside; what moved keeps its windings, so it will return inside."""
     (level,) = nested_cages(fine, [coarse], replace(ONLY_THE_FLOW, flow=method))
     steps = level.flow.steps
+    assert level.flow.obstacle is None
+    assert level.flow.reason == ""
     assert np.array_equal(steps[0], fine.vertices)
     assert steps.shape[1:] == fine.vertices.shape
     assert np.isfinite(steps).all()
@@ -77,7 +79,7 @@ def assert_flows(fine: Mesh, coarse: Mesh, method: Any = METHODS["two-sided"]) -
 @BY_METHOD
 @pytest.mark.parametrize(
     ("corners", "turn"),
-    slow_after(4, [(8, 0.0), (5, 0.4), (8, 0.77), (3, 0.15), (3, 0.0), (5, 0.0), (3, 0.77), (5, 0.15)]),
+    slow_after(4, [(8, 0.0), (5, 0.4), (8, 0.77), (5, 0.15), (3, 0.0), (5, 0.0), (3, 0.77), (3, 0.15)]),
 )
 def test_disc_in_a_ring_of_few_corners(method: Any, corners: int, turn: float) -> None:
     """Figure 5, in several rotations."""
@@ -85,7 +87,7 @@ def test_disc_in_a_ring_of_few_corners(method: Any, corners: int, turn: float) -
 
 
 @pytest.mark.parametrize(
-    ("corners", "turn"), slow_after(4, [(8, 0.1), (5, 0.5), (5, 0.9), (3, 0.1), (3, 0.5), (8, 0.9)])
+    ("corners", "turn"), slow_after(3, [(8, 0.1), (5, 0.5), (5, 0.9), (3, 0.1), (3, 0.5), (8, 0.9)])
 )
 def test_rings_turned_against_each_other(corners: int, turn: float) -> None:
     """The outer and the inner ring come close at one place: a hole must not be caught on the corner."""
@@ -95,9 +97,11 @@ def test_rings_turned_against_each_other(corners: int, turn: float) -> None:
 
 
 @BY_METHOD
-def test_letter_and_octagon(method: Any) -> None:
-    for fine, coarse in ((letter_a(), letter_a_coarse()), (octagon_with_hole(), square_with_hole())):
-        assert_flows(fine, coarse, method)
+@pytest.mark.parametrize(
+    ("fine", "coarse"), slow_after(1, [(octagon_with_hole(), square_with_hole()), (letter_a(), letter_a_coarse())])
+)
+def test_octagon_and_letter(method: Any, fine: Mesh, coarse: Mesh) -> None:
+    assert_flows(fine, coarse, method)
 
 
 @pytest.mark.parametrize("count", [16, 32, 64])
@@ -119,7 +123,7 @@ def test_nothing_moves_that_is_inside_already(method: Any) -> None:
     assert level.report.start != "flow"
 
 
-@pytest.mark.parametrize("examples", slow_after(1, [8, 60, 1000], thorough_after=2))
+@pytest.mark.parametrize("examples", slow_after(1, [4, 40, 1000], thorough_after=2))
 def test_random_shapes(examples: int) -> None:
     """Spikes that a coarse mesh of few vertices cuts off."""
     random, tried = np.random.default_rng(11), 0
@@ -173,7 +177,7 @@ def test_a_coarse_hole_may_lie_between_components() -> None:
     assert_flows(Mesh.from_loops([arch, -arch]), annulus(9))
 
 
-@pytest.mark.parametrize("spread", [1.0, 0.85])
+@pytest.mark.parametrize("spread", slow_after(1, [1.0, 0.85]))
 def test_each_of_many_discs_goes_into_its_own(spread: float) -> None:
     """Those that are next to others too; given in any order."""
     random = np.random.default_rng(4)

@@ -92,7 +92,7 @@ def least_plate(count: int) -> float:
     )
 
 
-@pytest.mark.parametrize("count", slow_after(4, [7, 8, 11, 12, 4, 5, 6, 9, 10]))
+@pytest.mark.parametrize("count", slow_after(2, [7, 11, 8, 12, 4, 6], thorough_after=4))
 def test_parts_are_joined_as_the_best_of_all_choices_joins_them(count: int) -> None:
     level = nested_cages(ROW, count, clearance=1e-6)[0]
     assert level.cage.area == pytest.approx(least_row(count), rel=1e-4)
@@ -101,7 +101,7 @@ def test_parts_are_joined_as_the_best_of_all_choices_joins_them(count: int) -> N
     assert ("note.loops" in codes(level)) == bool(joined)
 
 
-@pytest.mark.parametrize("count", slow_after(4, [7, 8, 13, 16, 4, 5, 11, 15]))
+@pytest.mark.parametrize("count", slow_after(2, [7, 13, 8, 16, 4, 11, 15], thorough_after=5))
 def test_holes_are_filled_as_the_best_of_all_choices_fills_them(count: int) -> None:
     level = nested_cages(PLATE, count, clearance=1e-6)[0]
     assert level.cage.area == pytest.approx(least_plate(count), rel=1e-4)
@@ -128,7 +128,7 @@ def test_the_choice_is_tight_around_curved_parts() -> None:
 # The count is a promise
 
 
-@pytest.mark.parametrize("count", slow_after(1, [5, 8, 3, 12, 17], thorough_after=3))
+@pytest.mark.parametrize("count", slow_after(1, [5, 8, 3, 12, 17], thorough_after=2))
 @pytest.mark.parametrize("name", SHAPES)
 def test_no_cage_has_more_vertices_than_asked_for(name: str, count: int) -> None:
     fine = SHAPES[name]
@@ -199,14 +199,13 @@ def test_where_a_few_more_vertices_halve_the_excess_a_note_says_so() -> None:
 # All loops, or one
 
 
+@pytest.mark.slow
 def test_keep_is_the_promise_of_each_loop() -> None:
     with pytest.raises(NestedCagesError) as caught:
         nested_cages(bell(), 14, loops="keep")
     assert caught.value.code == "count.too_small" and caught.value.data["least"] == 15
     level = nested_cages(bell(), 15, loops="keep")[0]
     assert [len(loop) for loop in level.cage.loops] == [3] * 5 and verify(level.cage, bell())
-    for count in (7, 11):
-        assert len(nested_cages(ROW, max(count, 9), loops="keep")[0].cage.loops) == 3
     many = nested_cages(bell(), 60)[0]
     assert many.cage == nested_cages(bell(), 60, loops="keep")[0].cage and not check(bell(), many).lost
     with pytest.raises(NestedCagesError) as caught:
@@ -345,7 +344,7 @@ def test_what_merging_does_not_go_with_is_refused() -> None:
 # Details that are nearly nothing
 
 
-@pytest.mark.parametrize("size", slow_after(1, [1e-155, 1e-170, 1e-165], thorough_after=2))
+@pytest.mark.parametrize("size", slow_after(0, [1e-155, 1e-170, 1e-165], thorough_after=1))
 def test_parts_too_small_to_tell_apart_lead_to_a_cage_or_an_error_with_a_code(size: float) -> None:
     tiny = [ring(6, size), ring(6, size, 0.0, (4.0 * size, 0.0)), ring(12, 1.0, 0.0, (3.0, 0.0))]
     for options in ({}, {"pins": [0]}, {"weights": np.arange(24) + 1.0}):
@@ -365,7 +364,7 @@ def test_parts_that_are_flat_next_to_round_off_join_without_a_warning() -> None:
 # Families
 
 
-@pytest.mark.parametrize("seed", slow_after(1, range(12), thorough_after=4))
+@pytest.mark.parametrize("seed", slow_after(0, range(12), thorough_after=2))
 def test_random_drawings_have_cages_of_any_count(seed: int) -> None:
     fine = drawing(300 + seed)
     for count in (3, 4, 9, 24):

@@ -24,7 +24,7 @@ def hull(fine: Mesh, count: object, clearance: float = 0.0) -> Mesh:
     return OuterHull().decimate(fine, count, clearance=clearance)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("name", slow_after(1, SHAPES))
 def test_it_encloses_strictly_with_exactly_the_vertices_asked_for(name: str) -> None:
     fine = SHAPES[name]
     clearance = 1e-5 * fine.diagonal
@@ -67,6 +67,7 @@ def test_teeth_with_hardly_a_gap_are_enclosed_without_stairs() -> None:
     assert coarse.area < 1.001 * fine.area
 
 
+@pytest.mark.slow
 def test_what_has_no_room_is_an_error_with_the_place_or_the_smallest_count() -> None:
     assert_nested(hull(two := Mesh.from_loops([SQUARE, SQUARE + beside(1.0 + 1e-12)]), 8, 1e-5), two)
     with pytest.raises(NestingError) as caught:
@@ -82,6 +83,7 @@ def test_what_has_no_room_is_an_error_with_the_place_or_the_smallest_count() -> 
     assert_nested(hull(fine, least), fine)
 
 
+@pytest.mark.slow
 def test_large_clearances_straight_sides_and_many_vertices() -> None:
     needle = np.array([(0, 0), (1, 0), (1, 0.2), (0.501, 0.2), (0.5, 2.0), (0.499, 0.2), (0, 0.2)])
     for fine, count in ((Mesh.from_loops([needle]), 7), (Mesh.from_loops([ring(900)]), 12)):
@@ -94,6 +96,7 @@ def test_large_clearances_straight_sides_and_many_vertices() -> None:
     assert (np.diff(areas) < 0.0).all()
 
 
+@pytest.mark.slow
 def test_levels_may_start_from_it() -> None:
     for made, side in ((nested_cages, 1), (inner_cages, -1)):
         level = made(letter_a(), 24, decimation=OuterHull())[0]

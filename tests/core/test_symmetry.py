@@ -73,7 +73,7 @@ def test_mirrored_vertices_are_mirrored_to_the_last_bit(symmetry: Mirror, count:
     assert level.excess < 1.1 * nested_cages(blob(3, symmetry), count)[0].excess
 
 
-@pytest.mark.parametrize("order", slow_after(2, [3, 4, 2, 7]))
+@pytest.mark.parametrize("order", slow_after(1, [3, 4, 2, 7]))
 def test_rotations(order: int) -> None:
     symmetry = Rotation((0.4, -1.3), order)
     fine = blob(order, symmetry, 12 * order)
@@ -82,7 +82,7 @@ def test_rotations(order: int) -> None:
     assert len(level.cage.vertices) == 3 * order and level.excess < 1.6 * nested_cages(fine, 3 * order)[0].excess
 
 
-@pytest.mark.parametrize("seed", slow_after(1, range(40), thorough_after=8))
+@pytest.mark.parametrize("seed", slow_after(0, range(40), thorough_after=4))
 def test_random_shapes(seed: int) -> None:
     rng = np.random.default_rng(seed)
     symmetry = [*AXES, Rotation((0.0, 1.0), 3), Rotation((1.0, 0.0), 2)][seed % 6]
@@ -112,6 +112,7 @@ def test_holes_pairs_of_parts_and_several_levels() -> None:
         assert sorted(level.cage.loop_signs) == sorted(fine.loop_signs)
 
 
+@pytest.mark.slow
 def test_symmetric_costs_little_and_inner_cages_too() -> None:
     fine = letter_a()
     free = nested_cages(fine, 36)[0].excess
@@ -144,6 +145,7 @@ def test_a_mirror_is_found(turn: float) -> None:
     assert abs(x * c + y * s) < 1e-6  # the axis of the letter is vertical before it is turned
 
 
+@pytest.mark.slow
 def test_rotations_are_found_and_where_there_is_nothing_that_is_noted() -> None:
     turn = np.linspace(0.0, 2.0 * np.pi, 150, endpoint=False)
     whirl = Mesh.from_loops([(1.0 + 0.2 * np.cos(5 * turn) + 0.1 * np.sin(10 * turn))[:, None] * ring(150)])
@@ -195,7 +197,7 @@ def test_a_drawing_by_hand_is_enclosed_with_its_image(symmetry: Mirror | Found) 
     assert verify(fine, inner.cage) and verify(image, inner.cage) and is_symmetric(inner.cage.vertices, mirror)
 
 
-@pytest.mark.parametrize("seed", slow_after(2, range(60), thorough_after=10))
+@pytest.mark.parametrize("seed", slow_after(1, range(60), thorough_after=5))
 def test_any_drawing_is_enclosed_with_all_of_its_images(seed: int) -> None:
     """The union, or for cages inside the intersection, is that of shapely; notes have its area."""
     rng = np.random.default_rng(seed)
@@ -256,6 +258,7 @@ def test_far_from_the_origin_and_of_any_size(scale: float, offset: float) -> Non
         assert_symmetric(level, symmetry)
 
 
+@pytest.mark.slow
 def test_symmetries_without_a_place_take_that_of_the_drawing() -> None:
     fine = Mesh(letter_a().vertices + np.array([7.25, 3.0]), letter_a().edges)
     assert_symmetric(nested_cages(fine, 24, symmetry=Mirror(None))[0], Mirror((7.25, 0.0)))
@@ -282,6 +285,7 @@ def test_images_are_reflections_and_turns_and_each_its_own(symmetry: Mirror | Ro
     assert np.abs(shapely.get_coordinates(turned) - images).max() < 1e-14
 
 
+@pytest.mark.slow
 def test_images_that_are_too_many_are_refused_at_once() -> None:
     square = Mesh.from_loops([[(0, 0), (1, 0), (1, 1), (0, 1)]])
     with pytest.raises(NestedCagesError) as caught:

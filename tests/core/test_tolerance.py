@@ -41,7 +41,7 @@ def farthest(cage: Mesh, fine: Mesh, step: float) -> float:
 # The fewest vertices
 
 
-@pytest.mark.parametrize("distance", slow_after(1, [0.2, 0.03]))
+@pytest.mark.parametrize("distance", slow_after(0, [0.2, 0.03]))
 def test_around_a_disc_the_bound_and_the_cage_are_the_regular_polygon(distance: float) -> None:
     fine = Mesh.from_loops([ring(720)])
     least = int(np.ceil(np.pi / np.arccos(1.0 / (1.0 + distance))))
@@ -87,7 +87,7 @@ def test_where_outlines_turn_inwards_too(fine: Mesh, distance: float) -> None:
     assert verify(level.cage, fine, level.report.wanted_clearance) and lies_within(level.cage, fine, distance)
 
 
-@pytest.mark.parametrize("seed", slow_after(1, range(12), thorough_after=4))
+@pytest.mark.parametrize("seed", slow_after(1, range(12), thorough_after=3))
 def test_the_bound_undercuts_every_cage_that_is_as_near(seed: int) -> None:
     random = np.random.default_rng(seed)
     fine = simple(random, 15, 40)
@@ -108,7 +108,7 @@ def within(count: int) -> float:
 
 
 @pytest.mark.parametrize("made", [nested_cages, inner_cages], ids=["around", "inside"])
-@pytest.mark.parametrize("count", slow_after(1, [5, 4, 7, 11]))
+@pytest.mark.parametrize("count", slow_after(0, [5, 4, 7, 11], thorough_after=2))
 def test_in_and_around_a_disc_the_fewest_are_those_of_the_regular_polygons(made: Any, count: int) -> None:
     """By an excess and a distance that this many vertices keep, and one less don't."""
     fine, both, outside = Mesh.from_loops([ring(120)]), (count - 1, count), made is nested_cages
@@ -121,7 +121,7 @@ def test_in_and_around_a_disc_the_fewest_are_those_of_the_regular_polygons(made:
 
 
 @pytest.mark.parametrize("made", [nested_cages, inner_cages], ids=["around", "inside"])
-@pytest.mark.parametrize("excess", slow_after(1, [0.2, 0.05]))
+@pytest.mark.parametrize("excess", slow_after(0, [0.2, 0.05]))
 def test_with_one_vertex_less_the_excess_is_larger(made: Any, excess: float) -> None:
     fine = star(5, 100)
     level = made(fine, Within(excess=excess))[0]
@@ -142,7 +142,7 @@ def test_cages_inside_are_near_too() -> None:
 # How near a cage is
 
 
-@pytest.mark.parametrize("seed", slow_after(1, range(6), thorough_after=3))
+@pytest.mark.parametrize("seed", slow_after(0, range(6), thorough_after=2))
 def test_the_distance_that_a_note_has_is_that_of_the_farthest_point(seed: int) -> None:
     """Around bays and two loops too; a sample is at most half the diagonal of a cell from the farthest place."""
     random = np.random.default_rng(seed)
@@ -155,6 +155,7 @@ def test_the_distance_that_a_note_has_is_that_of_the_farthest_point(seed: int) -
     assert check(fine, level, distance=taken) and not check(fine, level, distance=0.99 * (sampled - 1e-9))
 
 
+@pytest.mark.slow
 def test_the_inside_of_a_shape_is_at_no_distance() -> None:
     """One side has many vertices, so the middle of the square is farther from its outline than a usual edge is long."""
     side = np.linspace(0.0, 10.0, 100, endpoint=False)
@@ -175,6 +176,7 @@ def test_all_bays_that_are_too_wide_are_followed() -> None:
     assert lies_within(one.cage, fine, 0.3) and lies_within(both.cage, fine, 0.2)
 
 
+@pytest.mark.slow
 def test_a_hole_smaller_than_the_distance() -> None:
     """In an outline around which the first polygon goes too far; the cage is not tightened beyond the distance."""
     angle = 2.0 * np.pi * np.arange(400) / 400

@@ -40,6 +40,7 @@ def test_each_cage_is_the_better_one_by_its_own_measure(made: Any, symmetry: Mir
     assert (weighted.cage.vertices[:, 1] > TOP).sum() >= (alike.cage.vertices[:, 1] > TOP).sum()
 
 
+@pytest.mark.slow
 def test_weights_have_no_unit_and_reach_the_next_level() -> None:
     fine = letter_a()
     one, other = (nested_cages(fine, [32, 20], weights=factor * heavy(fine, 8.0)) for factor in (1.0, 8.0))
@@ -100,6 +101,7 @@ def test_a_pin_on_an_edge_and_a_joint_get_vertices() -> None:
     assert level.cage.area == pytest.approx(6.0, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_more_pins_than_vertices_are_noted_with_the_farthest() -> None:
     fine = letter_a(6)
     pins = [int(k) for k in np.linspace(0, 400, 9)]
@@ -122,6 +124,7 @@ def test_no_edge_is_shorter_and_no_angle_sharper(symmetry: Mirror | None) -> Non
     assert sharpest(nested_cages(letter_a(), 20).cages[0]) < 40.0
 
 
+@pytest.mark.slow
 def test_limits_without_room_mean_fewer_vertices_or_are_noted() -> None:
     level = nested_cages(Mesh.from_loops([ring(64)]), 40, min_edge=0.3)[0]
     assert certified(level) and lengths_of(level.cage).min() >= 0.3

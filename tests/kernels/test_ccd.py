@@ -243,7 +243,7 @@ def test_the_potential_has_its_derivative_and_descends_along_newton_directions()
     pairs = find_pairs(bodies, x, 0.3)
     for family in (pairs.fine_cage, pairs.cage_fine, pairs.cage_cage):
         assert (pairs.measure(x).distance < ranges.of(bodies, pairs))[family].any()
-    for _ in range(5):
+    for _ in range(3):
         model = potential.newton(x)
         assert model.value == pytest.approx(potential.value(x), rel=1e-12)
         numeric = derivative(potential.value, x, 1e-7)

@@ -509,6 +509,7 @@ except NestedCagesError as error:
 """
 
 
+@pytest.mark.slow
 def test_without_shapely_repeated_points_are_left_out_and_other_repairs_ask_for_it() -> None:
     found = subprocess.run([sys.executable, "-c", WITHOUT_SHAPELY], capture_output=True, text=True, check=True)
     assert found.stdout.split() == ["dependency.missing", "shapely"]
@@ -544,7 +545,7 @@ def is_accepted(loops: list[np.ndarray]) -> bool:
     return True
 
 
-@pytest.mark.parametrize("examples", slow_after(1, [200, 500, 20_000], thorough_after=2))
+@pytest.mark.parametrize("examples", slow_after(1, [60, 500, 20_000], thorough_after=2))
 @pytest.mark.parametrize("corners", [3, 4, 5, 6, 7])
 def test_loops_on_a_grid_are_accepted_if_and_only_if_they_are_simple(corners: int, examples: int) -> None:
     random = np.random.default_rng(corners)
@@ -555,10 +556,10 @@ def test_loops_on_a_grid_are_accepted_if_and_only_if_they_are_simple(corners: in
             continue
         assert is_accepted([points]) == is_valid_ring(points), points.tolist()
         accepted += is_valid_ring(points)
-    assert accepted > 0
+    assert accepted > 0 or examples < 500
 
 
-@pytest.mark.parametrize("examples", slow_after(1, [200, 800, 20_000], thorough_after=2))
+@pytest.mark.parametrize("examples", slow_after(1, [150, 800, 20_000], thorough_after=2))
 def test_two_loops_on_a_grid_are_accepted_if_and_only_if_they_stay_apart(examples: int) -> None:
     random = np.random.default_rng(2)
     verdicts = []

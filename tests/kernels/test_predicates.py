@@ -23,6 +23,7 @@ from nestedcages_core.geometry.predicates import (
     winding_around,
     winding_number,
 )
+from nestedcages_core.published.gurditta_jacobson_2022.ray_parity import edges_meet, inside_by_parity
 from support.marks import slow_after, slowly
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -89,7 +90,7 @@ def test_orientation_where_products_leave_the_range_of_doubles(exponent: int) ->
 
 
 @given(hnp.arrays(np.float64, (20, 6), elements=finite))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_orientation_of_any_doubles(rows: np.ndarray) -> None:
     assert_exact(rows[:, 0:2], rows[:, 2:4], rows[:, 4:6])
 
@@ -194,7 +195,7 @@ def as_set(pairs: tuple[np.ndarray, np.ndarray]) -> set[tuple[int, int]]:
 
 
 @pytest.mark.parametrize("exponent", [0, *slowly(-1074, -1000, -300, 300, 1000)])
-@pytest.mark.parametrize("count", slow_after(2, [150, 700, 2500], thorough_after=2))
+@pytest.mark.parametrize("count", slow_after(2, [150, 500, 2500], thorough_after=2))
 @pytest.mark.parametrize("kind", ["soup", "star", "comb", "grid"])
 def test_crossing_pairs(kind: str, count: int, exponent: int) -> None:
     """The same at every scale: all is a power of two times whole numbers."""
@@ -233,7 +234,7 @@ EVERYWHERE = np.array(list(itertools.product(range(-1, 8), range(-1, 8))))
 
 @pytest.mark.parametrize("shuffled", [False, True])
 @given(data=st.data())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_winding_number_on_grids(shuffled: bool, data: st.DataObject) -> None:
     points = st.tuples(st.integers(0, 6), st.integers(0, 6))
     loops = data.draw(st.lists(st.lists(points, min_size=1, max_size=25), min_size=1, max_size=6))
@@ -246,7 +247,7 @@ def test_winding_number_on_grids(shuffled: bool, data: st.DataObject) -> None:
 
 
 @pytest.mark.parametrize("shuffled", [False, True])
-@pytest.mark.parametrize(("loops", "size", "span"), slow_after(2, [(1, 2000, 30), (600, 4, 30), (40, 60, 12)]))
+@pytest.mark.parametrize(("loops", "size", "span"), slow_after(2, [(1, 1500, 30), (400, 4, 30), (40, 60, 12)]))
 def test_winding_number_in_a_tangle(loops: int, size: int, span: int, shuffled: bool) -> None:
     """So many edges at the height of each point that a tree of boxes is searched, in which boxes overlap."""
     random = np.random.default_rng(size)
@@ -293,3 +294,26 @@ def test_winding_number_of_nothing() -> None:
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     assert winding_number(none, square, np.roll(square, -1, axis=0)).shape == (0,)
     assert winding_number(square, none, none).tolist() == [0, 0, 0, 0]
+
+
+# The predicates of the paper's program, which are right but for what touches a vertex
+
+
+def test_parity_is_that_of_shapely_but_for_a_ray_through_a_vertex() -> None:
+    angle = np.arange(7) + 0.3
+    corners = np.stack([np.cos(angle), np.sin(angle)], axis=1) * np.array([1.0, 0.4, 1.0, 0.7, 0.9, 0.5, 1.0])[:, None]
+    points = np.random.default_rng(1).uniform(-1.0, 1.0, (500, 2))
+    expected = shapely.contains_xy(shapely.Polygon(corners), points)
+    assert np.array_equal(inside_by_parity(points, corners, np.roll(corners, -1, axis=0)), expected)
+    diamond = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    found = inside_by_parity(np.array([[0.1, 0.2], [0.1, 0.0]]), diamond, np.roll(diamond, -1, axis=0))
+    assert found.tolist() == [True, False]
+
+
+def test_edges_of_the_paper_meet_where_they_cross_and_touch() -> None:
+    quadruples = np.random.default_rng(2).normal(size=(300, 4, 1, 2))
+    expected = segments_intersect(*quadruples[:, :, 0].transpose(1, 0, 2)).tolist()
+    assert [bool(edges_meet(*each)) for each in quadruples] == expected
+    touching = np.array([[[0.5, 0.0]], [[0.5, 1.0]], [[0.0, 0.0]], [[1.0, 0.0]]])
+    assert edges_meet(*touching)
+    assert not edges_meet(*(touching + np.array([[0.0, 0.1], [0.0, 0.1], [0.0, 0.0], [0.0, 0.0]])[:, None]))

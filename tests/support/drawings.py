@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
@@ -13,6 +14,9 @@ import shapely
 from numpy.typing import NDArray
 
 Loop = NDArray[np.float64]
+
+PACKAGE = "nested_cages_extension"
+"""Any name will do: an extension is imported as bl_ext.<repository>.<id>, so nothing may depend on it."""
 
 
 def circle(count: int = 48, radius: float = 1.0, middle: tuple[float, float] = (0.0, 0.0)) -> Loop:
@@ -153,35 +157,96 @@ def grease_pencil(name: str, loops: Sequence[Loop], cyclic: bool = True, radius:
     return add(name, data)
 
 
-def set_in(home: Any) -> Any:
-    """The set of cages in a collection, or of an object."""
-    record = import_module("nested_cages_extension.addon.record")
-    if isinstance(home, record.CageSet):
+def sets() -> Any:
+    """The add-on's public class of sets of cages."""
+    return import_module(PACKAGE).CageSet
+
+
+def set_of(home: Any) -> Any:
+    """The set of an object, or whose cages are in a collection; a set itself; None if there is none."""
+    if isinstance(home, bpy.types.Object):
+        return sets().of(home)
+    if not isinstance(home, bpy.types.Collection):
         return home
-    objects = [home] if isinstance(home, bpy.types.Object) else home.objects
-    sets = {record.CageSet.of(obj) for obj in objects if isinstance(home, bpy.types.Object) or record.level_of(obj)}
-    return next(iter(sets), None)
+    return next((each for each in sets().everywhere() if set(each.cages) & set(home.objects)), None)
 
 
-def facts(block: Any) -> dict[str, Any]:
-    """What is known of the set in a collection, or of a member: of cages with their certificate."""
-    found = set_in(block)
-    if isinstance(block, bpy.types.Collection) or found is block:
-        known = {"source": found.source, "end": found.record.frames[1], "inside": found.inside} if found else {}
-        return known | ({"bound": found.bound} if found and found.bound else {})
-    if found is None or block not in found.members:
-        return {}
-    level = found.members.index(block)
-    known = {"level": level, "vertices": len(block.data.vertices)}
-    if level:
-        said = found.certificates[level - 1]
-        known |= {"inside": found.inside, "begins_from": said.start, "notes": "; ".join(said.notes)}
-        known |= {name: getattr(said, name) for name in ("clearance", "excess", "seconds", "need")}
-        known["certificate"] = said.sentence
-        frames = zip(("flow_start", "reinflation_start", "tightening_start", "end"), said.frames, strict=True)
-        known |= {name: frame for name, frame in frames if frame >= 0}
-        known |= {"check": said.verdict, "finding": said.finding} if said.verdict else {}
-    return known
+def members(home: Any) -> list[Any]:
+    """The fine mesh and the cages of a set, or of that of an object or a collection, from the inside out."""
+    found = set_of(home)
+    return [*filter(None, (found.fine,)), *found.cages]
+
+
+def made(name: str = "Drawing", inside: bool = False) -> list[Any]:
+    """The fine mesh and the cages around a drawing, or those inside it."""
+    (found,) = [each for each in sets().all_of(bpy.data.objects[name]) if each.inside == inside]
+    return members(found)
+
+
+def certificate(cage: Any) -> Any:
+    """What is certified of a cage and was found of it since."""
+    found = sets().of(cage)
+    return found.certificates[found.cages.index(cage)]
+
+
+def end_of(home: Any) -> int:
+    """The first frame with the result: of a cage, or of the last one of a drawing or a collection."""
+    found = set_of(home)
+    cage = home if home in found.cages else found.cages[-1]
+    return int(certificate(cage).frames[3])
+
+
+def holds(cage: Any) -> bool | None:
+    """What Verify Cages found of a cage as it is; None if it was not looked at. The only place that knows its word."""
+    verdict = certificate(cage).verdict
+    return verdict.startswith("Holds") if verdict else None
+
+
+def checked(cage: Any) -> list[int]:
+    """The frames that Verify Cages names in its verdict: the range that it looked at, or where it found a fault."""
+    return [int(number) for number in re.findall(r"\d+", certificate(cage).verdict)]
+
+
+def bound(home: Any) -> bool:
+    """Whether a drawing follows its cages."""
+    return bool(set_of(home).bound)
+
+
+def generate(levels: str = "20, 10", **settings: Any) -> None:
+    assert bpy.ops.object.nested_cages_generate(levels=levels, **settings) == {"FINISHED"}
+
+
+def bind(**settings: Any) -> None:
+    assert bpy.ops.object.nested_cages_bind(**settings) == {"FINISHED"}
+
+
+def verify(*cages: Any, **settings: Any) -> bool:
+    """Whether the selected cages hold, by Verify Cages; of these, if there are any."""
+    assert bpy.ops.object.nested_cages_verify(**settings) == {"FINISHED"}
+    return all(holds(cage) for cage in cages)
+
+
+def save(path: Any, *, again: bool = False) -> str:
+    """Saves the file, and opens it again."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    if again:
+        bpy.ops.wm.open_mainfile(filepath=str(path))
+    return str(path)
+
+
+def base(obj: Any) -> NDArray[np.float32]:
+    """Vertices (n, 3) of a mesh object without its shape keys and modifiers."""
+    points = np.empty((len(obj.data.vertices), 3), np.float32)
+    keys = obj.data.shape_keys
+    (keys.reference_key.points if keys else obj.data.vertices).foreach_get("co", points.ravel())
+    return points
+
+
+def put(obj: Any, points: NDArray[Any]) -> None:
+    """Moves the vertices of a mesh object."""
+    obj.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    obj.data.update()
+    bpy.context.view_layer.update()
 
 
 def snapshot() -> dict[str, Any]:
@@ -232,6 +297,12 @@ def evaluated(obj: Any, depsgraph: Any = None) -> NDArray[np.float32]:
     return vertices
 
 
+def world(obj: Any, depsgraph: Any = None) -> NDArray[np.float64]:
+    """Vertices (n, 3) of the evaluated object where they are displayed."""
+    bpy.context.view_layer.update()
+    return in_world(obj, evaluated(obj, depsgraph))
+
+
 def in_world(obj: Any, points: NDArray[np.float32]) -> NDArray[np.float64]:
     """Points (n, 3) of an object's own space in the world."""
     matrix = np.array(obj.matrix_world, dtype=float)
@@ -243,6 +314,17 @@ def edges_of(obj: Any) -> NDArray[np.int32]:
     edges = np.empty((len(obj.data.edges), 2), np.int32)
     obj.data.edges.foreach_get("vertices", edges.ravel())
     return edges
+
+
+def curves_of(owner: Any) -> list[Any]:
+    """The f-curves of an object or of shape keys."""
+    animation = owner.animation_data
+    if animation is None or animation.action is None:
+        return []
+    if not hasattr(animation, "action_slot"):
+        return list(animation.action.fcurves)
+    bags = [strip.channelbag(animation.action_slot) for layer in animation.action.layers for strip in layer.strips]
+    return [curve for bag in bags if bag is not None for curve in bag.fcurves]
 
 
 def lines(obj: Any, depsgraph: Any = None) -> Any:
@@ -260,11 +342,11 @@ def solid(obj: Any, depsgraph: Any = None) -> Any:
     return area
 
 
-def outlive(subject: Any, edits: Sequence[Any], count: int, seed: int) -> None:
+def outlive(subject: Any, count: int, seed: int) -> None:
     """So many random edits of a subject, which is checked after each of them."""
     done = []
     for _ in range(count):
-        edit = subject.random.choice(edits)
+        edit = subject.random.choice(subject.EDITS)
         done.append(edit.__name__)
         try:
             edit(subject)

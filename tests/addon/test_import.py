@@ -1,30 +1,24 @@
-"""Everything is in one submenu, and what is exported comes back as it was."""
+"""Files that are read as drawings: what was exported comes back, any SVG and GeoJSON, several at once."""
 
 from __future__ import annotations
 
-from types import SimpleNamespace
+import json
 
 import bpy
 import numpy as np
 import pytest
-from test_panels import Layout
+import shapely
 
-from support.drawings import evaluated, in_world, poly_curve, star
+from support.blender import refused
+from support.drawings import evaluated, generate, in_world, poly_curve, solid, star
 from support.marks import slow_after
 
 
-def test_all_operators_are_in_the_submenu(addon) -> None:
-    drawn: list[str] = []
-    addon.ui.menus.VIEW3D_MT_nested_cages.draw(SimpleNamespace(layout=Layout(drawn)), bpy.context)
-    known = {f"object.{name}" for name in dir(bpy.ops.object) if name.startswith("nested_cages")}
-    assert known - set(drawn) == {"object.nested_cages_cancel"}
-
-
 @pytest.mark.parametrize("kind", ["SVG", "GEOJSON"])
-def test_three_exported_outlines_come_back_as_three_of_the_same_size(addon, tmp_path, kind) -> None:
+def test_three_exported_outlines_come_back_as_three_of_the_same_size(tmp_path, kind) -> None:
     poly_curve("Drawing", [star()])
-    bpy.ops.object.nested_cages_generate(levels="20, 10")
-    path = str(tmp_path / ("cages" + addon.operators.files.SUFFIXES[kind]))
+    generate("20, 10")
+    path = str(tmp_path / {"SVG": "cages.svg", "GEOJSON": "cages.geojson"}[kind])
     bpy.ops.object.nested_cages_export(filepath=path, kind=kind)
     names = ("Drawing Fine", "Drawing Cage 1", "Drawing Cage 2")
     sizes = sorted(tuple(np.ptp([v.co for v in bpy.data.objects[name].data.vertices], axis=0)) for name in names)
@@ -42,7 +36,7 @@ def test_three_exported_outlines_come_back_as_three_of_the_same_size(addon, tmp_
     assert max(obj.dimensions.x for obj in made) == pytest.approx(2.0 * max(size[0] for size in sizes), rel=1e-4)
 
 
-def test_shapes_of_any_svg_can_be_read_one_by_one(addon, tmp_path) -> None:
+def test_shapes_of_any_svg_can_be_read_one_by_one(tmp_path) -> None:
     path = tmp_path / "two.svg"
     path.write_text(
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 10"><rect width="10" height="10"/>'
@@ -73,11 +67,11 @@ def test_a_drawing_stands_in_its_middle_and_several_shapes_are_parts(tmp_path, s
         above, front = made["high"].location - made["low"].location, -1.0 if up == 2 else 1.0
         assert above[up] == pytest.approx(-0.15, abs=1e-6) and above[3 - up] * front > 0.0
         assert made["low"].data.polygons and made["low"].data.materials[0].name == "Fill #FF0000"
-    assert bpy.ops.object.nested_cages_generate(levels="8") == {"FINISHED"}
+    generate("8")
 
 
 @pytest.mark.slow
-def test_every_drawn_shape_is_an_outline_whatever_the_spelling(addon, tmp_path) -> None:
+def test_every_drawn_shape_is_an_outline_whatever_the_spelling(tmp_path) -> None:
     path = tmp_path / "many.svg"
     shapes = '<s:g id="dot"><s:circle id="dot" r="1"/></s:g><s:defs><s:rect id="r" width="1" height="1"/></s:defs>'
     copies = "".join(f'<s:use href="#r" x="{3 * k}"/>' for k in range(1, 400))
@@ -88,3 +82,62 @@ def test_every_drawn_shape_is_an_outline_whatever_the_spelling(addon, tmp_path) 
     assert {"dot", "dot.001", "r", "r.398"} <= {obj.name for obj in bpy.data.objects}
     assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="ONE") == {"FINISHED"}
     assert len(bpy.data.objects) == 402
+
+
+def test_drawings_are_read_from_files_and_caged(tmp_path, reports) -> None:
+    overlapping = '<svg xmlns="http://www.w3.org/2000/svg"><circle r="50"/><rect width="80" height="80"/></svg>'
+    (tmp_path / "logo.svg").write_text(overlapping)
+    lying = {"outlines": "ONE", "plane": "XY", "centre": False}
+    assert bpy.ops.object.nested_cages_import(filepath=str(tmp_path / "logo.svg"), **lying) == {"FINISHED"}
+    logo = bpy.context.active_object
+    assert logo.name == "logo"
+    assert logo.location.y < 0.0  # the square goes down to the right
+    generate("12")
+
+    def region(name, x):
+        square = shapely.geometry.mapping(shapely.box(x, 6e6, x + 9, 6e6 + 9))
+        return {"type": "Feature", "properties": {"name": name}, "geometry": square}
+
+    squares = [region("West", 5e5), region("East", 6e5)]
+    spoilt = {"type": "Feature", "properties": {"name": "Spoilt"}, "geometry": {"type": "Polygon", "coordinates": 3}}
+    (tmp_path / "map.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": [*squares, spoilt]}))
+    assert bpy.ops.object.nested_cages_import(filepath=str(tmp_path / "map.geojson"), scale=1.0) == {"FINISHED"}
+    assert "'map.geojson'" in reports.read("Warning")  # of which a feature is spoilt
+    assert {obj.name for obj in bpy.context.selected_objects} == {"West", "East"}
+    assert {tuple(obj.dimensions[:2]) for obj in bpy.context.selected_objects} == {(9.0, 9.0)}
+
+
+def test_points_that_float32_cannot_tell_apart_become_one(tmp_path) -> None:
+    near = 1e-7
+    data = f"M0 0H10V10H0Z M0 0h{near}v{-near}z M10 10h5v5h-5z M3 3h2v{near}h-2z"  # a speck, a touch, a slit
+    (tmp_path / "fine.svg").write_text(f'<svg><path fill-rule="evenodd" d="{data}"/></svg>')
+    assert bpy.ops.object.nested_cages_import(filepath=str(tmp_path / "fine.svg"), scale=1.0) == {"FINISHED"}
+    assert solid(bpy.context.active_object).area == pytest.approx(125.0, rel=1e-4)
+    generate("6")
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.txt", ""),
+        ("a.svg", "hello"),
+        ("a.geojson", "{"),
+        ("b.geojson", '{"type": "FeatureCollection", "features": []}'),
+        ("none.svg", None),
+    ],
+)
+def test_files_that_cannot_be_read_are_refused(tmp_path, name, text) -> None:
+    if text is not None:
+        (tmp_path / name).write_text(text)
+    with refused(name):
+        bpy.ops.object.nested_cages_import(filepath=str(tmp_path / name))
+    assert not bpy.data.objects
+
+
+def test_several_files_are_read_at_once(tmp_path) -> None:
+    """As the file browser and files dropped into the 3D view name them."""
+    for name in ("one", "two"):
+        (tmp_path / f"{name}.svg").write_text('<svg viewBox="0 0 9 9"><path d="M1 1H8V8H1Z"/></svg>')
+    files = [{"name": "one.svg"}, {"name": "two.svg"}]
+    assert bpy.ops.object.nested_cages_import(directory=str(tmp_path), files=files) == {"FINISHED"}
+    assert sorted(obj.name for obj in bpy.context.selected_objects) == ["one", "two"]

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from random import Random
+from typing import Any
 
 import bpy
 import numpy as np
-import pytest
 from mathutils import Vector
 
-from support.drawings import choose, evaluated, facts, in_world, outlive, star, wire
-
-pytestmark = pytest.mark.slow
+from .drawings import base, choose, curves_of, evaluated, in_world, set_of, star, wire
 
 SOURCE, ROOT = "Drawing", "Root"
 LEVELS = ("20, 12", "24, 12", "16, 10", "14")
@@ -25,12 +23,12 @@ def field(points, seed):
     return 0.5 + (points[:, 0] * np.cos(angle) + points[:, 1] * np.sin(angle)) / 8.0
 
 
-class Artist:
+class Rigger:
     """Edits a drawing with cages, and knows what must be found of it afterwards. Objects are looked up by their names
     each time, since undo and loading make new ones.
     """
 
-    def __init__(self, random, path) -> None:
+    def __init__(self, random: Random, path: str) -> None:
         self.random, self.path = random, path
         self.groups: dict[str, int] = {}
         self.keys: dict[str, float] = {}
@@ -45,30 +43,20 @@ class Artist:
         return bpy.data.objects[SOURCE]
 
     @property
-    def collection(self):
-        return bpy.data.collections[f"{SOURCE} Cages"]
+    def fine(self) -> Any:
+        return set_of(self.source).fine
 
     @property
-    def fine(self):
-        return next(obj for obj in self.collection.objects if facts(obj).get("level") == 0)
-
-    @property
-    def cage(self):
+    def cage(self) -> Any:
         """The cage that is worked on: the first one, which is always there."""
-        return next(obj for obj in self.collection.objects if facts(obj).get("level") == 1)
+        return set_of(self.source).cages[0]
 
     @property
     def bound(self) -> bool:
-        return "bound" in facts(self.collection)
+        return bool(set_of(self.source).bound)
 
     def push(self) -> None:
         bpy.ops.ed.undo_push(message="edit")
-
-    def rest(self, obj):
-        shapes = obj.data.shape_keys
-        points = np.empty((len(obj.data.vertices), 3), np.float32)
-        (shapes.reference_key.points if shapes else obj.data.vertices).foreach_get("co", points.ravel())
-        return points
 
     def regenerate(self) -> None:
         choose(self.source)
@@ -89,7 +77,7 @@ class Artist:
     def paint(self) -> None:
         seed = len(self.groups)
         group = self.cage.vertex_groups.new(name=f"Group {seed}")
-        for index, weight in enumerate(field(self.rest(self.cage), seed)):
+        for index, weight in enumerate(field(base(self.cage), seed)):
             group.add([index], float(weight), "REPLACE")
         self.groups[group.name] = seed
 
@@ -98,7 +86,7 @@ class Artist:
         if cage.data.shape_keys is None:
             cage.shape_key_add(name="Basis")
         key = cage.shape_key_add(name=f"Key {len(self.keys)}", from_mix=False)
-        points = self.rest(cage) * (1.0, stretch, 1.0)
+        points = base(cage) * (1.0, stretch, 1.0)
         key.points.foreach_set("co", points.astype(np.float32).ravel())
         for frame, value in ((301, 0.0), (311, 1.0)):
             key.value = value
@@ -143,7 +131,7 @@ class Artist:
     def check(self) -> None:
         self.push()
         bpy.context.view_layer.update()
-        cage, points = self.cage, self.rest(self.cage)
+        cage, points = self.cage, base(self.cage)
         names = {group.name: group.index for group in cage.vertex_groups}
         assert list(names) == list(self.groups)
         for name, seed in self.groups.items():
@@ -158,7 +146,7 @@ class Artist:
             found = np.empty((len(points), 3), np.float32)
             key.points.foreach_get("co", found.ravel())
             assert np.abs(found - points * (1.0, stretch, 1.0)).max() < 4.0 * self.error(name), name
-            curve = next(c for c in self.curves(cage) if c.data_path == f'key_blocks["{name}"].value')
+            curve = next(c for c in curves_of(cage.data.shape_keys) if c.data_path == f'key_blocks["{name}"].value')
             assert [tuple(point.co) for point in curve.keyframe_points] == [(301.0, 0.0), (311.0, 1.0)]
         assert self.source.matrix_world == cage.matrix_world == self.fine.matrix_world
         if self.bound and not any(key.value for key in (cage.data.shape_keys.key_blocks if self.keys else ())):
@@ -167,18 +155,3 @@ class Artist:
 
     def error(self, name) -> float:
         return RESAMPLED if name in self.resampled else SAME
-
-    def curves(self, cage):
-        animation = cage.data.shape_keys.animation_data
-        if not hasattr(animation, "action_slot"):
-            return list(animation.action.fcurves)
-        bags = [s.channelbag(animation.action_slot) for layer in animation.action.layers for s in layer.strips]
-        return [curve for bag in bags for curve in bag.fcurves]
-
-
-MANY = [pytest.param(seed, marks=pytest.mark.thorough) for seed in (1, 2, *range(100, 140))]
-
-
-@pytest.mark.parametrize("seed", [0, *MANY])
-def test_a_rig_outlives_random_edits(seed, tmp_path) -> None:
-    outlive(Artist(Random(seed), str(tmp_path / "rig.blend")), Artist.EDITS, 14 if seed < 100 else 60, seed)

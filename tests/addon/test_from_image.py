@@ -1,0 +1,63 @@
+"""Outlines of images: no opaque pixel is outside."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+import shapely
+
+from support.blender import refused
+from support.drawings import choose, solid
+
+SIDE = 40
+
+
+def sprite(name="Sprite"):
+    """An image (H, W) with a ragged opaque ring, and its opacity with the bottom row first."""
+    y, x = np.mgrid[:SIDE, : 2 * SIDE] + 0.5
+    angle = np.arctan2(y - 15.0, x - 30.0)
+    distance = np.hypot(x - 30.0, y - 15.0)
+    opaque = (distance < 12.0 + 2.0 * np.cos(5.0 * angle)) & (distance > 5.0)
+    image = bpy.data.images.new(name, 2 * SIDE, SIDE, alpha=True)
+    pixels = np.ones((SIDE, 2 * SIDE, 4), np.float32)
+    pixels[..., 3] = opaque
+    image.pixels.foreach_set(pixels.ravel())
+    return image, opaque
+
+
+@pytest.mark.parametrize(("holes", "padding"), [(False, 0.0), (True, 0.5)])
+def test_no_opaque_pixel_is_outside(holes, padding) -> None:
+    image, opaque = sprite()
+    empty = bpy.data.objects.new("Picture", None)
+    empty.empty_display_type = "IMAGE"
+    empty.data = image
+    empty.empty_display_size = 4.0
+    empty.location = (3.0, 1.0, 0.0)
+    bpy.context.scene.collection.objects.link(empty)
+    choose(empty)
+    done = bpy.ops.object.nested_cages_from_image(vertices=16, padding=padding, holes=holes)
+    assert done == {"FINISHED"}
+    made = bpy.context.active_object
+    area = solid(made)
+    assert len(made.data.vertices) == 16
+    assert len(getattr(area, "interiors", ())) == int(holes)
+    bpy.context.view_layer.update()
+    assert made.matrix_world == empty.matrix_world
+    pixel = 4.0 / (2 * SIDE)
+    rows, columns = np.nonzero(opaque)
+    low = np.column_stack([columns, rows]) * pixel + (-2.0, -1.0)
+    boxes = shapely.box(*low.T, *(low + pixel).T)
+    assert shapely.covers(area.buffer(1e-5), boxes).all()
+    if padding:
+        assert shapely.distance(area.boundary, boxes).min() >= 0.99 * padding * pixel
+
+
+def test_images_without_anything_to_outline_are_refused() -> None:
+    image = bpy.data.images.new("Clear", 8, 8, alpha=True)
+    image.pixels.foreach_set(np.zeros(8 * 8 * 4, np.float32))
+    with refused("'Clear'"):
+        bpy.ops.object.nested_cages_from_image(image="Clear")
+    with refused():
+        bpy.ops.object.nested_cages_from_image()
+    assert not bpy.data.objects
