@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -25,18 +24,9 @@ from nestedcages_core import (
 )
 from support.engine_json import character_of
 from support.engines import areas
+from support.figures import LIMBS, random_figure
 from support.marks import slow_after
 from support.shapes import letter_a, ring
-
-LIMBS = {
-    "torso": ((0, 0.2), (0, 1.0), 0.4),
-    "head": ((0, 1.5), (0, 1.75), 0.33),
-    "neck": ((0, 1.0), (0, 1.5), 0.13),
-    "arm.L": ((0.3, 1.15), (1.7, 1.1), 0.15),
-    "arm.R": ((-0.3, 1.15), (-1.7, 1.1), 0.15),
-    "leg.L": ((0.22, 0), (0.28, -1.3), 0.17),
-    "leg.R": ((-0.22, 0), (-0.28, -1.3), 0.17),
-}
 
 
 @pytest.fixture(scope="module")
@@ -194,38 +184,6 @@ def test_an_engine_poses_a_character_without_this_package(character: Character, 
     np.testing.assert_allclose(again.posed(turned)[0], character.posed(turned)[0], atol=1e-4)
     turns = areas(np.array(document["shape"]["points"]), np.array(document["shape"]["triangles"]))
     assert turns.min() > 0.0 and 0.5 * turns.sum() == pytest.approx(character.shape.area)
-
-
-def random_figure(seed: int) -> Mesh:
-    """Trunk, head, arms and legs of random lengths, widths and directions, for some a tail."""
-    rng = np.random.default_rng(seed)
-    width, height, head = rng.uniform((0.28, 0.8, 0.25), (0.5, 1.4, 0.45))
-    top = height + width + rng.uniform(0.1, 0.3) + head
-    parts = [
-        shapely.LineString([(0.0, 0.2), (0.0, height)]).buffer(width),
-        shapely.Point(0.0, top).buffer(head),
-        shapely.LineString([(0.0, height), (0.0, top)]).buffer(rng.uniform(0.1, 0.16)),
-    ]
-
-    def limb(place: tuple[float, float], angle: float, long: list[float], radii: tuple[float, float]) -> None:
-        joints = [np.array(place)]
-        for length in long:
-            joints.append(joints[-1] + length * np.array([np.cos(angle), np.sin(angle)]))
-            angle += rng.uniform(-0.25, 0.25)
-        discs = [shapely.Point(c).buffer(r) for c, r in zip(joints, np.linspace(*radii, len(joints)), strict=True)]
-        parts.extend(shapely.union(a, b).convex_hull for a, b in pairwise(discs))
-
-    arm, arm_width, leg, leg_width = rng.uniform((0.5, 0.07, 0.55, 0.1), (0.8, 0.16, 0.9, 0.2))
-    angle, spread = rng.uniform((-0.7, 0.05), (0.5, 0.4))
-    for side in (1.0, -1.0):
-        raised = angle if side > 0.0 else np.pi - angle
-        limb((0.8 * side * width, height), raised, [arm, arm * rng.uniform(0.8, 1.1)], (arm_width, 0.9 * arm_width))
-        hip = (side * max(0.55 * width, 1.3 * leg_width), 0.1)
-        limb(hip, side * spread - 0.5 * np.pi, [leg, leg * rng.uniform(0.8, 1.1)], (leg_width, 0.8 * leg_width))
-    if seed % 4 == 1:
-        limb((0.8 * width, 0.3), -0.4, [0.5, 0.5, 0.4], (0.1, 0.05))
-    whole = shapely.union_all(parts)
-    return Mesh.of(shapely.segmentize(whole, 0.01 * np.hypot(*np.diff(np.reshape(whole.bounds, (2, 2)), axis=0)[0])))
 
 
 @pytest.mark.slow

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +13,11 @@ import shapely
 from PIL import Image
 
 from support.command import run
-from support.documents import png_of, squares
+from support.documents import squares
 from support.engines import Rig, areas, read_godot, read_spine
+from support.paintings import openraster
+
+pytestmark = pytest.mark.slow
 
 SIZE = (420, 300)
 MARGIN = 0.9
@@ -46,27 +48,11 @@ def figure() -> list[dict[str, Any]]:
     ]
 
 
-def painting(path: Path, layers: list[dict[str, Any]], size: tuple[int, int] = SIZE) -> Path:
-    """An OpenRaster file of layers, the lowest first."""
-    image = [f'<image w="{size[0]}" h="{size[1]}"><stack>']
-    with zipfile.ZipFile(path, "w") as archive:
-        for number, each in reversed([*enumerate(layers)]):
-            archive.writestr(f"data/{number}.png", png_of(each["pixels"]))
-            name = each["name"].replace('"', "&quot;")
-            shown = "visible" if each.get("visible", True) else "hidden"
-            image.append(
-                f'<layer name="{name}" src="data/{number}.png" opacity="{each.get("opacity", 1.0)}" '
-                f'visibility="{shown}" composite-op="svg:{each.get("blend", "src-over")}"/>'
-            )
-        archive.writestr("stack.xml", "".join([*image, "</stack></image>"]))
-    return path
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The figure for all engines: cat.json, cat.tscn, cat_ske.json, and what is kept of it."""
     place = tmp_path_factory.mktemp("engines")
-    painting(place / "cat.ora", figure())
+    openraster(place / "cat.ora", figure(), SIZE)
     done = run("puppet", "cat.ora", "-o", "cat.tscn", "cat.json", "cat_ske.json", "--hidden", "--vertices", 12,
                "--bones", "tail=3", "--keep", "kept.json", cwd=place)  # fmt: skip
     assert done.status == 0, done
@@ -201,19 +187,14 @@ def test_a_part_is_told_where_to_hang_and_how_many_vertices_it_has(folder: Path,
 
 @pytest.mark.parametrize(
     ("words", "status"),
-    [
-        (["cat.ora", "-o", "cat.fbx"], 1),
-        (["none.psd", "-o", "cat.json"], 1),
-        (["cat.ora"], 2),
-        (["cat.ora", "-o", "cat.json", "--parent", "tail"], 2),
-        (["cat.ora", "-o", "cat.json", "--parent", "tail=wing"], 1),
-        (["cat.ora", "-o", "cat.json", "--bones", "wing=2"], 1),
-        (["cat.ora", "-o", "cat.json", "--vertices", "2"], 2),
-        (["cat.ora", "-o", "cat.json", "--keep", "bad.json"], 1),
-        (["cat.ora", "-o", "cat.json", "--keep", "deep.json"], 1),
-        (["cat.ora", "-o", "cat.json", "--keep", "circle.json"], 1),
-    ],
-)
+    [(["cat.ora", "-o", "cat.fbx"], 1), (["none.psd", "-o", "cat.json"], 1), (["cat.ora"], 2),
+     (["cat.ora", "-o", "cat.json", "--parent", "tail"], 2),
+     (["cat.ora", "-o", "cat.json", "--parent", "tail=wing"], 1),
+     (["cat.ora", "-o", "cat.json", "--bones", "wing=2"], 1), (["cat.ora", "-o", "cat.json", "--vertices", "2"], 2),
+     (["cat.ora", "-o", "cat.json", "--keep", "bad.json"], 1),
+     (["cat.ora", "-o", "cat.json", "--keep", "deep.json"], 1),
+     (["cat.ora", "-o", "cat.json", "--keep", "circle.json"], 1)],
+)  # fmt: skip
 def test_what_goes_wrong_ends_with_a_sentence_and_its_status(
     words: list[str], status: int, folder: Path, tmp_path: Path
 ) -> None:
@@ -235,7 +216,7 @@ def test_joints_stay_painted_and_nothing_shows_at_rest(tmp_path: Path) -> None:
         pixels[100:140, left:right] = 20, 10, 20, 255
         pixels[104:136, left + 4 : right - 4] = 90, 60, blue, 255
         layers.append({"name": name, "pixels": pixels})
-    painting(tmp_path / "bars.ora", layers)
+    openraster(tmp_path / "bars.ora", layers, SIZE)
     assert run("puppet", "bars.ora", "-o", "bars.json", "--parent", "upper=", cwd=tmp_path).status == 0
     rig = read_spine(tmp_path / "bars.json")
     below, above = (Image.fromarray(layer["pixels"], "RGBA") for layer in layers)
@@ -256,11 +237,10 @@ def test_joints_stay_painted_and_nothing_shows_at_rest(tmp_path: Path) -> None:
     assert (pixels[rows[away < away.max() - 7.0], columns[away < away.max() - 7.0], 2] == 190).any()
 
 
-@pytest.mark.slow
 def test_thousands_of_specks_have_few_hulls(tmp_path: Path) -> None:
     alpha = np.where(np.random.default_rng(5).random((100, 150)) > 0.97, 255, 0)
     pixels = np.dstack([np.arange(15_000).reshape(100, 150) % 251] * 3 + [alpha]).astype(np.uint8)
-    painting(tmp_path / "specks.ora", [{"name": "specks", "pixels": pixels}], (150, 100))
+    openraster(tmp_path / "specks.ora", [{"name": "specks", "pixels": pixels}], (150, 100))
     assert run("puppet", "specks.ora", "-o", "specks.json", cwd=tmp_path).status == 0
     rig = read_spine(tmp_path / "specks.json")
     assert 1 <= len(rig.parts) <= 64
@@ -291,14 +271,13 @@ def rig_ends(kept: dict[str, Any]) -> dict[str, tuple[Any, ...]]:
     return {bone["name"]: (bone["head"], bone["tail"], above) for bone, above in zip(bones, parents, strict=True)}
 
 
-@pytest.mark.slow
 def test_a_repainted_puppet_keeps_its_bones_and_keys(folder: Path, tmp_path: Path) -> None:
     """The tail thicker, the arm in front, the spots gone, a hat new."""
     before = animated(folder, tmp_path / "kept.json")
     tail, body, arm, ring, _, shine = figure()
     thick = {**tail, "pixels": line((270, 170), (310, 160), (350, 110), (360, 40), width=34)}
     hat = {"name": "hat", "pixels": line((120, 90), (160, 140), width=40)}
-    painting(tmp_path / "cat.ora", [thick, body, ring, shine, arm, hat])
+    openraster(tmp_path / "cat.ora", [thick, body, ring, shine, arm, hat], SIZE)
     command = ["puppet", "cat.ora", "-o", "cat.json", "cat.tscn", "--hidden", "--vertices", 12, "--keep", "kept.json"]
     done = run(*command, cwd=tmp_path)
     assert done.status == 0 and all(name in done.err for name in ("spots", "hat", "tail"))
@@ -322,7 +301,6 @@ def test_a_repainted_puppet_keeps_its_bones_and_keys(folder: Path, tmp_path: Pat
     assert json.loads((tmp_path / "kept.json").read_text())["meshes"] == after["meshes"]
 
 
-@pytest.mark.slow
 def test_weights_painted_by_hand_stay(folder: Path, tmp_path: Path) -> None:
     kept = json.loads((folder / "kept.json").read_text())
     mesh = next(mesh for mesh in kept["meshes"] if mesh["name"] == "tail")
@@ -347,7 +325,7 @@ def test_weights_painted_by_hand_stay(folder: Path, tmp_path: Path) -> None:
 def test_damaged_files_of_a_puppet_end_in_a_sentence(folder: Path, tmp_path: Path) -> None:
     text, rng = (folder / "kept.json").read_text(), np.random.default_rng(8)
     pixels = np.full((4, 4, 4), 255, np.uint8)
-    painting(tmp_path / "a.ora", [{"name": "tail", "pixels": pixels}], (9, 9))
+    openraster(tmp_path / "a.ora", [{"name": "tail", "pixels": pixels}], (9, 9))
     for _ in range(8):
         start = rng.integers(0, len(text))
         (tmp_path / "kept.json").write_text(text[:start] + text[start + rng.integers(1, 9) :])

@@ -13,8 +13,9 @@ from PIL import Image
 
 from support.command import run
 from support.documents import archive, png_of, svg
-from support.engines import Rig, composed, read_godot, read_spine
+from support.engines import composed, read_godot
 from support.marks import slow_after
+from support.paintings import on_canvas, picture, psd_of, rig_of, shown
 
 psd_tools = pytest.importorskip("psd_tools", reason="psd-tools judges the reader of PSD: pip install psd-tools")
 
@@ -25,44 +26,6 @@ STACK = """<image w="40" h="30"><stack><stack name="head" x="2" y="1" opacity="0
 <layer name="hair" src="data/a.png" x="3" y="4" composite-op="svg:multiply"/>
 <layer name="face" src="data/b.png" x="-1" visibility="hidden"/></stack>
 <layer name="body" src="data/a.png" y="20"/><text name="words"/></stack></image>"""
-
-
-def rig_of(painting: Path, *options: object) -> tuple[Rig, str]:
-    """The rig that Spine gets, and the notes."""
-    out = painting.with_name("rig.json")
-    done = run("puppet", painting, "-o", out, *options)
-    assert done.status == 0, done
-    return read_spine(out), done.err
-
-
-def shown(rig: Rig, name: str, size: tuple[int, int]) -> np.ndarray:
-    """(H, W, 4) the pixels of a layer on the canvas, all its meshes together; transparent ones are 0."""
-    pictures = [
-        rig.picture_of(part, size) for part in rig.parts if part.name == name or part.name.startswith(f"{name}.island")
-    ]
-    whole = np.zeros_like(pictures[0])
-    for picture in pictures:
-        whole = np.where(picture[..., 3:] > 0, picture, whole)
-    return np.where(whole[..., 3:] > 0, whole, 0)
-
-
-def on_canvas(pixels: np.ndarray, left: int, top: int, size: tuple[int, int], opacity: float = 1.0) -> np.ndarray:
-    """(H, W, 4) a picture on a canvas, cut off at its edges; transparent pixels are 0."""
-    image = Image.fromarray(pixels, "RGBA")
-    canvas = Image.new("RGBA", size)
-    canvas.paste(image, (left, top))
-    out = np.array(canvas)
-    out[..., 3] = np.round(out[..., 3] * opacity)
-    return np.where(out[..., 3:] > 0, out, 0)
-
-
-def picture(seed: int, height: int, width: int) -> np.ndarray:
-    """Pixels with runs, noise and transparency."""
-    out = np.random.default_rng(seed).integers(0, 256, (height, width, 4), dtype=np.uint8)
-    out[..., 3] = out[..., 3] // 2 + 128
-    out[: height // 2, :, :3] = (200, 10, 30)
-    out[:, : width // 3, 3] = 0
-    return out
 
 
 @pytest.mark.parametrize(
@@ -185,28 +148,6 @@ def test_a_folder_of_pictures_is_ordered_by_numbers_and_placed_by_offsets(tmp_pa
     assert run("puppet", tmp_path / "empty", "-o", tmp_path / "a.json").status == 1
 
 
-def psd_of(path: Path, size: tuple[int, int], layers: list[dict[str, Any]]) -> None:
-    """A PSD by psd-tools, of layers with pixels, name, left, top and what else they have."""
-    psd = psd_tools.PSDImage.new("RGB", size)
-    groups: dict[str, Any] = {}
-    for each in layers:
-        image = Image.fromarray(each["pixels"], "RGBA")
-        layer = psd.create_pixel_layer(image, each["name"], each.get("top", 0), each.get("left", 0))
-        if "mask" in each:
-            layer.remove_mask()
-            layer.create_mask(Image.fromarray(each["mask"], "L"))
-        layer.opacity, layer.visible = each.get("opacity", 255), each.get("visible", True)
-        if "blend" in each:
-            layer.blend_mode = each["blend"]
-        if "group" in each:
-            group = groups.setdefault(each["group"], None) or psd.create_group(name=each["group"])
-            groups[each["group"]] = group
-            group.append(layer)
-            group.opacity = 128
-        layer.clipping = each.get("clipped", False)
-    psd.save(path)
-
-
 def test_masks_groups_and_clipping_are_applied(tmp_path: Path) -> None:
     """Clipped layers are painted onto those below them, of which the alpha stays; masks and opacities are in alpha."""
     whole, half = np.full((8, 8, 4), 200, np.uint8), np.full((8, 8, 4), 255, np.uint8) // (1, 2, 1, 1)
@@ -282,18 +223,12 @@ def test_edges_of_drawings_are_smooth(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "content",
-    [
-        b"",
-        b"GIF89a",
-        archive({"a.txt": "a"}),
-        archive({"stack.xml": '<image w="1" h="1"><stack><layer x="1e300"/></stack></image>'}),
-        archive({"stack.xml": f'<image w="1" h="1">{"<stack>" * 900}{"</stack>" * 900}</image>'}),
-        archive({"stack.xml": "<image/>"}),
-        archive({"stack.xml": STACK}),
-        (DATA / "layers.psd").read_bytes()[:3000],
-        (DATA / "layers.kra").read_bytes()[:3000],
-    ],
-)
+    [b"", b"GIF89a", archive({"a.txt": "a"}),
+     archive({"stack.xml": '<image w="1" h="1"><stack><layer x="1e300"/></stack></image>'}),
+     archive({"stack.xml": f'<image w="1" h="1">{"<stack>" * 900}{"</stack>" * 900}</image>'}),
+     archive({"stack.xml": "<image/>"}), archive({"stack.xml": STACK}), (DATA / "layers.psd").read_bytes()[:3000],
+     (DATA / "layers.kra").read_bytes()[:3000]],
+)  # fmt: skip
 def test_what_is_no_painting_is_an_error(content: bytes, tmp_path: Path) -> None:
     (tmp_path / "a.ora").write_bytes(content)
     done = run("puppet", tmp_path / "a.ora", "-o", tmp_path / "a.json")

@@ -25,42 +25,8 @@ from nestedcages_core import (
     wave,
 )
 from support.documents import svg
+from support.figures import ball, front_figure, limb, side_figure, solid
 from support.marks import slow_after
-
-
-def solid(name: str, area: shapely.Geometry, *groups: str) -> PuppetPart:
-    return PuppetPart(name, Mesh.of(area), groups, identity=name)
-
-
-def limb(name: str, *points: tuple[float, float], width: float = 1.0) -> PuppetPart:
-    return solid(name, shapely.LineString(points).buffer(0.5 * width))
-
-
-def ball(name: str, x: float, y: float, radius: float) -> PuppetPart:
-    return solid(name, shapely.Point(x, y).buffer(radius))
-
-
-def figure() -> list[PuppetPart]:
-    """A figure from the front: legs behind the torso, arms over it with hands below the arms, and a face."""
-    parts = [limb(f"thigh_{s}", (k * 1.0, -1.0), (k * 1.1, -4.0)) for s, k in (("l", 1), ("r", -1))]
-    parts += [limb(f"shin_{s}", (k * 1.1, -4.0), (k * 1.2, -7.0), width=0.9) for s, k in (("l", 1), ("r", -1))]
-    parts += [limb("neck", (0.0, 3.0), (0.0, 4.4), width=0.8)]
-    parts += [solid("torso", shapely.box(-1.6, -1.4, 1.6, 3.4).buffer(0.3))]
-    parts += [ball("head", 0.0, 5.5, 1.5), ball("eye_l", 0.5, 5.8, 0.3), ball("eye_r", -0.5, 5.8, 0.3)]
-    parts += [ball("pupil_l", 0.5, 5.8, 0.12), ball("pupil_r", -0.5, 5.8, 0.12)]
-    for s, k in (("l", 1), ("r", -1)):
-        parts += [ball(f"hand_{s}", k * 3.4, -0.4, 0.6)]
-        parts += [limb(f"arm_{s}", (k * 1.6, 3.0), (k * 3.4, 0.0), width=0.9)]
-    return parts
-
-
-def strider() -> list[PuppetPart]:
-    """A figure from the side that looks to the right: one arm and one leg behind the body, one of each before it."""
-    far = [limb("leg_far", (0.2, -1.0), (0.2, -5.0), width=0.9), limb("arm_far", (0.2, 2.6), (0.2, -0.4), width=0.7)]
-    near = [limb("leg", (-0.2, -1.0), (-0.2, -5.0), width=0.9), limb("arm", (-0.2, 2.6), (-0.2, -0.4), width=0.7)]
-    body = [solid("body", shapely.box(-1.0, -1.6, 1.0, 3.0).buffer(0.3)), ball("head", 0.2, 4.2, 1.2)]
-    return [*far, *body, ball("eye", 0.9, 4.4, 0.2), ball("ear", 0.3, 4.2, 0.25), *near]
-
 
 PARENTS = {
     "torso": None, "neck": "torso", "head": "neck", "thigh_l": "torso", "thigh_r": "torso", "shin_l": "thigh_l",
@@ -78,7 +44,7 @@ def parents(draft: PuppetDraft) -> dict[str, str | None]:
 
 @pytest.fixture(scope="module")
 def draft() -> PuppetDraft:
-    return draft_puppet(figure())
+    return draft_puppet(front_figure())
 
 
 @cache
@@ -108,7 +74,8 @@ def test_parts_hang_together_by_their_overlaps(draft: PuppetDraft) -> None:
 def test_neither_place_nor_size_nor_direction_of_the_drawing_counts() -> None:
     turn = np.array([[0.0, -1.0], [1.0, 0.0]])
     moved = [
-        PuppetPart(part.name, Mesh(1e3 * part.outline.vertices @ turn + 5e4, part.outline.edges)) for part in figure()
+        PuppetPart(part.name, Mesh(1e3 * part.outline.vertices @ turn + 5e4, part.outline.edges))
+        for part in front_figure()
     ]
     assert parents(draft_puppet(moved)) == PARENTS
 
@@ -133,7 +100,7 @@ def test_a_choice_moves_a_part_to_another_parent_and_can_be_taken_back(draft: Pu
     ],
 )
 def test_choices_that_cannot_be_are_an_error(choices: dict[str, PartChoice]) -> None:
-    for parts in (figure(), []):
+    for parts in (front_figure(), []):
         with pytest.raises(NestedCagesError):
             draft_puppet(parts, choices)
     for wrong in ({"bones": 0}, {"bones": 2, "chain": ((0, 0), (1, 0))}):
@@ -143,7 +110,7 @@ def test_choices_that_cannot_be_are_an_error(choices: dict[str, PartChoice]) -> 
 
 
 def test_a_part_that_touches_nothing_hangs_on_the_nearest_and_is_doubtful() -> None:
-    balloon = draft_puppet([*figure(), ball("balloon", 9.0, 9.0, 1.0)])
+    balloon = draft_puppet([*front_figure(), ball("balloon", 9.0, 9.0, 1.0)])
     assert parents(balloon) == PARENTS | {"balloon": "head"}
     assert "balloon" in balloon.doubtful and len(balloon.notes) == 1 and "balloon" in balloon.notes[0]
 
@@ -188,19 +155,11 @@ def crossed(child: str, parent: str, other: str) -> str | None:
 
 @pytest.mark.parametrize(
     ("child", "parent", "other"),
-    [
-        ("foot_l", "leg_l", "leg_r"),
-        ("RightHand", "rightForeArm", "leftForeArm"),
-        ("left foot", "LeftUpLeg", "RightUpLeg"),
-        ("foot", "leg", "wing"),
-        ("tooth_low", "jaw_low", "nose"),
-        ("tail_tip", "tail", "path12"),
-        ("segment 3", "segment 2", "segment 1"),
-        ("FL_lower", "FL_upper", "FR_upper"),
-        ("banana", "hand", "leg"),
-        ("hand", "forearm", "leg"),
-    ],
-)
+    [("foot_l", "leg_l", "leg_r"), ("RightHand", "rightForeArm", "leftForeArm"),
+     ("left foot", "LeftUpLeg", "RightUpLeg"), ("foot", "leg", "wing"), ("tooth_low", "jaw_low", "nose"),
+     ("tail_tip", "tail", "path12"), ("segment 3", "segment 2", "segment 1"), ("FL_lower", "FL_upper", "FR_upper"),
+     ("banana", "hand", "leg"), ("hand", "forearm", "leg")],
+)  # fmt: skip
 def test_names_say_what_hangs_on_what(child: str, parent: str, other: str) -> None:
     for names in ((parent, other), (other, parent)):
         assert crossed(child, *names) == parent
@@ -223,9 +182,9 @@ def test_hips_are_the_root_of_names_where_there_are_some() -> None:
 
 def test_near_and_far_are_named_as_left_and_right() -> None:
     """Also where both legs lie behind the body, as trousers under a coat."""
-    _, arm_far, *body, _, arm = strider()
+    _, arm_far, *body, _, arm = side_figure()
     legs = [limb(name, (x, -1.0), (x, -5.0), width=0.9) for name, x in (("leg_far", 0.5), ("leg_near", -0.5))]
-    for parts, near, far in ((strider(), "leg", "leg_far"), ([arm_far, *legs, *body, arm], "leg_near", "leg_far")):
+    for parts, near, far in ((side_figure(), "leg", "leg_far"), ([arm_far, *legs, *body, arm], "leg_near", "leg_far")):
         made = draft_puppet(parts)
         sides = {part.name: side.side for part, side in zip(made.parts, made.sides, strict=True)}
         assert (sides[near], sides["arm"], sides[far], sides["arm_far"]) == ("R", "R", "L", "L")
@@ -302,7 +261,7 @@ def test_weights_suit_engines() -> None:
 
 
 def test_a_limb_turns_alone_with_what_hangs_on_it() -> None:
-    puppet = puppet_from(figure)
+    puppet = puppet_from(front_figure)
     arm = next(bone for bone in puppet.bones if bone.name == "arm.L")
     turned = shapely.affinity.rotate
     for part, points in zip(puppet.draft.parts, puppet.posed({"arm.L": 40.0}), strict=True):
@@ -352,7 +311,7 @@ def test_covers_keep_the_joint_painted_and_show_nothing_at_rest() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("parts", slow_after(0, [strider, figure]), ids=["side", "front"])
+@pytest.mark.parametrize("parts", slow_after(0, [side_figure, front_figure]), ids=["side", "front"])
 def test_clips_stay_within_the_ranges_and_repeat(parts: Callable[[], list[PuppetPart]]) -> None:
     puppet = puppet_from(parts)
     for clip in (walk, wave, idle):
@@ -364,7 +323,7 @@ def test_clips_stay_within_the_ranges_and_repeat(parts: Callable[[], list[Puppet
 
 
 def test_legs_of_a_walk_take_turns_and_clips_need_limbs() -> None:
-    frames = walk(puppet_from(strider)).frames
+    frames = walk(puppet_from(side_figure)).frames
     left, right = (np.array([frame[name] for frame in frames]) for name in ("leg.L", "leg.R"))
     assert np.ptp(left) > 30.0 and np.allclose(left, np.roll(right, len(frames) // 2))
     puppet = puppet_of(draft_puppet([ball("body", 0.0, 0.0, 2.0)]))

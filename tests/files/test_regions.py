@@ -37,16 +37,11 @@ INNER_BACK, DEEP = "M2 2 V8 H8 V2 Z", "M4 4 H6 V6 H4 Z"
 
 @pytest.mark.parametrize(
     ("data", "rule", "area"),
-    [
-        (f"{OUTER} {INNER}", "evenodd", 64.0),
-        (f"{OUTER} {INNER}", "nonzero", 100.0),
-        (f"{OUTER} {INNER_BACK}", "nonzero", 64.0),
-        (f"{OUTER} {INNER_BACK}", "evenodd", 64.0),
-        (f"{OUTER} {INNER} {DEEP}", "evenodd", 68.0),
-        (f"{OUTER} {INNER} {DEEP}", "nonzero", 100.0),
-        (f"{OUTER} {INNER_BACK} {DEEP}", "nonzero", 68.0),
-    ],
-)
+    [(f"{OUTER} {INNER}", "evenodd", 64.0), (f"{OUTER} {INNER}", "nonzero", 100.0),
+     (f"{OUTER} {INNER_BACK}", "nonzero", 64.0), (f"{OUTER} {INNER_BACK}", "evenodd", 64.0),
+     (f"{OUTER} {INNER} {DEEP}", "evenodd", 68.0), (f"{OUTER} {INNER} {DEEP}", "nonzero", 100.0),
+     (f"{OUTER} {INNER_BACK} {DEEP}", "nonzero", 68.0)],
+)  # fmt: skip
 def test_fill_rules(data: str, rule: str, area: float) -> None:
     assert area_of(f'<path fill-rule="{rule}" d="{data}"/>') == area
     assert area_of(f'<path style="fill-rule:{rule}" d="{data}"/>') == area

@@ -78,25 +78,12 @@ def test_a_stroke_that_does_not_scale_is_measured_on_the_page() -> None:
 
 @pytest.mark.parametrize(
     "sheet",
-    [
-        ".off{fill:none}",
-        "g .off{fill:none}",
-        "g > rect.off{fill:none}",
-        "rect.off.off{fill:none} .off{fill:red}",
-        ".off{fill:none!important} #b{fill:red}",
-        "@media screen{.off{fill:none}} @media print{.off{fill:red}}",
-        '[class~="off"]{fill:none;fill:none} /* a } comment { */',
-        "broken { { } } .off{fill:none}",
-        ".off{display:none}",
-        ".off{visibility:hidden}",
-        ".off{fill-opacity:0}",
-        ".off{opacity:0%}",
-        ".off{fill:#f000}",
-        ".off{fill:rgba(1,2,3,0)}",
-        ".off{fill:hsl(10 20% 30% / 0)}",
-        ".off{color:transparent;fill:currentColor}",
-    ],
-)
+    [".off{fill:none}", "g .off{fill:none}", "g > rect.off{fill:none}", "rect.off.off{fill:none} .off{fill:red}",
+     ".off{fill:none!important} #b{fill:red}", "@media screen{.off{fill:none}} @media print{.off{fill:red}}",
+     '[class~="off"]{fill:none;fill:none} /* a } comment { */', "broken { { } } .off{fill:none}",
+     ".off{display:none}", ".off{visibility:hidden}", ".off{fill-opacity:0}", ".off{opacity:0%}", ".off{fill:#f000}",
+     ".off{fill:rgba(1,2,3,0)}", ".off{fill:hsl(10 20% 30% / 0)}", ".off{color:transparent;fill:currentColor}"],
+)  # fmt: skip
 def test_style_sheets_say_what_is_painted(sheet: str) -> None:
     body = f'<style>{sheet.replace(">", "&gt;")}</style><g><rect id="b" class="on off" width="9" height="9"/></g>'
     assert area_of(body + '<rect x="20" width="1" height="2"/>') == 2.0

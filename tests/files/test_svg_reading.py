@@ -37,18 +37,14 @@ def differs(one: shapely.Geometry, other: shapely.Geometry) -> float:
 
 @pytest.mark.parametrize(
     ("absolute", "relative"),
-    [
-        ("M1 2 L4 2 L4 6 Z", "m1 2 l3 0 l0 4 z"),
-        ("M1 2 H4 V6 Z", "m1,2 h3v4z"),
-        ("M1 2 4 2 4 6Z", "m1 2 3 0 0 4z"),
-        ("M0 0 C1 2 3 4 5 0 S9 -4 10 0 Z", "m0 0c1 2 3 4 5 0s4-4 5 0z"),
-        ("M0 0 Q2 4 5 0 T10 0 T15 0 Z", "m0 0q2 4 5 0t5 0t5 0z"),
-        ("M0 0 A5 3 20 0 1 6 1 A5 3 20 1 0 0 0", "m0 0a5 3 20 01 6 1a5 3 20 10-6-1"),
-        ("M1.5 .5 L-.5 1e1 L2 -3 Z", "M1.5.5-.5 10 2-3z"),
-        ("M1 1 L3 1 L3 3 Z M5 5 L7 5 L7 7 Z", "m1 1l2 0l0 2zm4 4l2 0l0 2z"),
-        ("M1 1 L3 1 L3 3 Z L1 5 L5 5 Z", "M1 1 L3 1 L3 3 Z l0 4 l4 0 z"),
-    ],
-)
+    [("M1 2 L4 2 L4 6 Z", "m1 2 l3 0 l0 4 z"), ("M1 2 H4 V6 Z", "m1,2 h3v4z"), ("M1 2 4 2 4 6Z", "m1 2 3 0 0 4z"),
+     ("M0 0 C1 2 3 4 5 0 S9 -4 10 0 Z", "m0 0c1 2 3 4 5 0s4-4 5 0z"),
+     ("M0 0 Q2 4 5 0 T10 0 T15 0 Z", "m0 0q2 4 5 0t5 0t5 0z"),
+     ("M0 0 A5 3 20 0 1 6 1 A5 3 20 1 0 0 0", "m0 0a5 3 20 01 6 1a5 3 20 10-6-1"),
+     ("M1.5 .5 L-.5 1e1 L2 -3 Z", "M1.5.5-.5 10 2-3z"),
+     ("M1 1 L3 1 L3 3 Z M5 5 L7 5 L7 7 Z", "m1 1l2 0l0 2zm4 4l2 0l0 2z"),
+     ("M1 1 L3 1 L3 3 Z L1 5 L5 5 Z", "M1 1 L3 1 L3 3 Z l0 4 l4 0 z")],
+)  # fmt: skip
 def test_relative_commands_are_the_absolute_ones(absolute: str, relative: str) -> None:
     assert painted(absolute).area > 0.9
     assert differs(painted(relative), painted(absolute)) < 1e-9
@@ -155,19 +151,12 @@ def test_basic_shapes_have_their_areas() -> None:
 
 @pytest.mark.parametrize(
     ("transform", "matrix"),
-    [
-        ("translate(3, -2)", [[1, 0, 3], [0, 1, -2]]),
-        ("translate(3)", [[1, 0, 3], [0, 1, 0]]),
-        ("scale(2 3)", [[2, 0, 0], [0, 3, 0]]),
-        ("scale(-2)", [[-2, 0, 0], [0, -2, 0]]),
-        ("rotate(90)", [[0, -1, 0], [1, 0, 0]]),
-        ("rotate(90 1 1)", [[0, -1, 2], [1, 0, 0]]),
-        ("matrix(1 2 3 4 5 6)", [[1, 3, 5], [2, 4, 6]]),
-        ("skewX(45)", [[1, 1, 0], [0, 1, 0]]),
-        ("skewY(45)", [[1, 0, 0], [1, 1, 0]]),
-        ("translate(1,2)scale(2),rotate(90)", [[0, -2, 1], [2, 0, 2]]),
-    ],
-)
+    [("translate(3, -2)", [[1, 0, 3], [0, 1, -2]]), ("translate(3)", [[1, 0, 3], [0, 1, 0]]),
+     ("scale(2 3)", [[2, 0, 0], [0, 3, 0]]), ("scale(-2)", [[-2, 0, 0], [0, -2, 0]]),
+     ("rotate(90)", [[0, -1, 0], [1, 0, 0]]), ("rotate(90 1 1)", [[0, -1, 2], [1, 0, 0]]),
+     ("matrix(1 2 3 4 5 6)", [[1, 3, 5], [2, 4, 6]]), ("skewX(45)", [[1, 1, 0], [0, 1, 0]]),
+     ("skewY(45)", [[1, 0, 0], [1, 1, 0]]), ("translate(1,2)scale(2),rotate(90)", [[0, -2, 1], [2, 0, 2]])],
+)  # fmt: skip
 def test_transforms(transform: str, matrix: list[list[float]]) -> None:
     rows = np.array(matrix, dtype=float)
     corners = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]) @ rows[:, :2].T + rows[:, 2]
@@ -233,20 +222,10 @@ def test_per_cent_are_of_the_view_box_or_the_size() -> None:
 
 @pytest.mark.parametrize(
     ("length", "expected"),
-    [
-        ("2em", 40.0),
-        ("1.5rem", 24.0),
-        ("2ex", 20.0),
-        ("2,5mm", 2.5 * 96.0 / 25.4),
-        ("10vw", 20.0),
-        ("10vh", 10.0),
-        ("10%", 20.0),
-        ("calc(1em + 10px)", 30.0),
-        ("calc((10% - 4px) * 2 / 4)", 8.0),
-        ("calc(-1 * -3px)", 3.0),
-        ("calc(2em - 1.5in + calc(110px))", 6.0),
-    ],
-)
+    [("2em", 40.0), ("1.5rem", 24.0), ("2ex", 20.0), ("2,5mm", 2.5 * 96.0 / 25.4), ("10vw", 20.0), ("10vh", 10.0),
+     ("10%", 20.0), ("calc(1em + 10px)", 30.0), ("calc((10% - 4px) * 2 / 4)", 8.0), ("calc(-1 * -3px)", 3.0),
+     ("calc(2em - 1.5in + calc(110px))", 6.0)],
+)  # fmt: skip
 def test_lengths_by_font_and_view(length: str, expected: float) -> None:
     body = f'<g font-size="10px"><g font-size="2em"><rect width="{length}" height="1"/></g></g>'
     assert area_of(body, 'viewBox="0 0 200 100" width="200" height="100"') == pytest.approx(expected)
@@ -326,23 +305,12 @@ def test_of_many_bad_attributes_some_are_named() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    [
-        "hello",
-        "<html/>",
-        b"\xff\xfe\x00",
-        None,
-        5,
-        svg(""),
-        svg('<text x="0">A</text>'),
-        '<svg><rect width="50%" height="1"/></svg>',
-        svg('<rect width="5furlongs" height="1"/>'),
-        svg('<path d="M0 0 L1e300 1 L2 1e300 Z"/>'),
-        svg('<path d="M0 0 L1 1 L2 2 Z"/>'),
-        svg('<path d="M0 0 L1e999 1 L2 5 Z"/>'),
-        svg('<path d="M0 0 L0 0 Z"/>'),
-        svg("<g>" * 5000 + SQUARE + "</g>" * 5000),
-    ],
-)
+    ["hello", "<html/>", b"\xff\xfe\x00", None, 5, svg(""), svg('<text x="0">A</text>'),
+     '<svg><rect width="50%" height="1"/></svg>', svg('<rect width="5furlongs" height="1"/>'),
+     svg('<path d="M0 0 L1e300 1 L2 1e300 Z"/>'), svg('<path d="M0 0 L1 1 L2 2 Z"/>'),
+     svg('<path d="M0 0 L1e999 1 L2 5 Z"/>'), svg('<path d="M0 0 L0 0 Z"/>'),
+     svg("<g>" * 5000 + SQUARE + "</g>" * 5000)],
+)  # fmt: skip
 def test_what_is_no_drawing_is_an_error(text: object) -> None:
     with pytest.raises(NestedCagesError):
         from_svg(text)

@@ -1,0 +1,164 @@
+"""Every reader against attacks that are known and documents that are nearly right: a result or one sentence, in bounded
+time and memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, seed, settings
+from hypothesis import strategies as st
+
+from nestedcages_core import (
+    ArcLength,
+    Mesh,
+    NestedCagesError,
+    OnCurve,
+    OuterHull,
+    Settings,
+    features_from_geojson,
+    from_engine_json,
+    from_geojson,
+    from_svg,
+    nested_cages,
+    read_png,
+    svg_drawing,
+)
+from support import hostile
+from support.attacks import ATTACKS, SQUARE, png_bombs
+from support.command import run
+from support.documents import archive, png_of, solid, svg
+from support.hostile import outcome
+from support.shapes import letter_a, letter_a_coarse
+
+pytestmark = [pytest.mark.thorough, pytest.mark.timeout(1800)]
+
+MANY = 1500
+"""Examples of each grammar."""
+
+DATA = Path(__file__).resolve().parents[1] / "data"
+
+
+def try_many(check: Callable[[Any], None], strategy: Any, amount: int = MANY) -> None:
+    """Run a check on so many examples."""
+    quiet = settings(
+        max_examples=amount, deadline=None, database=None, suppress_health_check=list(HealthCheck), derandomize=False
+    )
+    seed(20_260_101)(quiet(given(strategy)(check)))()
+
+
+def check_result(result: Any) -> None:
+    """What a reader returns: pictures, features, or meshes whose loops neither cross nor touch."""
+    if isinstance(result, np.ndarray):
+        assert result.ndim == 3 and result.shape[2] == 4
+    elif not isinstance(result, NestedCagesError):
+        for mesh in [each.mesh for each in result] if isinstance(result, list) else [result]:
+            assert isinstance(mesh, Mesh)
+            assert outcome(mesh.validated) is not None
+            scale = mesh.vertices / np.abs(mesh.vertices).max()
+            assert not (1e-100 < mesh.diagonal < 1e100) or solid(mesh.moved(scale)).is_valid
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize(
+    ("ending", "read"),
+    [(".svg", from_svg), (".geojson", from_geojson), (".geojson", features_from_geojson), (".json", from_engine_json)],
+)
+def test_documents_that_are_nearly_right(ending: str, read: Callable[[Any], Any]) -> None:
+    try_many(lambda document: check_result(outcome(lambda: read(document))), hostile.DOCUMENTS[ending])
+
+
+def test_pictures_that_are_nearly_right(tmp_path: Path) -> None:
+    def check(document: bytes) -> None:
+        (tmp_path / "a.png").write_bytes(document)
+        check_result(outcome(lambda: read_png(tmp_path / "a.png")))
+
+    try_many(check, hostile.DOCUMENTS[".png"])
+
+
+def test_cages_around_extreme_loops() -> None:
+    """Every decimation, from coordinates at the limits of float64: certified, or refused."""
+
+    def check(drawn: tuple[Any, int, Any]) -> None:
+        loops, more, decimation = drawn
+        mesh = outcome(lambda: Mesh.from_loops(loops))
+        if isinstance(mesh, Mesh):
+            count = min(len(mesh.vertices), 3 * len(mesh.loops) + more)
+            outcome(lambda: nested_cages(mesh, [count], Settings(decimation=decimation)))
+
+    decimations = st.sampled_from([OuterHull(), OnCurve(), ArcLength()])
+    try_many(check, st.tuples(hostile.loops(), st.integers(0, 4), decimations))
+
+
+def test_the_command_says_what_is_wrong(tmp_path: Path) -> None:
+    """Exit status 0, 1 or 2; never a traceback; a sentence wherever it is not 0; outputs whole or not there."""
+    statuses: set[int] = set()
+
+    def check(drawn: tuple[str, bytes, list[str]]) -> None:
+        ending, content, options = drawn
+        path, written = tmp_path / f"in{ending}", tmp_path / "out.svg"
+        path.write_bytes(content)
+        written.unlink(missing_ok=True)
+        done = outcome(lambda: run(path, *options, "-o", written))
+        statuses.add(done.status)
+        assert done.status in (0, 1, 2)
+        assert ("error: " in done.err) == bool(done.status) and "error: None" not in done.err
+        assert done.status or "</svg>" in written.read_text()
+
+    try_many(check, hostile.commands(), 500)
+    assert {0, 1} <= statuses
+
+
+@pytest.mark.parametrize("kind", ["psd", "kra", "ora"])
+def test_damaged_paintings_end_in_a_sentence(kind: str, tmp_path: Path) -> None:
+    stack = '<image w="9" h="9"><stack><layer name="a" src="a.png" x="3"/><layer name="b" src="a.png"/></stack></image>'
+    ora = archive({"stack.xml": stack, "a.png": png_of(np.full((4, 4, 4), 255, np.uint8))})
+    good = ora if kind == "ora" else (DATA / f"layers.{kind}").read_bytes()
+    rng, statuses = np.random.default_rng(11), set()
+    for _ in range(150):
+        bad = bytearray(good)
+        for place in rng.integers(0, len(good), rng.integers(1, 9)):
+            bad[place] = rng.integers(0, 256)
+        if rng.random() < 0.3:
+            del bad[rng.integers(0, len(bad)) :]
+        (tmp_path / f"a.{kind}").write_bytes(bad)
+        done = run("puppet", tmp_path / f"a.{kind}", "-o", tmp_path / "a.json")
+        assert done.status in (0, 1) and ("error: " in done.err) == bool(done.status)
+        statuses.add(done.status)
+    assert statuses == {0, 1}
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("name", [*ATTACKS, "png_bombs"])
+def test_known_attacks_are_held(name: str, tmp_path: Path) -> None:
+    for call in png_bombs(tmp_path / "a.png") if name == "png_bombs" else ATTACKS[name]():
+        found = outcome(call)
+        if isinstance(found, Mesh) and len(found.vertices) < 300:
+            check_result(found)
+
+
+def test_elements_one_by_one_are_held_too() -> None:
+    for number in ("1e999", "1e-320", "nan"):
+        text = svg(f'<rect width="{number}" height="3"/>{SQUARE}<g transform="scale(0 1)" stroke="red">{SQUARE}</g>')
+        outcome(lambda text=text: svg_drawing(text, each=True))
+
+
+@pytest.mark.parametrize("options", [{}, {"fallback": None}])
+def test_coarse_meshes_half_outside_end_soon(options: dict[str, Any]) -> None:
+    """In a sentence, or from an enclosing start instead."""
+    fine, coarse = letter_a(), letter_a_coarse()
+    half = Mesh(coarse.vertices + 0.35 * fine.diagonal * np.array([1.0, 0.0]), coarse.edges)
+    found = outcome(lambda: nested_cages(fine, [half], Settings(**options)))
+    assert isinstance(found, NestedCagesError) == ("fallback" in options)
+
+
+def test_a_star_of_thousands_of_spikes_ends_soon() -> None:
+    random, spikes = np.random.default_rng(1), 2000
+    angles = np.arange(2 * spikes) / spikes * np.pi
+    long, short = random.uniform(0.6, 1.0, 2 * spikes), random.uniform(0.2, 0.3, 2 * spikes)
+    radii = np.where(np.arange(2 * spikes) % 2, short, long)
+    fine = Mesh.from_loops([radii[:, None] * np.stack((np.cos(angles), np.sin(angles)), axis=1)])
+    assert len(outcome(lambda: nested_cages(fine, [50])).cages[0].vertices) == 50
