@@ -1,1 +1,0 @@
-"""Hostile and broken input: grammars that make it at random, attacks that are known, and the only outcomes allowed."""
