@@ -235,6 +235,7 @@ def test_each_shape_of_a_map_has_its_own_cages(tmp_path: Path) -> None:
         checked(drawing, result, holds=False)
 
 
+@pytest.mark.slow
 def test_each_cage_may_have_fewer_loops_than_the_one_before(tmp_path: Path) -> None:
     """The finest one, which keeps them all, says nothing about coarser ones."""
     drawing, result = tmp_path / "in.svg", tmp_path / "out.svg"
@@ -269,6 +270,7 @@ def test_pictures_and_their_frames(flip: list[str], tmp_path: Path) -> None:
         checked(picture, result, "--threshold", 0.1, holds=False)
 
 
+@pytest.mark.slow
 def test_motions_are_judged_between_their_frames(tmp_path: Path) -> None:
     drawing, result = tmp_path / "in.json", tmp_path / "out.json"
     fine = star(5, 40)

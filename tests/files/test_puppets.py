@@ -293,6 +293,7 @@ def test_parts_of_several_areas_and_with_narrow_holes_bend(count: int | None) ->
     assert joints and shapely.contains_xy(tail, *np.array(joints).T).all()
 
 
+@pytest.mark.slow
 def test_covers_keep_the_joint_painted_and_show_nothing_at_rest() -> None:
     """A bar with square ends opens at its joint; one with round ends in the middle of its parent does not."""
     lower, upper = (solid(name, shapely.box(x, 0.0, x + 5.0, 2.0)) for name, x in (("lower", 4.6), ("upper", 0.0)))
@@ -322,6 +323,7 @@ def test_clips_stay_within_the_ranges_and_repeat(parts: Callable[[], list[Puppet
         assert max(abs(a[bone] - b[bone]) for a, b in zip(frames, following, strict=True) for bone in a) < 15.0
 
 
+@pytest.mark.slow
 def test_legs_of_a_walk_take_turns_and_clips_need_limbs() -> None:
     frames = walk(puppet_from(side_figure)).frames
     left, right = (np.array([frame[name] for frame in frames]) for name in ("leg.L", "leg.R"))
