@@ -35,7 +35,7 @@ from nestedcages_core import (
     nested_cages,
     verify,
 )
-from support.judging import codes, directions, gap, is_along_the_axes, is_symmetric, lengths_of, sharpest
+from support.judging import codes, directions, gap, is_along_the_axes, is_symmetric, lengths_of, rejected, sharpest
 from support.marks import slow_after
 from support.shapes import annulus, derivative, letter_a, polygon, resampled, ring, star
 
@@ -172,14 +172,13 @@ def test_boxes_are_judged_exactly() -> None:
 
 def test_what_is_missed_is_an_error_or_a_note() -> None:
     fine = Mesh.from_loops([ring(40)])
-    with pytest.raises(NestedCagesError) as caught:
+    with rejected("box.left") as caught:
         nested_cages(fine, 3, constraints=[Box((-1.01, -1.01), (1.01, 1.01))])
-    assert caught.value.code == "box.left" and caught.value.data["distance"] > 0.0
+    assert caught.value.data["distance"] > 0.0
     level = nested_cages(fine, 3, constraints=[Box((-1.01, -1.01), (1.01, 1.01), must=False)])[0]
     assert verify(level.cage, fine) and "box.left" in codes(level)
-    with pytest.raises(NestedCagesError) as caught:
+    with rejected("box.left"):
         nested_cages(STAR, 12, constraints=[Box((-9.0, -9.0), (0.5, 9.0))])
-    assert caught.value.code == "box.left"
 
 
 # Distances of loops, edges, angles
@@ -254,9 +253,8 @@ def test_a_bay_that_winds_is_an_error() -> None:
     turn = np.linspace(2.0, 14.0, 120)
     spiral = turn[:, None] * np.column_stack((np.cos(turn), np.sin(turn)))
     fine = Mesh.from_loops([np.concatenate((spiral, 1.15 * spiral[::-1] + 0.3))])
-    with pytest.raises(NestedCagesError) as caught:
+    with rejected("obstacle.met"):
         nested_cages(fine, 5, constraints=[Outside(Mesh.from_loops([0.5 * ring(9)]))])
-    assert caught.value.code == "obstacle.met"
 
 
 def test_obstacles_are_judged_exactly() -> None:
@@ -266,9 +264,8 @@ def test_obstacles_are_judged_exactly() -> None:
         assert (fault and fault.code) == code
     around = Outside(Mesh.from_loops([4.0 * SQUARE - 1.0]))
     assert around.fault(cage, cage) is not None
-    with pytest.raises(NestedCagesError) as caught:
+    with rejected("obstacle.met"):
         nested_cages(cage, 4, constraints=[around])
-    assert caught.value.code == "obstacle.met"
     near = Outside([SQUARE + np.array([2.5, 0.5])], 0.6).fault(cage, cage)
     assert near is not None and near.data["clearance"] == 0.5 and near.data["wanted"] == 0.6
 
@@ -334,18 +331,16 @@ def test_meshes_of_ones_own_are_kept_if_they_have_the_directions() -> None:
     square = Mesh.from_loops([3.0 * SQUARE - 1.5])
     assert is_along_the_axes(nested_cages(FLOWER, [square], constraints=[AxisAligned()], fallback=None)[0].cage)
     skew = Mesh(square.vertices + 0.1 * (np.arange(8) == 1).reshape(4, 2), square.edges)
-    with pytest.raises(NestedCagesError) as caught:
+    with rejected("edges.not_aligned"):
         nested_cages(FLOWER, [skew], constraints=[AxisAligned()], fallback=None)
-    assert caught.value.code == "edges.not_aligned"
     assert "edges.not_aligned" in codes(nested_cages(FLOWER, [skew], constraints=[AxisAligned(must=False)])[0])
 
 
 @pytest.mark.slow
 def test_directions_that_no_cage_has_are_an_error() -> None:
     for count, constraints in ((3, [AxisAligned()]), (20, [AxisAligned(), AxisAligned((30.0, 120.0))])):
-        with pytest.raises(NestedCagesError) as caught:
+        with rejected("edges.not_aligned"):
             nested_cages(FLOWER, count, constraints=constraints)
-        assert caught.value.code == "edges.not_aligned"
 
 
 # What is no constraint
@@ -469,9 +464,8 @@ def test_what_a_broken_constraint_answers_is_an_error_that_names_the_method(meth
     coarse = Mesh.from_loops([2.0 * star(3, 12).vertices])
     level: Any = coarse if method == "mended" else 12
     kept = {"grid": 0.02} if method == "mended" else {}
-    with pytest.raises(NestedCagesError) as caught:
+    with rejected("constraint.failed") as caught:
         nested_cages(star(5, 80), level, constraints=[odd(**{method: wrong})], **kept)
-    assert caught.value.code == "constraint.failed"
     assert caught.value.data["method"] == method and caught.value.data["name"] == "Odd"
 
 
@@ -483,9 +477,8 @@ def test_what_a_broken_constraint_answers_is_an_error_that_names_the_method(meth
 ], ids=["around", "inside", "moving"])  # fmt: skip
 def test_what_is_never_kept_is_an_error_with_its_own_code(made: Callable[..., Any]) -> None:
     for never, code in (("Never.", "constraint.missed"), (Fault("Never.", "never", place=(1, 2)), "never")):
-        with pytest.raises(NestedCagesError) as caught:
+        with rejected(code):
             made(odd(fault=answer(never)))
-        assert caught.value.code == code
     hopeless = terms(direction=np.zeros((2, 3)), room=np.full(3, -1.0))
     assert made(odd(rows=hopeless, short=lambda _, cage: np.ones(len(cage)))).notes == ()
 
@@ -544,9 +537,8 @@ def test_a_constraint_of_ones_own_is_kept_by_all_kinds_of_cages() -> None:
     moving = animated_cages(fine, poses, 20, constraints=[kept]).levels[0]
     steps = [Mesh(step, moving.cage.edges) for step in moving.cage_steps]
     assert all(lengths_of(cage).max() <= kept.length for cage in (*(level.cage for level in levels), *steps))
-    with pytest.raises(NestedCagesError) as caught:
+    with rejected("edge.long"):
         nested_cages(fine, 16, constraints=[kept], grid=0.1)
-    assert caught.value.code == "edge.long"
 
 
 def test_a_constraint_of_ones_own_lets_loops_be_joined() -> None:

@@ -20,6 +20,7 @@ from nestedcages_core import (
     grids,
     nested_cages,
 )
+from support.judging import rejected
 from support.shapes import annulus, islands, letter_a, polygon, ring, star
 
 KINDS = [MeanValue(), Harmonic(), PiecewiseLinear()]
@@ -156,9 +157,8 @@ def test_a_point_outside_is_refused_by_name() -> None:
     with pytest.raises(NestedCagesError) as caught:
         cage_coordinates([[0.6, 0.0], [5.0, 5.0]], annulus(8))
     assert (caught.value.code, caught.value.data) == ("coordinates.outside", {"vertex": 1, "place": (5.0, 5.0)})
-    with pytest.raises(NestedCagesError) as caught:
+    with rejected("mesh.unreadable"):
         cage_coordinates([1.0, 2.0], annulus(8))
-    assert caught.value.code == "mesh.unreadable"
 
 
 def test_many_poses_at_once() -> None:
@@ -169,9 +169,8 @@ def test_many_poses_at_once() -> None:
         moved = deform(weights, poses)
         assert moved.shape == (4, 2, 9, 3)
         assert moved[2, 1] == pytest.approx(dense(weights) @ poses[2, 1])
-    with pytest.raises(NestedCagesError) as caught:
+    with rejected("mesh.unreadable"):
         deform(weights, np.zeros((5, 2)))
-    assert caught.value.code == "mesh.unreadable"
 
 
 def turns(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
@@ -239,6 +238,5 @@ def test_prolongation_refuses_levels_that_are_not_there() -> None:
         with pytest.raises(NestedCagesError):
             levels.prolongation(finer, coarser)
     for spacing in (0.0, float("inf"), [1.0, 2.0, 3.0]):
-        with pytest.raises(NestedCagesError) as caught:
+        with rejected("setting.invalid"):
             grids(hierarchy, spacing)
-        assert caught.value.code == "setting.invalid"

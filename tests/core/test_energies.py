@@ -20,7 +20,6 @@ from nestedcages_core import (
     InitialDisplacement,
     InteriorARAP,
     Mesh,
-    NestedCagesError,
     NoEnergy,
     OuterHull,
     Settings,
@@ -29,6 +28,7 @@ from nestedcages_core import (
     WeightedSum,
     nested_cages,
 )
+from support.judging import rejected
 from support.marks import slow_after
 from support.shapes import annulus, assert_nested, derivative, octagon_with_hole, ring, star
 
@@ -192,9 +192,8 @@ def test_blocks_add_up_and_are_symmetric() -> None:
 @pytest.mark.parametrize("term", [NoEnergy(), Area, "area", None])
 def test_a_weighted_sum_takes_energies_with_weights_from_zero(weight: float, term: Any) -> None:
     for wrong in ((weight, term), (weight, Area()), (1.0, term) if term != NoEnergy() else (weight, term)):
-        with pytest.raises(NestedCagesError) as caught:
+        with rejected("setting.invalid"):
             WeightedSum(((1.0, Area()), wrong))
-        assert caught.value.code == "setting.invalid"
 
 
 # Cages
@@ -312,6 +311,5 @@ def test_a_formula_without_a_value_is_infinite(plate: Mesh) -> None:
 def test_a_formula_must_have_derivatives_at_the_coarse_mesh(power: float) -> None:
     """Powers of a length where the length is zero, as all are at the start."""
     energy = ElementEnergy.per_vertex(lambda now, rest: (now[0] - rest[0]).length() ** power)
-    with pytest.raises(NestedCagesError) as caught:
+    with rejected("solver.not_finite"):
         nested_cages(Mesh.from_loops([ring(30)]), [8], Settings(decimation=OuterHull(), energy=energy))
-    assert caught.value.code == "solver.not_finite"

@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
+import pytest
 import shapely
 
-from nestedcages_core import Mesh
+from nestedcages_core import Mesh, NestedCagesError
 from support.shapes import polygon
+
+
+@contextmanager
+def rejected(code: str, kind: type[NestedCagesError] = NestedCagesError, **data: Any) -> Iterator[Any]:
+    """What is done in the block is an error of a kind, with a code and such data."""
+    with pytest.raises(kind) as caught:
+        yield caught
+    assert caught.value.code == code
+    assert {name: caught.value.data.get(name) for name in data} == data
 
 
 def codes(level: Any) -> list[str]:
