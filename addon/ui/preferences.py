@@ -10,6 +10,10 @@ from ..properties.kinds import number, registration, text
 from . import panels
 
 
+def _move_panels(preferences: bpy.types.AddonPreferences, _context: Context) -> None:
+    panels.move_to(preferences.category)
+
+
 class NestedCagesPreferences(bpy.types.AddonPreferences):
     """Preferences of Nested Cages."""
 
@@ -19,7 +23,7 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
         "Sidebar Tab",
         "Tab in the sidebar of the 3D view that holds the panels",
         default=panels.CATEGORY,
-        update=lambda preferences, _context: panels.move_to(preferences.category),
+        update=_move_panels,
     )
     line_width: number(
         "Cage Width",
