@@ -10,7 +10,7 @@ from ..properties.kinds import number, registration, text
 from . import panels
 
 
-def _move_panels(preferences: bpy.types.AddonPreferences, _context: Context) -> None:
+def _move_panels(preferences: NestedCagesPreferences, _context: Context) -> None:
     panels.move_to(preferences.category)
 
 
