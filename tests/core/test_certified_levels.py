@@ -243,6 +243,15 @@ def test_an_excess_that_a_cage_just_has_needs_no_further_vertex() -> None:
         assert len(nested_cages(FINE, Within(excess=share * excess))[0].vertices) == count
 
 
+@pytest.mark.parametrize(("share", "count"), [(1.005, 6), (0.996, 7)])
+def test_a_distance_that_a_cage_just_has_needs_no_further_vertex(share: float, count: int) -> None:
+    """A hexagon around a disc of radius 1 reaches 1 / cos 30° - 1 farther."""
+    distance = share * (1.0 / np.cos(np.pi / 6.0) - 1.0)
+    hierarchy = nested_cages(ring(400), Within(distance=distance))
+    assert len(hierarchy[0].vertices) == count
+    assert check(ring(400), hierarchy, distance=distance)
+
+
 def test_the_number_of_vertices_below_which_nothing_is_possible_is_not_above_the_one_found() -> None:
     """Around a square within a tenth of its side, there are four."""
     (level,) = nested_cages(ring(4), [Within(distance=0.1)])

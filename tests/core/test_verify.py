@@ -359,17 +359,30 @@ def test_every_interval_is_looked_at_and_the_first_that_fails_is_named(jump: int
     assert found.step == jump
 
 
-@pytest.mark.parametrize("count", [8, *slow_after(0, [900])])
-def test_small_steps_to_a_wall_add_up(count: int) -> None:
+CORRIDOR = mesh([[-2, -0.2], [2, -0.2], [2, 0.2], [-2, 0.2]])
+
+
+@pytest.mark.parametrize(
+    ("room", "corners", "begin", "count", "travel", "wall"),
+    [
+        (mesh(2.0 * ring(4, angle=np.pi / 4.0)), 8, (0.5, 0.5), 8, 1.2, np.sqrt(2.0)),
+        pytest.param(CORRIDOR, 1600, (0.0, 0.0), 520, 2.0, 2.0, marks=pytest.mark.slow),
+    ],
+    ids=["a few steps", "many steps along walls"],
+)
+def test_small_steps_to_a_wall_add_up(
+    room: Mesh, corners: int, begin: Any, count: int, travel: float, wall: float
+) -> None:
     """Those that meet it are shorter than its distance at first; the vertex that meets it is named."""
-    room, dot = mesh(2.0 * ring(4, angle=np.pi / 4.0)), mesh(0.1 * ring(8 if count < 9 else 1600))
-    moves = np.linspace(0.0, 1.2, count + 1)[:, None, None] * [1.0, 0.0]
-    meets = int(np.argmax(0.6 + moves[:, 0, 0] >= np.sqrt(2.0))) - 1
-    found = certificate(room, dot, dot.vertices + 0.5 + moves)
+    dot = mesh(0.1 * ring(corners))
+    moves = np.linspace(0.0, travel, count + 1)[:, None, None] * [1.0, 0.0]
+    meets = int(np.argmax(begin[0] + 0.1 + moves[:, 0, 0] >= wall)) - 1
+    steps = dot.vertices + np.array(begin) + moves
+    found = certificate(room, dot, steps)
     assert not found
     assert found.step == meets
     assert found.vertex == len(room.vertices)  # the one on the right
-    assert certificate(room, dot, (dot.vertices + 0.5 + moves)[: meets + 1])
+    assert certificate(room, dot, steps[: meets + 1])
 
 
 @pytest.mark.parametrize(
