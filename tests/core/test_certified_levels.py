@@ -237,6 +237,16 @@ def test_a_tolerance_is_kept_to_the_digit(tolerance: Within) -> None:
     assert tolerance.excess is None or level.excess <= tolerance.excess
 
 
+@pytest.mark.parametrize("name, limit", [("distance", 0.1), ("excess", 0.21)])
+def test_what_a_square_around_a_square_takes_of_a_tolerance_is_known(name: str, limit: float) -> None:
+    """From corner to corner, and of the areas."""
+    fine, cage = (Mesh.from_loops([size * ring(4)]) for size in (1.0, 1.1))
+    for share, met in ((1.005, True), (0.995, False)):
+        tolerance = Within(**{name: share * limit})
+        assert tolerance.is_met(cage, fine) == met
+        assert tolerance.measured(cage, fine) == pytest.approx(limit, rel=2e-4)
+
+
 def test_an_excess_that_a_cage_just_has_needs_no_further_vertex() -> None:
     excess = nested_cages(FINE, 8)[0].excess
     for share, count in ((1.005, 8), (0.995, 9)):
