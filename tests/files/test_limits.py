@@ -6,6 +6,7 @@ import re
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,6 @@ import pytest
 from nestedcages_core import (
     Limits,
     Mesh,
-    NestedCagesError,
     Settings,
     boundary_of_pixels,
     collision_outline,
@@ -24,10 +24,11 @@ from nestedcages_core import (
     from_geojson,
     from_svg,
     read_geojson,
+    read_png,
     read_svg,
     to_engine_json,
 )
-from support.documents import collection, feature, svg
+from support.documents import collection, feature, png, refusal, svg
 from support.sources import ROOT
 
 SQUARES = [[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2]] for x in (0, 5, 10)]
@@ -36,50 +37,58 @@ OUTLINE = to_engine_json(Mesh.from_loops(SQUARES))
 DRAWING = svg("".join(f'<path d="M{x} 0h2v2h-2z"/>' for x in (0, 5, 10))).encode()
 CHESS = np.indices((6, 6)).sum(axis=0) % 2 == 0
 
+PICTURE = png(CHESS)
+COPIES = svg('<g id="a"><path d="M0 0h2v2h-2z"/></g><use href="#a" x="3"/><use href="#a" x="6"/>')
+
+PICTURE = png(CHESS)
+COPIES = svg('<g id="a"><path d="M0 0h2v2h-2z"/></g><use href="#a" x="3"/><use href="#a" x="6"/>')
+
 CASES: list[tuple[Callable[..., Any], Any, dict[str, int]]] = [
     (from_svg, DRAWING, {"bytes": len(DRAWING), "elements": 4, "points": 15}),
-    (from_geojson, MAP, {"bytes": len(MAP), "elements": 3, "points": 15}),
-    (features_from_geojson, MAP, {"bytes": len(MAP), "elements": 3, "points": 15}),
+    (from_svg, COPIES, {"elements": 9}),
+    *((read, MAP, {"bytes": len(MAP), "elements": 3, "points": 15}) for read in (from_geojson, features_from_geojson)),
     (from_engine_json, OUTLINE, {"bytes": len(OUTLINE), "elements": 3, "points": 12}),
     (boundary_of_pixels, CHESS, {"points": 72}),
-    (lambda given, limits: collision_outline(given, 12, limits=limits), CHESS.astype(float), {"points": 40}),
+    (partial(collision_outline, vertices=12), CHESS.astype(float), {"points": 40}),
     (
-        lambda given, limits: collision_outline(given, 6, padding=90.0, limits=limits, settings=Settings(loops="keep")),
+        partial(collision_outline, vertices=6, padding=90.0, settings=Settings(loops="keep")),
         np.eye(6)[[0, 5]],
         {"pixels": 184 * 188},
     ),
+    (read_svg, DRAWING, {"bytes": len(DRAWING)}),
+    (read_geojson, MAP.encode(), {"bytes": len(MAP)}),
+    (read_png, PICTURE, {"bytes": len(PICTURE), "pixels": 36}),
 ]
 
 
-def refused(work: Callable[[], Any], what: str) -> None:
-    with pytest.raises(NestedCagesError) as caught:
-        work()
-    assert (caught.value.code, caught.value.data["what"]) == ("limit.exceeded", what)
+def exceeded(what: str, *work: Any, **options: Any) -> None:
+    error = refusal(*work, **options)
+    assert (error.code, error.data["what"]) == ("limit.exceeded", what)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize(("read", "given", "used"), CASES)
-def test_what_reaches_a_limit_is_read_and_one_more_is_not(read: Any, given: Any, used: dict[str, int]) -> None:
+def test_what_reaches_a_limit_is_read_and_one_more_is_not(
+    read: Any, given: Any, used: dict[str, int], tmp_path: Path
+) -> None:
+    if read in (read_svg, read_geojson, read_png):
+        (tmp_path / "given").write_bytes(given)
+        given = tmp_path / "given"
     for what, number in used.items():
         assert read(given, limits=Limits(**{what: number})) is not None
-        refused(lambda what=what, number=number: read(given, limits=Limits(**{what: number - 1})), what)
-
-
-@pytest.mark.parametrize(
-    ("ending", "content", "read"), [(".svg", DRAWING, read_svg), (".geojson", MAP.encode(), read_geojson)]
-)
-def test_files_are_read_no_further_than_the_limit(ending: str, content: bytes, read: Any, tmp_path: Path) -> None:
-    file = tmp_path / f"given{ending}"
-    file.write_bytes(content)
-    assert read(file, limits=Limits(bytes=len(content))).area == 12.0
-    refused(lambda: read(file, limits=Limits(bytes=len(content) - 1)), "bytes")
+        exceeded(what, read, given, limits=Limits(**{what: number - 1}))
 
 
 @pytest.mark.parametrize("value", [0, -1, 1.5, True, None, 10**19, 10**400, "9"])
 def test_limits_are_whole_numbers_that_fit(value: Any) -> None:
-    with pytest.raises(NestedCagesError) as caught:
-        Limits(bytes=value)
-    assert caught.value.code == "file.invalid"
+    for field in fields(Limits):
+        assert refusal(Limits, **{field.name: value}).code == "file.invalid"
+
+
+@pytest.mark.slow
+def test_reading_ends_when_its_time_is_over() -> None:
+    bars = "".join(f'<path d="M{k} 0h1v9000h-1zM0 {k}h9000v1h-9000z"/>' for k in range(0, 900, 2))
+    exceeded("seconds", from_svg, svg(bars), limits=Limits(seconds=1))
 
 
 def test_points_of_curves_are_counted_before_they_take_memory() -> None:
@@ -87,7 +96,7 @@ def test_points_of_curves_are_counted_before_they_take_memory() -> None:
     arcs = " ".join(f"A1e5 1e-5 {k} 1 0 {k % 90} {k % 70}" for k in range(1000))
     tracemalloc.start()
     try:
-        refused(lambda: from_svg(svg(f'<path d="M0 0{arcs}z"/>', 'viewBox="0 0 100 100"')), "points")
+        exceeded("points", from_svg, svg(f'<path d="M0 0{arcs}z"/>', 'viewBox="0 0 100 100"'))
         assert tracemalloc.get_traced_memory()[1] < 2**26
     finally:
         tracemalloc.stop()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-import tracemalloc
 import zlib
 from collections.abc import Iterable
 from pathlib import Path
@@ -21,7 +20,6 @@ from nestedcages_core import (
     InvalidMeshError,
     Limits,
     Mesh,
-    NestedCagesError,
     Settings,
     alpha_channel,
     boundary_of_pixels,
@@ -29,7 +27,7 @@ from nestedcages_core import (
     read_png,
 )
 from support.command import run
-from support.documents import png, png_chunk, png_header, squares
+from support.documents import png, png_chunk, png_header, refusal, squares
 from support.engine_json import frames_of
 from support.marks import slow_after
 from support.shapes import polygon
@@ -72,12 +70,8 @@ def encoded(samples: np.ndarray, depth: int, colour: int, interlaced: bool = Fal
     data = zlib.compress(b"".join(bytes(filtered(packed(part, depth), pixel)) for part in parts if part.size))
     split = len(data) // 2
     middle = png_chunk(b"IDAT", data[:split]) + png_chunk(b"IDAT", data[split:])
-    return (
-        png_header(samples.shape[1], samples.shape[0], depth, colour, interlaced)
-        + extra
-        + middle
-        + png_chunk(b"IEND", b"")
-    )
+    head = png_header(samples.shape[1], samples.shape[0], depth, colour, interlaced)
+    return head + extra + middle + png_chunk(b"IEND", b"")
 
 
 @pytest.mark.parametrize("interlaced", [False, True])
@@ -117,50 +111,16 @@ END = png_chunk(b"IEND", b"")
 
 
 @pytest.mark.parametrize(
-    ("data", "code"),
-    [
-        (b"", "file.invalid"),
-        (b"GIF89a", "file.invalid"),
-        (GOOD[:40], "file.invalid"),
-        (GOOD[:-6], "file.invalid"),
-        (GOOD[:29] + b"\0\0\0\0" + GOOD[33:], "file.invalid"),  # a wrong check sum
-        (GOOD[:8] + END, "file.invalid"),
-        (png_header(9, 9) + png_chunk(b"IDAT", zlib.compress(b"\0")) + END, "file.invalid"),
-        (png_header(9, 9, 3) + png_chunk(b"IDAT", b"") + END, "file.invalid"),
-        (GOOD[:33] + png_chunk(b"IDAT", b"junk") + END, "file.invalid"),
-        (png_header(2**20, 2**20) + png_chunk(b"IDAT", b"") + END, "limit.exceeded"),
-    ],
-)
-def test_damaged_pngs_are_an_error(data: bytes, code: str, tmp_path: Path) -> None:
+    "data",
+    [b"", b"GIF89a", GOOD[:40], GOOD[:-6], GOOD[:8] + END, GOOD[:33] + png_chunk(b"IDAT", b"junk") + END,
+     GOOD[:29] + b"\0\0\0\0" + GOOD[33:],  # a wrong check sum
+     png_header(9, 9) + png_chunk(b"IDAT", zlib.compress(b"\0")) + END,
+     png_header(9, 9, 3) + png_chunk(b"IDAT", b"") + END, png_header(2**20, 2**20) + png_chunk(b"IDAT", b"") + END],
+)  # fmt: skip
+def test_damaged_pngs_are_an_error(data: bytes, tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(data)
-    with pytest.raises(NestedCagesError) as error:
-        read_png(tmp_path / "a.png")
-    assert error.value.code == code
-
-
-def test_pictures_are_read_within_limits(tmp_path: Path) -> None:
-    (tmp_path / "a.png").write_bytes(GOOD)
-    assert not read_png(tmp_path / "a.png", limits=Limits(pixels=16)).any()
-    for limits, what in ((Limits(pixels=15), "pixels"), (Limits(bytes=20), "bytes")):
-        with pytest.raises(NestedCagesError) as error:
-            read_png(tmp_path / "a.png", limits=limits)
-        assert (error.value.code, error.value.data["what"]) == ("limit.exceeded", what)
-
-
-@pytest.mark.slow
-def test_data_beyond_the_size_of_a_picture_are_never_unpacked(tmp_path: Path) -> None:
-    packer = zlib.compressobj()
-    data = b"".join(packer.compress(bytes(10**7)) for _ in range(15)) + packer.flush()
-    bomb = png_header(1, 1) + png_chunk(b"IDAT", data) + END
-    (tmp_path / "a.png").write_bytes(bomb)
-    tracemalloc.start()
-    try:
-        picture = read_png(tmp_path / "a.png", limits=Limits(bytes=10**6))
-        peak = tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
-    assert picture.tolist() == [[[0, 0, 0, 0]]]
-    assert peak < 20 * len(bomb)
+    large = data.startswith(png_header(2**20, 2**20))
+    assert refusal(read_png, tmp_path / "a.png").code == ("limit.exceeded" if large else "file.invalid")
 
 
 def test_alpha_channels_of_every_type() -> None:
@@ -172,9 +132,7 @@ def test_alpha_channels_of_every_type() -> None:
     assert alpha_channel(np.eye(3, dtype=bool)).sum() == 3.0
     assert alpha_channel(np.full((2, 2, 2), 0.25))[0, 0] == 0.25
     for bad in (np.zeros((2, 2, 3)), np.zeros(4), np.array([["a"]])):
-        with pytest.raises(NestedCagesError) as error:
-            alpha_channel(bad)
-        assert error.value.code == "file.invalid"
+        assert refusal(alpha_channel, bad).code == "file.invalid"
 
 
 # Boundaries
@@ -205,9 +163,8 @@ def test_straight_runs_have_no_vertices() -> None:
         (float(x), float(y)) for xs, ys in (((10, 45), (5, 30)), ((20, 30), (10, 20))) for x in xs for y in ys
     )
     assert mesh.loop_signs.tolist() == [1, -1]
-    with pytest.raises(NestedCagesError) as error:
-        boundary_of_pixels(opaque, limits=Limits(points=99))
-    assert (error.value.code, error.value.data["what"]) == ("limit.exceeded", "points")
+    error = refusal(boundary_of_pixels, opaque, limits=Limits(points=99))
+    assert (error.code, error.data["what"]) == ("limit.exceeded", "points")
 
 
 def test_an_empty_picture_has_no_outline() -> None:
@@ -289,12 +246,9 @@ def test_a_sprite_of_4096_boundary_pixels_in_16_vertices() -> None:
 
 def test_settings_are_passed_on_and_bad_padding_is_an_error() -> None:
     for padding in (-1.0, float("nan")):
-        with pytest.raises(NestedCagesError):
-            collision_outline(sprite(), 12, padding=padding)
+        refusal(collision_outline, sprite(), 12, padding=padding)
     assert len(collision_outline(sprite(), 4).vertices) == 4
-    with pytest.raises(NestedCagesError) as error:
-        collision_outline(sprite(), 2)
-    assert error.value.code == "count.too_small"
+    assert refusal(collision_outline, sprite(), 2).code == "count.too_small"
     assert_wrapped(sprite(), collision_outline(sprite(), 12, settings=Settings(clearance=2.0)), 2.0, 0.5)
 
 

@@ -27,7 +27,7 @@ from nestedcages_core import (
     svg_drawing,
     to_geojson,
 )
-from support.documents import area_of, solid, svg
+from support.documents import area_of, refusal, solid, svg
 from support.marks import slow_after
 from support.shapes import ring
 
@@ -238,8 +238,7 @@ def test_parts_closer_than_a_distance_are_joined() -> None:
     assert {tuple(corner) for corner in apart.vertices.tolist()} <= {tuple(at) for at in bridged.vertices.tolist()}
     slit = Mesh.from_loops([[(0, 0), (9, 0), (9, 4), (5.1, 4), (5.1, 1), (5, 1), (5, 4), (0, 4)]])
     assert joined(slit, 0.2).area == pytest.approx(36.0)
-    with pytest.raises(NestedCagesError):
-        joined(apart, 0.0)
+    refusal(joined, apart, 0.0)
 
 
 def test_without_shapely_plain_drawings_are_read_and_others_name_it(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -254,7 +253,5 @@ def test_without_shapely_plain_drawings_are_read_and_others_name_it(monkeypatch:
         (plain + '<rect x="5" width="10" height="9"/>', "shapely"),
         (f"<style>rect{{fill:red}}</style>{plain}", "tinycss2"),
     ):
-        with pytest.raises(NestedCagesError) as error:
-            from_svg(svg(body))
-        assert error.value.code == "dependency.missing"
-        assert library in error.value.data["library"]
+        error = refusal(from_svg, svg(body))
+        assert error.code == "dependency.missing" and library in error.data["library"]

@@ -7,14 +7,15 @@ import json
 import struct
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+import pytest
 import shapely
 from PIL import Image
 
-from nestedcages_core import Mesh, from_svg
+from nestedcages_core import Mesh, NestedCagesError, from_svg
 
 
 def svg(body: str, attributes: str = "") -> str:
@@ -25,6 +26,13 @@ def svg(body: str, attributes: str = "") -> str:
 def area_of(body: str, attributes: str = "", **options: Any) -> float:
     """The area that a document paints."""
     return from_svg(svg(body, attributes), **options).area
+
+
+def refusal(call: Callable[..., Any], *arguments: Any, **options: Any) -> NestedCagesError:
+    """The error that a call ends with."""
+    with pytest.raises(NestedCagesError) as caught:
+        call(*arguments, **options)
+    return caught.value
 
 
 def same(one: Mesh, other: Mesh) -> bool:
