@@ -2,54 +2,97 @@
 
 from __future__ import annotations
 
+import math
 import os
+import re
 import signal
 import stat
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
-from nestedcages_core import NestedCagesError, to_geojson, to_svg, write_engine_json, write_geojson, write_svg
+from nestedcages_core import (
+    Area,
+    Mesh,
+    Settings,
+    from_engine_json,
+    from_geojson,
+    from_svg,
+    nested_cages,
+    to_engine_json,
+    to_geojson,
+    to_svg,
+    write_engine_json,
+    write_geojson,
+    write_svg,
+)
 from support.command import run
-from support.shapes import letter_a
+from support.documents import refusal, same
+from support.shapes import islands, letter_a, star
 from support.sources import ROOT
 
+FAILURES = [("os.fsync", OSError), ("os.replace", OSError), ("os.fsync", KeyboardInterrupt)]
+SHAPES = [letter_a(1), islands(), star(5, 40)]
+NARROW = Mesh.from_loops([[(0, 0), (4, 0), (4, 1), (7, 1), (7, 1 + 1e-7), (4, 1 + 1e-7), (4, 4), (0, 4)]])
+FORMATS = [(write_svg, to_svg, from_svg), (write_geojson, to_geojson, from_geojson),
+           (write_engine_json, to_engine_json, from_engine_json)]  # fmt: skip
 WRITERS = (write_svg, write_geojson, write_engine_json)
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="permissions, links, locks and kills of POSIX")
 
 
-@pytest.mark.parametrize("write", WRITERS)
-@pytest.mark.parametrize("call", ["os.fsync", "os.replace"])
-def test_a_failure_leaves_the_old_file_and_nothing_else(
-    write: Callable[..., None], call: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("mesh", SHAPES, ids=["letter", "islands", "star"])
+@pytest.mark.parametrize(("write", "text", "read"), FORMATS, ids=["svg", "geojson", "json"])
+def test_what_is_written_is_read_back_to_the_last_bit(
+    write: Any, text: Any, read: Any, mesh: Mesh, tmp_path: Path
 ) -> None:
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
+    mesh, path = Mesh(mesh.vertices * math.pi, mesh.edges), tmp_path / "a.out"
+    write(path, mesh)
+    assert path.read_text(encoding="utf-8") == text(mesh)
+    assert same(read(path.read_bytes()), mesh)
+    assert same(read(text(mesh).encode("utf-8-sig")), mesh)
+    assert same(read(text(NARROW)), NARROW)
 
+
+@pytest.mark.parametrize("text", [to_svg, to_geojson, partial(to_engine_json, flip_y=3.0)])
+def test_few_decimals_are_written_as_certified_or_not_at_all(text: Any) -> None:
+    fine = letter_a(1)
+    cage = nested_cages(fine, 24, Settings(grid=0.01, energy=Area())).cages[0]
+    written = re.sub(r' (?!d=)[\w-]+="[^"]*"', "", text(cage, decimals=2))  # of SVG the data of paths alone
+    assert max(len(number.partition(".")[2]) for number in re.findall(r"[-\d.]+(?:e-?\d+)?", written)) == 2
+    for decimals in (16, True):
+        assert refusal(text, fine, decimals=decimals).code == "file.invalid"
+    error = refusal(text, fine, decimals=2)
+    assert error.code == "numbers.unresolved"
+    assert fine.vertices[error.data["vertex"]].tolist() == list(error.data["place"])
+
+
+def test_a_drawing_beside_its_cage_is_written_as_it_is() -> None:
+    fine = letter_a(1)
+    cage = nested_cages(fine, 24, Settings(grid=0.01)).cages[0]
+    text = to_svg({"drawing": fine, "cage": cage}, levels=[0, 1], decimals=2)
+    assert same(from_svg(text, element="drawing"), fine)
+
+
+@pytest.mark.parametrize("write", WRITERS)
+@pytest.mark.parametrize(("call", "kind"), FAILURES)
+def test_a_failure_leaves_the_old_file_and_nothing_else(
+    write: Callable[..., None], call: str, kind: type[BaseException], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = tmp_path / "a.out"
     path.write_text("before")
-    monkeypatch.setattr(call, full)
-    with pytest.raises(OSError) as raised:
+    monkeypatch.setattr(call, Mock(side_effect=kind(28, "No space left on device")))
+    with pytest.raises(kind) as raised:
         write(path, letter_a(1))
-    assert (raised.value.errno, raised.value.filename) == (28, str(path))
+    if isinstance(raised.value, OSError):
+        assert (raised.value.errno, raised.value.filename) == (28, str(path))
     assert path.read_text() == "before"
     assert list(tmp_path.iterdir()) == [path]
-
-
-@pytest.mark.parametrize("write", WRITERS)
-def test_an_interrupt_leaves_nothing_behind(
-    write: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def interrupted(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("os.fsync", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        write(tmp_path / "a.svg", letter_a(1))
-    assert list(tmp_path.iterdir()) == []
 
 
 @POSIX
@@ -73,9 +116,7 @@ def test_permissions_and_links_stay(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_written_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(NestedCagesError) as error:
-        write_svg(tmp_path / "a.svg", {"half \ud800": letter_a(1)})
-    assert error.value.code == "file.invalid"
+    assert refusal(write_svg, tmp_path / "a.svg", {"half \ud800": letter_a(1)}).code == "file.invalid"
     with pytest.raises(FileNotFoundError) as raised:
         write_svg(tmp_path / "no" / "a.svg", letter_a(1))
     assert raised.value.filename == str(tmp_path / "no" / "a.svg")
@@ -122,11 +163,7 @@ def test_a_full_disk_ends_the_command_with_a_sentence(tmp_path: Path, monkeypatc
     out = tmp_path / "out.svg"
     out.write_text("before")
     for problem in (OSError(28, "No space left on device"), OSError("odd")):
-
-        def full(*_: object, problem: OSError = problem) -> None:
-            raise problem
-
-        monkeypatch.setattr("os.fsync", full)
+        monkeypatch.setattr("os.fsync", Mock(side_effect=problem))
         done = run(tmp_path / "a.geojson", "--levels", 24, "-o", out, "--quiet")
         assert (done.status, out.read_text()) == (1, "before")
         assert "out.svg" in done.err and "Traceback" not in done.err and "None" not in done.err
