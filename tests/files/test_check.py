@@ -115,9 +115,7 @@ FORGED = {
     "used elsewhere": PICTURE.replace("</svg>", '<use href="#cage-1" x="40"/></svg>'),
     "only used elsewhere": PICTURE.replace(BOTH, f'<defs><g id="g">{BOTH}</g></defs><use href="#g" x="40"/>'),
     "in a picture of its own": PICTURE.replace(BOTH, f'<svg viewBox="0 0 3 3" width="9" height="9">{BOTH}</svg>'),
-    "clipped": PICTURE.replace(
-        BOTH, f'<clipPath id="c"><path d="M0 0h1v1z"/></clipPath><g clip-path="url(#c)">{BOTH}</g>'
-    ),
+    "clipped": PICTURE.replace(BOTH, f'<clipPath id="c"><path/></clipPath><g clip-path="url(#c)">{BOTH}</g>'),
     "clipped by a shape": with_attribute('style="clip-path:circle(1px)"'),
     "masked": PICTURE.replace(BOTH, f'<mask id="m"/><g mask="url(#m)">{BOTH}</g>'),
     "animated": for_first(FIRST.replace("/>", '><set attributeName="d" to=""/></path>')),
@@ -175,40 +173,33 @@ def outline(**changed: object) -> str:
     return json.dumps({**OUTLINE, **changed})
 
 
+DEEP = "[" * 200_000
+TRIANGLES = OUTLINE["triangles"]
+FORGED_MAPS = [
+    *(features(*levels) for levels in ((1, 2, 2), (2, 1), (1, 3), (1, True), (1, "2"), (0, 1))),
+    *(features(1, ring=ring) for ring in ([[*SQUARE[:4], [1.5, 1.5]]], [SQUARE, [[4, 4], [5, 4], [5, 5], [4, 4]]],
+                                          [SQUARE, SQUARE])),
+    features(1).replace("Polygon", "LineString"), DEEP, '{"a":' * 200_000,
+]  # fmt: skip
+FORGED_OUTLINES = [
+    *("[", "{}", '{"features": [{"type": "Polygon"}]}', DEEP, '{"format": "nested-cages outline", "polygons":' + DEEP),
+    *(outline(triangles=wrong) for wrong in (TRIANGLES[:1], TRIANGLES * 2, [each[::-1] for each in TRIANGLES])),
+    *(outline(pieces=wrong) for wrong in ([], [[0, 1, 9]])),
+    outline(points=[[9, 9], *OUTLINE["points"][1:]]),
+    outline(version=2),
+    *(outline(format="nested-cages frames", frames=each) for each in ([], [{"polygons": OUTLINE["polygons"]}])),
+]
+FORGED_PAGES = [
+    f"<svg xmlns='http://www.w3.org/2000/svg'>{'<g>' * 50_000}{'</g>' * 50_000}</svg>",
+    *(to_svg([ONE, AROUND], view_box=box, y_up=True) for box in ((5, 5, 9, 9), (1.5, -4, 9, 9))),  # do not show it
+]
+
+
 @pytest.mark.parametrize(
     ("ending", "content"),
-    [
-        ("geojson", features(1, 2, 2)),
-        ("geojson", features(2, 1)),
-        ("geojson", features(1, 3)),
-        ("geojson", features(1, True)),
-        ("geojson", features(1, "2")),
-        ("geojson", features(0, 1)),
-        ("geojson", features(1, ring=[[*SQUARE[:4], [1.5, 1.5]]])),
-        ("geojson", features(1, ring=[SQUARE, [[4, 4], [5, 4], [5, 5], [4, 4]]])),
-        ("geojson", features(1, ring=[SQUARE, SQUARE])),
-        ("geojson", features(1).replace("Polygon", "LineString")),
-        ("geojson", "[" * 200_000),
-        ("geojson", '{"a":' * 200_000),
-        ("json", "["),
-        ("json", "{}"),
-        ("json", '{"features": [{"type": "Polygon"}]}'),
-        ("json", "[" * 200_000),
-        ("json", '{"format": "nested-cages outline", "polygons":' + "[" * 200_000),
-        ("svg", f"<svg xmlns='http://www.w3.org/2000/svg'>{'<g>' * 50_000}{'</g>' * 50_000}</svg>"),
-        ("json", outline(triangles=OUTLINE["triangles"][:1])),
-        ("json", outline(triangles=OUTLINE["triangles"] * 2)),
-        ("json", outline(triangles=[t[::-1] for t in OUTLINE["triangles"]])),
-        ("json", outline(pieces=[[0, 1, 9]])),
-        ("json", outline(pieces=[])),
-        ("json", outline(points=[[9, 9], *OUTLINE["points"][1:]])),
-        ("json", outline(version=2)),
-        ("json", outline(format="nested-cages frames", frames=[])),
-        ("json", outline(format="nested-cages frames", frames=[{"polygons": OUTLINE["polygons"]}])),
-        ("svg", to_svg([ONE, AROUND], view_box=(5, 5, 9, 9), y_up=True)),  # a page that does not show it
-        ("svg", to_svg([ONE, AROUND], view_box=(1.5, -4, 9, 9), y_up=True)),
-    ],
-)
+    [(ending, content) for ending, forged in
+     (("geojson", FORGED_MAPS), ("json", FORGED_OUTLINES), ("svg", FORGED_PAGES)) for content in forged],
+)  # fmt: skip
 def test_forged_maps_and_outlines_are_refused(ending: str, content: str, tmp_path: Path) -> None:
     (tmp_path / "in.geojson").write_text(to_geojson(ONE))
     (tmp_path / f"out.{ending}").write_text(content)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from pathlib import Path
 from typing import Any
@@ -104,9 +103,8 @@ def test_hulls_hold_every_opaque_pixel_and_islands_share_them_out(rigs: tuple[Ri
         wanted = np.round(layer["pixels"][..., 3] * layer.get("opacity", 1.0))
         np.testing.assert_array_equal(sum(found), wanted)
     assert len(of_layer(rigs[0], "spots")) == 2
-    assert [part.blend for part in of_layer(rigs[0], "spots") + of_layer(rigs[0], "shine")] == ["multiply"] * 2 + [
-        "add"
-    ]
+    blends = [part.blend for part in of_layer(rigs[0], "spots") + of_layer(rigs[0], "shine")]
+    assert blends == ["multiply", "multiply", "add"]
 
 
 def test_the_atlas_has_each_picture_once(rigs: tuple[Rig, Rig]) -> None:
@@ -320,19 +318,3 @@ def test_weights_painted_by_hand_stay(folder: Path, tmp_path: Path) -> None:
         np.testing.assert_allclose(other.weights, wanted, atol=1e-4)
     assert {name for name, (low, high) in painted.ranges.items() if low == high} >= {"tail"}  # nothing is proved
     assert not any(low == high for low, high in plain.ranges.values())
-
-
-def test_damaged_files_of_a_puppet_end_in_a_sentence(folder: Path, tmp_path: Path) -> None:
-    text, rng = (folder / "kept.json").read_text(), np.random.default_rng(8)
-    pixels = np.full((4, 4, 4), 255, np.uint8)
-    openraster(tmp_path / "a.ora", [{"name": "tail", "pixels": pixels}], (9, 9))
-    for _ in range(8):
-        start = rng.integers(0, len(text))
-        (tmp_path / "kept.json").write_text(text[:start] + text[start + rng.integers(1, 9) :])
-        done = run("puppet", "a.ora", "-o", "a.json", "--keep", "kept.json", cwd=tmp_path)
-        assert done.status in (0, 1) and "Traceback" not in done.err
-
-
-def test_pages_are_pictures_that_others_read(folder: Path) -> None:
-    image = Image.open(io.BytesIO((folder / "cat.png").read_bytes()))
-    assert image.mode == "RGBA" and min(image.size) > 10
