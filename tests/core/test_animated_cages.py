@@ -5,21 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nestedcages_core import (
-    InvalidMeshError,
-    Mesh,
-    NestedCagesError,
-    NestingError,
-    Settings,
-    Within,
-    animated_cages,
-    check,
-    followed,
-    nested_cages,
-    stream_cages,
-    verify,
-    verify_motion,
-)
+import nestedcages_core as core
+from nestedcages_core import Mesh, NestingError, Settings, animated_cages, followed, nested_cages, verify
 from support.judging import rejected
 from support.shapes import disc, ring, star
 
@@ -50,7 +37,7 @@ def assert_certified(level, fine: Mesh, poses: np.ndarray, clearance: float) -> 
     assert (np.diff(level.times) > 0.0).all()
     for cage, pose in zip(level.cage_steps, level.fine_steps, strict=True):
         assert verify(level.cage.moved(cage), fine.moved(pose), clearance)
-    assert verify_motion(level.cage, fine, level.cage_steps, level.fine_steps)
+    assert core.verify_motion(level.cage, fine, level.cage_steps, level.fine_steps)
 
 
 def test_every_pose_and_every_instant_is_certified() -> None:
@@ -171,7 +158,7 @@ def test_a_stream_is_read_as_it_is_needed() -> None:
             read.append(number)
             yield poses[number % 39]
 
-    keys = stream_cages(fine, source(), 8)
+    keys = core.stream_cages(fine, source(), 8)
     taken = [next(keys) for _ in range(6)]
     assert [key.number for key in taken if key.given] == sorted(key.number for key in taken if key.given)
     assert len(read) < 100
@@ -191,7 +178,7 @@ def test_times_and_progress() -> None:
 def test_a_pose_that_crosses_itself_is_named_and_those_before_it_are_kept() -> None:
     fine, poses = waving(4, SMALL)
     poses[2, 0] = -2.0 * poses[2, 0]
-    with pytest.raises(InvalidMeshError) as caught:
+    with pytest.raises(core.InvalidMeshError) as caught:
         animated_cages(fine, iter(poses), [8])
     assert (caught.value.code, caught.value.data["pose"]) == ("poses.invalid", 2)
     (level,) = caught.value.partial.levels
@@ -212,7 +199,7 @@ def test_a_pose_that_crosses_itself_is_named_and_those_before_it_are_kept() -> N
     ],
 )
 def test_bad_poses_and_times_are_named(poses, times, pose) -> None:
-    with pytest.raises(NestedCagesError) as caught:
+    with pytest.raises(core.NestedCagesError) as caught:
         animated_cages(waving(4, SMALL)[0], poses, [8], times=times)
     assert (caught.value.code, caught.value.data.get("pose")) == ("poses.invalid", pose)
 
@@ -221,7 +208,7 @@ def test_motions_without_levels_and_with_others_than_counts_are_refused() -> Non
     fine, poses = waving(3, SMALL)
     for levels, options, code in (
         ([], {}, "level.invalid"),
-        ([Within(distance=0.1)], {}, "level.invalid"),
+        ([core.Within(distance=0.1)], {}, "level.invalid"),
         ([8], {"convex": True}, "setting.conflict"),
     ):
         with rejected(code):
@@ -256,7 +243,7 @@ def test_holes_that_there_are_too_few_vertices_for_are_filled() -> None:
     moved = followed(cage, fine, fine.moved(poses[1]), 1e-5)
     assert moved is not None and verify(moved, fine.moved(poses[1]), same_loops=False)
     moving = animated_cages(fine, poses, [5])
-    assert len(moving.levels[0].cage.loops) == 1 and check(fine, moving)
+    assert len(moving.levels[0].cage.loops) == 1 and core.check(fine, moving)
     with pytest.raises(NestingError) as caught:
         animated_cages(fine, poses, [5], loops="keep")
     assert (caught.value.code, caught.value.data["least"]) == ("count.too_small", 6)

@@ -13,18 +13,8 @@ from multiprocessing import get_context
 import pytest
 import shapely
 
-from nestedcages_core import (
-    BatchProgress,
-    Hierarchy,
-    InvalidMeshError,
-    Mesh,
-    NestedCagesError,
-    NestingError,
-    Outcome,
-    Settings,
-    nested_cages,
-    nested_cages_many,
-)
+import nestedcages_core as core
+from nestedcages_core import BatchProgress, Hierarchy, InvalidMeshError, Mesh, NestedCagesError, nested_cages_many
 from support.judging import rejected
 from support.shapes import assert_nested, star
 
@@ -71,7 +61,7 @@ def test_results_come_in_order_and_equal_single_runs(executor: Executor | None) 
     assert [outcome.key for outcome in outcomes] == list(range(4))
     for shape, outcome in zip(shapes, outcomes, strict=True):
         assert (outcome.unwrap().fine.vertices == shape.vertices).all()
-        assert (outcome.result.cages[0].vertices == nested_cages(shape, [16]).cages[0].vertices).all()
+        assert (outcome.result.cages[0].vertices == core.nested_cages(shape, [16]).cages[0].vertices).all()
         assert outcome.seconds > 0.0
     assert [each.finished for each in seen] == [1, 2, 3, 4]
     assert seen[-1].fraction == 1.0
@@ -87,8 +77,8 @@ def test_a_failure_does_not_lose_the_others(executor: Executor | None) -> None:
     assert_nested(outcomes[3].result.cages[0], Mesh.from_geometry(shapes["b"]))
     with rejected("mesh.crossing", InvalidMeshError):
         outcomes[1].unwrap()
-    (small,) = nested_cages_many([star(5, 50)], [20, 2], Settings(clearance=1e-3), executor=executor)
-    assert isinstance(small.error, NestingError)
+    (small,) = nested_cages_many([star(5, 50)], [20, 2], core.Settings(clearance=1e-3), executor=executor)
+    assert isinstance(small.error, core.NestingError)
 
 
 @pytest.mark.slow
@@ -108,7 +98,7 @@ def test_an_empty_batch() -> None:
 
 @pytest.mark.slow
 def test_a_batch_may_be_cancelled(executor: Executor | None) -> None:
-    done: dict[object, Outcome] = {}
+    done: dict[object, core.Outcome] = {}
 
     def stop(progress: BatchProgress) -> None:
         done[progress.outcome.key] = progress.outcome

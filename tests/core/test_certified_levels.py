@@ -8,22 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nestedcages_core import (
-    Level,
-    Mesh,
-    NestingError,
-    ReinflationError,
-    Settings,
-    Within,
-    animated_cages,
-    check,
-    followed,
-    inner_cages,
-    nested_cages,
-    verify,
-    verify_motion,
-)
-from support.judging import rejected
+import nestedcages_core as core
+from nestedcages_core import Mesh, NestingError, Settings, Within, animated_cages, check, inner_cages, nested_cages
+from support.judging import codes, rejected
 from support.marks import slow_after
 from support.methods import Continued, Detouring, Elsewhere, GivingUp, Misleading, Offering, Pretending, Refusing
 from support.shapes import annulus, letter_a, letter_a_coarse, ring, star
@@ -38,22 +25,22 @@ def turned(points: np.ndarray, angle: float) -> np.ndarray:
     return points @ np.array([[c, s], [-s, c]])
 
 
-def assert_right(level: Level) -> None:
+def assert_right(level: core.Level) -> None:
     """A level is what its report says, by the public judges and comparisons."""
     path, report = level.reinflation, level.report
     pair = (level.fine, level.cage) if level.inside else (level.cage, level.fine)
-    certificate = verify(*pair, report.wanted_clearance, same_loops=False)
+    certificate = core.verify(*pair, report.wanted_clearance, same_loops=False)
     assert certificate
     assert (report.clearance, report.excess) == (certificate.clearance, level.cage.area / level.fine.area - 1.0)
     assert np.array_equal(path.fine_steps[-1], level.fine.vertices)
     assert np.array_equal(path.fine_steps[0], level.flow.steps[-1])
     assert np.array_equal(path.cage_steps[0], level.coarse.vertices)
     assert np.array_equal(path.cage_steps[-1], level.cage.vertices)
-    assert verify_motion(level.cage, level.fine, path.cage_steps, path.fine_steps)
+    assert core.verify_motion(level.cage, level.fine, path.cage_steps, path.fine_steps)
     assert check(level.fine, level)
 
 
-def assert_sound(levels: Iterable[Level]) -> None:
+def assert_sound(levels: Iterable[core.Level]) -> None:
     for level in levels:
         assert_right(level)
 
@@ -90,7 +77,7 @@ def test_a_cage_that_its_tightening_spoils_is_not_handed_out(
     spoiling = Settings(tightening=Continued(further=further), clearance=1e-3, **needs)
     (level,) = work(FINE, 10, spoiling)
     assert_right(level)
-    assert "note.untightened" in [note.code for note in level.report.notes]
+    assert "note.untightened" in codes(level)
     if work is nested_cages and not spoiling.convex:  # whose coarse meshes enclose, and are cages already
         with rejected(code, NestingError):
             nested_cages(FINE, 10, spoiling, fallback=None)
@@ -148,12 +135,12 @@ def test_a_contact_that_loses_the_shape_does_not_move_it(factor: float) -> None:
 
 
 def test_a_contact_that_gives_up_leads_to_the_next_and_then_to_the_fallback() -> None:
-    with rejected("reinflation.blocked", ReinflationError):
+    with rejected("reinflation.blocked", core.ReinflationError):
         nested_cages(FINE, OWN, contact=GivingUp(), fallback=None)
     for contact, notes in ([GivingUp(), Elsewhere()], []), (GivingUp(), ["note.start"]):
         (level,) = nested_cages(FINE, OWN, contact=contact)
         assert_right(level)
-        assert [note.code for note in level.report.notes] == notes
+        assert codes(level) == notes
 
 
 FLOWS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], str | None]] = {
@@ -216,7 +203,7 @@ def test_a_constraint_has_the_last_word(needs: dict[str, Any]) -> None:
         nested_cages(FINE, 10, constraints=[Refusing()], **needs)
     (level,) = nested_cages(FINE, 10, constraints=[Refusing(must=False)], **needs)
     assert_right(level)
-    assert [note.code for note in level.report.notes] == ["constraint.missed"]
+    assert codes(level) == ["constraint.missed"]
 
 
 def test_the_way_is_certified_and_not_the_cage_alone() -> None:
@@ -275,9 +262,9 @@ def test_a_step_that_leaves_the_drawing_is_no_cage() -> None:
     fine = star()
     (cage,) = nested_cages(fine, [12]).cages
     after = fine.moved(1.1 * fine.vertices)
-    assert verify(followed(cage, fine, after, 0.01), after, 0.01)
+    assert core.verify(core.followed(cage, fine, after, 0.01), after, 0.01)
     for spoiling in (Continued(further=lambda step: [step + 3.0]), Continued(share=0.5)):
-        assert followed(cage, fine, after, 0.01, Settings(tightening=spoiling)) is None
+        assert core.followed(cage, fine, after, 0.01, Settings(tightening=spoiling)) is None
 
 
 def waving(fine: Mesh, frames: int = 4) -> np.ndarray:
@@ -300,7 +287,7 @@ def test_keys_nearer_than_asked_for_are_refused(first: int) -> None:
     for level in error.partial.levels:
         assert len(level.times) == error.data["pose"]
         for cage, pose in zip(level.cage_steps, level.fine_steps, strict=True):
-            assert verify(level.cage.moved(cage), FINE.moved(pose), 2e-2)
+            assert core.verify(level.cage.moved(cage), FINE.moved(pose), 2e-2)
 
 
 @pytest.mark.parametrize("further", slow_after(1, [STEPS["it lies elsewhere"][0], lambda cage: [0.5 * cage]]))
@@ -326,7 +313,7 @@ def test_keys_that_a_jump_pushes_apart_stay_certified_on_both_sides(jump: tuple[
     fine, poses = jump
     moving = animated_cages(fine, poses, count, clearance=1e-3)
     (level,) = moving.levels
-    assert verify_motion(level.cage, fine, level.cage_steps, level.fine_steps)
+    assert core.verify_motion(level.cage, fine, level.cage_steps, level.fine_steps)
     assert check(fine, moving, 1e-3)
 
 

@@ -13,27 +13,13 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nestedcages_core import (
-    Hierarchy,
-    Level,
-    LineCycles,
-    Mesh,
-    Mirror,
-    OuterHull,
-    Rotation,
-    Settings,
-    animated_cages,
-    check,
-    inner_cages,
-    nested_cages,
-    verify,
-    verify_motion,
-)
+import nestedcages_core as core
+from nestedcages_core import Hierarchy, Level, LineCycles, Mesh, Mirror, OuterHull, Rotation, check, nested_cages
 from support.marks import slow_after
 from support.shapes import comb, disc, islands, letter_a, letter_a_coarse, polygon, ring, square_with_hole, star
 
 SQUARE = np.array([[0, 0], [4, 0], [4, 4], [0, 4]], float)
-FAST = Settings(decimation=OuterHull(), fallback=OuterHull())
+FAST = core.Settings(decimation=OuterHull(), fallback=OuterHull())
 
 
 def mesh(*loops: object) -> Mesh:
@@ -178,12 +164,12 @@ def test_numbers_on_a_grid_are_and_others_are_not() -> None:
 
 
 def test_inner_cages_are_checked() -> None:
-    assert check(star(5, 60), inner_cages(star(5, 60), [24, 12], FAST))
+    assert check(star(5, 60), core.inner_cages(star(5, 60), [24, 12], FAST))
 
 
 def test_cages_that_move_are_checked_at_each_key() -> None:
     fine = star(5, 40)
-    moving = animated_cages(fine, [fine.vertices * (1.0 + 0.2 * k, 1.0) for k in range(3)], [12], FAST)
+    moving = core.animated_cages(fine, [fine.vertices * (1.0 + 0.2 * k, 1.0) for k in range(3)], [12], FAST)
     assert check(fine, moving)
     elsewhere = fine.moved(3.0 * fine.vertices - 7.0)  # it gives the topology alone
     assert check(elsewhere, moving)
@@ -244,7 +230,7 @@ PAIRS = {
 def certificate_and_checker_agree(values: list[float], factor: float, name: str) -> bool:
     fine, cage = PAIRS[name]
     cage = moved_a_little(values, cage, factor)
-    holds = verify(cage, fine).holds
+    holds = core.verify(cage, fine).holds
     assert holds == bool(check(fine, cage))
     return holds
 
@@ -254,7 +240,7 @@ def no_motion_is_certified_that_the_checker_refuses(before: list[float], after: 
     fine, cage = mesh([(1, 1), (2, 1), (2, 2), (1, 2)]), mesh(SQUARE)
     steps = [[mesh_.vertices, moved_a_little(values, mesh_, 1.0).vertices][::-1]
              for mesh_, values in ((cage, before), (fine, after))]  # fmt: skip
-    certified = bool(verify_motion(cage, fine, *map(np.array, steps)))
+    certified = bool(core.verify_motion(cage, fine, *map(np.array, steps)))
     assert check(fine, way(cage, fine, *steps)) or not certified
     return certified
 

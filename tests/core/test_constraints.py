@@ -12,29 +12,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import (
-    AxisAligned,
-    Bound,
-    Box,
-    Constraint,
-    Fault,
-    LeastAngle,
-    LeastEdge,
-    LoopClearance,
-    Mesh,
-    Mirror,
-    NestedCagesError,
-    Outside,
-    Rotation,
-    Rows,
-    Terms,
-    Within,
-    animated_cages,
-    check,
-    inner_cages,
-    nested_cages,
-    verify,
-)
+import nestedcages_core as core
+from nestedcages_core import AxisAligned, Box, LeastAngle, LeastEdge, LoopClearance, Mesh, Outside, nested_cages
 from support.judging import codes, directions, gap, is_along_the_axes, is_symmetric, lengths_of, rejected, sharpest
 from support.marks import slow_after
 from support.shapes import annulus, derivative, letter_a, polygon, resampled, ring, star
@@ -58,7 +37,7 @@ def obstacle(fine: Mesh) -> Mesh:
     return Mesh.from_loops([fine.vertices[k] + 0.02 * fine.diagonal * (ring(12) + np.array([1.4, 0.0]))])
 
 
-MAKERS: dict[str, Callable[[Mesh], Constraint]] = {
+MAKERS: dict[str, Callable[[Mesh], core.Constraint]] = {
     "box": box_around,
     "loops": lambda fine: LoopClearance(outer=0.002 * fine.diagonal, holes=0.006 * fine.diagonal),
     "edge": lambda fine: LeastEdge(0.3 * float(lengths_of(fine).sum()) / 24),
@@ -98,11 +77,11 @@ def test_constraints_are_kept(names: tuple[str, ...], shape: str, inside: bool) 
     fine = SHAPES[shape]
     constraints = [MAKERS[name](fine) for name in names]
     try:
-        level = (inner_cages if inside else nested_cages)(fine, 24, constraints=constraints, loops="keep")[0]
-    except NestedCagesError as error:  # stairs have short edges where there is no room for others
+        level = (core.inner_cages if inside else nested_cages)(fine, 24, constraints=constraints, loops="keep")[0]
+    except core.NestedCagesError as error:  # stairs have short edges where there is no room for others
         assert {"axes", "edge"} == set(names) and error.code == "edge.short", error
         return
-    assert verify(*((fine, level.cage) if inside else (level.cage, fine)))
+    assert core.verify(*((fine, level.cage) if inside else (level.cage, fine)))
     assert [keeps(name, level.cage, fine) for name in names] == [True] * len(names)
     assert [constraint.fault(level.cage, fine) for constraint in constraints] == [None] * len(constraints)
 
@@ -113,7 +92,7 @@ def test_moving_cages_keep_constraints_at_every_key(name: str) -> None:
     poses = [fine.vertices + 0.1 * step * fine.vertices[:, 1:] * [1.0, 0.0] for step in range(3)]
     bent = Mesh(poses[-1], fine.edges)
     constraint = MAKERS[name](bent) if name != "box" else box_around(bent, 0.03)
-    level = animated_cages(fine, poses, 16, constraints=[constraint]).levels[0]
+    level = core.animated_cages(fine, poses, 16, constraints=[constraint]).levels[0]
     for cage, pose in zip(level.cage_steps, level.fine_steps, strict=True):
         assert constraint.fault(Mesh(cage, level.cage.edges), Mesh(pose, fine.edges)) is None
 
@@ -129,7 +108,7 @@ def test_the_next_level_keeps_them_too() -> None:
 @pytest.mark.parametrize(
     "options",
     [
-        {"symmetry": Mirror((0.0, 0.0), (1.0, 0.0))},
+        {"symmetry": core.Mirror((0.0, 0.0), (1.0, 0.0))},
         {"grid": 0.01},
         {"stored": np.float32},
         {"min_edge": 0.2},
@@ -176,7 +155,7 @@ def test_what_is_missed_is_an_error_or_a_note() -> None:
         nested_cages(fine, 3, constraints=[Box((-1.01, -1.01), (1.01, 1.01))])
     assert caught.value.data["distance"] > 0.0
     level = nested_cages(fine, 3, constraints=[Box((-1.01, -1.01), (1.01, 1.01), must=False)])[0]
-    assert verify(level.cage, fine) and "box.left" in codes(level)
+    assert core.verify(level.cage, fine) and "box.left" in codes(level)
     with rejected("box.left"):
         nested_cages(STAR, 12, constraints=[Box((-9.0, -9.0), (0.5, 9.0))])
 
@@ -222,7 +201,7 @@ def test_least_angles_are_reached() -> None:
 def test_promised_limits_without_room_are_errors() -> None:
     box = Box((-1.2, -1.2), (1.2, 1.2))
     for constraint, code in ((LeastEdge(20.0), "edge.short"), (LeastAngle(59.9), "angle.sharp")):
-        with pytest.raises(NestedCagesError) as caught:
+        with pytest.raises(core.NestedCagesError) as caught:
             nested_cages(RING, 6, clearance=0.001, constraints=[constraint, box], loops="keep")
         assert caught.value.code in {code, "box.left"}
 
@@ -277,8 +256,8 @@ def test_obstacles_are_judged_exactly() -> None:
 @pytest.mark.parametrize("fine", [FLOWER, LETTER, RING], ids=["flower", "letter", "ring"])
 def test_edges_are_exactly_along_the_axes(fine: Mesh, count: int) -> None:
     level = nested_cages(fine, max(count, 4 * len(fine.loops)), constraints=[AxisAligned()])[0]
-    assert verify(level.cage, fine, same_loops=not any(level.report.lost)).lost == level.report.lost
-    assert check(fine, level) and is_along_the_axes(level.cage)
+    assert core.verify(level.cage, fine, same_loops=not any(level.report.lost)).lost == level.report.lost
+    assert core.check(fine, level) and is_along_the_axes(level.cage)
     assert all(is_along_the_axes(Mesh(step, level.cage.edges)) for step in level.reinflation.cage_steps)
     if count == 4 and len(fine.loops) == 1:
         assert level.cage.area == pytest.approx(float(np.prod(np.ptp(fine.vertices, axis=0))), rel=1e-3)
@@ -300,13 +279,13 @@ def test_edges_may_have_other_directions(degrees: tuple[float, ...]) -> None:
     level = nested_cages(FLOWER, 20, constraints=[AxisAligned(degrees)], stored=np.float32)[0]
     off = directions(level.cage)[:, None] - degrees
     assert np.abs((off + 90.0) % 180.0 - 90.0).min(axis=1).max() < 1e-3
-    assert verify(level.cage, FLOWER)
+    assert core.verify(level.cage, FLOWER)
 
 
 @pytest.mark.parametrize(
-    ("symmetry", "exact"), [(Mirror((0.0, 0.0), (0.0, 1.0)), True), (Rotation((0.0, 0.0), 4), False)]
+    ("symmetry", "exact"), [(core.Mirror((0.0, 0.0), (0.0, 1.0)), True), (core.Rotation((0.0, 0.0), 4), False)]
 )
-def test_symmetric_cages_keep_directions(symmetry: Mirror | Rotation, exact: bool) -> None:
+def test_symmetric_cages_keep_directions(symmetry: core.Mirror | core.Rotation, exact: bool) -> None:
     fine = Mesh.from_loops([ring(120) * (1.0 + 0.2 * np.cos(4.0 * np.linspace(0.0, 2.0 * np.pi, 120, False)))[:, None]])
     cage = nested_cages(fine, 20, constraints=[AxisAligned()], symmetry=symmetry)[0].cage
     assert is_symmetric(cage.vertices, symmetry)
@@ -318,10 +297,10 @@ def test_each_level_and_the_side_within_keep_directions() -> None:
     for level in nested_cages(FLOWER, [40, 16], constraints=[AxisAligned(TRANSIT), LoopClearance(outer=0.02)]):
         assert AxisAligned(TRANSIT).fault(level.cage, FLOWER) is None
         assert level.report.clearance >= 0.02 * (1.0 - 1e-9)
-    inner = inner_cages(FLOWER, 20, constraints=[AxisAligned()])[0]
-    assert verify(FLOWER, inner.cage) and is_along_the_axes(inner.cage)
+    inner = core.inner_cages(FLOWER, 20, constraints=[AxisAligned()])[0]
+    assert core.verify(FLOWER, inner.cage) and is_along_the_axes(inner.cage)
     poses = np.stack([FLOWER.vertices * (1.0 + 0.05 * t) + [0.03 * t * t, 0.1 * t] for t in range(4)])
-    moving = animated_cages(FLOWER, poses, 16, constraints=[AxisAligned()]).levels[0]
+    moving = core.animated_cages(FLOWER, poses, 16, constraints=[AxisAligned()]).levels[0]
     assert all(is_along_the_axes(Mesh(cage, moving.cage.edges)) for cage in moving.cage_steps)
     excess = [nested_cages(FLOWER, count, constraints=[AxisAligned()])[0].excess for count in (4, 12, 20, 28, 40)]
     assert excess == sorted(excess, reverse=True) and excess[-1] < 0.15
@@ -367,7 +346,7 @@ WRONG: list[Callable[[], object]] = [
 
 @pytest.mark.parametrize("make", WRONG)
 def test_what_is_no_constraint_is_refused(make: Callable[[], object]) -> None:
-    with pytest.raises(NestedCagesError) as caught:
+    with pytest.raises(core.NestedCagesError) as caught:
         make()
     assert caught.value.code in {"setting.invalid", "priorities.mismatch"}
 
@@ -375,7 +354,7 @@ def test_what_is_no_constraint_is_refused(make: Callable[[], object]) -> None:
 # Of one's own
 
 
-class Odd(Constraint):
+class Odd(core.Constraint):
     """Keeps nothing, but for what a test puts in."""
 
     def rows(self, cage: np.ndarray) -> Any:
@@ -384,11 +363,11 @@ class Odd(Constraint):
     def short(self, cage: np.ndarray) -> Any:
         return np.zeros(len(cage))
 
-    def bound(self, coarse: Mesh, fine: Mesh, units: Any) -> Bound:
+    def bound(self, coarse: Mesh, fine: Mesh, units: Any) -> core.Bound:
         return OddBound(self)
 
 
-class OddBound(Bound):
+class OddBound(core.Bound):
     def __init__(self, of: Odd) -> None:
         self.of = of
 
@@ -399,16 +378,16 @@ class OddBound(Bound):
         return self.of.short(cage)
 
 
-def odd(**methods: Any) -> Constraint:
-    made: Constraint = type("Odd", (Odd,), methods)()
+def odd(**methods: Any) -> core.Constraint:
+    made: core.Constraint = type("Odd", (Odd,), methods)()
     return made
 
 
-def terms(**other: Any) -> Callable[..., list[Terms]]:
+def terms(**other: Any) -> Callable[..., list[core.Terms]]:
     """Rows of three vertices, one of whose arrays is another."""
     parts = {"vertex": np.arange(3)[None], "weight": np.ones((1, 3)), "direction": np.ones((2, 3)), **other}
     room = parts.pop("room", np.ones(3))
-    return lambda *_: [Terms(Rows(**parts), room)]
+    return lambda *_: [core.Terms(core.Rows(**parts), room)]
 
 
 def answer(value: Any) -> Callable[..., Any]:
@@ -472,11 +451,11 @@ def test_what_a_broken_constraint_answers_is_an_error_that_names_the_method(meth
 @pytest.mark.slow
 @pytest.mark.parametrize("made", [
     lambda *kept: nested_cages(star(5, 80), 12, constraints=kept)[0].report,
-    lambda *kept: inner_cages(star(5, 80), 12, constraints=kept)[0].report,
-    lambda *kept: animated_cages(star(5, 80), [star(5, 80).vertices] * 2, 12, constraints=kept).levels[0].report,
+    lambda *kept: core.inner_cages(star(5, 80), 12, constraints=kept)[0].report,
+    lambda *kept: core.animated_cages(star(5, 80), [star(5, 80).vertices] * 2, 12, constraints=kept).levels[0].report,
 ], ids=["around", "inside", "moving"])  # fmt: skip
 def test_what_is_never_kept_is_an_error_with_its_own_code(made: Callable[..., Any]) -> None:
-    for never, code in (("Never.", "constraint.missed"), (Fault("Never.", "never", place=(1, 2)), "never")):
+    for never, code in (("Never.", "constraint.missed"), (core.Fault("Never.", "never", place=(1, 2)), "never")):
         with rejected(code):
             made(odd(fault=answer(never)))
     hopeless = terms(direction=np.zeros((2, 3)), room=np.full(3, -1.0))
@@ -487,34 +466,34 @@ def test_a_wish_that_is_missed_is_a_note_and_distances_need_no_judge() -> None:
     level = nested_cages(star(), 12, constraints=[odd(fault=answer("Never."), must=False)])[0]
     assert level.report.notes == ("Never.",) and codes(level) == ["constraint.missed"]
     level = nested_cages(star(), 12, constraints=[odd(distances=answer(np.array([0.05])))])[0]
-    assert verify(level.cage, star(), 0.05)
+    assert core.verify(level.cage, star(), 0.05)
 
 
 @dataclass(frozen=True)
-class LongestEdge(Constraint):
+class LongestEdge(core.Constraint):
     """No edge is longer than a length: rows of two vertices, and no help for the start."""
 
     length: float
 
-    def bound(self, coarse: Mesh, fine: Mesh, units: Any) -> Bound:
+    def bound(self, coarse: Mesh, fine: Mesh, units: Any) -> core.Bound:
         return BoundLongest(coarse.successor, self.length / units.scale * (1.0 - 1e-9))
 
-    def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
+    def fault(self, cage: Mesh, fine: Mesh) -> core.Fault | None:
         longest = float(lengths_of(cage).max())
-        return None if longest <= self.length else Fault(f"An edge is {longest:.4g} long.", "edge.long")
+        return None if longest <= self.length else core.Fault(f"An edge is {longest:.4g} long.", "edge.long")
 
 
 @dataclass(frozen=True, eq=False)
-class BoundLongest(Bound):
+class BoundLongest(core.Bound):
     successor: np.ndarray
     most: float
 
-    def rows(self, cage: np.ndarray, radius: float) -> Iterator[Terms]:
+    def rows(self, cage: np.ndarray, radius: float) -> Iterator[core.Terms]:
         edge = cage[self.successor] - cage
         length = np.hypot(*edge.T)
         near = np.flatnonzero(self.most - length < 3.0 * radius)
         pair, weight = np.stack((near, self.successor[near])), np.tile([[1.0], [-1.0]], len(near))
-        yield Terms(Rows(pair, weight, (edge[near] / length[near, None]).T), (self.most - length)[near])
+        yield core.Terms(core.Rows(pair, weight, (edge[near] / length[near, None]).T), (self.most - length)[near])
 
     def short(self, cage: np.ndarray) -> np.ndarray:
         lack = np.maximum(np.hypot(*(cage[self.successor] - cage).T) - self.most, 0.0)
@@ -530,11 +509,11 @@ def test_a_constraint_of_ones_own_is_kept_by_all_kinds_of_cages() -> None:
     levels = [
         *nested_cages(fine, 16, constraints=[kept]),
         *nested_cages(fine, 20, constraints=[kept, Box((-1.6, -1.6), (1.6, 1.6))]),
-        *nested_cages(fine, Within(excess=0.5), constraints=[kept]),
-        *inner_cages(fine, 16, constraints=[kept]),
+        *nested_cages(fine, core.Within(excess=0.5), constraints=[kept]),
+        *core.inner_cages(fine, 16, constraints=[kept]),
     ]
     poses = [fine.vertices * (1.0, 1.0 + 0.02 * k) for k in range(3)]
-    moving = animated_cages(fine, poses, 20, constraints=[kept]).levels[0]
+    moving = core.animated_cages(fine, poses, 20, constraints=[kept]).levels[0]
     steps = [Mesh(step, moving.cage.edges) for step in moving.cage_steps]
     assert all(lengths_of(cage).max() <= kept.length for cage in (*(level.cage for level in levels), *steps))
     with rejected("edge.long"):
@@ -545,7 +524,7 @@ def test_a_constraint_of_ones_own_lets_loops_be_joined() -> None:
     fine = Mesh.from_loops([ring(40), np.array([2.2, 0.0]) + ring(40), 0.3 * ring(20)])
     for count in (8, 30):
         level = nested_cages(fine, count, constraints=[LongestEdge(4.0)])[0]
-        assert len(level.cage.vertices) <= count and verify(level.cage, fine, same_loops=False)
+        assert len(level.cage.vertices) <= count and core.verify(level.cage, fine, same_loops=False)
         assert lengths_of(level.cage).max() <= 4.0
 
 
@@ -562,7 +541,7 @@ CAGE = Mesh.from_loops([ring(9)])
      Outside([0.5 * ring(7) + np.array([1.7, 0.1])], 0.1)],
     ids=lambda each: type(each).__name__,
 )  # fmt: skip
-def test_rows_are_derivatives_of_what_is_left_and_misses_are_short(constraint: Constraint) -> None:
+def test_rows_are_derivatives_of_what_is_left_and_misses_are_short(constraint: core.Constraint) -> None:
     x = CAGE.vertices + 0.05 * np.random.default_rng(3).normal(size=(9, 2))
     bound = constraint.bound(CAGE, CAGE, PLAIN)
     groups = list(bound.rows(x, 10.0))

@@ -10,20 +10,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import (
-    Mesh,
-    Mirror,
-    NestedCagesError,
-    Rotation,
-    Settings,
-    Within,
-    animated_cages,
-    check,
-    followed,
-    inner_cages,
-    nested_cages,
-    verify,
-)
+import nestedcages_core as core
+from nestedcages_core import Mesh, Mirror, NestedCagesError, Rotation, Settings, check, inner_cages, nested_cages
 from support.judging import codes, is_convex, is_symmetric, lies_within, note, rejected
 from support.marks import slow_after
 from support.shapes import letter_a, polygon, ring
@@ -91,10 +79,10 @@ def made(pair: tuple[str, ...], seed: int) -> str:
     fine = drawn(seed, 4 if "rotation" in pair else 2)
     try:
         settings = Settings(clearance=CLEARANCE, **options(pair, fine))
-        wanted = Within(distance=DISTANCE) if "within" in pair else 8 if "convex" in pair else 16
+        wanted = core.Within(distance=DISTANCE) if "within" in pair else 8 if "convex" in pair else 16
         if "motion" in pair:
             poses = [fine.vertices * scale for scale in (1.0, 1.03, 1.08)]
-            found: Any = animated_cages(fine, poses, [wanted], settings)
+            found: Any = core.animated_cages(fine, poses, [wanted], settings)
         else:
             found = (inner_cages if "inner" in pair else nested_cages)(fine, [wanted], settings)
     except NestedCagesError as error:
@@ -182,8 +170,8 @@ def test_a_cage_follows_on_the_numbers_that_are_stored() -> None:
     fine = Mesh(stored(fine.vertices), fine.edges)
     level = nested_cages(fine, 16, settings)[0]
     after = Mesh(stored(np.round(300.0 + 1.02 * (fine.vertices - 300.0), 4)), fine.edges)
-    found = followed(level.cage, fine, after, CLEARANCE, settings)
-    assert found is not None and verify(found, after, CLEARANCE)
+    found = core.followed(level.cage, fine, after, CLEARANCE, settings)
+    assert found is not None and core.verify(found, after, CLEARANCE)
     assert np.array_equal(found.vertices, stored(found.vertices))
 
 

@@ -8,19 +8,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import (
-    Level,
-    Mesh,
-    Mirror,
-    NestingError,
-    Rotation,
-    Settings,
-    Within,
-    animated_cages,
-    inner_cages,
-    nested_cages,
-    verify,
-)
+import nestedcages_core as core
+from nestedcages_core import Level, Mesh, Mirror, NestingError, Rotation, Settings, Within, nested_cages
 from support.families import simple, smallest_around
 from support.judging import codes, gap, is_convex, is_on_grid, is_symmetric, rejected
 from support.marks import slow_after
@@ -31,7 +20,7 @@ def assert_convex_cage(level: Level, count: int, parts: int = 1) -> None:
     """Convex, certified, with so many vertices around each part, and apart from what it encloses."""
     cage, fine, clearance = level.cage, level.fine, level.report.wanted_clearance
     assert is_convex(cage) and [len(loop) for loop in cage.loops] == [count] * parts
-    assert verify(cage, fine, clearance, same_loops=False) and polygon(cage).contains(polygon(fine))
+    assert core.verify(cage, fine, clearance, same_loops=False) and polygon(cage).contains(polygon(fine))
     assert gap(cage, fine) >= clearance * (1.0 - 1e-6)
     assert np.array_equal(level.reinflation.cage_steps[0], level.coarse.vertices)
 
@@ -136,8 +125,8 @@ def test_on_a_grid_and_within() -> None:
 def test_what_does_not_go_together() -> None:
     fine = star(5, 40)
     makers: dict[str, Any] = {
-        "convex.impossible": lambda: inner_cages(fine, 6, convex=True),
-        "setting.conflict": lambda: animated_cages(fine, [fine.vertices, fine.vertices + 0.1], 6, convex=True),
+        "convex.impossible": lambda: core.inner_cages(fine, 6, convex=True),
+        "setting.conflict": lambda: core.animated_cages(fine, [fine.vertices, fine.vertices + 0.1], 6, convex=True),
         "count.too_small": lambda: nested_cages(fine, 2, convex=True),
         "setting.invalid": lambda: Settings(convex=1),  # type: ignore[arg-type]
     }

@@ -8,18 +8,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import (
-    Harmonic,
-    InvalidMeshError,
-    MeanValue,
-    Mesh,
-    NestedCagesError,
-    PiecewiseLinear,
-    cage_coordinates,
-    deform,
-    grids,
-    nested_cages,
-)
+import nestedcages_core as core
+from nestedcages_core import Harmonic, MeanValue, Mesh, PiecewiseLinear, cage_coordinates, deform, grids, nested_cages
 from support.judging import rejected
 from support.shapes import annulus, islands, letter_a, polygon, ring, star
 
@@ -154,7 +144,7 @@ def test_coordinates_do_not_depend_on_place_and_scale(kind: object, scale: float
 
 
 def test_a_point_outside_is_refused_by_name() -> None:
-    with pytest.raises(NestedCagesError) as caught:
+    with pytest.raises(core.NestedCagesError) as caught:
         cage_coordinates([[0.6, 0.0], [5.0, 5.0]], annulus(8))
     assert (caught.value.code, caught.value.data) == ("coordinates.outside", {"vertex": 1, "place": (5.0, 5.0)})
     with rejected("mesh.unreadable"):
@@ -197,7 +187,7 @@ def test_linear_coordinates_keep_the_drawing_inside_while_no_triangle_turns_over
         for _ in range(300):
             trial = pose + 0.05 * cage.diagonal * rng.normal(size=pose.shape) * (rng.random((len(pose), 1)) < 0.1)
             upright = turns(trial, triangles) > 0.0
-            with suppress(InvalidMeshError):  # a cage that crosses itself has no inside
+            with suppress(core.InvalidMeshError):  # a cage that crosses itself has no inside
                 if upright.all() and cage.moved(trial).validated():
                     pose, poses = trial, poses + 1
         assert poses > 10
@@ -235,7 +225,7 @@ def test_prolongation_refuses_levels_that_are_not_there() -> None:
     hierarchy = nested_cages(star(5, 60), [20])
     levels = grids(hierarchy)
     for finer, coarser in ((0, 2), (1, 0)):
-        with pytest.raises(NestedCagesError):
+        with pytest.raises(core.NestedCagesError):
             levels.prolongation(finer, coarser)
     for spacing in (0.0, float("inf"), [1.0, 2.0, 3.0]):
         with rejected("setting.invalid"):

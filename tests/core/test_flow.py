@@ -9,36 +9,14 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import (
-    FlowError,
-    InvalidMeshError,
-    Level,
-    Mesh,
-    Settings,
-    SignedDistanceFlow,
-    Tightening,
-    TwoSidedFlow,
-    nested_cages,
-    verify,
-)
+import nestedcages_core as core
+from nestedcages_core import FlowError, Mesh, Settings, SignedDistanceFlow, TwoSidedFlow, nested_cages
+from support import shapes
+from support.judging import codes
 from support.marks import slow_after
-from support.shapes import (
-    annulus,
-    comb,
-    disc,
-    islands,
-    letter_a,
-    letter_a_coarse,
-    lines,
-    octagon_with_hole,
-    polygon,
-    resampled,
-    ring,
-    square_with_hole,
-    star,
-)
+from support.shapes import annulus, comb, disc, islands, letter_a, letter_a_coarse, lines, resampled, ring, star
 
-ONLY_THE_FLOW = Settings(fallback=None, tightening=Tightening(iterations=0))
+ONLY_THE_FLOW = Settings(fallback=None, tightening=core.Tightening(iterations=0))
 METHODS = {"two-sided": TwoSidedFlow(), "signed distance": SignedDistanceFlow()}
 BY_METHOD = pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
 
@@ -51,7 +29,7 @@ def turns(loop: np.ndarray, point: np.ndarray) -> int:
     return round(float(steps.sum()) / (2.0 * np.pi))
 
 
-def assert_flows(fine: Mesh, coarse: Mesh, method: Any = METHODS["two-sided"]) -> Level:
+def assert_flows(fine: Mesh, coarse: Mesh, method: Any = METHODS["two-sided"]) -> core.Level:
     """The last step lies strictly inside; what moved keeps its windings, so it will return inside."""
     (level,) = nested_cages(fine, [coarse], replace(ONLY_THE_FLOW, flow=method))
     steps = level.flow.steps
@@ -62,14 +40,14 @@ def assert_flows(fine: Mesh, coarse: Mesh, method: Any = METHODS["two-sided"]) -
     assert np.isfinite(steps).all()
     assert np.array_equal(level.reinflation.cage_steps[0], coarse.vertices)
     assert lines(steps[-1], fine).distance(lines(coarse.vertices, coarse)) > 0.0
-    assert shapely.contains_xy(polygon(coarse), steps[-1]).all()
+    assert shapely.contains_xy(shapes.polygon(coarse), steps[-1]).all()
     parts = int(fine.component_of_loop.max()) + 1
     for loop in coarse.loops:
         around = np.zeros(parts, int)
         for k, moved in enumerate(fine.loops):
             around[fine.component_of_loop[k]] += turns(steps[-1][moved], coarse.vertices[loop[0]])
         assert (around == 0).all()
-    assert verify(level.cage, fine, same_loops=False)
+    assert core.verify(level.cage, fine, same_loops=False)
     return level
 
 
@@ -98,7 +76,8 @@ def test_rings_turned_against_each_other(corners: int, turn: float) -> None:
 
 @BY_METHOD
 @pytest.mark.parametrize(
-    ("fine", "coarse"), slow_after(1, [(octagon_with_hole(), square_with_hole()), (letter_a(), letter_a_coarse())])
+    ("fine", "coarse"),
+    slow_after(1, [(shapes.octagon_with_hole(), shapes.square_with_hole()), (letter_a(), letter_a_coarse())]),
 )
 def test_octagon_and_letter(method: Any, fine: Mesh, coarse: Mesh) -> None:
     assert_flows(fine, coarse, method)
@@ -110,7 +89,7 @@ def test_even_resampling(shape: Mesh, count: int) -> None:
     assert_flows(shape, resampled(shape, count, 0.3))
 
 
-@pytest.mark.parametrize("shape", [letter_a_coarse(), star(), islands(), square_with_hole()])
+@pytest.mark.parametrize("shape", [letter_a_coarse(), star(), islands(), shapes.square_with_hole()])
 def test_the_mesh_itself_as_its_coarse_mesh(shape: Mesh) -> None:
     assert len(assert_flows(shape, shape).flow.steps) > 1
 
@@ -134,7 +113,7 @@ def test_random_shapes(examples: int) -> None:
         try:
             fine = Mesh.from_loops([radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)])
             coarse = resampled(fine, corners, random.uniform())
-        except InvalidMeshError:
+        except core.InvalidMeshError:
             continue
         tried += 1
         assert_flows(fine, coarse)
@@ -153,7 +132,7 @@ THIRD = disc(40, 0.5, 5.0, 1.0)
 
 def test_a_fine_hole_may_be_covered() -> None:
     level = assert_flows(annulus(60), Mesh.from_loops([ring(7, 1.02)]))
-    assert "note.loops" in [note.code for note in level.report.notes]
+    assert "note.loops" in codes(level)
 
 
 def test_one_coarse_loop_may_wrap_two_components() -> None:
@@ -263,8 +242,8 @@ def test_a_flow_that_is_stuck_says_where_and_another_start_makes_a_cage(case: st
         assert stopped.value.code == "flow.stuck"
         places.append((np.array(stopped.value.data["place"]) - shift) / scale)
     assert places[0] == pytest.approx(places[1], abs=0.02)
-    assert shapely.Point(places[0]).distance(polygon(fine).boundary) < 0.3 * fine.diagonal
+    assert shapely.Point(places[0]).distance(shapes.polygon(fine).boundary) < 0.3 * fine.diagonal
     (level,) = nested_cages(fine, [coarse], Settings(flow=flow))
     assert level.report.strict
     assert level.report.start != "flow"
-    assert "note.start" in [note.code for note in level.report.notes]
+    assert "note.start" in codes(level)

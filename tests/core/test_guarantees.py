@@ -7,31 +7,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from nestedcages_core import (
-    FlowError,
-    FlowResult,
-    Mesh,
-    NestingError,
-    OuterHull,
-    Settings,
-    nested_cages,
-    verify,
-)
-from support.judging import rejected
+from nestedcages_core import FlowError, FlowResult, Mesh, NestingError, OuterHull, Settings, nested_cages, verify
+from support import shapes
+from support.judging import codes, rejected
 from support.marks import slow_after
-from support.shapes import (
-    annulus,
-    assert_nested,
-    comb,
-    disc,
-    islands,
-    letter_a,
-    letter_a_coarse,
-    polygon,
-    resampled,
-    ring,
-    star,
-)
+from support.shapes import annulus, assert_nested, comb, disc, islands, letter_a, polygon, resampled, ring, star
 
 FAST = Settings(decimation=OuterHull(), fallback=OuterHull())
 
@@ -127,7 +107,7 @@ def test_a_cage_may_have_as_many_loops_of_other_kinds() -> None:
     """One loop around both parts and one that leaves the room between them free: two loops, as the parts have."""
     fine = Mesh.from_loops([disc(4, 0.5, -2.0, 0.0), disc(4, 0.5, 2.0, 0.0)])
     level = nested_cages(fine, [Mesh.from_loops([ring(4, 6.0), ring(4, 1.0)])], Settings(fallback=None)).levels[0]
-    assert [note.code for note in level.report.notes] == ["note.loops"]
+    assert codes(level) == ["note.loops"]
     assert level.report.lost.joined == ((0, 1),)
     assert verify(level.cage, fine, level.report.wanted_clearance, same_loops=False)
     assert polygon(level.cage).contains_properly(polygon(fine))
@@ -218,7 +198,7 @@ HARD: dict[str, tuple[Mesh, list[int | Mesh]]] = {
     "own mesh elsewhere": (Mesh.from_loops([ring(80)]), [Mesh.from_loops([disc(8, 1.0, 50.0, 50.0)])]),
     "own mesh of more loops": (Mesh.from_loops([ring(80)]), [annulus(8, 0.3)]),
     "own mesh of more parts": (Mesh.from_loops([ring(80)]), [Mesh.from_loops([ring(8), disc(8, 0.3, 5.0, 5.0)])]),
-    "own mesh among counts": (letter_a(), [60, letter_a_coarse(), 8]),
+    "own mesh among counts": (letter_a(), [60, shapes.letter_a_coarse(), 8]),
 }
 
 

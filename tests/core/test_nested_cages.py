@@ -11,47 +11,15 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import (
-    IPC,
-    ArcLength,
-    BoundaryARAP,
-    FlowError,
-    Hierarchy,
-    InvalidMeshError,
-    Mesh,
-    NestedCagesError,
-    NestingError,
-    OnCurve,
-    OuterHull,
-    SequentialQP,
-    Settings,
-    Share,
-    Within,
-    animated_cages,
-    inner_cages,
-    nested_cages,
-    verify,
-)
-from support.judging import rejected
+import nestedcages_core as core
+from nestedcages_core import Hierarchy, Mesh, NestingError, OuterHull, Settings, Within, nested_cages
+from support import shapes
+from support.judging import codes, rejected
 from support.marks import slow_after
 from support.methods import Offering
-from support.shapes import (
-    annulus,
-    assert_nested,
-    islands,
-    letter_a,
-    letter_a_coarse,
-    octagon_with_hole,
-    ring,
-    square_with_hole,
-    star,
-)
+from support.shapes import annulus, assert_nested, islands, letter_a, letter_a_coarse, ring, star
 
 OUTER, HOLE = ring(60, 1.0), ring(20, 0.4)
-
-
-def codes(level: Any) -> list[str]:
-    return [note.code for note in level.report.notes]
 
 
 def assert_sound(hierarchy: Hierarchy, clearance: float | None = None) -> None:
@@ -63,7 +31,7 @@ def assert_sound(hierarchy: Hierarchy, clearance: float | None = None) -> None:
         assert_nested(level.cage, level.fine)
         assert (level.report.strict, level.report.simple) == (True, True)
         assert level.report.clearance >= wanted * (1 - 1e-9)
-        assert verify(level.cage, level.fine, wanted).holds
+        assert core.verify(level.cage, level.fine, wanted).holds
         assert (level.cage.edges == level.coarse.edges).all()
         steps = level.reinflation
         assert (level.flow.steps[0] == level.fine.vertices).all()
@@ -87,7 +55,9 @@ def test_discs_of_table_1_come_within_3_percent(per_ring: int) -> None:
     assert hierarchy[0].report.start == "flow"
 
 
-@pytest.mark.parametrize(("fine", "coarse"), [(letter_a, letter_a_coarse), (octagon_with_hole, square_with_hole)])
+@pytest.mark.parametrize(
+    ("fine", "coarse"), [(letter_a, letter_a_coarse), (shapes.octagon_with_hole, shapes.square_with_hole)]
+)
 def test_shapes_with_holes_flow_into_their_own_coarse_mesh(
     fine: Callable[[], Mesh], coarse: Callable[[], Mesh]
 ) -> None:
@@ -97,7 +67,7 @@ def test_shapes_with_holes_flow_into_their_own_coarse_mesh(
     assert hierarchy[0].report.start == "flow"
 
 
-@pytest.mark.parametrize("decimation", [OuterHull(), OnCurve(), ArcLength()], ids=lambda d: type(d).__name__)
+@pytest.mark.parametrize("decimation", [OuterHull(), core.OnCurve(), core.ArcLength()], ids=lambda d: type(d).__name__)
 @pytest.mark.parametrize("shape", slow_after(0, [islands, letter_a, star], thorough_after=1), ids=lambda s: s.__name__)
 def test_several_levels_by_every_decimation(shape: Callable[[], Mesh], decimation: Any) -> None:
     hierarchy = nested_cages(shape(), [48, 24], Settings(decimation=decimation, loops="keep"))
@@ -147,7 +117,7 @@ STARTS: dict[str, tuple[Mesh, Any, dict[str, Any], str, list[str]]] = {
     ),
     "nothing flows into an own mesh": (letter_a(1), far_away(), {}, "line cycles", ["note.start"]),
     "nothing flows there, by another fallback": (
-        letter_a(1), far_away(), {"decimation": ArcLength(), "fallback": BoundingPolygon()}, "bounding polygon",
+        letter_a(1), far_away(), {"decimation": core.ArcLength(), "fallback": BoundingPolygon()}, "bounding polygon",
         ["note.start"],
     ),
 }  # fmt: skip
@@ -170,7 +140,7 @@ def test_the_report_says_what_a_level_started_from(
 def test_without_a_fallback_the_error_is_raised() -> None:
     with rejected("count.too_small", NestingError):
         nested_cages(annulus(24), [12], Settings(decimation=Failing(), fallback=None))
-    with pytest.raises(FlowError) as stuck:
+    with pytest.raises(core.FlowError) as stuck:
         nested_cages(letter_a(1), [40, far_away()], Settings(fallback=None))
     assert stuck.value.code == "flow.loops_differ"
     assert isinstance(stuck.value.partial, Hierarchy)
@@ -199,7 +169,7 @@ def test_a_loose_cage_from_an_own_mesh_is_compared_with_that_of_the_other_contac
     own = Mesh.from_loops([0.45 * ring(13) + random.uniform(-0.05, 0.05, 2)])
     first, second, kept = (
         nested_cages(fine, [own], **options)[0].excess
-        for options in ({"contact": SequentialQP()}, {"contact": IPC()}, {})
+        for options in ({"contact": core.SequentialQP()}, {"contact": core.IPC()}, {})
     )
     assert abs(first - second) > 0.1
     assert kept == pytest.approx(min(first, second), rel=1e-3)
@@ -232,7 +202,7 @@ def test_the_tightest_of_several_starts_is_kept(order: tuple[int, ...]) -> None:
 
 def test_a_cage_that_its_energy_leaves_as_it_starts_has_a_note() -> None:
     """Energies that keep a shape have their minimum at the hull."""
-    (level,) = nested_cages(star(), [16], Settings(energy=BoundaryARAP(), decimation=OuterHull()))
+    (level,) = nested_cages(star(), [16], Settings(energy=core.BoundaryARAP(), decimation=OuterHull()))
     assert (level.cage.vertices == level.coarse.vertices).all()
     assert codes(level) == ["note.energy"]
     assert not nested_cages(star(), [16], Settings(decimation=OuterHull()))[0].report.notes
@@ -251,7 +221,7 @@ def test_a_single_level_needs_no_list(level: Any) -> None:
 @pytest.mark.parametrize(
     ("text", "same"),
     [
-        ("20%", Share(0.2)),
+        ("20%", core.Share(0.2)),
         ("0.2u", Within(distance=0.2)),
         ("0.2px", Within(distance=0.2)),
         ("+25%", Within(excess=0.25)),
@@ -261,13 +231,13 @@ def test_a_single_level_needs_no_list(level: Any) -> None:
     ],
 )
 def test_levels_can_be_texts_as_in_the_command(text: Any, same: Any) -> None:
-    make = inner_cages if text == "24" else nested_cages
+    make = core.inner_cages if text == "24" else nested_cages
     assert make(OUTER, text).cages == make(OUTER, same).cages
 
 
 def test_a_motion_takes_texts_too() -> None:
     poses = np.stack([OUTER, OUTER + 0.1])
-    assert len(animated_cages(OUTER, poses, "20%").levels[0].cage.vertices) == 12
+    assert len(core.animated_cages(OUTER, poses, "20%").levels[0].cage.vertices) == 12
 
 
 @pytest.mark.parametrize(
@@ -276,7 +246,7 @@ def test_a_motion_takes_texts_too() -> None:
         ([12, 24], [24, 12]),
         (["20%", 24, "10%"], [24, 12, 6]),
         ([24, 24], [24, 24]),
-        ([Share(0.1), Share(0.5)], [30, 6]),
+        ([core.Share(0.1), core.Share(0.5)], [30, 6]),
         ([20, Mesh.from_loops([ring(9, 1.5)]), 12], [20, 9, 9]),  # what cannot be compared stays in order
         (["+50%", "+5%"], [9, 4]),
     ],
@@ -314,7 +284,7 @@ def test_levels_that_make_no_sense_are_refused(levels: Any, code: str, data: dic
 # What a shape is
 
 
-@pytest.mark.parametrize("make", [nested_cages, inner_cages])
+@pytest.mark.parametrize("make", [nested_cages, core.inner_cages])
 def test_anything_that_describes_a_shape_has_cages(make: Callable[..., Hierarchy]) -> None:
     mesh = annulus(24)
     loops = list(mesh.rings)
@@ -325,7 +295,7 @@ def test_anything_that_describes_a_shape_has_cages(make: Callable[..., Hierarchy
         assert back.is_valid
         assert len(back.interiors) == 1
         assert back.area == pytest.approx(wanted.area, rel=1e-9)
-        assert verify(*((shape, level.cage) if level.inside else (level.cage, shape)))
+        assert core.verify(*((shape, level.cage) if level.inside else (level.cage, shape)))
 
 
 @pytest.mark.parametrize(
@@ -333,11 +303,11 @@ def test_anything_that_describes_a_shape_has_cages(make: Callable[..., Hierarchy
     [
         (None, NestingError, "mesh.unreadable"),
         ("star.svg", NestingError, "mesh.unreadable"),
-        (ring(20)[:, :1], InvalidMeshError, "mesh.unreadable"),
-        ({"type": "Point", "coordinates": [0, 0]}, InvalidMeshError, "mesh.unreadable"),
+        (ring(20)[:, :1], core.InvalidMeshError, "mesh.unreadable"),
+        ({"type": "Point", "coordinates": [0, 0]}, core.InvalidMeshError, "mesh.unreadable"),
     ],
 )
-def test_what_is_no_shape_has_no_cages(fine: object, error: type[NestedCagesError], code: str) -> None:
+def test_what_is_no_shape_has_no_cages(fine: object, error: type[core.NestedCagesError], code: str) -> None:
     with rejected(code, error):
         nested_cages(fine, [5])  # type: ignore[arg-type]
 
@@ -346,7 +316,7 @@ def test_moved_meshes_are_validated_when_they_come_in() -> None:
     fine, coarse = Mesh.from_loops([ring(50)]), Mesh.from_loops([ring(8)])
     scribble = fine.moved(fine.vertices[np.random.default_rng(0).permutation(50)])
     for shape, level in ((scribble, 8), (fine, coarse.moved(coarse.vertices[[0, 4, 2, 6, 1, 5, 3, 7]]))):
-        with rejected("mesh.crossing", InvalidMeshError):
+        with rejected("mesh.crossing", core.InvalidMeshError):
             nested_cages(shape, [level])
     mirrored = fine.moved(fine.vertices * np.array([1.0, -1.0]))
     assert_nested(nested_cages(mirrored, [8]).cages[0], mirrored.validated())

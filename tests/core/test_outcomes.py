@@ -10,25 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nestedcages_core import (
-    IPC,
-    AxisAligned,
-    BoundaryARAP,
-    Box,
-    InitialDisplacement,
-    LoopClearance,
-    Mesh,
-    Mirror,
-    NestedCagesError,
-    OuterHull,
-    Outside,
-    Rotation,
-    ShapeKeeping,
-    Within,
-    animated_cages,
-    inner_cages,
-    nested_cages,
-)
+import nestedcages_core as core
+from nestedcages_core import AxisAligned, Mesh, OuterHull, Rotation, ShapeKeeping, Within, inner_cages, nested_cages
 from support.marks import slow_after
 from support.shapes import annulus, comb, jagged, letter_a, letter_a_coarse, resampled, ring, star
 
@@ -69,7 +52,7 @@ SHAPES = {
     "islands": parts((9, 15, 1.0, 0.0, 0.0), (10, 9, 0.7, 1.9, 0.2), (11, 7, 0.3, 1.0, 1.1)),
     "large": bent(star(7, 300)),
 }  # fmt: skip
-LEVEL, OBSTACLE = Mirror((0.0, 0.0), (1.0, 0.0)), Mesh.from_loops([0.1 * ring(9) + (1.2, 0.1)])
+LEVEL, OBSTACLE = core.Mirror((0.0, 0.0), (1.0, 0.0)), Mesh.from_loops([0.1 * ring(9) + (1.2, 0.1)])
 NAMES = ["star", "random 0", "ring", "random 5"]
 SETTINGS: dict[str, dict[str, Any]] = {
     "default": {}, "clearance": {"clearance": 0.02}, "keep": {"loops": "keep"}, "one": {"loops": "one"},
@@ -79,10 +62,10 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "mirror grid": {"symmetry": LEVEL, "grid": 0.05}, "turns": {"symmetry": Rotation((0.0, 0.0), 3)},
     "turns grid": {"symmetry": Rotation((0.0, 0.0), 4), "grid": 0.05}, "pins": {"pins": [1, 7]},
     "joints": {"joints": [(0.2, 0.1)]}, "edge": {"min_edge": 0.3}, "angle": {"min_angle": 40.0},
-    "edge grid": {"min_edge": 0.3, "grid": 0.05}, "box": {"constraints": [Box((-9.0, -9.0), (1.5, 9.0))]},
+    "edge grid": {"min_edge": 0.3, "grid": 0.05}, "box": {"constraints": [core.Box((-9.0, -9.0), (1.5, 9.0))]},
     "oblique": {"constraints": [AxisAligned((0.0, 60.0, 120.0))]},
-    "wide loops": {"constraints": [LoopClearance(0.03, 0.01)]},
-    "obstacle": {"constraints": [Outside(OBSTACLE, 0.02)]}, "hull": {"decimation": OuterHull()},
+    "wide loops": {"constraints": [core.LoopClearance(0.03, 0.01)]},
+    "obstacle": {"constraints": [core.Outside(OBSTACLE, 0.02)]}, "hull": {"decimation": OuterHull()},
     "shape grid": {"energy": ShapeKeeping(), "grid": 0.08}, "pins grid": {"pins": [2], "grid": 0.08},
     "wishes": {"min_angle": 59.0}, "too clear": {"clearance": 1e7},
 }  # fmt: skip
@@ -94,7 +77,7 @@ def caged(make: Any, name: str, wanted: Any, **options: Any) -> Callable[[], Any
 
 
 def moved(name: str, count: int, size: float, wanted: Any, **options: Any) -> Callable[[], Any]:
-    return lambda: animated_cages(SHAPES[name], moving(SHAPES[name], count, size), wanted, **options).levels
+    return lambda: core.animated_cages(SHAPES[name], moving(SHAPES[name], count, size), wanted, **options).levels
 
 
 CASES: dict[str, Callable[[], Any]] = {
@@ -115,10 +98,10 @@ CASES: dict[str, Callable[[], Any]] = {
     "own mesh of islands": lambda: nested_cages(SHAPES["islands"], resampled(SHAPES["islands"], 18)),
     "shrunk mesh": lambda: nested_cages(SHAPES["star"], SHAPES["star"].moved(0.8 * SHAPES["star"].vertices)),
     "no room": lambda: nested_cages(annulus(24, 0.995), 12, loops="keep"),
-    "boundary energy": caged(nested_cages, "random 5", 9, energy=BoundaryARAP()),
-    "displacement": caged(nested_cages, "random 5", 9, energy=InitialDisplacement()),
+    "boundary energy": caged(nested_cages, "random 5", 9, energy=core.BoundaryARAP()),
+    "displacement": caged(nested_cages, "random 5", 9, energy=core.InitialDisplacement()),
     "shape keeping": caged(nested_cages, "random 5", 9, energy=ShapeKeeping()),
-    "IPC": caged(nested_cages, "star", 12, contact=IPC()),
+    "IPC": caged(nested_cages, "star", 12, contact=core.IPC()),
     "inside": caged(inner_cages, "letter", 20),
     "inside a ring": caged(inner_cages, "ring", 12),
     "inside, grid": caged(inner_cages, "letter", 20, grid=0.05),
@@ -144,7 +127,7 @@ def outcome_of(work: Callable[[], Any]) -> Outcome:
     """Vertices, loops and area of each cage, of a moving one at its last pose; or the code of the error."""
     try:
         levels = list(work())
-    except NestedCagesError as error:
+    except core.NestedCagesError as error:
         return error.code
     cages = [getattr(level, "cage_steps", [level.cage.vertices])[-1] for level in levels]
     meshes = [level.cage.moved(cage) for level, cage in zip(levels, cages, strict=True)]

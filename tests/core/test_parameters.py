@@ -8,27 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nestedcages_core import (
-    IPC,
-    Area,
-    ElementEnergy,
-    GradientDescent,
-    Harmonic,
-    InteriorPoint,
-    OnCurve,
-    OwnDecimation,
-    PaperContact,
-    PaperFlow,
-    PaperWeights,
-    ProjectedNewton,
-    RandomSamples,
-    Repairs,
-    SequentialQP,
-    ShapeKeeping,
-    SignedDistanceFlow,
-    Tightening,
-    TwoSidedFlow,
-)
+import nestedcages_core as core
+from nestedcages_core import IPC, Area, ElementEnergy, PaperContact, SequentialQP, SignedDistanceFlow, Tightening
 from support.judging import rejected
 
 NO_NUMBERS = [np.nan, np.inf, "1", None, True]
@@ -43,8 +24,8 @@ def count(least: int) -> tuple[list[Any], Any]:
 
 
 RULES: dict[type, dict[str, tuple[list[Any], Any]]] = {  # of each parameter, what is refused and what is taken
-    InteriorPoint: {"complementarity": POSITIVE, "primal": POSITIVE, "dual": POSITIVE, "iterations": count(0)},
-    ProjectedNewton: {"tolerance": NOT_NEGATIVE, "max_iterations": count(0)},
+    core.InteriorPoint: {"complementarity": POSITIVE, "primal": POSITIVE, "dual": POSITIVE, "iterations": count(0)},
+    core.ProjectedNewton: {"tolerance": NOT_NEGATIVE, "max_iterations": count(0)},
     SequentialQP: {"gap": POSITIVE, "stride": POSITIVE, "iterations": count(1), "patience": count(1)},
     IPC: {
         **dict.fromkeys(("barrier_range", "restoring", "barrier", "stride"), POSITIVE),
@@ -56,29 +37,29 @@ RULES: dict[type, dict[str, tuple[list[Any], Any]]] = {  # of each parameter, wh
         "iterations": count(0),
         "patience": count(1),
     },
-    TwoSidedFlow: {
+    core.TwoSidedFlow: {
         **dict.fromkeys(("margin", "spacing", "smoothing", "longest_step"), POSITIVE),
         **dict.fromkeys(("vertex_limit", "limit"), count(1)),
     },
-    ShapeKeeping: {"strength": NOT_NEGATIVE},
-    GradientDescent: {
+    core.ShapeKeeping: {"strength": NOT_NEGATIVE},
+    core.GradientDescent: {
         **dict.fromkeys(("first_step", "smallest_step"), POSITIVE),
         **dict.fromkeys(("contraction", "sufficient_decrease"), BELOW_ONE),
         "steps": count(0),
         "refuse_infinite": FLAG,
     },
     PaperContact: {"d_hat": POSITIVE, "absolute": FLAG},
-    PaperFlow: {
+    core.PaperFlow: {
         "step": POSITIVE,
         "limit": count(1),
         "samples": count(1),
         **dict.fromkeys(("exact_parity", "over_length", "absolute"), FLAG),
     },
-    PaperWeights: dict.fromkeys(("restoring", "cages", "barrier"), NOT_NEGATIVE),
+    core.PaperWeights: dict.fromkeys(("restoring", "cages", "barrier"), NOT_NEGATIVE),
     SignedDistanceFlow: {"step": POSITIVE, "limit": count(1)},
-    RandomSamples: {"samples": count(1), "seed": count(0), "step": count(0)},
-    Repairs: {"parity": FLAG, "exact_home": FLAG},
-    Harmonic: dict.fromkeys(("spacing", "at_corners"), ([0.0, 2.0, -1.0, np.nan], 1.0)),
+    core.RandomSamples: {"samples": count(1), "seed": count(0), "step": count(0)},
+    core.Repairs: {"parity": FLAG, "exact_home": FLAG},
+    core.Harmonic: dict.fromkeys(("spacing", "at_corners"), ([0.0, 2.0, -1.0, np.nan], 1.0)),
 }
 CASES = [(method, name, *rule) for method, rules in RULES.items() for name, rule in rules.items()]
 
@@ -101,8 +82,8 @@ PARTS: list[Callable[[Any], object]] = [
     lambda part: SequentialQP(quadratic_programs=part),
     lambda part: SignedDistanceFlow(quadrature=part),
     lambda part: Tightening(solver=part),
-    lambda part: OnCurve(around=part),
-    lambda part: OwnDecimation(part),
+    lambda part: core.OnCurve(around=part),
+    lambda part: core.OwnDecimation(part),
     lambda part: ElementEnergy(elements=part, formula=len),
     lambda part: ElementEnergy(elements=len, formula=part),
 ]

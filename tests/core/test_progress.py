@@ -12,24 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nestedcages_core import (
-    AnimatedCagesRun,
-    ArcLength,
-    InnerCagesRun,
-    LineCycles,
-    Mesh,
-    NestedCagesError,
-    NestedCagesRun,
-    NestingError,
-    OnCurve,
-    OuterHull,
-    Progress,
-    Settings,
-    animated_cages,
-    inner_cages,
-    nested_cages,
-    nested_cages_many,
-)
+import nestedcages_core as core
+from nestedcages_core import AnimatedCagesRun, Mesh, NestedCagesError, NestedCagesRun, OnCurve, Progress, nested_cages
 from support.judging import rejected
 from support.marks import slow_after
 from support.shapes import letter_a, ring, star
@@ -45,7 +29,7 @@ def changed(fine: Mesh, k: int) -> Mesh:
 
 RUNS: dict[str, Callable[[int], Any]] = {
     "cages": lambda k: NestedCagesRun(changed(star(5, 60), k), [20, 12]),
-    "inner cages": lambda k: InnerCagesRun(changed(star(5, 60), k), [20, 12]),
+    "inner cages": lambda k: core.InnerCagesRun(changed(star(5, 60), k), [20, 12]),
     "a motion": lambda k: AnimatedCagesRun(
         changed(star(5, 60), k), [(1.0 + 0.1 * t) * changed(star(5, 60), k).vertices for t in range(3)], [12]
     ),
@@ -116,7 +100,7 @@ class StopError(Exception):
     """Raised by a listener to cancel."""
 
 
-@pytest.mark.parametrize("work", [nested_cages, inner_cages])
+@pytest.mark.parametrize("work", [nested_cages, core.inner_cages])
 @pytest.mark.parametrize("count", [0, 1, 7])
 def test_a_listener_that_raises_stops_the_work_at_once(work: Callable[..., Any], count: int) -> None:
     seen: list[Progress] = []
@@ -131,7 +115,7 @@ def test_a_listener_that_raises_stops_the_work_at_once(work: Callable[..., Any],
     assert len(seen) == count + 1
     fine = star(5, 60)
     with pytest.raises(StopError):
-        animated_cages(fine, [fine.vertices, 1.1 * fine.vertices], [12], progress=listen)
+        core.animated_cages(fine, [fine.vertices, 1.1 * fine.vertices], [12], progress=listen)
     assert len(seen) == count + 2
 
 
@@ -139,9 +123,9 @@ def test_a_listener_that_raises_stops_the_work_at_once(work: Callable[..., Any],
 @pytest.mark.parametrize(
     ("decimation", "least"),
     [
-        (OnCurve(around=OuterHull()), {"decimation": 7, "tightening": 3}),
-        (ArcLength(), {"reinflation": 4, "verification": 3}),
-        (LineCycles(), {"decimation": 6}),
+        (OnCurve(around=core.OuterHull()), {"decimation": 7, "tightening": 3}),
+        (core.ArcLength(), {"reinflation": 4, "verification": 3}),
+        (core.LineCycles(), {"decimation": 6}),
         (OnCurve(), {"decimation": 6}),
     ],
     ids=["hull", "a long way", "line cycles", "on the curve"],
@@ -149,7 +133,7 @@ def test_a_listener_that_raises_stops_the_work_at_once(work: Callable[..., Any],
 def test_long_stages_can_be_cancelled_in_between(decimation: Any, least: dict[str, int]) -> None:
     turn = ring(1100)
     fine = Mesh.from_loops([turn * (1.0 + 0.2 * (turn[:, :1] * 20.0 % 1.0))])
-    stages = [progress.stage for progress in NestedCagesRun(fine, [24], Settings(decimation=decimation))]
+    stages = [progress.stage for progress in NestedCagesRun(fine, [24], core.Settings(decimation=decimation))]
     assert {stage: stages.count(stage) >= count for stage, count in least.items()} == dict.fromkeys(least, True)
 
 
@@ -157,7 +141,7 @@ def test_progress_may_be_a_bar(capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("tqdm")
     nested_cages(ring(60), 12, progress=True)
     assert "100%" in capsys.readouterr().err
-    nested_cages_many([ring(60)], [12], progress=True)
+    core.nested_cages_many([ring(60)], [12], progress=True)
     assert "100%" in capsys.readouterr().err
     nested_cages(ring(60), 12, progress=False)
     assert capsys.readouterr() == ("", "")
@@ -280,7 +264,7 @@ def test_time_that_is_over_at_once_is_an_error_and_enough_time_changes_nothing()
     with pytest.raises(NestedCagesError) as caught:
         nested_cages(changed(star(), 30), 8, seconds=1e-9)
     error = caught.value
-    assert isinstance(error, NestedCagesError) and not isinstance(error, NestingError)
+    assert isinstance(error, NestedCagesError) and not isinstance(error, core.NestingError)
     assert (error.code, error.data["level"], len(error.partial)) == ("time.over", 0, 0)
     limited, free = nested_cages(star(5, 50), 8, seconds=1e6), nested_cages(star(5, 50), 8)
     assert np.array_equal(limited.cages[0].vertices, free.cages[0].vertices)

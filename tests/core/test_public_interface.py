@@ -16,22 +16,8 @@ import pytest
 import shapely.geometry
 
 import nestedcages_core
-from nestedcages_core import (
-    Hierarchy,
-    Level,
-    Mesh,
-    MovingCages,
-    NestedCagesError,
-    Settings,
-    animated_cages,
-    from_geojson,
-    from_svg,
-    nested_cages,
-    swept,
-    to_engine_json,
-    to_geojson,
-    to_svg,
-)
+import nestedcages_core as core
+from nestedcages_core import Hierarchy, Mesh, MovingCages, nested_cages, to_engine_json, to_geojson, to_svg
 from support.shapes import annulus, islands, ring, star
 from support.sources import ROOT
 
@@ -46,7 +32,7 @@ def hierarchy() -> Hierarchy:
 
 @pytest.fixture(scope="module")
 def moving() -> MovingCages:
-    return animated_cages(OUTER, POSES, 12, clearance=0.01)
+    return core.animated_cages(OUTER, POSES, 12, clearance=0.01)
 
 
 # Shapes and results
@@ -75,7 +61,7 @@ def test_a_hierarchy_is_a_sequence_of_levels(hierarchy: Hierarchy) -> None:
     assert hierarchy[:1] == (first,)
     assert first in hierarchy
     assert list(reversed(hierarchy)) == [second, first]
-    assert isinstance(first, Level)
+    assert isinstance(first, core.Level)
     assert first.vertices is first.cage.vertices
     assert first.excess == first.report.excess
     assert hierarchy.cages == (first.cage, second.cage)
@@ -117,10 +103,10 @@ def test_every_writer_takes_every_result(hierarchy: Hierarchy) -> None:
     level = hierarchy[0]
     assert to_svg(hierarchy) == to_svg([hierarchy.fine, *hierarchy.cages])
     assert to_svg(level) == to_svg([level.fine, level.cage])
-    assert from_svg(to_svg(level.cage)) == level.cage
+    assert core.from_svg(to_svg(level.cage)) == level.cage
     assert len(json.loads(to_geojson(hierarchy))["features"]) == 3
-    assert from_geojson(to_geojson(level.cage)).has_loops_like(level.cage)
-    assert from_svg(to_svg(OUTER)) == from_geojson(to_geojson(OUTER)) == Mesh.of(OUTER)
+    assert core.from_geojson(to_geojson(level.cage)).has_loops_like(level.cage)
+    assert core.from_svg(to_svg(OUTER)) == core.from_geojson(to_geojson(OUTER)) == Mesh.of(OUTER)
     assert to_engine_json([OUTER, HOLE]) == to_engine_json(hierarchy.fine)
     assert to_engine_json(hierarchy) == to_engine_json(hierarchy[-1].cage) == to_engine_json(hierarchy[-1])
 
@@ -138,7 +124,7 @@ def test_meshes_settings_and_results_travel(hierarchy: Hierarchy, moving: Moving
     assert back[0].report == hierarchy[0].report
     again = pickle.loads(pickle.dumps(moving)).levels[0]
     assert (again.cage_steps == moving.levels[0].cage_steps).all()
-    for settings in (Settings(clearance=0.1), Settings(stored=np.float32, pins=[1])):
+    for settings in (core.Settings(clearance=0.1), core.Settings(stored=np.float32, pins=[1])):
         assert pickle.loads(pickle.dumps(settings)) == settings
 
 
@@ -172,7 +158,7 @@ def test_results_plot_themselves(hierarchy: Hierarchy, monkeypatch: pytest.Monke
     assert low < hierarchy[-1].cage.bounds[0] < hierarchy[-1].cage.bounds[2] < high
     for name in [name for name in sys.modules if name.partition(".")[0] == "matplotlib"]:
         monkeypatch.setitem(sys.modules, name, None)
-    with pytest.raises(NestedCagesError) as caught:
+    with pytest.raises(core.NestedCagesError) as caught:
         hierarchy.plot()
     assert (caught.value.code, caught.value.data["library"]) == ("dependency.missing", "matplotlib")
 
@@ -190,13 +176,13 @@ def without(monkeypatch: pytest.MonkeyPatch, library: str) -> None:
     ("work", "library"),
     [
         (lambda: nested_cages(islands(), 12, merge=0.5), "shapely"),
-        (lambda: swept(star(5, 40), [star(5, 40).vertices] * 2), "shapely"),
+        (lambda: core.swept(star(5, 40), [star(5, 40).vertices] * 2), "shapely"),
     ],
     ids=["merging", "a sweep"],
 )
 def test_a_library_that_is_missing_is_named(work: Any, library: str, monkeypatch: pytest.MonkeyPatch) -> None:
     without(monkeypatch, library)
-    with pytest.raises(NestedCagesError) as caught:
+    with pytest.raises(core.NestedCagesError) as caught:
         work()
     assert (caught.value.code, caught.value.data["library"]) == ("dependency.missing", library)
 

@@ -10,41 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nestedcages_core import (
-    AUGMENTED_2022,
-    AUGMENTED_2022_REPAIRED,
-    AllPairs,
-    EvenSamples,
-    FlowResult,
-    GaussLegendre,
-    GradientDescent,
-    Level,
-    Mesh,
-    Midpoint,
-    NoFilter,
-    PaperContact,
-    PaperFlow,
-    ProjectedNewton,
-    QuadraticFallOff,
-    RandomSamples,
-    ReinflationError,
-    Repairs,
-    Settings,
-    SignedDistanceFlow,
-    SmallestDistance,
-    Tightening,
-    TimeOfImpact,
-    UniformGrid,
-    as_published,
-    nested_cages,
-    verify_motion,
-)
+import nestedcages_core as core
+from nestedcages_core import EvenSamples, GaussLegendre, Mesh, PaperFlow, RandomSamples, Settings, nested_cages
 from support.judging import rejected
 from support.marks import slow_after
 from support.shapes import annulus, assert_nested, octagon_with_hole, polygon, ring, square_with_hole
 
-REPAIRED = PaperContact(repairs=Repairs(parity=True, exact_home=True))
-UNTIGHTENED = Settings(flow=PaperFlow(exact_parity=True), fallback=None, tightening=Tightening(iterations=0))
+REPAIRED = core.PaperContact(repairs=core.Repairs(parity=True, exact_home=True))
+UNTIGHTENED = Settings(flow=PaperFlow(exact_parity=True), fallback=None, tightening=core.Tightening(iterations=0))
 
 
 @pytest.mark.parametrize(
@@ -53,20 +26,20 @@ UNTIGHTENED = Settings(flow=PaperFlow(exact_parity=True), fallback=None, tighten
 def test_absolute_lengths_give_the_excess_of_the_compiled_program(scale: float, excess: float) -> None:
     """A disc of Table 1 at three sizes; the excesses are those of the authors' C++ on the same meshes."""
     fine, coarse = (mesh.moved(scale * mesh.vertices) for mesh in (annulus(16), annulus(16)))
-    result = as_published(fine, coarse)
+    result = core.as_published(fine, coarse)
     assert 100.0 * (result.cage.area / fine.area - 1.0) == pytest.approx(excess, abs=0.1)
     assert 0.0 < result.short < 1e-3 * fine.diagonal
     assert np.array_equal(result.flow_steps[0], fine.vertices)
     assert result.short == pytest.approx(np.hypot(*(result.returned - fine.vertices).T).max())
-    with pytest.raises(ReinflationError) as caught:  # the preset does the same, and its certificate sees that
-        nested_cages(fine, [coarse], AUGMENTED_2022)
+    with pytest.raises(core.ReinflationError) as caught:  # the preset does the same, and its certificate sees that
+        nested_cages(fine, [coarse], core.AUGMENTED_2022)
     assert caught.value.code == "reinflation.blocked"
-    (level,) = nested_cages(fine, [coarse], AUGMENTED_2022_REPAIRED)  # returns exactly, to about the same cage
+    (level,) = nested_cages(fine, [coarse], core.AUGMENTED_2022_REPAIRED)  # returns exactly, to about the same cage
     assert 100.0 * level.report.excess == pytest.approx(excess, rel=0.01)
     assert np.array_equal(level.reinflation.fine_steps[-1], fine.vertices)
 
 
-def repaired(contact: Any, count: int = 24) -> Level:
+def repaired(contact: Any, count: int = 24) -> core.Level:
     """The fine and the coarse annulus of Table 1."""
     fine, coarse = annulus(count), annulus(16)
     (level,) = nested_cages(fine, [coarse], replace(UNTIGHTENED, contact=contact))
@@ -75,23 +48,23 @@ def repaired(contact: Any, count: int = 24) -> Level:
     return level
 
 
-@pytest.mark.parametrize("step_filter", [NoFilter(), SmallestDistance(), TimeOfImpact()])
-@pytest.mark.parametrize("broad_phase", slow_after(0, [UniformGrid(), AllPairs()], thorough_after=1))
+@pytest.mark.parametrize("step_filter", [core.NoFilter(), core.SmallestDistance(), core.TimeOfImpact()])
+@pytest.mark.parametrize("broad_phase", slow_after(0, [core.UniformGrid(), core.AllPairs()], thorough_after=1))
 def test_any_filter_and_broad_phase_serve(step_filter: Any, broad_phase: Any) -> None:
     level = repaired(replace(REPAIRED, step_filter=step_filter, broad_phase=broad_phase))
-    assert verify_motion(level.cage, level.fine, level.reinflation.cage_steps, level.reinflation.fine_steps)
+    assert core.verify_motion(level.cage, level.fine, level.reinflation.cage_steps, level.reinflation.fine_steps)
     assert level.report.excess == pytest.approx(0.207, abs=0.006)
 
 
 def test_newton_needs_few_iterations_on_the_papers_energy() -> None:
-    level = repaired(replace(REPAIRED, step_filter=TimeOfImpact(), solver=ProjectedNewton()))
+    level = repaired(replace(REPAIRED, step_filter=core.TimeOfImpact(), solver=core.ProjectedNewton()))
     assert level.report.iterations["reinflation"] < 50
     assert level.report.excess == pytest.approx(0.207, abs=0.006)
 
 
 def test_descent_ends_at_a_target_or_at_a_maximum() -> None:
     """The paper's proposal (section 5); a distance that no target comes within costs all steps."""
-    contact = replace(REPAIRED, solver=GradientDescent(steps=15, refuse_infinite=True))
+    contact = replace(REPAIRED, solver=core.GradientDescent(steps=15, refuse_infinite=True))
     near, never = (
         repaired(replace(contact, arrival=arrival)).report.iterations["reinflation"] for arrival in (5e-3, 1e-9)
     )
@@ -104,7 +77,7 @@ class Shrinking:
 
     def run(self, fine: Mesh, coarse: Mesh) -> Iterator[float]:
         yield 0.5
-        return FlowResult(np.stack([fine.vertices, 0.9 * fine.vertices]), 1, "shrinking")  # type: ignore[return-value]
+        return core.FlowResult(np.stack([fine.vertices, 0.9 * fine.vertices]), 1, "shrinking")  # type: ignore[return-value]
 
 
 @pytest.mark.parametrize("over_length", [True, False])
@@ -140,7 +113,15 @@ def test_all_pairs_have_a_limit() -> None:
 # Rules of quadrature
 
 GAUSS = tuple(GaussLegendre(points) for points in (1, 2, 3))
-RULES = (QuadraticFallOff(), QuadraticFallOff(7), Midpoint(), *GAUSS, EvenSamples(), EvenSamples(1), RandomSamples())
+RULES = (
+    core.QuadraticFallOff(),
+    core.QuadraticFallOff(7),
+    core.Midpoint(),
+    *GAUSS,
+    EvenSamples(),
+    EvenSamples(1),
+    RandomSamples(),
+)
 
 
 @pytest.mark.parametrize("rule", RULES, ids=repr)
@@ -162,7 +143,7 @@ def test_gauss_points_integrate_polynomials_against_the_hat_function(points: int
 
 
 def flow_steps(rule: Any) -> np.ndarray:
-    settings = replace(UNTIGHTENED, flow=SignedDistanceFlow(quadrature=rule))
+    settings = replace(UNTIGHTENED, flow=core.SignedDistanceFlow(quadrature=rule))
     return nested_cages(octagon_with_hole(), [square_with_hole()], settings)[0].flow.steps
 
 
@@ -175,7 +156,7 @@ def test_random_samples_are_new_at_every_step_and_the_same_in_every_run() -> Non
 @pytest.mark.parametrize("rule", slow_after(1, RULES, thorough_after=4), ids=repr)
 def test_the_flow_of_the_paper_gets_inside_with_every_rule(rule: Any) -> None:
     """The first step is against the gradient of the signed distance, as sampled along the edges by the rule."""
-    settings = Settings(flow=SignedDistanceFlow(quadrature=rule), fallback=None)
+    settings = Settings(flow=core.SignedDistanceFlow(quadrature=rule), fallback=None)
     for fine, coarse in ((annulus(48), annulus(12)), (octagon_with_hole(), square_with_hole())):
         (level,) = nested_cages(fine, [coarse], settings)
         assert_nested(level.cage, fine)

@@ -9,22 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nestedcages_core import (
-    IPC,
-    Area,
-    AxisAligned,
-    Box,
-    LeastAngle,
-    LeastEdge,
-    LineCycles,
-    LoopClearance,
-    Mesh,
-    Outside,
-    Settings,
-    Within,
-    inner_cages,
-    nested_cages,
-)
+import nestedcages_core as core
+from nestedcages_core import IPC, Area, AxisAligned, Box, LeastAngle, LeastEdge, LineCycles, Settings, nested_cages
 from support.judging import rejected
 from support.shapes import annulus, letter_a, ring, star
 
@@ -36,7 +22,7 @@ def test_settings_can_be_keywords() -> None:
     assert nested_cages(OUTER, 12, clearance=0.02)[0].report.wanted_clearance == 0.02
     both = nested_cages(OUTER, 12, Settings(clearance=0.02, grid=0.001), clearance=0.03)
     assert (both[0].report.wanted_clearance, both[0].report.grid) == (0.03, 0.001)
-    assert inner_cages(OUTER, 12, clearance=0.02)[0].excess < 0.0
+    assert core.inner_cages(OUTER, 12, clearance=0.02)[0].excess < 0.0
     assert Settings.of(Settings(grid=0.1), loops="keep") == Settings(grid=0.1, loops="keep")
     assert Settings.of(None) == Settings()
 
@@ -121,18 +107,18 @@ def test_settings_are_no_number() -> None:
         nested_cages(OUTER, 12, 0.02)  # type: ignore[arg-type]
 
 
-OBSTACLE = Mesh.from_loops([0.1 * ring(9) + (1.2, 0.1)])
+OBSTACLE = core.Mesh.from_loops([0.1 * ring(9) + (1.2, 0.1)])
 PARTS: list[tuple[Any, list[tuple[Any, ...]], list[tuple[Any, ...]]]] = [
     (LeastEdge, [(0.0,), (np.inf,), (np.nan,), ("1",), (-1.0,)], [(1e-3,)]),
     (LeastAngle, [(0.0,), (60.0,), (60.5,), ("1",), (np.nan,)], [(0.5,), (59.5,)]),
     (AxisAligned, [((),), ((0.0,),), ((10.0, 190.0),), ((np.nan, 1.0),), ((0.0, 181.0),)], [((180.0, 90.0),)]),
     (Box, [((0.0, 0.0), (0.0, 1.0)), ((0.0, 0.0), (1.0, -1.0)), ((np.nan, 0.0), (1.0, 1.0))],
      [((0.0, 0.0), (1.0, 0.5))]),
-    (LoopClearance, [(-1.0,), (0.5, -0.5), (np.inf,), (0.0, 0.0, (-1.0,))],
+    (core.LoopClearance, [(-1.0,), (0.5, -0.5), (np.inf,), (0.0, 0.0, (-1.0,))],
      [(0.5,), (0.0, 0.5), (0.0, 0.0, (1, 2.0))]),
-    (Within, [(), (0.0,), (-1.0,), (0.5, 0.5), (np.inf,), (True,), ("1",)], [(0.5,), (None, 0.5)]),
+    (core.Within, [(), (0.0,), (-1.0,), (0.5, 0.5), (np.inf,), (True,), ("1",)], [(0.5,), (None, 0.5)]),
     (LineCycles, [(1,)], [()]),
-    (Outside, [(OBSTACLE, -0.5), (OBSTACLE, np.inf)], [(OBSTACLE,), (OBSTACLE, 0.5)]),
+    (core.Outside, [(OBSTACLE, -0.5), (OBSTACLE, np.inf)], [(OBSTACLE,), (OBSTACLE, 0.5)]),
 ]  # fmt: skip
 
 

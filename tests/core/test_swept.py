@@ -7,16 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from nestedcages_core import (
-    InvalidMeshError,
-    Mesh,
-    NestedCagesError,
-    animated_cages,
-    frames_to_engine_json,
-    nested_cages,
-    swept,
-    verify,
-)
+import nestedcages_core as core
+from nestedcages_core import InvalidMeshError, Mesh, NestedCagesError, animated_cages, frames_to_engine_json, swept
 from support.engine_json import frames_of
 from support.shapes import ring, star
 
@@ -45,8 +37,8 @@ def test_all_positions_lie_in_it_and_it_is_hardly_more() -> None:
             assert inside.contains(place)
             between.append(place)
     assert union.area < 1.02 * shapely.union_all(between).area
-    still = nested_cages(swept(fine, poses), [24]).cages[0]
-    assert all(verify(still, fine.moved(pose), same_loops=False) for pose in poses)
+    still = core.nested_cages(swept(fine, poses), [24]).cages[0]
+    assert all(core.verify(still, fine.moved(pose), same_loops=False) for pose in poses)
 
 
 def test_a_hole_that_stays_open_is_kept() -> None:
