@@ -8,12 +8,7 @@ import pytest
 import nestedcages_core as core
 from nestedcages_core import Mesh, NestingError, Settings, animated_cages, followed, nested_cages, verify
 from support.judging import rejected
-from support.shapes import disc, ring, star
-
-
-def turned(points: np.ndarray, angle: float) -> np.ndarray:
-    c, s = np.cos(angle), np.sin(angle)
-    return points @ np.array([[c, s], [-s, c]])
+from support.shapes import disc, ring, star, turned
 
 
 def waving(frames: int = 9, loops: list[np.ndarray] | None = None) -> tuple[Mesh, np.ndarray]:

@@ -153,9 +153,6 @@ def test_results_that_do_not_travel_are_errors_of_their_shape() -> None:
     assert isinstance(written.error.__cause__, TypeError)
 
 
-# Workers that die
-
-
 class Deadly:
     """A shape that kills the worker that makes it."""
 

@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import nestedcages_core as core
 from nestedcages_core import Hierarchy, Level, LineCycles, Mesh, Mirror, OuterHull, Rotation, check, nested_cages
@@ -30,14 +28,7 @@ SMALL = mesh(disc(8, 0.5, 2.0, 2.0))
 TWO = mesh(disc(8, 0.2, 1.0, 1.0), disc(8, 0.2, 3.0, 3.0))
 
 WRONG: dict[str, tuple[Any, Mesh]] = {
-    "inside": (mesh(disc(8, 0.4, 2.0, 2.0)), SMALL),
-    "across": (mesh(disc(8, 0.4, 2.3, 2.0)), SMALL),
-    "the shape itself": (mesh(disc(8, 0.5, 2.0, 2.0)), SMALL),
-    "a ring around the boundary": (mesh(disc(8, 0.6, 2.0, 2.0), disc(8, 0.4, 2.0, 2.0)), SMALL),
-    "two in one loop": (mesh(SQUARE), TWO),
-    "two in one loop, and another beside": (mesh(SQUARE, disc(8, 0.2, 7.0, 7.0)), TWO),
     "a loop too many": (mesh(SQUARE, disc(8, 0.2, 7.0, 7.0)), SMALL),
-    "it crosses itself": (SMALL.moved(SMALL.vertices[[0, 2, 1, 3, 4, 5, 6, 7]]), mesh(disc(8, 0.1, 2.0, 2.0))),
     "turned inside out": (mesh(SQUARE).moved(SQUARE[::-1]), SMALL),
     "an edge without length": (mesh(SQUARE).moved(SQUARE[[0, 0, 2, 3]]), SMALL),
     "no numbers": (mesh(SQUARE).moved(np.full((4, 2), np.nan)), SMALL),
@@ -163,10 +154,6 @@ def test_numbers_on_a_grid_are_and_others_are_not() -> None:
     assert not check(letter_a(1), replace(stored, cage=stored.cage.moved(stored.cage.vertices * (1.0 + 1e-15))))
 
 
-def test_inner_cages_are_checked() -> None:
-    assert check(star(5, 60), core.inner_cages(star(5, 60), [24, 12], FAST))
-
-
 def test_cages_that_move_are_checked_at_each_key() -> None:
     fine = star(5, 40)
     moving = core.animated_cages(fine, [fine.vertices * (1.0 + 0.2 * k, 1.0) for k in range(3)], [12], FAST)
@@ -179,9 +166,6 @@ def test_cages_that_move_are_checked_at_each_key() -> None:
     assert not check(fine, moving, 2.0 * float(level.report.clearance.min()))
     shrunk = replace(level, cage_steps=level.cage_steps * np.linspace(1.0, 0.8, len(level.times))[:, None, None])
     assert not check(fine, shrunk)
-
-
-# Motions
 
 
 def way(cage: Mesh, fine: Mesh, cage_steps: Any, fine_steps: Any) -> Any:
@@ -210,9 +194,6 @@ def test_an_edge_that_shrinks_to_a_point_meets_only_what_is_there(x: float, meet
     assert bool(check(fine, level)) != meets
 
 
-# It agrees with the certificates
-
-
 def moved_a_little(values: list[float], cage: Mesh, factor: float) -> Mesh:
     return cage.moved(cage.vertices + factor * np.resize(values, cage.vertices.shape))
 
@@ -227,54 +208,26 @@ PAIRS = {
 }
 
 
-def certificate_and_checker_agree(values: list[float], factor: float, name: str) -> bool:
-    fine, cage = PAIRS[name]
-    cage = moved_a_little(values, cage, factor)
-    holds = core.verify(cage, fine).holds
-    assert holds == bool(check(fine, cage))
-    return holds
+@pytest.mark.parametrize(("seed", "count"), slow_after(1, [(6, 40), (7, 600)], thorough_after=1))
+def test_certificates_and_checker_agree(seed: int, count: int) -> None:
+    """Of motions, no certificate says more than the checker; on a coarse grid, so that exact contacts are common."""
+    random = np.random.default_rng(seed)
+    held, free = set(), set()
+    for k in range(count):
+        fine, cage = PAIRS["islands" if k >= 40 and k % 2 else "square"]
+        cage = moved_a_little(random_offsets(random), cage, (0.05, 0.05, 0.3, 1.0)[k % 4])
+        held.add(core.verify(cage, fine).holds)
+        assert core.verify(cage, fine).holds == bool(check(fine, cage))
+    for _ in range(count):
+        fine, cage = mesh([(1, 1), (2, 1), (2, 2), (1, 2)]), mesh(SQUARE)
+        steps = [
+            np.stack([moved_a_little(random_offsets(random), each, 1.0).vertices, each.vertices])
+            for each in (cage, fine)
+        ]
+        free.add(certified := core.verify_motion(cage, fine, *steps).free)
+        assert check(fine, way(cage, fine, *steps)) or not certified
+    assert held == free == {True, False}
 
-
-def no_motion_is_certified_that_the_checker_refuses(before: list[float], after: list[float]) -> bool:
-    """Coordinates on a coarse grid, so that exact contacts are common."""
-    fine, cage = mesh([(1, 1), (2, 1), (2, 2), (1, 2)]), mesh(SQUARE)
-    steps = [[mesh_.vertices, moved_a_little(values, mesh_, 1.0).vertices][::-1]
-             for mesh_, values in ((cage, before), (fine, after))]  # fmt: skip
-    certified = bool(core.verify_motion(cage, fine, *map(np.array, steps)))
-    assert check(fine, way(cage, fine, *steps)) or not certified
-    return certified
-
-
-def test_certificates_and_checker_agree_on_some_examples() -> None:
-    random = np.random.default_rng(6)
-    factors = [0.05, 0.05, 0.3, 1.0]
-    held = [certificate_and_checker_agree(random_offsets(random), factors[k % 4], "square") for k in range(40)]
-    free = [
-        no_motion_is_certified_that_the_checker_refuses(random_offsets(random), random_offsets(random))
-        for _ in range(40)
-    ]
-    for verdicts in (held, free):
-        assert {*verdicts} == {True, False}
-
-
-offsets = st.lists(st.integers(-8, 8).map(lambda k: k / 8.0), min_size=4, max_size=24)
-
-
-@pytest.mark.thorough
-@settings(max_examples=300)
-@given(offsets, st.sampled_from([0.05, 0.3, 1.0]), st.sampled_from(["square", "islands"]))
-def test_the_certificate_and_the_checker_agree(values: list[float], factor: float, name: str) -> None:
-    certificate_and_checker_agree(values, factor, name)
-
-
-@pytest.mark.thorough
-@settings(max_examples=300)
-@given(offsets, offsets)
-def test_the_certificate_of_a_motion_says_no_more_than_the_checker(before: list[float], after: list[float]) -> None:
-    no_motion_is_certified_that_the_checker_refuses(before, after)
-
-
-# Levels
 
 CHANGES: dict[str, Any] = {
     "cage": lambda level: replace(level, cage=level.cage.moved(0.9 * level.cage.vertices)),

@@ -163,12 +163,6 @@ def test_a_level_leaves_room_for_the_next(width: float, clearance: float) -> Non
     assert gap_of(hierarchy[0].cage, 0, 1) >= 2.0 * clearance
 
 
-@pytest.mark.parametrize("wrong", [-1.0, np.nan, np.inf, "far"])
-def test_what_is_no_clearance_is_refused(wrong: object) -> None:
-    with rejected("setting.invalid"):
-        nested_cages(star(), 12, clearance=wrong)  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize("seed", slow_after(0, range(12), thorough_after=2))
 def test_random_drawings_keep_any_clearance_or_say_why_not(seed: int) -> None:
     fine = drawing(500 + seed)

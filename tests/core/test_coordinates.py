@@ -30,7 +30,7 @@ def dense(weights: object) -> np.ndarray:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS, ids=repr)
 @pytest.mark.parametrize("name", ["letter", "star", "islands"])
-def test_rows_sum_to_one_and_the_cage_at_rest_gives_the_drawing(
+def test_rows_sum_to_one_without_negative_weights_and_the_cage_at_rest_gives_the_drawing(
     nested: dict[str, tuple[Mesh, Mesh]], name: str, kind: object
 ) -> None:
     fine, cage = nested[name]
@@ -38,18 +38,8 @@ def test_rows_sum_to_one_and_the_cage_at_rest_gives_the_drawing(
     assert weights.shape == (len(fine.vertices), len(cage.vertices))
     assert np.abs(dense(weights).sum(axis=1) - 1.0).max() < 1e-12
     assert np.abs(deform(weights, cage) - fine.vertices).max() < 1e-12
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", [Harmonic(), PiecewiseLinear()], ids=repr)
-@pytest.mark.parametrize("name", ["letter", "star", "islands"])
-def test_weights_that_promise_it_are_never_negative(
-    nested: dict[str, tuple[Mesh, Mesh]], name: str, kind: object
-) -> None:
-    fine, cage = nested[name]
-    weights = dense(cage_coordinates(fine, cage, kind))  # type: ignore[arg-type]
-    assert weights.min() >= 0.0
-    assert weights.max() <= 1.0 + 1e-12
+    if not isinstance(kind, MeanValue):  # those promise it
+        assert dense(weights).min() >= 0.0 and dense(weights).max() <= 1.0 + 1e-12
 
 
 @pytest.mark.slow

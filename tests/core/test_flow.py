@@ -51,9 +51,6 @@ def assert_flows(fine: Mesh, coarse: Mesh, method: Any = METHODS["two-sided"]) -
     return level
 
 
-# Into coarse meshes of all kinds
-
-
 @BY_METHOD
 @pytest.mark.parametrize(
     ("corners", "turn"),
@@ -119,26 +116,12 @@ def test_random_shapes(examples: int) -> None:
         assert_flows(fine, coarse)
 
 
-# Loops
-
-
 def two_discs(apart: float = 1.2) -> list[np.ndarray]:
     return [ring(40, 0.5), disc(40, 0.5, apart, 0.0)]
 
 
 WRAP = np.array([(-0.5, -0.5), (0.6, -0.45), (1.7, -0.5), (1.7, 0.5), (0.6, 0.45), (-0.5, 0.5)])
 THIRD = disc(40, 0.5, 5.0, 1.0)
-
-
-def test_a_fine_hole_may_be_covered() -> None:
-    level = assert_flows(annulus(60), Mesh.from_loops([ring(7, 1.02)]))
-    assert "note.loops" in codes(level)
-
-
-def test_one_coarse_loop_may_wrap_two_components() -> None:
-    """Figure 4; one of the two holes stays open, the other is covered."""
-    fine = Mesh.from_loops([*two_discs(), ring(20, 0.2), disc(20, 0.2, 1.2, 0.0)])
-    assert_flows(fine, Mesh.from_loops([WRAP, disc(5, 0.22, 1.22, 0.03)]))
 
 
 def test_components_go_into_the_parts_over_them() -> None:
@@ -184,9 +167,6 @@ def test_a_coarse_mesh_around_everything_needs_no_flow_whichever_holes_are_match
     between = np.array([(31.0, 31.0), (31.0, 31.5), (31.5, 31.0)]) / 64.0
     level = assert_flows(fine, Mesh.from_loops([1.5 * rings[1], 0.8125 * rings[1][::-1], between]))
     assert len(level.flow.steps) == 1
-
-
-# Refusals
 
 
 @pytest.mark.parametrize(

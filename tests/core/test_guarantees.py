@@ -11,14 +11,9 @@ from nestedcages_core import FlowError, FlowResult, Mesh, NestingError, OuterHul
 from support import shapes
 from support.judging import codes, rejected
 from support.marks import slow_after
-from support.shapes import annulus, assert_nested, comb, disc, islands, letter_a, polygon, resampled, ring, star
+from support.shapes import annulus, assert_nested, comb, disc, islands, letter_a, polygon, resampled, ring, star, turned
 
 FAST = Settings(decimation=OuterHull(), fallback=OuterHull())
-
-
-def turned(angle: float) -> Callable[[np.ndarray], np.ndarray]:
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return lambda points: points @ np.array([[cosine, sine], [-sine, cosine]])
 
 
 def lopsided() -> Mesh:
@@ -35,8 +30,8 @@ MOTIONS = {
     "tiny": (1e-6, lambda points: 1e-6 * points),
     "huge": (1e6, lambda points: 1e6 * points),
     "squared areas are infinite": (2.0**400, lambda points: 2.0**400 * points),
-    "turned": (1.0, turned(0.7)),
-    "all": (1e3, lambda points: 1e3 * turned(2.0)(points) + np.array([3e3, 1e3])),
+    "turned": (1.0, lambda points: turned(points, 0.7)),
+    "all": (1e3, lambda points: 1e3 * turned(points, 2.0) + np.array([3e3, 1e3])),
 }
 ROUND_OFF, AFTER_A_WAY = 1e-10, 1e-8
 """Distances in diagonals; coordinates of 70 alone are rounded by 1e-14, and the way home makes more of that."""
@@ -75,8 +70,6 @@ def test_the_start_of_loops_and_their_order_do_not_matter(shape: Callable[[], Me
     assert polygon(cage).hausdorff_distance(polygon(cage_other)) < 1e-6 * fine.diagonal
 
 
-# Own coarse meshes with fewer loops (figure 4), and flows that get stuck
-
 WRAP = np.array([(-0.5, -0.5), (0.6, -0.45), (1.7, -0.5), (1.7, 0.5), (0.6, 0.45), (-0.5, 0.5)])
 
 
@@ -113,35 +106,18 @@ def test_a_cage_may_have_as_many_loops_of_other_kinds() -> None:
     assert polygon(level.cage).contains_properly(polygon(fine))
 
 
-@pytest.mark.parametrize(
-    "angle", slow_after(0, np.linspace(0.0, 2.0 * np.pi / 3.0, 12, endpoint=False), thorough_after=3)
-)
-def test_a_disc_in_a_triangle_s_ring_in_every_rotation(angle: float) -> None:
-    """Figure 5: the coarse mesh is reached by the flow itself, not from the outer hull."""
-    level = nested_cages(annulus(64), [annulus(3, 0.4, angle)], Settings(fallback=None)).levels[0]
-    assert_nested(level.cage, level.fine)
-
-
 def test_a_stuck_flow_without_fallback_carries_reason_and_way() -> None:
-    fine = comb(3, 0.05)
-    coarse = Mesh.from_loops([np.array([(0.1, -0.3), (0.9, -0.3), (0.9, -0.1), (0.1, -0.1)])])
+    fine, coarse = comb(3, 0.05), Mesh.from_loops([[(0.1, -0.3), (0.9, -0.3), (0.9, -0.1), (0.1, -0.1)]])
     with rejected("flow.loops_differ", FlowError) as caught:
         nested_cages(fine, [coarse], Settings(fallback=None))
     x, y = caught.value.data["place"]
     assert -0.1 < x < 1.1 and -0.1 < y < 0.7
-    assert caught.value.partial.levels == ()
     cause = caught.value.__cause__
-    assert isinstance(cause, FlowError)
-    assert isinstance(cause.partial, FlowResult)
-    assert (cause.partial.steps[0] * fine.diagonal).shape == fine.vertices.shape
+    assert isinstance(cause, FlowError) and isinstance(cause.partial, FlowResult)
+    assert cause.partial.steps[0].shape == fine.vertices.shape
     level = nested_cages(fine, [coarse]).levels[0]
-    assert level.report.start in ("line cycles", "outer hull")
-    (note, *_) = level.report.notes
-    assert (note.code, note.data["on"]) == ("note.start", "fallback")
-    assert len(level.cage.vertices) == len(coarse.vertices)
+    assert (level.report.notes[0].code, level.report.notes[0].data["on"]) == ("note.start", "fallback")
 
-
-# Inputs that are hard on purpose
 
 SQUARE = ring(4, 1.0, np.pi / 4)
 
@@ -184,8 +160,6 @@ HARD: dict[str, tuple[Mesh, list[int | Mesh]]] = {
     "whole numbers": (Mesh.from_loops([np.array([(0, 0), (10, 0), (10, 7), (5, 3), (0, 10)])]), [4]),
     "single precision": (Mesh.from_loops([ring(50).astype(np.float32)]), [12]),
     "every second of a Fortran array": (Mesh.from_loops([np.asfortranarray(ring(100))[::2]]), [12]),
-    "triangles": (Mesh.from_loops([ring(3)]), [3, 3, 3]),
-    "as many as the fine mesh": (star(), [180, 180]),
     "the fine mesh as its own": (star(), [star()]),
     "own mesh turned round": (star(), [Mesh.from_loops([star().vertices[::-1]])]),
     "own mesh that touches": (
@@ -194,10 +168,6 @@ HARD: dict[str, tuple[Mesh, list[int | Mesh]]] = {
     ),
     "own mesh across": (Mesh.from_loops([ring(80)]), [Mesh.from_loops([ring(4, 1.0, 0.4) * np.array([2.0, 0.3])])]),
     "own mesh inside": (Mesh.from_loops([ring(80)]), [Mesh.from_loops([ring(8, 0.1)])]),
-    "own mesh far around": (Mesh.from_loops([ring(80)]), [Mesh.from_loops([ring(8, 100.0)])]),
-    "own mesh elsewhere": (Mesh.from_loops([ring(80)]), [Mesh.from_loops([disc(8, 1.0, 50.0, 50.0)])]),
-    "own mesh of more loops": (Mesh.from_loops([ring(80)]), [annulus(8, 0.3)]),
-    "own mesh of more parts": (Mesh.from_loops([ring(80)]), [Mesh.from_loops([ring(8), disc(8, 0.3, 5.0, 5.0)])]),
     "own mesh among counts": (letter_a(), [60, shapes.letter_a_coarse(), 8]),
 }
 

@@ -327,20 +327,6 @@ def test_a_sprite_with_specks_gets_one_outline() -> None:
     assert len(close.cage.loops) == 1
 
 
-def test_what_merging_does_not_go_with_is_refused() -> None:
-    for options, code in (
-        ({"merge": 0.0}, "setting.invalid"),
-        ({"merge": -1.0}, "setting.invalid"),
-        ({"merge": 1.0, "convex": True}, "setting.conflict"),
-        ({"merge": 1.0, "pins": [0]}, "setting.conflict"),
-    ):
-        with pytest.raises(NestedCagesError) as caught:
-            Settings(**options)  # type: ignore[arg-type]
-        assert caught.value.code == code
-    with pytest.raises(NestedCagesError):
-        inner_cages(sprite(), 30, merge=1.0)
-
-
 # Details that are nearly nothing
 
 

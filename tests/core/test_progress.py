@@ -149,8 +149,6 @@ def test_progress_may_be_a_bar(capsys: pytest.CaptureFixture[str]) -> None:
         nested_cages(ring(60), 12, progress="yes")  # type: ignore[arg-type]
 
 
-# Time that is over: a program with a clock of its own
-
 CLOCK = """
 import itertools, json, sys, time
 now = [0.0]

@@ -35,9 +35,6 @@ def moving() -> MovingCages:
     return core.animated_cages(OUTER, POSES, 12, clearance=0.01)
 
 
-# Shapes and results
-
-
 @pytest.mark.parametrize("shape", [OUTER, OUTER.tolist(), tuple(map(tuple, OUTER)), [OUTER], OUTER[None]])
 def test_a_single_loop_is_a_shape(shape: Any) -> None:
     assert Mesh.of(shape) == Mesh.from_loops([OUTER])
@@ -128,9 +125,6 @@ def test_meshes_settings_and_results_travel(hierarchy: Hierarchy, moving: Moving
         assert pickle.loads(pickle.dumps(settings)) == settings
 
 
-# Pictures
-
-
 def test_results_have_pictures(hierarchy: Hierarchy, moving: MovingCages) -> None:
     for result, meshes in ((hierarchy, 3), (hierarchy[0], 2), (hierarchy.fine, 1), (moving, 8)):
         drawn = ET.fromstring(result._repr_svg_()).findall(".//{*}path")
@@ -161,9 +155,6 @@ def test_results_plot_themselves(hierarchy: Hierarchy, monkeypatch: pytest.Monke
     with pytest.raises(core.NestedCagesError) as caught:
         hierarchy.plot()
     assert (caught.value.code, caught.value.data["library"]) == ("dependency.missing", "matplotlib")
-
-
-# Libraries that are not there
 
 
 def without(monkeypatch: pytest.MonkeyPatch, library: str) -> None:
@@ -198,8 +189,6 @@ def test_without_a_library_for_bars_progress_is_lines(
     assert shares == sorted(shares)
     assert shares[0] < 50
 
-
-# What is imported when
 
 PROGRAM = """
 import sys
@@ -254,9 +243,6 @@ def test_another_scipy_may_keep_its_parts_elsewhere() -> None:
         "print(nested_cages(shape, 12)[0].vertices.tolist())"
     )
     assert json.loads(run_program(program, check=True).stdout) == nested_cages(shape, 12)[0].vertices.tolist()
-
-
-# Names
 
 
 def test_every_name_is_there_and_no_other() -> None:

@@ -110,8 +110,6 @@ def test_all_pairs_have_a_limit() -> None:
         nested_cages(ring(40_000), [[ring(260, 0.95)]], replace(UNTIGHTENED, flow=Shrinking(), contact=REPAIRED))
 
 
-# Rules of quadrature
-
 GAUSS = tuple(GaussLegendre(points) for points in (1, 2, 3))
 RULES = (
     core.QuadraticFallOff(),

@@ -18,7 +18,6 @@ from nestedcages_core import (
     Mirror,
     NestedCagesError,
     Rotation,
-    Settings,
     inner_cages,
     nested_cages,
     verify,
@@ -292,15 +291,6 @@ def test_images_that_are_too_many_are_refused_at_once() -> None:
         nested_cages(square, 16, symmetry=Rotation((0.5, 0.5), 1_000_000))
     assert caught.value.code == "limit.exceeded"
     assert len(nested_cages(square, 16, symmetry=Rotation((0.5, 0.5), 100))[0].cage.vertices) == 100
-
-
-def test_what_is_no_symmetry_is_refused() -> None:
-    for wrong in (lambda: Mirror((0.0, np.nan)), lambda: Mirror((0, 0), (0, 0)), lambda: Mirror("up"),
-                  lambda: Rotation((0, 0), 1), lambda: Settings(symmetry="x"), lambda: Settings(symmetry=Mirror),
-                  lambda: Found(-1.0)):  # fmt: skip
-        with pytest.raises(NestedCagesError) as caught:
-            wrong()
-        assert caught.value.code == "setting.invalid"
 
 
 def test_meshes_of_ones_own_that_lack_the_symmetry_are_replaced_or_refused() -> None:

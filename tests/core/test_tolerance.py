@@ -38,9 +38,6 @@ def farthest(cage: Mesh, fine: Mesh, step: float) -> float:
     return float(shapely.distance([*inside, *shapely.points(cage.vertices)], polygon(fine)).max())
 
 
-# The fewest vertices
-
-
 @pytest.mark.parametrize("distance", slow_after(0, [0.2, 0.03]))
 def test_around_a_disc_the_bound_and_the_cage_are_the_regular_polygon(distance: float) -> None:
     fine = Mesh.from_loops([ring(720)])
@@ -67,18 +64,8 @@ def test_corridors_by_hand(fine: Mesh, distance: float, count: int) -> None:
     assert note(level, "note.tolerance").data["count"] == found
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("distance", [0.3, 0.1])
-def test_a_convex_shape_ends_within_one_vertex_of_the_bound(distance: float) -> None:
-    fine = ellipse()
-    level = nested_cages(fine, Within(distance=distance))[0]
-    assert level.report.fewest <= len(level.cage.vertices) <= level.report.fewest + 1
-    assert verify(level.cage, fine, level.report.wanted_clearance) and lies_within(level.cage, fine, distance)
-    assert np.array_equal(level.reinflation.cage_steps[-1], level.cage.vertices)
-
-
 @pytest.mark.parametrize("distance", slow_after(0, [0.1, 0.3, 0.03], thorough_after=1))
-@pytest.mark.parametrize("fine", [star(5, 200), letter_a(), annulus(60)], ids=["star", "letter", "ring"])
+@pytest.mark.parametrize("fine", [star(5, 200), letter_a(), annulus(60), ellipse()])
 def test_where_outlines_turn_inwards_too(fine: Mesh, distance: float) -> None:
     """Within one vertex per loop of the bound, and inside of the offset."""
     level = nested_cages(fine, Within(distance=distance))[0]
@@ -139,9 +126,6 @@ def test_cages_inside_are_near_too() -> None:
     assert not lies_within(fine, inner_cages(fine, len(level.cage.vertices) - 1)[0].cage, 0.1)
 
 
-# How near a cage is
-
-
 @pytest.mark.parametrize("seed", slow_after(0, range(6), thorough_after=2))
 def test_the_distance_that_a_note_has_is_that_of_the_farthest_point(seed: int) -> None:
     """Around bays and two loops too; a sample is at most half the diagonal of a cell from the farthest place."""
@@ -188,9 +172,6 @@ def test_a_hole_smaller_than_the_distance() -> None:
     assert level.report.fewest - 3 <= len(level.cage.vertices) <= level.report.fewest + 4
 
 
-# Levels
-
-
 @pytest.mark.slow
 def test_holes_and_levels() -> None:
     fine = annulus(48)
@@ -214,21 +195,9 @@ def test_a_level_near_another_mesh_than_the_one_inside() -> None:
     ):
         with rejected("coarse.not_nested", NestingError):
             make()
-    with rejected("setting.invalid"):
-        nested_cages(fine, 12, about="fine")  # type: ignore[arg-type]
 
 
 def test_an_impossible_excess_is_an_error() -> None:
     with rejected("tolerance.unreachable", NestingError) as caught:
         nested_cages(ellipse(40), Within(excess=1e-9))
     assert caught.value.data["limit"] == 1e-9
-
-
-WRONG = [{}, {"distance": 1.0, "excess": 1.0}]
-WRONG += [{name: value} for name in ("distance", "excess") for value in (-1.0, 0.0, np.nan, np.inf, -np.inf, "2", True)]
-
-
-@pytest.mark.parametrize("wrong", WRONG, ids=str)
-def test_wrong_limits_are_refused(wrong: dict[str, Any]) -> None:
-    with rejected("setting.invalid"):
-        Within(**wrong)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import Level, Mesh, Mirror, NestedCagesError, Settings, inner_cages, nested_cages, verify
+from nestedcages_core import Level, Mesh, Mirror, inner_cages, nested_cages, verify
 from support.judging import codes, excess_in, lengths_of, note, sharpest
 from support.marks import slow_after
 from support.shapes import annulus, letter_a, resampled, ring, star
@@ -145,27 +145,3 @@ def test_cages_inside_have_weights_and_limits_too() -> None:
     level = inner_cages(fine, 24, weights=heavy(fine), min_edge=0.2)[0]
     assert certified(level) and lengths_of(level.cage).min() >= 0.2
     assert excess_in(level.cage, fine, HEAD) < excess_in(inner_cages(fine, 24)[0].cage, fine, HEAD)
-
-
-WRONG: list[dict[str, Any]] = [
-    {"weights": [1.0, -1.0]}, {"weights": "heavy"}, {"weights": [0.0, 0.0]}, {"weights": [np.inf]}, {"pins": 3},
-    {"pins": ["corner"]}, {"pins": [(1.0,)]}, {"joints": [1]}, {"min_edge": 0.0}, {"min_edge": "long"},
-    {"min_angle": 90.0}, {"min_angle": -1},
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("wrong", WRONG, ids=str)
-def test_wrong_priorities_are_refused(wrong: dict[str, Any]) -> None:
-    with pytest.raises(NestedCagesError) as caught:
-        Settings(**wrong)
-    assert caught.value.code == "setting.invalid"
-
-
-@pytest.mark.parametrize(
-    ("wrong", "data"), [({"weights": [1.0, 2.0]}, {"given": 2, "available": 64}), ({"pins": [64]}, {"available": 64})]
-)
-def test_priorities_of_another_drawing_are_refused(wrong: dict[str, Any], data: dict[str, int]) -> None:
-    with pytest.raises(NestedCagesError) as caught:
-        nested_cages(Mesh.from_loops([ring(64)]), 8, **wrong)
-    assert caught.value.code == "priorities.mismatch"
-    assert {name: caught.value.data.get(name) for name in data} == data

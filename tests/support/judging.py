@@ -12,8 +12,25 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import Mesh, NestedCagesError
+from nestedcages_core import Mesh, NestedCagesError, check, verify, verify_motion
 from support.shapes import polygon
+
+
+def assert_right(level: Any) -> None:
+    """A level is what its report says, by the public judges and comparisons; its drawing is back to the last bit."""
+    path, report = level.reinflation, level.report
+    pair = (level.fine, level.cage) if level.inside else (level.cage, level.fine)
+    certificate = verify(*pair, report.wanted_clearance, same_loops=False)
+    assert certificate
+    assert (report.clearance, report.excess) == (certificate.clearance, level.cage.area / level.fine.area - 1.0)
+    assert np.array_equal(level.cage.edges, level.coarse.edges)
+    assert np.array_equal(level.flow.steps[0], level.fine.vertices)
+    assert np.array_equal(path.fine_steps[0], level.flow.steps[-1])
+    assert (path.fine_steps[path.tightening_start :] == level.fine.vertices).all()
+    assert np.array_equal(path.cage_steps[0], level.coarse.vertices)
+    assert np.array_equal(path.cage_steps[-1], level.cage.vertices)
+    assert verify_motion(level.cage, level.fine, path.cage_steps, path.fine_steps)
+    assert check(level.fine, level)
 
 
 @contextmanager

@@ -18,6 +18,11 @@ def ring(count: int, radius: float = 1.0, angle: float = 0.0, centre: tuple[floa
     return radius * np.stack([np.cos(turn), np.sin(turn)], axis=1) + np.array(centre)
 
 
+def turned(points: np.ndarray, angle: float) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]))
+
+
 def annulus(count: int, inner: float = 0.5, angle: float = 0.0) -> Mesh:
     """Two regular polygons with ``count`` vertices each, of radius 1 and ``inner``."""
     return Mesh.from_loops([ring(count, 1.0, angle), ring(count, inner, angle)])
