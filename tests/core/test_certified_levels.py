@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -20,21 +20,13 @@ OWN = Mesh.from_loops([ring(10, 1.2)])
 """A coarse mesh that the flow gets into."""
 
 
-def assert_sound(levels: Iterable[core.Level]) -> None:
-    for level in levels:
-        assert_right(level)
-
-
 STEPS: dict[str, tuple[Callable[[np.ndarray], list[np.ndarray]], str]] = {
     "a part of the shape is left out": (lambda cage: [cage * [0.5, 2.0]], "certificate.failed"),
     "it lies elsewhere": (lambda cage: [cage + 3.0], "certificate.failed"),
     "it is turned": (lambda cage: [turned(cage, 0.6)], "certificate.failed"),
     "it crosses itself": (lambda cage: [cage[np.r_[1, 0, 2 : len(cage)]]], "certificate.failed"),
     "it is no number": (lambda cage: [cage * np.nan], "certificate.failed"),
-    "there and back through the shape": (
-        lambda cage: [np.roll(cage, len(cage) // 2, axis=0), cage],
-        "motion.collides",
-    ),
+    "there and back through the shape": (lambda cage: [np.roll(cage, len(cage) // 2, axis=0), cage], "motion.collides"),
 }
 """What a tightening ends with, and the code of the error where nothing else is left to try."""
 
@@ -107,11 +99,9 @@ def test_a_contact_that_loses_the_cage_is_found_out(change: Any, code: str) -> N
 def test_a_contact_that_loses_the_shape_does_not_move_it(factor: float) -> None:
     lost = Elsewhere(change=lambda x, m: np.concatenate([x[:m], factor * x[m:]]))
     try:
-        levels = nested_cages(FINE, OWN, contact=lost, fallback=None).levels
+        assert_right(nested_cages(FINE, OWN, contact=lost, fallback=None)[0])
     except NestingError as error:
-        levels = ()
         assert error.code in ("motion.collides", "certificate.failed")
-    assert_sound(levels)
 
 
 def test_a_contact_that_gives_up_leads_to_the_next_and_then_to_the_fallback() -> None:
@@ -136,12 +126,12 @@ FLOWS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], str | None]] = {
 def test_a_flow_that_is_not_one_is_found_out(change: Any, code: str | None) -> None:
     pretending, coarse = Pretending(change=change), Mesh.from_loops([ring(10, 0.9)])
     if code is None:
-        assert_sound(nested_cages(FINE, coarse, flow=pretending, fallback=None))
+        assert_right(nested_cages(FINE, coarse, flow=pretending, fallback=None)[0])
         return
     with rejected(code):
         nested_cages(FINE, coarse, flow=pretending, fallback=None)
     if code != "solver.not_finite":
-        assert_sound(nested_cages(FINE, coarse, flow=pretending))
+        assert_right(nested_cages(FINE, coarse, flow=pretending)[0])
 
 
 MESHES: dict[str, tuple[Mesh, str | None]] = {
@@ -159,7 +149,7 @@ def test_whatever_a_decimation_offers_the_cage_is_certified(coarse: Mesh, code: 
     (level,) = nested_cages(FINE, 10, decimation=Offering((coarse,)))
     assert_right(level)
     if code is None:
-        assert_sound(nested_cages(FINE, 10, decimation=Offering((coarse,)), fallback=None))
+        assert_right(nested_cages(FINE, 10, decimation=Offering((coarse,)), fallback=None)[0])
         return
     assert level.report.start == "outer hull"
     with rejected(code):

@@ -9,7 +9,6 @@ import pytest
 import shapely
 
 from nestedcages_core import Mesh, convex_pieces
-from support.judging import rejected
 from support.shapes import islands, letter_a, polygon, ring, square_with_hole, star
 
 L_SHAPE = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]
@@ -35,8 +34,3 @@ def test_pieces_tile_the_mesh(mesh: Mesh, most: int) -> None:
 @pytest.mark.parametrize(("loop", "fewest"), [(L_SHAPE, 2), (PLUS, 3), (ring(8), 1), (ring(14), 2)])
 def test_the_optimum_on_small_shapes(loop: object, fewest: int) -> None:
     assert len(convex_pieces(Mesh.from_loops([loop]))) == fewest
-
-
-def test_too_few_vertices_per_piece() -> None:
-    with rejected("setting.invalid"):
-        convex_pieces(star(), 2)

@@ -19,7 +19,6 @@ from nestedcages_core import (
     OnCurve,
     OwnDecimation,
     Settings,
-    inner_cages,
     nested_cages,
     verify,
 )
@@ -201,13 +200,6 @@ def test_both_ways_of_starting_lead_to_the_same_cage() -> None:
     assert caught.value.code == "setting.invalid"
 
 
-@pytest.mark.slow
-def test_inner_cages_are_close_too() -> None:
-    for fine, excess in ((letter_a(), -0.1675), (star(), -0.2653), (annulus(60), -0.1217)):
-        level = inner_cages(fine, 16)[0]
-        assert verify(fine, level.cage) and level.excess > excess - 0.002
-
-
 # On the curve
 
 
@@ -260,15 +252,6 @@ def test_vertices_on_the_curve_are_at_its_corners() -> None:
     with pytest.raises(NestedCagesError) as caught:
         OnCurve(around=3)  # type: ignore[arg-type]
     assert caught.value.code == "setting.invalid"
-
-
-@pytest.mark.slow
-@ON_CURVE
-def test_levels_may_start_from_them(method: Any) -> None:
-    for name in ("letter", "ring"):
-        level = nested_cages(SHAPES[name], 24, decimation=method)[0]
-        assert len(level.cage.vertices) == 24 and verify(level.cage, level.fine)
-        assert level.excess < 2.0 * nested_cages(SHAPES[name], 24)[0].excess
 
 
 # Of one's own

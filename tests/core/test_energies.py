@@ -200,26 +200,17 @@ def test_the_way_home_can_have_an_energy_of_its_own() -> None:
 
 
 FORMULAS: dict[str, Callable[[Any, Any], Any]] = {
-    "+": lambda u, v: u + v + 1.5,
-    "-": lambda u, v: 2.0 - (u - v) - 0.5,
-    "*": lambda u, v: 3.0 * u * v * u,
-    "/": lambda u, v: u / v + 1.0 / v + v / 7.0,
-    "-u": lambda u, v: -u * +v,
-    "u ** 3": lambda u, v: u**3 * v**-1.5,
-    "u ** v": lambda u, v: u**v + 2.0**v,
-    "square": lambda u, v: np.square(u) * np.reciprocal(v),
-    "sqrt": lambda u, v: np.sqrt(u * v),
-    "exp": lambda u, v: np.exp(u - v),
-    "log": lambda u, v: np.log(u + 2.0 * v),
-    "sin": lambda u, v: np.sin(u * v),
-    "cos": lambda u, v: np.cos(u) * v,
-    "arctan": lambda u, v: np.arctan(u / v),
+    "+": lambda u, v: u + v + 1.5, "-": lambda u, v: 2.0 - (u - v) - 0.5, "-u": lambda u, v: -u * +v,
+    "*": lambda u, v: 3.0 * u * v * u, "/": lambda u, v: u / v + 1.0 / v + v / 7.0,
+    "u ** 3": lambda u, v: u**3 * v**-1.5, "u ** v": lambda u, v: u**v + 2.0**v,
+    "square": lambda u, v: np.square(u) * np.reciprocal(v), "sqrt": lambda u, v: np.sqrt(u * v),
+    "exp": lambda u, v: np.exp(u - v), "log": lambda u, v: np.log(u + 2.0 * v),
+    "sin": lambda u, v: np.sin(u * v), "cos": lambda u, v: np.cos(u) * v, "arctan": lambda u, v: np.arctan(u / v),
     "arctan2": lambda u, v: np.arctan2(u - 1.4, v - 1.0) + np.arctan2(u, 2.0) + np.arctan2(-1.0, v),
-    "hypot": lambda u, v: np.hypot(u, v) + np.hypot(u, 1.0),
-    "abs": lambda u, v: np.abs(u - 1.5) * v,
+    "hypot": lambda u, v: np.hypot(u, v) + np.hypot(u, 1.0), "abs": lambda u, v: np.abs(u - 1.5) * v,
     "max": lambda u, v: np.maximum(u, v) * np.maximum(u, 1.2),
     "min": lambda u, v: np.minimum(u, v) * np.minimum(1.2, v),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("formula", FORMULAS.values(), ids=FORMULAS.keys())

@@ -253,14 +253,6 @@ def test_every_grid_cage_survives_writing_and_reading(seed: int, decimals: int, 
     assert [[float(f"{x:.{decimals}f}") for x in row] for row in cage.vertices.tolist()] == cage.vertices.tolist()
 
 
-def test_writers_do_not_round() -> None:
-    cage = nested_cages(star(), 8)[0].cage
-    for write in (to_geojson, to_svg, to_engine_json):
-        for decimals in (3, -1, 16, 1.5):
-            with pytest.raises(NestedCagesError):
-                write(cage, decimals=decimals)  # type: ignore[arg-type]
-
-
 @pytest.mark.slow
 def test_the_command_writes_so_many_decimals(tmp_path: Path) -> None:
     source, out, report = (tmp_path / name for name in ("star.geojson", "cages.geojson", "report.json"))

@@ -73,10 +73,7 @@ def test_the_start_of_loops_and_their_order_do_not_matter(shape: Callable[[], Me
 WRAP = np.array([(-0.5, -0.5), (0.6, -0.45), (1.7, -0.5), (1.7, 0.5), (0.6, 0.45), (-0.5, 0.5)])
 
 
-def two_rings() -> Mesh:
-    """Two annuli side by side."""
-    right = 1.2
-    return Mesh.from_loops([ring(40, 0.5), disc(40, 0.5, right, 0.0), ring(20, 0.2), disc(20, 0.2, right, 0.0)])
+TWO_RINGS = [ring(40, 0.5), disc(40, 0.5, 1.2, 0.0), ring(20, 0.2), disc(20, 0.2, 1.2, 0.0)]
 
 
 @pytest.mark.parametrize(
@@ -86,7 +83,7 @@ def two_rings() -> Mesh:
 )
 def test_one_cage_may_wrap_two_components_and_cover_holes(coarse: list[np.ndarray]) -> None:
     """Gurditta & Jacobson 2022, figure 4."""
-    fine = two_rings()
+    fine = Mesh.from_loops(TWO_RINGS)
     level = nested_cages(fine, [Mesh.from_loops(coarse)], Settings(fallback=None)).levels[0]
     assert level.report.start == "flow"
     assert len(level.cage.loops) == len(coarse)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nestedcages_core import Mesh, NestingError, OuterHull, inner_cages, nested_cages, verify
-from support.judging import codes, gap
+from nestedcages_core import Mesh, NestingError, OuterHull, verify
+from support.judging import gap
 from support.marks import slow_after
 from support.shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
 
@@ -94,11 +94,3 @@ def test_large_clearances_straight_sides_and_many_vertices() -> None:
     assert coarse.area < 1.1 * many.area
     areas = [hull(Mesh.from_loops([ring(60)]), count).area for count in (3, 4, 5, 8, 12, 20, 40, 60)]
     assert (np.diff(areas) < 0.0).all()
-
-
-@pytest.mark.slow
-def test_levels_may_start_from_it() -> None:
-    for made, side in ((nested_cages, 1), (inner_cages, -1)):
-        level = made(letter_a(), 24, decimation=OuterHull())[0]
-        assert len(level.cage.vertices) == 24 and codes(level) == [] and side * level.excess > 0.0
-        assert abs(level.excess) < 1.6 * abs(made(letter_a(), 24)[0].excess)

@@ -27,10 +27,7 @@ RULES: dict[type, dict[str, tuple[list[Any], Any]]] = {  # of each parameter, wh
     core.InteriorPoint: {"complementarity": POSITIVE, "primal": POSITIVE, "dual": POSITIVE, "iterations": count(0)},
     core.ProjectedNewton: {"tolerance": NOT_NEGATIVE, "max_iterations": count(0)},
     SequentialQP: {"gap": POSITIVE, "stride": POSITIVE, "iterations": count(1), "patience": count(1)},
-    IPC: {
-        **dict.fromkeys(("barrier_range", "restoring", "barrier", "stride"), POSITIVE),
-        "cages": NOT_NEGATIVE,
-    },
+    IPC: {**dict.fromkeys(("barrier_range", "restoring", "barrier", "stride"), POSITIVE), "cages": NOT_NEGATIVE},
     Tightening: {
         **dict.fromkeys(("first_radius", "largest_radius"), POSITIVE),
         **dict.fromkeys(("tolerance", "share", "apart"), NOT_NEGATIVE),
@@ -72,16 +69,11 @@ def test_parameters_are_checked(method: type, name: str, wrong: list[Any], right
     method(**{name: right})
 
 
-PARTS: list[Callable[[Any], object]] = [
-    lambda part: IPC(solver=part),
-    lambda part: IPC(energy=part),
-    lambda part: PaperContact(solver=part),
-    lambda part: PaperContact(energy=part),
-    lambda part: PaperContact(step_filter=part),
-    lambda part: PaperContact(broad_phase=part),
-    lambda part: SequentialQP(quadratic_programs=part),
-    lambda part: SignedDistanceFlow(quadrature=part),
-    lambda part: Tightening(solver=part),
+PARTS: list[tuple[type, str]] = [
+    (IPC, "solver"), (IPC, "energy"), (SequentialQP, "quadratic_programs"), (SignedDistanceFlow, "quadrature"),
+    *((PaperContact, name) for name in ("solver", "energy", "step_filter", "broad_phase")), (Tightening, "solver"),
+]  # fmt: skip
+OTHERS: list[Callable[[Any], object]] = [
     lambda part: core.OnCurve(around=part),
     lambda part: core.OwnDecimation(part),
     lambda part: ElementEnergy(elements=part, formula=len),
@@ -89,14 +81,11 @@ PARTS: list[Callable[[Any], object]] = [
 ]
 
 
-@pytest.mark.parametrize("make", PARTS)
-@pytest.mark.parametrize("wrong", ["AREA", None, 1.0, [1]], ids=["text", "none", "number", "list"])
-def test_parts_of_a_wrong_kind_are_rejected(make: Callable[[Any], object], wrong: Any) -> None:
-    with rejected("setting.invalid"):
-        make(wrong)
-
-
-@pytest.mark.parametrize("make", PARTS[:9])
-def test_classes_are_no_parts(make: Callable[[Any], object]) -> None:
-    with rejected("setting.invalid"):
-        make(Area)
+@pytest.mark.parametrize("wrong", ["AREA", None, 1.0, [1], Area], ids=["text", "none", "number", "list", "class"])
+def test_parts_of_a_wrong_kind_are_rejected(wrong: Any) -> None:
+    for method, name in PARTS:
+        with rejected("setting.invalid"):
+            method(**{name: wrong})
+    for make in OTHERS if wrong is not Area else ():
+        with rejected("setting.invalid"):
+            make(wrong)

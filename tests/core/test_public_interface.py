@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import copy
 import json
 import os
@@ -15,7 +16,6 @@ import numpy as np
 import pytest
 import shapely.geometry
 
-import nestedcages_core
 import nestedcages_core as core
 from nestedcages_core import Hierarchy, Mesh, MovingCages, nested_cages, to_engine_json, to_geojson, to_svg
 from support.shapes import annulus, islands, ring, star
@@ -53,17 +53,13 @@ def test_a_level_is_a_geometry(hierarchy: Hierarchy) -> None:
 
 def test_a_hierarchy_is_a_sequence_of_levels(hierarchy: Hierarchy) -> None:
     first, second = hierarchy
-    assert len(hierarchy) == 2
+    assert (len(hierarchy), hierarchy[:1], list(reversed(hierarchy))) == (2, (first,), [second, first])
     assert hierarchy[-1] is second is hierarchy.levels[1]
-    assert hierarchy[:1] == (first,)
-    assert first in hierarchy
-    assert list(reversed(hierarchy)) == [second, first]
-    assert isinstance(first, core.Level)
+    assert first in hierarchy and isinstance(first, core.Level) and not first.inside
     assert first.vertices is first.cage.vertices
     assert first.excess == first.report.excess
     assert hierarchy.cages == (first.cage, second.cage)
     assert second.fine is first.cage
-    assert not first.inside
 
 
 def test_results_show_themselves_in_short(hierarchy: Hierarchy, moving: MovingCages) -> None:
@@ -246,26 +242,18 @@ def test_another_scipy_may_keep_its_parts_elsewhere() -> None:
 
 
 def test_every_name_is_there_and_no_other() -> None:
-    assert dir(nestedcages_core) == sorted(nestedcages_core.__all__)
-    for name in nestedcages_core.__all__:
-        assert getattr(nestedcages_core, name) is not None
-    assert not hasattr(nestedcages_core, "no_such_name")
-    assert callable(nestedcages_core.convex_pieces)  # further names, for those who know them
+    assert dir(core) == sorted(core.__all__)
+    for name in core.__all__:
+        assert getattr(core, name) is not None
+    assert not hasattr(core, "no_such_name")
+    assert callable(core.convex_pieces)  # further names, for those who know them
 
 
 def test_a_type_checker_sees_the_names_that_there_are() -> None:
     """Every name that the package imports for type checkers is one of its own."""
-    import ast
-
-    source = (ROOT / "nestedcages_core" / "__init__.py").read_text(encoding="utf-8")
-    names = {
-        alias.asname or alias.name
-        for node in ast.walk(ast.parse(source))
-        if isinstance(node, ast.ImportFrom) and node.level == 1
-        for alias in node.names
-    }
-    assert set(nestedcages_core.__all__) <= names
-    assert [name for name in sorted(names) if not name.startswith("_") and not hasattr(nestedcages_core, name)] in (
-        [],
-        ["repaired_geometry"],
-    )
+    source = ast.parse((ROOT / "nestedcages_core" / "__init__.py").read_text(encoding="utf-8"))
+    imports = [node for node in ast.walk(source) if isinstance(node, ast.ImportFrom) and node.level == 1]
+    names = {alias.asname or alias.name for node in imports for alias in node.names}
+    assert set(core.__all__) <= names
+    public = [name for name in sorted(names) if not name.startswith("_") and name != "repaired_geometry"]
+    assert [name for name in public if not hasattr(core, name)] == []

@@ -195,9 +195,3 @@ def test_a_level_near_another_mesh_than_the_one_inside() -> None:
     ):
         with rejected("coarse.not_nested", NestingError):
             make()
-
-
-def test_an_impossible_excess_is_an_error() -> None:
-    with rejected("tolerance.unreachable", NestingError) as caught:
-        nested_cages(ellipse(40), Within(excess=1e-9))
-    assert caught.value.data["limit"] == 1e-9
