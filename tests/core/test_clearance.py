@@ -10,7 +10,7 @@ from nestedcages_core import Mesh, NestedCagesError, NestingError, inner_cages, 
 from support.families import drawing
 from support.judging import codes, gap, rejected
 from support.marks import slow_after
-from support.shapes import annulus, comb, letter_a, polygon, ring, star
+from support.shapes import annulus, comb, letter_a, polygon, resampled, ring, star
 
 NEARLY_ALL = 0.99
 SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
@@ -54,15 +54,10 @@ def test_around_a_square_a_clearance_is_a_larger_square() -> None:
     """With four vertices; with more, corners are cut at the distance, at most as far as the round offset."""
     fine = Mesh.from_loops([SQUARE])
     for clearance in (1e-3, 0.1):
-        assert nested_cages(fine, 4, clearance=clearance)[0].cage.area == pytest.approx(
-            (1 + 2 * clearance) ** 2, rel=1e-5
-        )
-        assert inner_cages(fine, 4, clearance=clearance)[0].cage.area == pytest.approx(
-            (1 - 2 * clearance) ** 2, rel=1e-5
-        )
-    dense = Mesh.from_loops(
-        [np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in zip(SQUARE, SQUARE[[1, 2, 3, 0]], strict=True)])]
-    )
+        for made, side in ((nested_cages, 1), (inner_cages, -1)):
+            area = made(fine, 4, clearance=clearance)[0].cage.area
+            assert area == pytest.approx((1 + 2 * side * clearance) ** 2, rel=1e-5)
+    dense = resampled(fine, 32)
     for count, octagon in ((8, 2), (12, 3)):
         clearance, corner = 0.1, np.pi / 2 / octagon
         pieces = 4 * octagon * np.tan(corner / 2) * clearance**2  # a polygon of 4 * octagon edges around the circle

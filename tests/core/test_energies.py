@@ -44,18 +44,11 @@ class Springs(core.CageEnergy):
 
 
 ENERGIES: list[Any] = [
-    Springs(),
-    Area(),
-    core.NoEnergy(),
-    core.StepDisplacement(),
-    InitialDisplacement(),
-    BoundaryARAP(),
-    InteriorARAP(),
-    core.ShapeKeeping(strength=0.7),
-    core.WeightedSum(((2.0, Area()), (0.5, BoundaryARAP()))),
+    Springs(), Area(), core.NoEnergy(), core.StepDisplacement(), InitialDisplacement(), BoundaryARAP(), InteriorARAP(),
+    core.ShapeKeeping(strength=0.7), core.WeightedSum(((2.0, Area()), (0.5, BoundaryARAP()))),
     ElementEnergy.per_turn(lambda now, rest: (now[1] - now[0]).cross(now[2] - now[1]) ** 2),
     ElementEnergy.per_edge(lambda now, rest: ((now[1] - now[0]).length() / (rest[1] - rest[0]).length()) ** 3),
-]
+]  # fmt: skip
 BY_NAME = pytest.mark.parametrize("energy", ENERGIES, ids=lambda energy: type(energy).__name__)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -25,25 +24,18 @@ CASES = {
 }
 
 
-class Case(NamedTuple):
-    fine: Mesh
-    coarse: Mesh
-    level: Level
-
-
 def tightened(fine: Mesh, coarse: Mesh, **settings: object) -> Level:
     """From a coarse mesh around the fine one, which rests."""
     return nested_cages(fine, [coarse], Settings(fallback=None, **settings))[0]  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module", params=CASES)
-def case(request: pytest.FixtureRequest) -> Case:
-    fine, coarse = CASES[request.param]
-    return Case(fine, coarse, tightened(fine, coarse))
+def level(request: pytest.FixtureRequest) -> Level:
+    return tightened(*CASES[request.param])
 
 
-def test_the_cage_is_nested_at_the_clearance_and_the_area_falls_with_every_step(case: Case) -> None:
-    fine, coarse, level = case
+def test_the_cage_is_nested_at_the_clearance_and_the_area_falls_with_every_step(level: Level) -> None:
+    fine, coarse = level.fine, level.coarse
     assert_right(level)
     assert_nested(level.cage, fine)
     clearance, way = CLEARANCE * fine.diagonal, level.reinflation
@@ -56,9 +48,9 @@ def test_the_cage_is_nested_at_the_clearance_and_the_area_falls_with_every_step(
     assert all(after < before for before, after in itertools.pairwise(areas[1:]))
 
 
-def test_edges_are_flush_or_touch_at_their_middle(case: Case) -> None:
+def test_edges_are_flush_or_touch_at_their_middle(level: Level) -> None:
     """The sign of a local optimum: the contacts of a free edge lie on both sides of its midpoint, or at it."""
-    fine, _, level = case
+    fine = level.fine
     reach, boundary = 1.2 * level.report.clearance, lines(fine.vertices, fine)
     held = shapely.distance(shapely.points(level.cage.vertices), boundary) < reach
     balanced = free = 0
