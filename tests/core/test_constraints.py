@@ -114,9 +114,6 @@ def test_what_settings_ask_for_goes_with_a_box(needs: dict[str, Any]) -> None:
     assert box_around(STAR, 0.02).fault(level.cage, STAR) is None
 
 
-# Box
-
-
 def test_a_box_holds_back_vertices_that_would_leave_it() -> None:
     free, held = nested_cages(STAR, 10)[0], nested_cages(STAR, 10, constraints=[box_around(STAR, 0.003)])[0]
     assert box_around(STAR, 0.003).fault(free.cage, STAR) is not None
@@ -149,9 +146,6 @@ def test_what_is_missed_is_an_error_or_a_note() -> None:
     assert core.verify(level.cage, fine) and "box.left" in codes(level)
     with rejected("box.left"):
         nested_cages(STAR, 12, constraints=[Box((-9.0, -9.0), (0.5, 9.0))])
-
-
-# Distances of loops, edges, angles
 
 
 def test_loops_keep_distances_of_their_own() -> None:
@@ -197,9 +191,6 @@ def test_promised_limits_without_room_are_errors() -> None:
         assert caught.value.code in {code, "box.left"}
 
 
-# Obstacles
-
-
 def test_obstacles_push_the_cage_aside() -> None:
     free = nested_cages(STAR, 10)[0]
     tip = free.cage.vertices[int(np.argmax(np.hypot(*free.cage.vertices.T)))]
@@ -238,9 +229,6 @@ def test_obstacles_are_judged_exactly() -> None:
         nested_cages(cage, 4, constraints=[around])
     near = Outside([SQUARE + np.array([2.5, 0.5])], 0.6).fault(cage, cage)
     assert near is not None and near.data["clearance"] == 0.5 and near.data["wanted"] == 0.6
-
-
-# Directions
 
 
 @pytest.mark.parametrize("count", slow_after(1, [12, 4, 28, 40], thorough_after=3))
@@ -322,9 +310,6 @@ def test_what_does_not_go_with_a_drawing_is_refused() -> None:
     ):
         with rejected(code):
             nested_cages(STAR, 12, **options)  # type: ignore[arg-type]
-
-
-# Of one's own
 
 
 class Odd(core.Constraint):
@@ -500,8 +485,6 @@ def test_a_constraint_of_ones_own_lets_loops_be_joined() -> None:
         assert len(level.cage.vertices) <= count and core.verify(level.cage, fine, same_loops=False)
         assert lengths_of(level.cage).max() <= 4.0
 
-
-# What they tell the solvers
 
 PLAIN = SimpleNamespace(scale=1.0, points=lambda x: x, to_input=lambda x: x, clearance=lambda length: length)
 """Units of the solvers that are those of the input."""
