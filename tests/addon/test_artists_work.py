@@ -269,25 +269,6 @@ def test_a_bound_drawing_goes_with_its_cages(kind) -> None:
     assert verify(cage)
 
 
-@pytest.mark.parametrize("linked", slow_after(1, [True, False], thorough_after=1))
-@pytest.mark.parametrize("kind", slow_after(0, DRAWINGS, thorough_after=1))
-def test_a_copy_of_a_bound_drawing_shows_the_same_where_it_is(kind, linked) -> None:
-    source = DRAWINGS[kind]()
-    bpy.context.view_layer.update()
-    *_, cage = generate(source, "12")
-    bpy.ops.object.nested_cages_bind()
-    cage.location.x += 0.25
-    cage.data.vertices[2].co.x += 0.1
-    cage.data.update()
-    choose(source)
-    bpy.ops.object.duplicate(linked=linked)
-    copy = bpy.context.view_layer.objects.active
-    copy.location.y += 4.0
-    bpy.context.view_layer.update()
-    assert copy != source
-    assert np.abs(world(copy) - world(source) - (0.0, 4.0, 0.0)).max() < 1e-5
-
-
 @pytest.mark.slow
 def test_an_instance_shows_the_pose_where_it_is() -> None:
     source = wire("Drawing", [star() * 2.0])

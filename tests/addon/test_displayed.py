@@ -15,7 +15,6 @@ from support.drawings import (
     bind,
     certificate,
     choose,
-    circle,
     evaluated,
     generate,
     grease_pencil,
@@ -336,13 +335,6 @@ def test_instances_of_nodes_are_read_as_displayed(kind, fill) -> None:
     assert verify(outer)
 
 
-def transparent(drawn):
-    stroke = drawn.data.layers[0].current_frame().drawing.strokes[0]
-    stroke.fill_opacity = 0.0
-    for point in stroke.points:
-        point.opacity = 0.0
-
-
 @pytest.mark.slow
 def test_the_silhouette_of_an_instance_leaves_cages_out() -> None:
     wire("Drawing", [star()])
@@ -355,37 +347,3 @@ def test_the_silhouette_of_an_instance_leaves_cages_out() -> None:
     bpy.ops.object.collection_instance_add(collection="Home", location=(5.0, 0.0, 0.0))
     assert bpy.ops.object.nested_cages_silhouette() == {"FINISHED"}
     assert len(bpy.context.object.data.vertices) == 60
-
-
-HIDING = {
-    "opacity": lambda drawn: setattr(drawn.data.layers[0], "opacity", 0.0),
-    "layer": lambda drawn: setattr(drawn.data.layers[0], "hide", True),
-    "group": lambda drawn: setattr(drawn.data.layers[0].parent_group, "hide", True),
-    "material": lambda drawn: setattr(drawn.material_slots[0].material.grease_pencil, "hide", True),
-    "strokes": transparent,
-}
-
-
-@pytest.mark.parametrize("way", HIDING)
-def test_hidden_strokes_are_not_read(way) -> None:
-    drawn = grease_pencil("Strokes", [star()])
-    data = drawn.data
-    shown = data.layers.new("Shown").frames.new(1).drawing
-    shown.add_strokes([24])
-    for layer in data.layers:
-        data.layers.move_to_layer_group(layer, data.layer_groups.new("Group"))
-        style = bpy.data.materials.new(layer.name)
-        bpy.data.materials.create_gpencil_data(style)
-        data.materials.append(style)
-    for number, drawing in enumerate(layer.current_frame().drawing for layer in data.layers):
-        drawing.strokes[0].material_index, drawing.strokes[0].cyclic = number, True
-        for point in drawing.strokes[0].points:
-            point.opacity, point.radius = 1.0, 0.0
-    for point, place in zip(shown.strokes[0].points, circle(24, 0.5, (5.0, 0.0)), strict=True):
-        point.position = (*place, 0.0)
-    generate("8", loops="keep")
-    assert len(base(made("Strokes")[0])) == 84
-    HIDING[way](drawn)
-    choose(drawn)
-    generate("8")
-    assert len(base(made("Strokes")[0])) == 24 and len(data.layers) == 2

@@ -23,8 +23,8 @@ from support.drawings import (
     in_world,
     lines,
     made,
-    nurbs_circle,
     poly_curve,
+    sets,
     snapshot,
     solid,
     star,
@@ -96,7 +96,7 @@ def test_levels_appear_one_after_the_other_with_what_is_known_of_them() -> None:
     assert scene.frame_end == end_of(collection) == end_of(cages[-1])
     markers = {marker.name: marker.frame for marker in scene.timeline_markers}
     assert markers == {"Drawing": end_of(collection)}
-    assert (certificate(cages[0]).frames[1] - 101) % 3 == 0
+    assert all((frame - 101) % 3 == 0 for cage in cages for frame in certificate(cage).frames)
 
 
 def test_without_the_flow_the_drawing_is_inside_from_the_start() -> None:
@@ -123,10 +123,6 @@ def test_the_clearance_is_a_length_of_the_scene(clearance) -> None:
 
 
 ORDINARY = {
-    "Bezier circle": lambda: bezier_circle("Drawing"),
-    "NURBS circle": lambda: nurbs_circle("Drawing"),
-    "mesh circle": lambda: wire("Drawing", [circle(32)]),
-    "square": lambda: wire("Drawing", [circle(4)]),
     "triangle": lambda: wire("Drawing", [circle(3)]),
     "text": lambda: text("Drawing", "Ab"),
     "letter": lambda: poly_curve("Drawing", letter()),
@@ -134,7 +130,7 @@ ORDINARY = {
 }
 
 
-@pytest.mark.parametrize("name", slow_after(4, ORDINARY))
+@pytest.mark.parametrize("name", slow_after(2, ORDINARY))
 def test_the_default_works_on_any_ordinary_drawing(name) -> None:
     ORDINARY[name]()
     assert bpy.ops.object.nested_cages_generate() == {"FINISHED"}
@@ -240,27 +236,6 @@ def test_a_second_run_replaces_what_the_first_made() -> None:
     )
 
 
-def seen_on(frame):
-    """The objects that are not hidden on a frame."""
-    at_frame(frame)
-    return [obj for obj in bpy.context.scene.objects if not obj.hide_viewport]
-
-
-def everything():
-    """The scene, and what is seen of it on some frames."""
-    scene = bpy.context.scene
-    frames = (scene.frame_start, scene.frame_end // 2, scene.frame_end)
-    shown = [
-        (frame, obj.name, obj.matrix_world.copy(), evaluated(obj, at_frame(frame)).tobytes())
-        for frame in frames
-        for obj in seen_on(frame)
-        if obj.type == "MESH"
-    ]
-    at_frame(1)
-    owners = (*bpy.data.collections, *bpy.data.objects)
-    return snapshot(), shown, {owner.name: own_properties(owner) for owner in owners}
-
-
 def own_properties(owner):
     """Custom properties as text, without registered groups, which Blender before 5.0 lists among them."""
     return {key: str(value) for key, value in owner.items() if not hasattr(value, "to_dict")}
@@ -340,9 +315,9 @@ def test_undo_and_redo() -> None:
     bpy.ops.ed.undo_push(message="after")
     after = snapshot()
     bpy.ops.ed.undo()
-    assert snapshot() == before
+    assert snapshot() == before and not sets().everywhere()
     bpy.ops.ed.redo()
-    assert snapshot() == after
+    assert snapshot() == after and len(sets().everywhere()) == 1
 
 
 ENERGIES = ["SHAPE_KEEPING", "INITIAL_DISPLACEMENT", "STEP_DISPLACEMENT", "BOUNDARY_ARAP", "INTERIOR_ARAP"]

@@ -10,30 +10,8 @@ import pytest
 import shapely
 
 from support.blender import refused
-from support.drawings import evaluated, generate, in_world, poly_curve, solid, star
+from support.drawings import evaluated, generate, in_world, solid
 from support.marks import slow_after
-
-
-@pytest.mark.parametrize("kind", ["SVG", "GEOJSON"])
-def test_three_exported_outlines_come_back_as_three_of_the_same_size(tmp_path, kind) -> None:
-    poly_curve("Drawing", [star()])
-    generate("20, 10")
-    path = str(tmp_path / {"SVG": "cages.svg", "GEOJSON": "cages.geojson"}[kind])
-    bpy.ops.object.nested_cages_export(filepath=path, kind=kind)
-    names = ("Drawing Fine", "Drawing Cage 1", "Drawing Cage 2")
-    sizes = sorted(tuple(np.ptp([v.co for v in bpy.data.objects[name].data.vertices], axis=0)) for name in names)
-    before = set(bpy.data.objects)
-    assert bpy.ops.object.nested_cages_import(filepath=path) == {"FINISHED"}
-    made = sorted(set(bpy.data.objects) - before, key=lambda obj: obj.dimensions.x)
-    assert len(made) == 3
-    found = sorted(tuple(np.ptp([v.co for v in obj.data.vertices], axis=0)) for obj in made)
-    np.testing.assert_allclose(found, sizes, rtol=1e-6)
-    for obj in made:
-        bpy.data.objects.remove(obj)
-    assert bpy.ops.object.nested_cages_import(filepath=path, scale=2.0, outlines="ONE") == {"FINISHED"}
-    made = set(bpy.data.objects) - before
-    assert len(made) == (1 if kind == "SVG" else 3)
-    assert max(obj.dimensions.x for obj in made) == pytest.approx(2.0 * max(size[0] for size in sizes), rel=1e-4)
 
 
 def test_shapes_of_any_svg_can_be_read_one_by_one(tmp_path) -> None:
@@ -68,20 +46,6 @@ def test_a_drawing_stands_in_its_middle_and_several_shapes_are_parts(tmp_path, s
         assert above[up] == pytest.approx(-0.15, abs=1e-6) and above[3 - up] * front > 0.0
         assert made["low"].data.polygons and made["low"].data.materials[0].name == "Fill #FF0000"
     generate("8")
-
-
-@pytest.mark.slow
-def test_every_drawn_shape_is_an_outline_whatever_the_spelling(tmp_path) -> None:
-    path = tmp_path / "many.svg"
-    shapes = '<s:g id="dot"><s:circle id="dot" r="1"/></s:g><s:defs><s:rect id="r" width="1" height="1"/></s:defs>'
-    copies = "".join(f'<s:use href="#r" x="{3 * k}"/>' for k in range(1, 400))
-    document = f'<s:svg xmlns:s="http://www.w3.org/2000/svg">{shapes}<s:path id="dot" d="M0 5h1v1z"/>{copies}</s:svg>'
-    path.write_text(f'<?xml version="1.0" encoding="UTF-16"?>{document}', encoding="utf-16")
-    assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="SEVERAL") == {"FINISHED"}
-    assert len(bpy.data.objects) == 401
-    assert {"dot", "dot.001", "r", "r.398"} <= {obj.name for obj in bpy.data.objects}
-    assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="ONE") == {"FINISHED"}
-    assert len(bpy.data.objects) == 402
 
 
 def test_drawings_are_read_from_files_and_caged(tmp_path, reports) -> None:
@@ -132,12 +96,3 @@ def test_files_that_cannot_be_read_are_refused(tmp_path, name, text) -> None:
     with refused(name):
         bpy.ops.object.nested_cages_import(filepath=str(tmp_path / name))
     assert not bpy.data.objects
-
-
-def test_several_files_are_read_at_once(tmp_path) -> None:
-    """As the file browser and files dropped into the 3D view name them."""
-    for name in ("one", "two"):
-        (tmp_path / f"{name}.svg").write_text('<svg viewBox="0 0 9 9"><path d="M1 1H8V8H1Z"/></svg>')
-    files = [{"name": "one.svg"}, {"name": "two.svg"}]
-    assert bpy.ops.object.nested_cages_import(directory=str(tmp_path), files=files) == {"FINISHED"}
-    assert sorted(obj.name for obj in bpy.context.selected_objects) == ["one", "two"]

@@ -106,20 +106,6 @@ def shaped():
     return obj
 
 
-def in_lattice():
-    """A mesh in a lattice whose modifier is driven up."""
-    obj = wire("Latticed", [star()])
-    lattice = bpy.data.lattices.new("Lattice")
-    cage = add("Lattice", lattice, select=False)
-    cage.scale = (3.0, 3.0, 1.0)
-    for point in lattice.points:
-        point.co_deform.x += 0.3 * point.co_deform.y
-    modifier = obj.modifiers.new("Lattice", "LATTICE")
-    modifier.object = cage
-    key(modifier, "strength", [0.0, 1.0])
-    return obj
-
-
 def spaced_text():
     """A text whose letters move apart."""
     obj = text("Word", "ab")
@@ -128,7 +114,7 @@ def spaced_text():
     return obj
 
 
-MOTIONS = {f.__name__: f for f in (bent_by_armature, keyed_points, shaped, in_lattice, spaced_text)}
+MOTIONS = {f.__name__: f for f in (bent_by_armature, keyed_points, shaped, spaced_text)}
 
 
 def follow(obj, **values):

@@ -27,17 +27,10 @@ from support.drawings import (
     wire,
 )
 from support.marks import slow_after
-from support.panels import Layout, draw, ours, sidebar
+from support.panels import Layout, draw, ours, own_settings, sidebar
 
 SHOW = "object.nested_cages_select_fault"
 """The button that goes to the place of the last message."""
-
-
-def own_settings() -> list[str]:
-    """The settings that Generate and the scene share, but for names of objects, which have a list."""
-    operator = bpy.ops.object.nested_cages_generate.get_rna_type().properties
-    scene = bpy.context.scene.nested_cages.bl_rna.properties
-    return sorted({prop.identifier for prop in operator} & {prop.identifier for prop in scene} - {"rna_type", "name"})
 
 
 def test_the_panel_shows_the_settings() -> None:
@@ -242,16 +235,6 @@ def test_a_button_takes_the_better_count() -> None:
     assert offered() == {"16"}
     generate("16")
     assert not offered() and len(made()[1].data.vertices) == 16
-
-
-def test_a_crossing_is_marked_where_it_is_and_offered_in_the_panel() -> None:
-    assert SHOW not in draw()
-    poly_curve("Eight", [np.array([(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)])])
-    with refused("'Eight'"):
-        bpy.ops.object.nested_cages_generate()
-    assert SHOW in draw()
-    assert bpy.ops.object.nested_cages_select_fault() == {"FINISHED"}
-    np.testing.assert_allclose(bpy.context.scene.cursor.location, (1.0, 1.0, 0.0), atol=1e-6)
 
 
 @pytest.mark.parametrize("fall_back", [True, False])

@@ -119,6 +119,10 @@ def limbs() -> list[Object]:
 def test_a_leg_moves_alone_and_the_drawing_is_as_before(fox: tuple[Any, dict[str, np.ndarray]]) -> None:
     armature, before = fox
     assert moved(before, shapes()) == set()
+    limits = [limit for each in armature.pose.bones for limit in each.constraints if limit.type == "LIMIT_ROTATION"]
+    assert limits and all(limit.min_z <= -radians(90.0) and limit.max_z >= radians(90.0) for limit in limits)
+    on_body = {part_of(each) for each in armature.data.bones if each.parent and part_of(each.parent) == "body"}
+    assert on_body - {"body"} == {"tail", "hind-leg-far", "hind-leg-near", "foreleg-far", "foreleg-near", "head"}
     for part, riders in (
         ("foreleg-near", set()),
         ("hind-leg-far", set()),
@@ -134,45 +138,6 @@ def test_a_leg_moves_alone_and_the_drawing_is_as_before(fox: tuple[Any, dict[str
     assert moved(before, bent) == {"tail"}
     root = np.abs(bent["tail 1"] - before["tail 1"]).max(axis=1)
     assert root.min() < 1e-4 < root.max()  # its root stays on the body
-
-
-@pytest.mark.slow
-def test_turns_are_limited_to_what_is_proved(fox: tuple[Any, dict[str, np.ndarray]]) -> None:
-    armature, _ = fox
-    limits = [limit for each in armature.pose.bones for limit in each.constraints if limit.type == "LIMIT_ROTATION"]
-    assert limits and all(limit.min_z <= -radians(90.0) and limit.max_z >= radians(90.0) for limit in limits)
-    pairs = [(part_of(each), each.parent and part_of(each.parent)) for each in armature.data.bones]
-    hanging = {part: parent for part, parent in pairs if part != parent}
-    assert hanging["body"] == ""  # on the control at the root
-    assert {part for part, parent in hanging.items() if parent == "body"} == {
-        "tail", "hind-leg-far", "hind-leg-near", "foreleg-far", "foreleg-near", "head"
-    }  # fmt: skip
-
-
-@pytest.mark.slow
-def test_a_bone_hung_elsewhere_takes_its_part_along(fox: tuple[Any, dict[str, np.ndarray]]) -> None:
-    armature, before = fox
-    bpy.ops.object.mode_set(mode="EDIT")
-    bones = armature.data.edit_bones
-    bones[bone(armature, "ear-near").name].parent = bones[bone(armature, "body").name]
-    bpy.ops.object.mode_set(mode="POSE")
-    armature.pose.bones[bone(armature, "head").name].rotation_euler[2] = radians(30.0)
-    name = armature.name
-    make()
-    again = bpy.context.object
-    assert again is not None and again.name == name
-    assert moved(before, shapes()) == {"head", "nose", "eye", "ear-far"}
-    assert len([obj for obj in bpy.data.objects if obj.type == "ARMATURE"]) == 1
-
-
-@pytest.mark.slow
-def test_a_saved_file_moves(fox: tuple[Any, dict[str, np.ndarray]]) -> None:
-    armature, before = fox
-    armature.pose.bones[bone(armature, "tail").name].rotation_euler[2] = radians(25.0)
-    assert moved(before, shapes()) == {"tail"}
-    armature.location.x += 3.0
-    assert len(moved(before, shapes())) > 10
-    assert shapes()["body 7"] == pytest.approx(before["body 7"] + np.array([3.0, 0.0, 0.0]), abs=1e-4)
 
 
 @pytest.mark.slow
@@ -253,20 +218,23 @@ def test_what_was_made_by_hand_stays(fox: tuple[Any, dict[str, np.ndarray]]) -> 
     own = armature.data.edit_bones.new("Own")
     own.tail = (0.0, 1.0, 0.0)
     own.parent = armature.data.edit_bones["skull"]
+    ear, body = bone(armature, "ear-near").name, bone(armature, "body").name
+    armature.data.edit_bones[ear].parent = armature.data.edit_bones[body]
     bpy.ops.object.mode_set(mode="OBJECT")
     posed_shapes = shapes()
     head = next(obj for obj in bpy.data.objects if obj.name.startswith("head "))
     hat = bpy.data.objects.new("hat", head.data.copy())
     head.users_collection[0].objects.link(hat)
     hat.matrix_world = head.matrix_world
-    body = bpy.data.objects["body 7"].data
-    body.vertices.foreach_set("co", 1.02 * np.array([each.co[:] for each in body.vertices]).ravel())
+    drawn = bpy.data.objects["body 7"].data
+    drawn.vertices.foreach_set("co", 1.02 * np.array([each.co[:] for each in drawn.vertices]).ravel())
     hat.select_set(True)
     make()
     assert bpy.context.object == armature and armature.animation_data.action is not None
     assert armature.pose.bones["skull"].rotation_euler[2] == pytest.approx(0.4)
     assert "Mine" in armature.pose.bones["skull"].constraints
     assert armature.data.bones["Own"].parent.name == "skull"
+    assert armature.data.bones[ear].parent.name == body
     assert hat.parent == armature
     again = bpy.data.objects["tail Bend"]
     weights = [group.weight(vertex) for group in again.vertex_groups]

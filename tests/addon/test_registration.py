@@ -12,19 +12,11 @@ import pytest
 from support.blender import refused
 from support.drawings import add, certificate, choose, circle, generate, made, poly_curve, star
 from support.marks import slow_after
+from support.panels import own_settings
 from support.sources import ROOT
 
 
 def test_the_add_on_can_be_disabled_and_enabled_again(extension) -> None:
-    extension.unregister()
-    assert not hasattr(bpy.types.Scene, "nested_cages")
-    assert not hasattr(bpy.types, "OBJECT_OT_nested_cages_generate")
-    extension.register()
-    poly_curve("Drawing", [star()])
-    generate("12")
-
-
-def test_nothing_of_ours_is_called_once_the_add_on_is_disabled(extension) -> None:
     handlers = [getattr(bpy.app.handlers, name) for name in dir(bpy.app.handlers)]
     lists = [found for found in handlers if isinstance(found, list)]
 
@@ -35,8 +27,12 @@ def test_nothing_of_ours_is_called_once_the_add_on_is_disabled(extension) -> Non
     assert count > 0
     extension.unregister()
     assert ours() == []
+    assert not hasattr(bpy.types.Scene, "nested_cages")
+    assert not hasattr(bpy.types, "OBJECT_OT_nested_cages_generate")
     extension.register()
     assert len(ours()) == count
+    poly_curve("Drawing", [star()])
+    generate("12")
 
 
 def test_everything_has_a_description(extension) -> None:
@@ -81,7 +77,7 @@ def test_polls_write_nothing() -> None:
 def test_the_operator_and_the_scene_have_the_same_settings() -> None:
     operator = bpy.ops.object.nested_cages_generate.get_rna_type().properties
     scene = bpy.context.scene.nested_cages.bl_rna.properties
-    names = {prop.identifier for prop in operator} & {prop.identifier for prop in scene} - {"rna_type", "name"}
+    names = own_settings()
     assert len(names) > 30
     for name in names:
         assert operator[name].description == scene[name].description
@@ -94,10 +90,7 @@ PRESETS = slow_after(4, ("Collision", "Outline", "Rig", "Tight", "IPC 2022 Repai
 
 def settings_now() -> dict[str, object]:
     """The settings that Generate takes, as the scene has them."""
-    operator = bpy.ops.object.nested_cages_generate.get_rna_type().properties
-    scene = bpy.context.scene.nested_cages
-    names = {prop.identifier for prop in operator} & {prop.identifier for prop in scene.bl_rna.properties}
-    return {name: getattr(scene, name) for name in names - {"rna_type", "name"}}
+    return {name: getattr(bpy.context.scene.nested_cages, name) for name in own_settings()}
 
 
 @pytest.mark.slow

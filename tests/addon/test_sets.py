@@ -29,7 +29,6 @@ from support.drawings import (
     star,
     text,
     verify,
-    wire,
     world,
 )
 from support.flock import PARTS, copied, flock
@@ -137,20 +136,6 @@ def test_deleted_objects_are_named_and_swept(tmp_path) -> None:
     assert found.settings.levels == "24, 12" and "Head" not in bpy.data.objects and found.parts[0].name == "Body"
     bpy.data.objects.remove(bpy.data.objects["Body"])
     assert [each.name for each in found.parts] == ["Hat"]
-
-
-@pytest.mark.slow
-def test_undo_and_redo_bring_sets_back() -> None:
-    parts = [wire(name, [circle(24, 1.0, (0.0, 3.0 * k))]) for k, name in enumerate(PARTS)]
-    choose(*parts)
-    bpy.ops.ed.undo_push(message="drawn")
-    generate("12", together=True)
-    bpy.ops.ed.undo_push(message="caged")
-    assert len(sets().everywhere()) == 1
-    bpy.ops.ed.undo()
-    assert not sets().everywhere() and set_of(bpy.data.objects["Head"]) is None
-    bpy.ops.ed.redo()
-    assert len(set_of(bpy.data.objects["Head"]).parts) == 3 and len(sets().everywhere()) == 1
 
 
 @pytest.mark.slow

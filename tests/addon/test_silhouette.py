@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 import bpy
@@ -11,10 +10,8 @@ import pytest
 import shapely
 
 from support.blender import refused
-from support.drawings import Loop, base, circle, evaluated, generate, grease_pencil, poly_curve, solid, star, text, wire
+from support.drawings import base, circle, evaluated, generate, poly_curve, solid, star, text, wire
 from support.marks import slow_after
-
-NO_STROKES = pytest.mark.skipif(bpy.app.version < (4, 3), reason="another Grease Pencil")
 
 
 def silhouette(*objects: Any, **options: Any) -> Any:
@@ -97,25 +94,6 @@ def test_an_open_line_without_a_width_is_told_and_skipped(reports) -> None:
     reports.read()
     assert in_common(silhouette(line, wire("Ring", [circle(48)])), disc(1.0)) < 1e-6
     assert "'Line'" in reports.read("Warning")
-
-
-@NO_STROKES
-def test_strokes_count_with_their_widths() -> None:
-    zigzag: Loop = np.array([[0.0, 0.0], [1.0, 0.2], [2.0, 0.0], [3.0, 0.8]])
-    pen = grease_pencil("Pen", [zigzag], cyclic=False)
-    if hasattr(pen.data.layers[0].frames[0].drawing, "set_types"):
-        pen.data.layers[0].frames[0].drawing.set_types(type="POLY")
-    radii = (0.1, 0.2, 0.05, 0.1)
-    for point, radius in zip(pen.data.layers[0].frames[0].drawing.strokes[0].points, radii, strict=True):
-        point.radius = radius
-    ends = [shapely.Point(p).buffer(r, 64) for p, r in zip(zigzag, radii, strict=True)]
-    expected = shapely.union_all([(a | b).convex_hull for a, b in pairwise(ends)])
-    made = filled(silhouette(pen))
-    assert made.symmetric_difference(expected).area < 0.01 * expected.area
-    assert (expected - made).area < 1e-6
-    bpy.ops.object.select_all(action="DESELECT")
-    with refused("'Pen'", unchanged=False):
-        silhouette(pen, strokes=False)
 
 
 @pytest.mark.parametrize("body", slow_after(2, ["Q", "€", "π", "__", "AVA"]))

@@ -231,8 +231,11 @@ def test_thickness_is_for_renders_only() -> None:
     assert points[:, 2].max() == pytest.approx(0.025, rel=1e-3)
     modifier.show_viewport = False
     generate("20, 10", thickness=0.0)
-    assert [modifier.name for modifier in cage.modifiers] == ["Nested Cages Automatic Thickness"]
-    assert not cage.modifiers[0].show_viewport
+    (automatic,) = cage.modifiers
+    assert automatic.name == "Nested Cages Automatic Thickness" and automatic.show_render
+    assert not automatic.show_viewport
+    for operator, seen in ((bpy.ops.object.nested_cages_bind, False), (bpy.ops.object.nested_cages_unbind, True)):
+        assert operator() == {"FINISHED"} and automatic.show_render is seen
 
 
 EIGHT = np.array([(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])

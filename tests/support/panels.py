@@ -58,6 +58,13 @@ class Layout:
         self.drawn.append(name)
 
 
+def own_settings() -> list[str]:
+    """The settings that Generate and the scene share."""
+    operator = bpy.ops.object.nested_cages_generate.get_rna_type().properties
+    scene = bpy.context.scene.nested_cages.bl_rna.properties
+    return sorted({prop.identifier for prop in operator} & {prop.identifier for prop in scene} - {"rna_type", "name"})
+
+
 def ours(base: type) -> list[Any]:
     """The registered panels or menus of the add-on, by name."""
     return [getattr(bpy.types, name) for name in sorted(dir(bpy.types)) if "nested_cages" in name.lower()
