@@ -269,26 +269,6 @@ def test_a_bound_drawing_goes_with_its_cages(kind) -> None:
     assert verify(cage)
 
 
-@pytest.mark.slow
-def test_an_instance_shows_the_pose_where_it_is() -> None:
-    source = wire("Drawing", [star() * 2.0])
-    character = in_collection(source)
-    *_, cage = generate(source, "12")
-    bpy.ops.object.nested_cages_bind()
-    cage.location.x += 0.25
-    instance = bpy.data.objects.new("Instance", None)
-    instance.instance_type, instance.instance_collection = "COLLECTION", character
-    instance.location.y = 4.0
-    bpy.context.scene.collection.objects.link(instance)
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    (found,) = [
-        np.array([i.matrix_world @ vertex.co for vertex in i.object.data.vertices])
-        for i in depsgraph.object_instances
-        if i.is_instance and i.object.name == "Drawing"
-    ]
-    assert np.abs(found - world(source) - (0.0, 4.0, 0.0)).max() < 1e-5
-
-
 def test_cages_are_in_the_collection_of_their_drawing() -> None:
     source = poly_curve("Drawing", [star()])
     character = in_collection(source)

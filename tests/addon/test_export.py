@@ -70,18 +70,6 @@ def test_an_svg_has_its_size_in_the_unit_of_the_scene(cages, tmp_path, unit, sca
 
 
 @pytest.mark.slow
-def test_the_engine_gets_the_outermost(cages, core, tmp_path) -> None:
-    source, _, both = cages
-    choose(source)
-    path = tmp_path / "cages.json"
-    assert bpy.ops.object.nested_cages_export(filepath=str(path), kind="ENGINE", triangles=True) == {"FINISHED"}
-    document = json.loads(path.read_text())
-    assert len(document["points"]) == len(both[-1].data.vertices)
-    back = core.from_engine_json(path.read_text(), flip_y=0.0)
-    assert shapely.geometry.shape(back).area == pytest.approx(solid(both[-1]).area)
-
-
-@pytest.mark.slow
 def test_a_file_that_cannot_be_written_is_a_sentence(cages, tmp_path) -> None:
     choose(cages[0])
     with refused("cages.svg"):

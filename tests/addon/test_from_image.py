@@ -33,7 +33,7 @@ def test_no_opaque_pixel_is_outside(holes, padding) -> None:
     empty.empty_display_type = "IMAGE"
     empty.data = image
     empty.empty_display_size = 4.0
-    empty.location = (3.0, 1.0, 0.0)
+    empty.location, empty.rotation_euler, empty.scale = (3.0, 1.0, 0.0), (0.4, 0.3, 0.2), (1.0, 2.0, 1.0)
     bpy.context.scene.collection.objects.link(empty)
     choose(empty)
     done = bpy.ops.object.nested_cages_from_image(vertices=16, padding=padding, holes=holes)

@@ -51,17 +51,9 @@ def test_progress_goes_up_and_names_what_is_worked_on(window, operator, hasty) -
     assert shares == sorted(shares) and all("Drawing" in text for text in said if 5.0 < float(text.split()[2]) < 95.0)
 
 
-def test_while_a_job_runs_there_is_no_second_one(window, operator, hasty) -> None:
-    assert not running()
+def test_while_a_job_runs_there_is_no_second_one_and_disabling_ends_it(extension, window, operator, hasty) -> None:
     window.invoke(operator)
     assert running() and not bpy.ops.object.nested_cages_generate.poll()
-    bpy.ops.object.nested_cages_cancel()
-    assert operator.modal(window.context, TIMER) == {"CANCELLED"}
-    assert not running() and bpy.ops.object.nested_cages_generate.poll()
-
-
-def test_disabling_the_add_on_ends_the_job(extension, window, operator, hasty) -> None:
-    window.invoke(operator)
     extension.unregister()
     extension.register()
     assert not running() and bpy.ops.object.nested_cages_generate.poll()

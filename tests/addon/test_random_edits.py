@@ -1,4 +1,4 @@
-"""A short sequence of random edits of each kind: jobs and scenes, copies of sets, rigs, characters, puppets."""
+"""A short sequence of random edits of each kind: jobs and scenes, copies of sets, characters, puppets."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from support.animator import Animator, Puppeteer
 from support.artist import Artist
 from support.drawings import outlive
 from support.flock import Flock
-from support.rigger import Rigger
 
 pytestmark = pytest.mark.slow
 
@@ -27,18 +26,7 @@ def test_a_scene_outlives_random_edits_between_and_during_jobs(extension, window
     reports.read()  # without a traceback
 
 
-def test_a_flock_outlives_random_edits(tmp_path) -> None:
-    outlive(Flock(tmp_path / "flock.blend", 0), 10, 0)
-
-
-def test_a_rig_outlives_random_edits(tmp_path) -> None:
-    outlive(Rigger(Random(0), str(tmp_path / "rig.blend")), 12, 0)
-
-
-def test_a_character_outlives_random_edits(tmp_path) -> None:
-    outlive(Animator(Random(0), str(tmp_path / "character")), 4, 0)
-
-
-def test_a_puppet_outlives_random_edits(tmp_path) -> None:
+@pytest.mark.parametrize(("kind", "edits"), [(Flock, 10), (Animator, 4), (Puppeteer, 4)])
+def test_a_flock_a_character_and_a_puppet_outlive_random_edits(kind, edits, tmp_path) -> None:
     pytest.importorskip("shapely")
-    outlive(Puppeteer(Random(0), str(tmp_path / "puppet")), 4, 0)
+    outlive(kind(Random(0), str(tmp_path / "scene")), edits, 0)

@@ -13,12 +13,10 @@ from support.drawings import (
     bind,
     certificate,
     checked,
-    choose,
     circle,
     generate,
     holds,
     poly_curve,
-    set_of,
     star,
     verify,
     wire,
@@ -85,28 +83,6 @@ def test_any_two_objects_can_be_checked() -> None:
     outer.location.x = -0.7
     bpy.ops.object.nested_cages_verify()
     assert not selected(inner) and not selected(outer)
-
-
-@pytest.mark.slow
-def test_a_copy_of_a_cage_is_none_of_the_levels(cages) -> None:
-    """Blender copies our marks with the object."""
-    _, inner, outer = cages
-    drawing = bpy.data.objects["Drawing"]
-    choose(inner)
-    bpy.ops.object.duplicate()
-    copy = bpy.context.view_layer.objects.active
-    assert copy != inner and copy.users_collection == inner.users_collection
-    copy.location.x = 9.0
-    copy.select_set(False)
-    bpy.context.view_layer.objects.active = drawing
-    bpy.ops.object.nested_cages_verify()
-    assert all(holds(cage) for cage in (inner, outer))
-    assert set_of(copy) is None
-    bind()
-    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
-    drawing.select_set(True)
-    generate("16, 8")
-    assert [len(obj.data.vertices) for obj in (inner, outer, copy)] == [16, 8, 20]
 
 
 def test_what_is_in_a_hole_of_a_cage_or_outside_is_at_fault_and_nothing_else() -> None:

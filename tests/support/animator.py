@@ -17,10 +17,10 @@ class Animator:
 
     def __init__(self, random: Random, path: str) -> None:
         self.random, self.path, self.count = random, path, 0
+        self.others: dict[str, np.ndarray] = {}
         self.names = list(figure())
         assert bpy.ops.object.nested_cages_suggest_bones() == {"FINISHED"}
         self.bones = bpy.context.object.name
-        self.others: dict[str, np.ndarray] = {}
         self.rig()
 
     @property
@@ -32,11 +32,34 @@ class Animator:
         return bpy.data.objects[self.bones]
 
     @property
-    def cage(self):
+    def cages(self):
         """The cage that the bones of the character move."""
         found = [o for o in bpy.context.scene.objects if any(m.type == "ARMATURE" for m in o.modifiers)]
-        (cage,) = [o for o in found if next(m for m in o.modifiers if m.type == "ARMATURE").object == self.armature]
-        return cage
+        return [o for o in found if next(m for m in o.modifiers if m.type == "ARMATURE").object == self.armature]
+
+    def shown(self):
+        """Displayed points of each part."""
+        bpy.context.view_layer.update()
+        return {part.name: points(part) for part in self.parts}
+
+    def went_by(self, motion: Matrix, before) -> None:
+        """All parts went from where they were as one piece."""
+        for name, now in self.shown().items():
+            wanted = np.array([motion @ Vector(point) for point in before[name]])
+            np.testing.assert_allclose(now, wanted, atol=2e-4, err_msg=name)
+
+    def as_drawn(self) -> None:
+        """Meshes are shown as they were drawn."""
+        for name, now in self.shown().items():
+            part = bpy.data.objects[name]
+            if part.type == "MESH":
+                own = np.array([part.matrix_world @ vertex.co for vertex in part.data.vertices])
+                np.testing.assert_allclose(now, own, atol=1e-4, err_msg=name)
+
+    def others_stay(self) -> None:
+        bpy.context.view_layer.update()
+        for name, before in self.others.items():
+            np.testing.assert_allclose(points(bpy.data.objects[name]), before, atol=1e-5, err_msg=name)
 
     def rig(self) -> None:
         """Regenerates."""
@@ -53,14 +76,11 @@ class Animator:
 
     def move(self) -> None:
         """Moves the armature, which carries all parts."""
-        before, shown = self.armature.matrix_world.copy(), {part.name: points(part) for part in self.parts}
+        before, shown = self.armature.matrix_world.copy(), self.shown()
         self.armature.location += Vector(self.random.uniform(-2.0, 2.0) for _ in range(3))
         self.armature.rotation_euler.z += self.random.uniform(-1.0, 1.0)
         bpy.context.view_layer.update()
-        motion = self.armature.matrix_world @ before.inverted()
-        for part in self.parts:
-            wanted = np.array([motion @ Vector(point) for point in shown[part.name]])
-            np.testing.assert_allclose(points(part), wanted, atol=1e-4, err_msg=part.name)
+        self.went_by(self.armature.matrix_world @ before.inverted(), shown)
 
     def nudge(self) -> None:
         """Moves a part a little, and in the stack."""
@@ -85,13 +105,16 @@ class Animator:
         part = face(f"Part {self.count}", capsule((x, y), (x + 0.02, y), 0.6 * radius))
         part.matrix_world = self.armature.matrix_world @ part.matrix_world
         self.names.append(part.name)
-        choose(part, self.cage)
+        choose(part, *self.cages)
         assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
 
+    KEPT: tuple[str, ...] = ()
+    """Beginnings of the names of parts that are never deleted."""
+
     def delete(self) -> None:
-        """Deletes a part, and regenerates if the others stood in its space."""
+        """Deletes a part, and regenerates, since the others may have stood in its space."""
         if len(self.names) > 6:
-            name = self.random.choice(self.names)
+            name = self.random.choice([each for each in self.names if not each.startswith(self.KEPT)])
             choose(bpy.data.objects[name])
             bpy.ops.object.delete()
             self.names.remove(name)
@@ -99,14 +122,13 @@ class Animator:
             self.rig()
 
     def copy(self) -> None:
-        """Goes on with a copy of all that is seen; the character that was copied stays as it is."""
-        choose(*self.parts, self.cage, self.armature)
-        kept = {obj.name for obj in bpy.context.selected_objects}
+        """Goes on with a copy of all that is seen; what was copied stays as it is."""
+        choose(*self.parts, *self.cages, self.armature)
+        kept = list(bpy.context.selected_objects)
         assert bpy.ops.object.duplicate() == {"FINISHED"}
         copies = list(bpy.context.selected_objects)
         assert len(copies) == len(kept)
-        bpy.context.view_layer.update()
-        self.others = {name: points(bpy.data.objects[name]) for name in self.names}
+        self.others = self.shown()
         self.bones = next(obj.name for obj in copies if obj.type == "ARMATURE")
         self.names = [obj.name for obj in copies if obj.type != "ARMATURE" and "Cage" not in obj.name]
         if self.random.random() < 0.5:  # else it is a character as it is
@@ -134,7 +156,8 @@ class Animator:
         bpy.ops.wm.append(directory=f"{path}/Object/", files=[{"name": name} for name in names])
         self.others = {}
         if bpy.app.version >= (4, 3):
-            assert len([obj for obj in bpy.data.objects if "Cage" in obj.name]) == 1  # no objects of kept meshes
+            found = [obj.name for obj in bpy.data.objects if "Cage" in obj.name]
+            assert found == [cage.name for cage in self.cages]  # no objects of kept meshes
 
     EDITS = (rig, turn, move, nudge, redraw, swap, add, delete, copy, undo, reload, append)
 
@@ -144,38 +167,28 @@ class Animator:
         bpy.context.view_layer.update()
 
     def check(self) -> None:
-        bpy.context.view_layer.update()
-        for name, before in self.others.items():
-            np.testing.assert_allclose(points(bpy.data.objects[name]), before, atol=1e-5)
+        self.others_stay()
         for part in self.parts:
             assert [m.name for m in part.modifiers] == ["Nested Cages Follow"], part.name
         kept = {bone.name: bone.matrix_basis.copy() for bone in self.armature.pose.bones}
-        posed = {part.name: points(part) for part in self.parts}
+        posed = self.shown()
         self.rest()
-        before = {part.name: points(part) for part in self.parts}
-        for part in self.parts:
-            if part.type == "MESH":
-                own = np.array([part.matrix_world @ vertex.co for vertex in part.data.vertices])
-                np.testing.assert_allclose(before[part.name], own, atol=1e-4, err_msg=part.name)
-        choose(self.cage)
+        self.as_drawn()
+        before, (cage,) = self.shown(), self.cages
+        choose(cage)
         assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-        told = certificate(self.cage).finding
-        assert holds(self.cage) or any(f"'{name}" in told for name in self.names), told
+        told = certificate(cage).finding
+        assert holds(cage) or any(f"'{name}" in told for name in self.names), told
         # All roots together turn and move everything as one piece.
         inverse, turn = self.armature.matrix_world.inverted(), Matrix.Rotation(0.5, 4, "Z")
         motion = self.armature.matrix_world @ Matrix.Translation((0.3, 0.2, 0.0)) @ turn @ inverse
         for bone in self.armature.pose.bones:
             if bone.parent is None:
                 bone.matrix = inverse @ motion @ self.armature.matrix_world @ bone.bone.matrix_local
-        bpy.context.view_layer.update()
-        for part in self.parts:
-            wanted = np.array([motion @ Vector(point) for point in before[part.name]])
-            np.testing.assert_allclose(points(part), wanted, atol=2e-4, err_msg=part.name)
+        self.went_by(motion, before)
         for bone in self.armature.pose.bones:
             bone.matrix_basis = kept[bone.name]
-        bpy.context.view_layer.update()
-        for part in self.parts:
-            np.testing.assert_allclose(points(part), posed[part.name], atol=1e-5)
+        self.went_by(Matrix(), posed)
 
 
 class Puppeteer(Animator):
@@ -251,23 +264,16 @@ class Puppeteer(Animator):
         self.rig()
         assert part.parent == self.armature
 
-    def delete(self) -> None:
-        if len(self.names) > 6:
-            name = self.random.choice([each for each in self.names if not each.startswith("Torso")])
-            choose(bpy.data.objects[name])
-            bpy.ops.object.delete()
-            self.names.remove(name)
-            self.rig()
+    KEPT = ("Torso",)
+    cages: tuple[()] = ()
+
+    def rest(self) -> None:
+        """Puppets are made again in any pose."""
 
     def copy(self) -> None:
+        super().copy()
         choose(*self.parts, self.armature)
-        assert bpy.ops.object.duplicate() == {"FINISHED"}
-        copies = list(bpy.context.selected_objects)
-        bpy.context.view_layer.update()
         assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
-        self.others = {name: points(bpy.data.objects[name]) for name in self.names}
-        self.bones = next(obj.name for obj in copies if obj.type == "ARMATURE")
-        self.names = [obj.name for obj in copies if obj.type != "ARMATURE"]
 
     def idle(self) -> None:
         choose(self.armature)
@@ -275,36 +281,21 @@ class Puppeteer(Animator):
         bpy.context.scene.frame_set(self.random.randrange(1, 25))
         self.armature.animation_data_clear()
 
-    def append(self) -> None:
-        path, names = self.save(), [*self.names, self.bones]
-        bpy.ops.wm.read_homefile(use_empty=True)
-        bpy.ops.wm.append(directory=f"{path}/Object/", files=[{"name": name} for name in names])
-        self.others = {}
-
-    EDITS = (rig, turn, Animator.move, paint, hang, add, delete, copy, idle, Animator.undo, Animator.reload, append)
+    EDITS = (rig, turn, Animator.move, paint, hang, add, Animator.delete, copy, idle, *Animator.EDITS[-3:])
 
     def check(self) -> None:
         """The root moves all as one piece, and the drawing at rest is as it was drawn."""
-        bpy.context.view_layer.update()
-        for name, before in self.others.items():
-            np.testing.assert_allclose(points(bpy.data.objects[name]), before, atol=1e-5, err_msg=name)
-        posed = {part.name: points(part) for part in self.parts}
+        self.others_stay()
+        posed = self.shown()
         root = self.armature.pose.bones["Root"]
         root.rotation_euler.z, root.location.x = 0.4, 0.3
         bpy.context.view_layer.update()
         local = root.matrix @ root.bone.matrix_local.inverted()
-        motion = self.armature.matrix_world @ local @ self.armature.matrix_world.inverted()
-        for part in self.parts:
-            wanted = np.array([motion @ Vector(point) for point in posed[part.name]])
-            np.testing.assert_allclose(points(part), wanted, atol=2e-4, err_msg=part.name)
+        self.went_by(self.armature.matrix_world @ local @ self.armature.matrix_world.inverted(), posed)
         root.rotation_euler.z, root.location.x = 0.0, 0.0
         kept = {bone.name: bone.rotation_euler.z for bone in self.own}
         for bone in self.own:
             bone.rotation_euler.z = 0.0
-        bpy.context.view_layer.update()
-        for part in self.parts:
-            if part.type == "MESH":
-                own = np.array([part.matrix_world @ vertex.co for vertex in part.data.vertices])
-                np.testing.assert_allclose(points(part), own, atol=1e-4, err_msg=part.name)
+        self.as_drawn()
         for bone in self.own:
             bone.rotation_euler.z = kept[bone.name]

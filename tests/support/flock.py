@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import random
+from random import Random
 from typing import Any
 
 import bpy
@@ -34,8 +34,8 @@ def copied(*objects: Any, linked: bool = False) -> dict[str, Any]:
 class Flock:
     """A figure and what becomes of it and its copies."""
 
-    def __init__(self, path: Any, seed: int) -> None:
-        self.path, self.random = path, random.Random(seed)
+    def __init__(self, random: Random, path: str) -> None:
+        self.path, self.random = f"{path}.blend", random
         flock()
 
     def some(self) -> Any:
