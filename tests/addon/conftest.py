@@ -19,6 +19,7 @@ from support.blender import (  # noqa: E402, F401 - fixtures
     timers,
     window,
 )
+from support.drawings import circle, generate, made, poly_curve, star  # noqa: E402
 
 # Before 5.0, Blender as a module may hang in its own clean-up when the interpreter ends after a long run.
 ENDS_BY_ITSELF = (5, 0, 0)
@@ -37,3 +38,15 @@ def pytest_unconfigure(config: pytest.Config) -> None:
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(config.stash[STATUS])
+
+
+@pytest.fixture
+def cages():
+    """A drawing with a hole and its cages: the source, the fine mesh, the cages."""
+    source = poly_curve("Drawing", [star() * 2.0, circle(20, 0.5)])
+    source.location = (1.0, 2.0, 0.5)
+    source.rotation_euler = (0.3, 0.2, 0.1)
+    source.scale = (2.0, 2.0, 2.0)
+    generate("24, 12")
+    fine, *found = made()
+    return source, fine, found

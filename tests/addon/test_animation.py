@@ -16,11 +16,11 @@ from support.drawings import (
     certificate,
     choose,
     circle,
-    curves_of,
     edges_of,
     end_of,
     evaluated,
     generate,
+    keyed_steps,
     lines,
     made,
     poly_curve,
@@ -35,27 +35,12 @@ from support.panels import draw
 slotted = pytest.mark.skipif(bpy.app.version < (4, 4, 0), reason="actions have no slots")
 
 
-def keyed(obj):
-    """Frames (k,) on which an object has a step of its own, and the steps (k, n, 3) themselves."""
-    keys = obj.data.shape_keys
-    found = {}
-    for curve in curves_of(keys):
-        points = np.empty((len(obj.data.vertices), 3), np.float32)
-        keys.path_resolve(curve.data_path.removesuffix(".value")).points.foreach_get("co", points.ravel())
-        for point in curve.keyframe_points:
-            assert point.interpolation == "LINEAR"
-            if point.co[1] == 1.0:
-                found[float(point.co[0])] = points
-    frames = sorted(found)
-    return np.array(frames), np.array([found[frame] for frame in frames])
-
-
 @pytest.mark.parametrize("which", [0, 1, 2])
 def test_each_step_is_on_its_frame_and_the_motion_is_linear(which: int) -> None:
     poly_curve("Drawing", [star()])
     generate(frames_per_step=4)
     obj = made()[which]
-    frames, steps = keyed(obj)
+    frames, steps = keyed_steps(obj)
     assert len(frames) > 5 and len(obj.data.shape_keys.key_blocks) <= len(steps) + 1
     rounding = 8.0 * np.finfo(np.float32).eps * np.abs(steps).max()
     for k, frame in enumerate(frames):
@@ -76,7 +61,7 @@ def test_the_animation_fits_a_length(length: int) -> None:
     assert end_of(made()[-1]) - 11 + 1 == pytest.approx(length, abs=2)
     assert bpy.context.scene.frame_end >= end_of(made()[-1])
     for obj in made():
-        assert (np.diff(keyed(obj)[0]) > 0.0).all()
+        assert (np.diff(keyed_steps(obj)[0]) > 0.0).all()
 
 
 @pytest.mark.slow

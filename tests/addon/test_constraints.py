@@ -10,7 +10,7 @@ import pytest
 import shapely
 
 from support.blender import refused
-from support.drawings import at_frame, certificate, circle, generate, made, poly_curve, solid, star, wire
+from support.drawings import at_frame, base, certificate, circle, generate, made, poly_curve, solid, star, wire
 
 
 def paint(obj, name, weights):
@@ -25,10 +25,8 @@ def cages():
 
 
 def points(cage):
-    """(m, 2) float32 vertices as stored."""
-    found = np.empty((len(cage.data.vertices), 3), np.float32)
-    cage.data.vertices.foreach_get("co", found.ravel())
-    return found[:, :2]
+    """(m, 2) vertices as stored."""
+    return base(cage)[:, :2]
 
 
 def assert_nested():

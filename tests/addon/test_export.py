@@ -12,19 +12,7 @@ import pytest
 import shapely
 
 from support.blender import refused
-from support.drawings import choose, circle, evaluated, generate, in_world, made, poly_curve, solid, star
-
-
-@pytest.fixture
-def cages():
-    """A drawing with a hole and its cages: the source, the fine mesh, the cages."""
-    source = poly_curve("Drawing", [star() * 2.0, circle(20, 0.5)])
-    source.location = (1.0, 2.0, 0.5)
-    source.rotation_euler = (0.3, 0.2, 0.1)
-    source.scale = (2.0, 2.0, 2.0)
-    generate("24, 12")
-    fine, *found = made()
-    return source, fine, found
+from support.drawings import choose, circle, evaluated, generate, in_world, poly_curve, solid, star
 
 
 @pytest.mark.slow

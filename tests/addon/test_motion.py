@@ -19,11 +19,11 @@ from support.drawings import (
     checked,
     choose,
     circle,
-    curves_of,
     edges_of,
     end_of,
     evaluated,
     generate,
+    keyed_steps,
     made,
     members,
     poly_curve,
@@ -166,17 +166,8 @@ def test_the_stored_coordinates_are_certified_key_by_key(core) -> None:
     fine, cage = members(collection)
 
     def steps(obj):
-        found = {}
-        for curve in curves_of(obj.data.shape_keys):
-            points = np.empty((len(obj.data.vertices), 3), np.float32)
-            obj.data.shape_keys.path_resolve(curve.data_path.removesuffix(".value")).points.foreach_get(
-                "co", points.ravel()
-            )
-            frame = next(point.co[0] for point in curve.keyframe_points if point.co[1] == 1.0)
-            found[frame] = points[:, :2].astype(float)
-        basis = np.empty((len(obj.data.vertices), 3), np.float32)
-        obj.data.shape_keys.reference_key.points.foreach_get("co", basis.ravel())
-        return {float(FIRST): basis[:, :2].astype(float)} | found
+        rest = {float(FIRST): base(obj)[:, :2].astype(float)}
+        return rest | {f: points[:, :2].astype(float) for f, points in zip(*keyed_steps(obj), strict=True)}
 
     keyed, fine_keyed = steps(cage), steps(fine)
     at_rest = [frame for frame in range(FIRST, LAST + 1) if frame not in fine_keyed]

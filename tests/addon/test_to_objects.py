@@ -34,18 +34,6 @@ def seen(objects, frames):
     return found
 
 
-@pytest.fixture
-def cages():
-    """A drawing with a hole and its cages: the source, the fine mesh, the cages."""
-    source = poly_curve("Drawing", [star() * 2.0, circle(20, 0.5)])
-    source.location = (1.0, 2.0, 0.5)
-    source.rotation_euler = (0.3, 0.2, 0.1)
-    source.scale = (2.0, 2.0, 2.0)
-    generate("24, 12")
-    fine, *found = made()
-    return source, fine, found
-
-
 @pytest.mark.slow
 def test_shownfill_the_cage(cages) -> None:
     _, _, (inner, _) = cages

@@ -327,6 +327,21 @@ def curves_of(owner: Any) -> list[Any]:
     return [curve for bag in bags if bag is not None for curve in bag.fcurves]
 
 
+def keyed_steps(obj: Any) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
+    """Frames (k,) on which an object has a step of its own, and the steps (k, n, 3) themselves."""
+    keys = obj.data.shape_keys
+    found = {}
+    for curve in curves_of(keys):
+        points = np.empty((len(obj.data.vertices), 3), np.float32)
+        keys.path_resolve(curve.data_path.removesuffix(".value")).points.foreach_get("co", points.ravel())
+        for point in curve.keyframe_points:
+            assert point.interpolation == "LINEAR"
+            if point.co[1] == 1.0:
+                found[float(point.co[0])] = points
+    frames = sorted(found)
+    return np.array(frames), np.array([found[frame] for frame in frames])
+
+
 def lines(obj: Any, depsgraph: Any = None) -> Any:
     """The evaluated edges of a mesh object as a shapely MultiLineString in the object's x and y."""
     points = evaluated(obj, depsgraph)[:, :2].astype(float)
