@@ -175,9 +175,11 @@ def test_a_posed_drawing_is_still_posed_with_new_cages() -> None:
     assert cage.location.x == pytest.approx(0.7)
     assert np.abs(evaluated(source) - posed).max() < 0.12
     generate(source, "16")
-    again = evaluated(source)
+    again, everything = evaluated(source), snapshot()
     generate(source, "16")
     assert np.abs(evaluated(source) - again).max() < 1e-5
+    for kind in ("objects", "meshes", "actions", "node_groups"):  # nothing is left over
+        assert [users for _, users in snapshot()[kind]] == [users for _, users in everything[kind]], kind
 
 
 @pytest.mark.slow

@@ -28,8 +28,6 @@ from support.drawings import (
     poly_curve,
     put,
     save,
-    set_of,
-    snapshot,
     solid,
     star,
     text,
@@ -214,29 +212,6 @@ def test_a_cage_that_no_longer_encloses_or_left_its_plane_is_refused(out_of_plan
     with refused():
         bpy.ops.object.nested_cages_rebind()
     np.testing.assert_array_equal(evaluated(fine), shape)
-
-
-@pytest.mark.slow
-def test_generating_again_binds_again() -> None:
-    source, collection, _, cages = bound(method="LINEAR")
-    put(cages[-1], turned(base(cages[-1])))
-    choose(source)
-    generate("16")
-    fine, cage = members(source)[2], members(source)[3][0]
-    assert set_of(collection).bound == "LINEAR"
-    at_rest = evaluated(fine)
-    cage.data.vertices[3].co.x += 0.3
-    assert np.abs(evaluated(fine) - at_rest).max() > 0.01
-    everything = snapshot()
-    bpy.context.view_layer.objects.active = source
-    source.select_set(True)
-    generate("16")
-    generate("16")
-    again = snapshot()
-    for kind in ("objects", "meshes", "actions", "node_groups"):
-        assert [users for _, users in again[kind]] == [users for _, users in everything[kind]], kind
-    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
-    assert len(bpy.data.meshes) == 3  # of the fine mesh, the cage and the moving copy
 
 
 @pytest.mark.slow

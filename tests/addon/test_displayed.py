@@ -181,31 +181,14 @@ def test_a_transform_that_is_applied_moves_no_cage(add, bound) -> None:
         check_enclosed(source, cage, end)
 
 
-def closed_curve(add):
-    """A curve of the menu that is open, closed and flat."""
-    add()
-    data = bpy.context.object.data
-    for spline in data.splines:
-        spline.use_cyclic_u = True
-    if data.dimensions == "3D":
-        data.dimensions = "2D"
-
-
-def stroke():
-    """A closed stroke, as drawn by hand: those of the menu are open and cross themselves."""
-    grease_pencil("Stroke", [star()])
-
-
 ADD = {
     "bezier circle": bpy.ops.curve.primitive_bezier_circle_add,
     "nurbs circle": bpy.ops.curve.primitive_nurbs_circle_add,
-    "bezier": lambda: closed_curve(bpy.ops.curve.primitive_bezier_curve_add),
-    "nurbs": lambda: closed_curve(bpy.ops.curve.primitive_nurbs_curve_add),
     "text": bpy.ops.object.text_add,
     "plane": bpy.ops.mesh.primitive_plane_add,
     "circle": bpy.ops.mesh.primitive_circle_add,
     "grid": bpy.ops.mesh.primitive_grid_add,
-    "stroke": stroke,
+    "stroke": lambda: grease_pencil("Stroke", [star()]),  # those of the menu are open and cross themselves
 }
 
 

@@ -210,31 +210,32 @@ def test_sharp_corners_are_inside(cyclic: bool) -> None:
     assert apart(seen(obj), line.buffer(0.15, 32)) < 0.01
 
 
-def hide_by_material(obj: Any) -> None:
+def hide_by_material(obj: Any, colour: Any = None) -> None:
     material = obj.data.materials[0].copy()
     obj.data.materials.append(material)
-    stroke = obj.data.layers[0].current_frame().drawing.strokes[1]
-    stroke.material_index = 3
-    material.grease_pencil.hide = True
-
-
-def hide_by_colour(obj: Any) -> None:
-    hide_by_material(obj)
-    obj.data.materials[3].grease_pencil.hide = False
-    obj.data.materials[3].grease_pencil.color = obj.data.materials[3].grease_pencil.fill_color = (1.0, 1.0, 1.0, 0.0)
+    second(obj).material_index = 3
+    if colour:
+        material.grease_pencil.color = material.grease_pencil.fill_color = colour
+    else:
+        material.grease_pencil.hide = True
 
 
 def hide_by_opacity(obj: Any) -> None:
-    for point in obj.data.layers[0].current_frame().drawing.strokes[1].points:
+    for point in second(obj).points:
         point.opacity = 0.0
 
 
-def hide_by_stroke(obj: Any) -> None:
-    if not PER_STROKE:
-        pytest.skip("strokes cannot be hidden before Blender 5.2")
-    obj.data.layers[0].current_frame().drawing.strokes[1].hide_stroke = True
+def second(obj: Any) -> Any:
+    """The second stroke."""
+    return obj.data.layers[0].current_frame().drawing.strokes[1]
 
 
+STROKE = {
+    "material": hide_by_material,
+    "colour": lambda obj: hide_by_material(obj, (1.0, 1.0, 1.0, 0.0)),
+    "opacity": hide_by_opacity,
+    **({"stroke": lambda obj: setattr(second(obj), "hide_stroke", True)} if PER_STROKE else {}),
+}
 LAYER = {
     "opacity": lambda layer: setattr(layer, "opacity", 0.0),
     "eye": lambda layer: setattr(layer, "hide", True),
@@ -243,8 +244,8 @@ LAYER = {
 
 
 @pytest.mark.parametrize("layer", LAYER)
-@pytest.mark.parametrize("hide", [hide_by_material, hide_by_colour, hide_by_opacity, hide_by_stroke])
-def test_strokes_and_layers_that_do_not_show_are_left_out(hide, layer, reports) -> None:
+@pytest.mark.parametrize("stroke", STROKE)
+def test_strokes_and_layers_that_do_not_show_are_left_out(stroke, layer, reports) -> None:
     obj = pen()
     strokes(obj, square(1.0), fill=1)
     strokes(obj, square(1.0, 5.0))
@@ -252,7 +253,7 @@ def test_strokes_and_layers_that_do_not_show_are_left_out(hide, layer, reports) 
     strokes(hidden.frames.new(1).drawing, square(1.0, -5.0))
     obj.data.layers.move_to_layer_group(hidden, obj.data.layer_groups.new("Group"))
     LAYER[layer](hidden)
-    hide(obj)
+    STROKE[stroke](obj)
     assert apart(seen(obj), box(1.0)) < 1e-6
     generate("8")
     (told,) = [line for line in reports.read("Info").splitlines() if f"'{obj.name}'" in line]

@@ -21,12 +21,8 @@ def cage():
 
 
 @pytest.mark.slow
-def test_bound_cages_show_their_outline_alone(cage) -> None:
-    assert len(cage.data.polygons) and cage.display_type == "WIRE" and not cage.show_all_edges
-
-
-@pytest.mark.slow
 def test_each_handle_moves_its_corner_and_the_drawing_follows(cage) -> None:
+    assert len(cage.data.polygons) and cage.display_type == "WIRE" and not cage.show_all_edges
     fine = set_of(cage).fine
     before, drawing = evaluated(cage), evaluated(fine)
     assert bpy.ops.object.nested_cages_add_handles() == {"FINISHED"}

@@ -514,15 +514,6 @@ def test_bound_cages_do_not_follow_edits() -> None:
     assert not bpy.ops.object.nested_cages_live.poll()
 
 
-def test_a_modifiers_slider_is_followed(followed) -> None:
-    obj = switched_on(star_mesh)
-    bend = obj.modifiers.new("Stretch", "SIMPLE_DEFORM")
-    bend.deform_method, bend.factor = "TAPER", 0.0
-    for factor in (0.1, 0.2):
-        bend.factor = factor
-        assert followed(obj)
-
-
 PROMISES = [("0.05u", {}), ("24, +20%", {}), ("24, 12", {"clearance": 0.05})]
 
 

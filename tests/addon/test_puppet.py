@@ -266,14 +266,11 @@ def test_puppets_made_again_elsewhere_are_copied_and_lose_their_body(
     make()
     for name, head in heads.items():
         np.testing.assert_allclose(rig.data.bones[name].head_local, head, atol=1e-5, err_msg=name)
-    before, root = shapes(), rig.pose.bones["Root"]
-    root.rotation_euler[2] = 0.5
-    bpy.context.view_layer.update()
-    motion = np.array(rig.matrix_world @ root.matrix @ root.bone.matrix_local.inverted() @ rig.matrix_world.inverted())
+    before = shapes()
+    rig.location.x += 1.0
     after = shapes()
     for obj in [each for each in rig.children if each.name in after]:
-        wanted = before[obj.name] @ motion[:3, :3].T + motion[:3, 3]
-        np.testing.assert_allclose(after[obj.name], wanted, atol=1e-3, err_msg=obj.name)
+        np.testing.assert_allclose(after[obj.name], before[obj.name] + (1.0, 0.0, 0.0), atol=1e-3, err_msg=obj.name)
 
 
 ARM = """<svg xmlns="http://www.w3.org/2000/svg">
@@ -737,8 +734,8 @@ def test_limbs_snap_between_their_controls_and_their_bones() -> None:
     assert keyed() == first | own
 
 
-@pytest.mark.parametrize("by", slow_after(0, ["keys", "eye"], thorough_after=1))
-def test_swapped_mouths_and_hands_stay_when_the_puppet_is_made_again(by: str) -> None:
+@pytest.mark.slow
+def test_swapped_mouths_and_hands_stay_when_the_puppet_is_made_again() -> None:
     """Hidden ones too, though Blender doesn't move what is hidden."""
     drawings = figure()
     pairs = (("Hand.L", "Open Hand.L"), ("Smile", "Frown"))
@@ -752,27 +749,20 @@ def test_swapped_mouths_and_hands_stay_when_the_puppet_is_made_again(by: str) ->
     make(*drawings.values())
     armature: Any = bpy.context.object
 
-    def swap(frame: int) -> None:
-        bpy.context.scene.frame_set(frame)
-        for pair in pairs:
-            for number, name in enumerate(pair):
-                obj, hidden = drawings[name], frame != (1, 5)[number]
-                if by == "eye":
-                    obj.hide_set(hidden)
-                elif armature.animation_data is None:
-                    obj.hide_viewport = obj.hide_render = hidden
-                    obj.keyframe_insert("hide_viewport", frame=frame)
-                    obj.keyframe_insert("hide_render", frame=frame)
-        bpy.context.view_layer.update()
+    for pair in pairs:
+        for frame, shown in zip((1, 5), pair, strict=True):
+            for obj in (drawings[name] for name in pair):
+                obj.hide_viewport = obj.hide_render = obj.name != shown
+                obj.keyframe_insert("hide_viewport", frame=frame)
+                obj.keyframe_insert("hide_render", frame=frame)
 
     def seen() -> dict[str, np.ndarray]:
         found: dict[str, np.ndarray] = {}
         for frame in (5, 1):
-            swap(frame)
+            bpy.context.scene.frame_set(frame)
             found |= {name: points(obj) for name, obj in drawings.items() if obj.visible_get() and name != "Badge"}
         return found
 
-    seen()
     turn(armature, Arm_L=30.0, Neck=25.0)
     armature.keyframe_insert("location")
     before = seen()

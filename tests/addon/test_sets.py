@@ -309,12 +309,13 @@ def test_what_an_edit_makes_untrue_is_not_said() -> None:
 
 @pytest.mark.slow
 def test_generate_after_bind_makes_the_drawings_cages_again() -> None:
-    source, _ = caged(bound=True)
+    source, _ = caged()
+    bind(method="LINEAR")
     coarsest = made()[-1]
     assert bpy.context.view_layer.objects.active == coarsest and bpy.context.selected_objects == [coarsest]
     generate("20, 10")
     assert [len(obj.data.vertices) for obj in made()] == [60, 20, 10]
-    assert len(bpy.data.collections) == 1 and set_of(source).bound
+    assert len(bpy.data.collections) == 1 and set_of(source).bound == "LINEAR"
 
 
 @pytest.mark.slow

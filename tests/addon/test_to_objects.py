@@ -128,24 +128,6 @@ def test_still_objects_are_no_animated_faces() -> None:
 
 
 @pytest.mark.slow
-def test_alembic_carries_the_animation(playing, tmp_path) -> None:
-    found = animated_faces(playing)
-    frames = frames_to_compare()
-    expected = seen(found, frames)
-    path, last = str(tmp_path / "cages.abc"), bpy.context.scene.frame_end
-    bpy.ops.wm.alembic_export(filepath=path, start=1, end=last, selected=True, as_background_job=False)
-    new_file()
-    bpy.ops.wm.alembic_import(filepath=path, as_background_job=False)
-    assert bpy.context.scene.frame_end >= last
-    by_name = {obj.name.replace("_", " "): obj for obj in bpy.data.objects if obj.type == "MESH"}
-    assert len(by_name) == 3, by_name
-    for (name, frame), points in expected.items():
-        obj = by_name.get(name) or pytest.fail(f"{name} is not in {by_name}")
-        there = in_world(obj, evaluated(obj, at_frame(frame)))
-        np.testing.assert_allclose(there, points, rtol=0.0, atol=1e-5)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("faces", slow_after(1, [False, True]))
 def test_gltf_carries_the_animation_as_morph_targets(playing, tmp_path, faces) -> None:
     """Lone edges become lines, and faces triangles; either has a morph target for each step. What is hidden on the

@@ -82,20 +82,14 @@ class Animator:
         bpy.context.view_layer.update()
         self.went_by(self.armature.matrix_world @ before.inverted(), shown)
 
-    def nudge(self) -> None:
-        """Moves a part a little, and in the stack."""
+    def redraw(self) -> None:
+        """Moves a part a little, and in the stack, and gives another one other data."""
         part = self.random.choice(self.parts)
         part.location += Vector((0.01, -0.01, self.random.uniform(-0.01, 0.01)))
-
-    def redraw(self) -> None:
-        part = self.random.choice([part for part in self.parts if part.type == "MESH"])
-        part.data.transform(Matrix.Translation((self.random.uniform(-0.02, 0.02), 0.0, 0.0)))
-        part.data.update()
-
-    def swap(self) -> None:
-        """Gives a part other data."""
         part = self.random.choice([part for part in self.parts if part.type == "MESH"])
         part.data = part.data.copy()
+        part.data.transform(Matrix.Translation((self.random.uniform(-0.02, 0.02), 0.0, 0.0)))
+        part.data.update()
 
     def add(self) -> None:
         """Draws a part, which is bound by its button."""
@@ -159,7 +153,7 @@ class Animator:
             found = [obj.name for obj in bpy.data.objects if "Cage" in obj.name]
             assert found == [cage.name for cage in self.cages]  # no objects of kept meshes
 
-    EDITS = (rig, turn, move, nudge, redraw, swap, add, delete, copy, undo, reload, append)
+    EDITS = (rig, turn, move, redraw, add, delete, copy, undo, reload, append)
 
     def rest(self) -> None:
         for bone in self.armature.pose.bones:
@@ -254,16 +248,6 @@ class Puppeteer(Animator):
         self.rig()
         assert self.armature.data.bones[name].parent.name == above
 
-    def add(self) -> None:
-        self.count += 1
-        (x, y), _, radius = LIMBS["Torso"]
-        part = face(f"Part {self.count}", capsule((x, y + 0.2), (x + 0.1, y + 0.2), 0.3 * radius))
-        matrix = self.armature.matrix_world @ part.matrix_world
-        part.matrix_world = matrix
-        self.names.append(part.name)
-        self.rig()
-        assert part.parent == self.armature
-
     KEPT = ("Torso",)
     cages: tuple[()] = ()
 
@@ -275,13 +259,7 @@ class Puppeteer(Animator):
         choose(*self.parts, self.armature)
         assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
 
-    def idle(self) -> None:
-        choose(self.armature)
-        assert bpy.ops.object.nested_cages_clip(kind="IDLE") == {"FINISHED"}
-        bpy.context.scene.frame_set(self.random.randrange(1, 25))
-        self.armature.animation_data_clear()
-
-    EDITS = (rig, turn, Animator.move, paint, hang, add, Animator.delete, copy, idle, *Animator.EDITS[-3:])
+    EDITS = (rig, turn, Animator.move, paint, hang, Animator.delete, copy, *Animator.EDITS[-3:])
 
     def check(self) -> None:
         """The root moves all as one piece, and the drawing at rest is as it was drawn."""
