@@ -9,6 +9,7 @@ from mathutils import Matrix
 
 from support.blender import refused
 from support.drawings import (
+    add,
     base,
     bezier_circle,
     certificate,
@@ -16,6 +17,7 @@ from support.drawings import (
     circle,
     curves_of,
     evaluated,
+    gathered,
     holds,
     members,
     poly_curve,
@@ -202,8 +204,7 @@ def test_hooks_and_vertex_parents_name_the_nearest_new_vertices() -> None:
     right = int(np.argmax(base(cage)[:, 0]))
     place = base(cage)[right].copy()
     cage.modifiers.new("Handle", "HOOK").vertex_indices_set([right])
-    child = bpy.data.objects.new("Bead", None)
-    bpy.context.scene.collection.objects.link(child)
+    child = add("Bead", None, select=False)
     child.parent, child.parent_type, child.parent_vertices = cage, "VERTEX", (right, 0, 0)
     generate(source, "30")
     (index,) = cage.modifiers["Handle"].vertex_indices
@@ -235,15 +236,6 @@ def stretched():
     return source
 
 
-def in_collection(source):
-    """A new collection of the scene that the drawing moves to."""
-    character = bpy.data.collections.new("Character")
-    bpy.context.scene.collection.children.link(character)
-    character.objects.link(source)
-    bpy.context.scene.collection.objects.unlink(source)
-    return character
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", slow_after(2, DRAWINGS))
 def test_a_bound_drawing_goes_with_its_cages(kind) -> None:
@@ -259,8 +251,7 @@ def test_a_bound_drawing_goes_with_its_cages(kind) -> None:
     bpy.context.view_layer.update()
     for obj, places in ((source, before), (cage, around)):
         assert np.abs(world(obj) - places - (0.0, 4.0, 0.0)).max() < 1e-5
-    root = bpy.data.objects.new("Root", None)
-    bpy.context.scene.collection.objects.link(root)
+    root = add("Root", None, select=False)
     source.parent = root
     root.matrix_world = Matrix.Translation((1.0, 0.0, 2.0)) @ Matrix.Rotation(0.5, 4, "Z")
     bpy.context.view_layer.update()
@@ -273,7 +264,7 @@ def test_a_bound_drawing_goes_with_its_cages(kind) -> None:
 
 def test_cages_are_in_the_collection_of_their_drawing() -> None:
     source = poly_curve("Drawing", [star()])
-    character = in_collection(source)
+    character = gathered("Character", source)
     generate(source, "12")
     assert [child.name for child in character.children] == ["Drawing Cages"]
 
@@ -307,7 +298,7 @@ def test_verify_looks_at_the_drawing_as_it_is_seen() -> None:
 def saved(tmp_path):
     """A file with a bound and posed drawing in a collection of its own, and how the drawing is seen."""
     source = wire("Drawing", [star() * 2.0])
-    in_collection(source)
+    gathered("Character", source)
     *_, cage = generate(source, "12")
     bpy.ops.object.nested_cages_bind()
     rigged(cage)

@@ -10,7 +10,20 @@ import pytest
 import shapely
 
 from support.blender import refused
-from support.drawings import at_frame, base, certificate, circle, generate, made, poly_curve, solid, star, wire
+from support.drawings import (
+    armature,
+    at_frame,
+    base,
+    certificate,
+    choose,
+    circle,
+    generate,
+    made,
+    poly_curve,
+    solid,
+    star,
+    wire,
+)
 
 
 def paint(obj, name, weights):
@@ -151,15 +164,8 @@ def test_pins_of_a_vertex_group_are_kept_on_every_level() -> None:
 def test_bones_are_joints() -> None:
     bar = np.array([(x, y) for x, y in shapely.box(-2.0, -0.3, 2.0, 0.3).segmentize(0.1).exterior.coords[:-1]])
     wire("Drawing", [bar])
-    armature = bpy.data.armatures.new("Rig")
-    rig = bpy.data.objects.new("Rig", armature)
-    bpy.context.scene.collection.objects.link(rig)
-    bpy.context.view_layer.objects.active = rig
-    bpy.ops.object.mode_set(mode="EDIT")
-    bone = armature.edit_bones.new("Arm")
-    bone.head, bone.tail = (-1.0, 0.0, 0.0), (0.5, 0.0, 0.0)
-    bpy.ops.object.mode_set(mode="OBJECT")
-    bpy.context.view_layer.objects.active = bpy.data.objects["Drawing"]
+    armature("Rig", Arm=((-1.0, 0.0, 0.0), (0.5, 0.0, 0.0)))
+    choose(bpy.data.objects["Drawing"])
     generate("8", joint_armature="Rig")
     found = points(cages()[0])
     for joint in ((-1.0, 0.3), (-1.0, -0.3), (0.5, 0.3), (0.5, -0.3)):

@@ -12,7 +12,7 @@ import shapely
 from mathutils import Matrix
 
 from support.blender import refused
-from support.drawings import evaluated, in_world, snapshot
+from support.drawings import choose, evaluated, in_world, snapshot
 
 pytestmark = pytest.mark.slow
 
@@ -48,8 +48,7 @@ def empty(image: Any) -> Any:
     obj.data = image
     obj.empty_display_type, obj.empty_display_size = "IMAGE", 3.0
     bpy.context.scene.collection.objects.link(obj)
-    obj.select_set(True)
-    bpy.context.view_layer.objects.active = obj
+    choose(obj)
     return obj
 
 

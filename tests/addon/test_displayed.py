@@ -16,6 +16,7 @@ from support.drawings import (
     certificate,
     choose,
     evaluated,
+    gathered,
     generate,
     grease_pencil,
     holds,
@@ -289,11 +290,7 @@ def test_instances_of_nodes_are_read_as_displayed(kind, fill) -> None:
 
 @pytest.mark.slow
 def test_the_silhouette_of_an_instance_leaves_cages_out() -> None:
-    wire("Drawing", [star()])
-    home = bpy.data.collections.new("Home")
-    bpy.context.scene.collection.children.link(home)
-    home.objects.link(bpy.context.object)
-    bpy.context.scene.collection.objects.unlink(bpy.context.object)
+    gathered("Home", wire("Drawing", [star()]))
     for operator in (bpy.ops.object.nested_cages_generate, bpy.ops.object.nested_cages_bind):
         assert operator() == {"FINISHED"}
     bpy.ops.object.collection_instance_add(collection="Home", location=(5.0, 0.0, 0.0))

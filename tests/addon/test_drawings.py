@@ -17,6 +17,7 @@ from support.drawings import (
     base,
     bezier_circle,
     certificate,
+    choose,
     circle,
     edges_of,
     end_of,
@@ -85,8 +86,7 @@ def svg(folder):
     bpy.ops.preferences.addon_enable(module="io_curve_svg")
     bpy.ops.import_curve.svg(filepath=str(path))
     (obj,) = bpy.data.objects
-    obj.select_set(True)
-    bpy.context.view_layer.objects.active = obj
+    choose(obj)
     return obj
 
 
@@ -99,8 +99,7 @@ def linked(folder):
         wanted.objects = available.objects
     (obj,) = wanted.objects
     bpy.context.scene.collection.objects.link(obj)
-    obj.select_set(True)
-    bpy.context.view_layer.objects.active = obj
+    choose(obj)
     return obj
 
 
@@ -140,6 +139,8 @@ KINDS = {
     "Bezier": (lambda _: bezier_circle("Drawing"), {}, 48),
     "NURBS": (lambda _: nurbs_circle("Drawing"), {}, None),
     "poly": (lambda _: poly_curve("Drawing", [star()]), {}, 60),
+    "triangle": (lambda _: wire("Drawing", [circle(3)]), {}, 3),
+    "many parts": (lambda _: wire("Drawing", [circle(5, 0.3, (x, 0.0)) for x in range(12)]), {"loops": "keep"}, 60),
     "2D filled": (lambda _: changed(poly_curve("Drawing", [star(), circle(12, 0.3)]), fill_mode="BOTH"), {}, 72),
     "3D": (lambda _: poly_curve("Drawing", [star()], dimensions="3D"), {}, 60),
     "curve with a modifier": (lambda _: modified(poly_curve("Drawing", [star()]), "CAST", factor=0.3), {}, 60),

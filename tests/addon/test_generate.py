@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import re
 
 import bpy
 import numpy as np
@@ -19,6 +18,7 @@ from support.drawings import (
     circle,
     end_of,
     evaluated,
+    gathered,
     generate,
     in_world,
     lines,
@@ -28,7 +28,6 @@ from support.drawings import (
     snapshot,
     solid,
     star,
-    text,
     wire,
 )
 from support.marks import slow_after
@@ -120,23 +119,6 @@ def test_the_clearance_is_a_length_of_the_scene(clearance) -> None:
         measured = 3.0 * lines(inner, depsgraph).distance(lines(cage, depsgraph))
         assert clearance * (1.0 - 1e-9) <= measured <= 1.05 * clearance
         assert certificate(cage).clearance == pytest.approx(measured, rel=1e-6)
-
-
-ORDINARY = {
-    "triangle": lambda: wire("Drawing", [circle(3)]),
-    "text": lambda: text("Drawing", "Ab"),
-    "letter": lambda: poly_curve("Drawing", letter()),
-    "many parts": lambda: wire("Drawing", [circle(5, 0.3, (x, 0.0)) for x in range(12)]),
-}
-
-
-@pytest.mark.parametrize("name", slow_after(2, ORDINARY))
-def test_the_default_works_on_any_ordinary_drawing(name) -> None:
-    ORDINARY[name]()
-    assert bpy.ops.object.nested_cages_generate() == {"FINISHED"}
-    _, fine, cages = output()
-    assert len(cages) == 2
-    assert len(fine.data.vertices) >= len(cages[0].data.vertices) >= len(cages[1].data.vertices)
 
 
 def test_selected_objects_become_the_levels() -> None:
@@ -236,8 +218,7 @@ def test_a_renamed_drawing_keeps_its_output() -> None:
     cages[1].name = "My own name"
     source.name = "Picture"
     poly_curve("Drawing", [circle(30)]).select_set(False)
-    source.select_set(True)
-    bpy.context.view_layer.objects.active = source
+    choose(source)
     generate()
     assert (collection.name, fine.name) == ("Picture Cages", "Picture Fine")
     assert [cage.name for cage in cages] == ["Picture Cage 1", "My own name"]
@@ -353,17 +334,6 @@ def test_the_largest_clearance_is_told() -> None:
     generate(clearance=0.02)
 
 
-@pytest.mark.slow
-def test_a_loose_cage_says_what_number_would_do() -> None:
-    poly_curve("Drawing", [star(120, 0.4, 7)])
-    generate("5")
-    said = " ".join(certificate(made()[1]).notes)
-    (better,) = [int(number) for number in re.findall(r"\b\d+(?= vertices)", said)]
-    assert 5 < better < 120
-    generate(str(better))
-    assert certificate(made()[1]).excess < 0.25 and not certificate(made()[1]).notes
-
-
 def test_nothing_selected_and_the_wrong_kind_are_refused() -> None:
     with refused():
         bpy.ops.object.nested_cages_generate()
@@ -375,16 +345,9 @@ def test_nothing_selected_and_the_wrong_kind_are_refused() -> None:
 @pytest.mark.slow
 def test_drawings_of_one_run_share_a_collection_within_their_own() -> None:
     scene = bpy.context.scene
-    face, character = bpy.data.collections.new("Face"), bpy.data.collections.new("Character")
-    scene.collection.children.link(character)
-    character.children.link(face)
-    for x, name in enumerate(("Eye", "Nose", "Mouth")):
-        obj = poly_curve(name, [star()])
-        obj.location.x = 3.0 * x
-        face.objects.link(obj)
-        scene.collection.objects.unlink(obj)
-    choose(*face.objects)
-    bpy.context.view_layer.objects.active = face.objects[0]
+    parts = [poly_curve(name, [star() + 3.0 * x]) for x, name in enumerate(("Eye", "Nose", "Mouth"))]
+    face = gathered("Face", *parts, home=gathered("Character"))
+    choose(*reversed(parts))
     generate()
     run = bpy.data.collections["Cages of 3 Drawings"]
     assert set(face.children) == {run}

@@ -13,6 +13,7 @@ from support.drawings import (
     at_frame,
     base,
     certificate,
+    choose,
     circle,
     edges_of,
     end_of,
@@ -238,9 +239,7 @@ def test_inner_cages_are_verified() -> None:
     bpy.ops.object.nested_cages_remove_animation()
     bpy.context.view_layer.objects.active = obj
     assert verify(first, second, made()[1])
-    for each in bpy.context.selected_objects:
-        each.select_set(False)
-    bpy.context.view_layer.objects.active = first
+    choose(first)
     bpy.ops.object.nested_cages_remove_animation()
     first.data.transform(Matrix.Scale(1.2, 4))
     first.data.update()
@@ -256,10 +255,7 @@ def test_selected_cages_of_both_sides_are_one_chain() -> None:
     generate("16, 10", inside=True)
     at_frame(9000)
     around, (_, first, second) = made()[1], made(inside=True)
-    for each in bpy.context.selected_objects:
-        each.select_set(False)
-    for each in (second, around, first):
-        each.select_set(True)
+    choose(second, around, first)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     assert holds(around) and "'Drawing Inner Cage 1'" in certificate(around).finding
     assert holds(second) and "'Drawing Inner Cage 1'" in certificate(second).finding

@@ -12,6 +12,7 @@ import pytest
 from support.blender import GOES_ON, new_file, refused, running
 from support.drawings import (
     add,
+    armature,
     at_frame,
     base,
     bind,
@@ -59,13 +60,7 @@ def bent_by_armature():
     x, count = np.linspace(-1.0, 1.0, 21), 21
     bar = np.concatenate([np.column_stack([x, np.full(count, -0.2)]), np.column_stack([x, np.full(count, 0.2)])[::-1]])
     obj = wire("Bar", [bar])
-    armature = bpy.data.armatures.new("Rig")
-    rig = add("Rig", armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    for name, head, tail in (("left", (-1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), ("right", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0))):
-        bone = armature.edit_bones.new(name)
-        bone.head, bone.tail = head, tail
-    bpy.ops.object.mode_set(mode="OBJECT")
+    rig = armature("Rig", left=((-1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), right=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
     for name, side in (("left", -1.0), ("right", 1.0)):
         group = obj.vertex_groups.new(name=name)
         for number, point in enumerate(bar):
@@ -99,8 +94,7 @@ def shaped():
     for point, place in zip(shape.data, circle(60), strict=True):
         point.co = (*place, 0.0)
     key(shape, "value", [0.0, 1.0, 0.0])
-    parent = bpy.data.objects.new("Parent", None)
-    bpy.context.scene.collection.objects.link(parent)
+    parent = add("Parent", None, select=False)
     key(parent, "location", [0.0, 2.0], index=1)
     obj.parent = parent
     return obj

@@ -17,7 +17,6 @@ from support.drawings import (
     certificate,
     choose,
     circle,
-    end_of,
     generate,
     grid_face,
     made,
@@ -155,19 +154,6 @@ def test_all_operators_are_in_the_submenu() -> None:
     drawn = draw(*ours(bpy.types.Menu))
     known = {f"object.{name}" for name in dir(bpy.ops.object) if name.startswith("nested_cages")}
     assert known - set(drawn) == {"object.nested_cages_cancel"}
-
-
-def test_the_panel_shows_the_length_as_soon_as_it_is_known() -> None:
-    poly_curve("Drawing", [star()])
-    assert not any("frames" in text and " s" in text for text in draw())
-    generate("20", fit_length=True)
-    settings, end = bpy.context.scene.nested_cages, end_of(made()[1])
-    (told,) = [text for text in draw() if "120 frames" in text]
-    assert "5.0 s" in told
-    generate("20")
-    settings.fit_length, end = False, end_of(made()[1])
-    (told,) = [text for text in draw() if f"{end} frames" in text]
-    assert f"{end / 24:.1f} s" in told
 
 
 COUNTED = {

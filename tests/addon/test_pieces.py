@@ -110,10 +110,8 @@ def test_an_active_body_carries_the_drawing_and_its_cages() -> None:
     source.location, source.rotation_euler = (1.0, 2.0, 0.5), (0.0, 0.0, 0.4)
     generate("20, 10")
     bpy.ops.object.nested_cages_remove_animation()  # hidden objects are not evaluated
-    bpy.ops.object.select_all(action="DESELECT")
     cage = bpy.data.objects["Drawing Cage 2"]
-    cage.select_set(True)
-    bpy.context.view_layer.objects.active = cage
+    choose(cage)
     bpy.context.view_layer.update()
     shown = {name: np.array(bpy.data.objects[name].matrix_world) for name in ("Drawing", "Drawing Cage 1", cage.name)}
     assert bpy.ops.object.nested_cages_pieces(body="ACTIVE") == {"FINISHED"}

@@ -16,7 +16,7 @@ from mathutils import Matrix, Vector
 from PIL import Image
 
 from support.blender import new_file, refused
-from support.drawings import add, choose, curves_of, grease_pencil, save, world
+from support.drawings import add, choose, curves_of, gathered, grease_pencil, save, world
 from support.figure import LIMBS, capsule, face, figure, points
 from support.marks import slow_after
 
@@ -584,8 +584,7 @@ def test_parents_of_drawings_say_what_hangs_on_what() -> None:
 
 def test_what_moves_all_drawings_moves_their_puppet() -> None:
     drawings = figure_of_faces(parts=FEW)
-    empty = bpy.data.objects.new("Stage", None)
-    bpy.context.collection.objects.link(empty)
+    empty = add("Stage", None, select=False)
     empty.location, empty.rotation_euler, empty.scale = (2.0, 1.0, 0.0), (0.0, 0.0, 0.3), (1.5, 1.5, 1.5)
     for obj in drawings:
         obj.parent = empty
@@ -639,11 +638,7 @@ def test_poses_are_mirrored_as_pictures() -> None:
 @pytest.mark.slow
 def test_an_override_is_posed_and_walks_and_says_what_it_cannot(tmp_path: Path) -> None:
     drawings = figure()
-    home = bpy.data.collections.new("Character")
-    bpy.context.scene.collection.children.link(home)
-    for obj in drawings.values():
-        home.objects.link(obj)
-        bpy.context.scene.collection.objects.unlink(obj)
+    gathered("Character", *drawings.values())
     make(*drawings.values(), reach=True)
     bpy.ops.object.mode_set(mode="OBJECT")
     library = save(tmp_path / "character.blend")

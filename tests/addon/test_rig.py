@@ -12,7 +12,7 @@ from mathutils import Matrix
 
 from support.blender import new_file, refused
 from support.drawings import (
-    add,
+    armature,
     at_frame,
     bind,
     certificate,
@@ -98,12 +98,7 @@ def test_own_keys_of_a_part_play_before_the_bend_and_the_whole_moves(character: 
 
 def test_rigging_needs_bones_in_the_plane() -> None:
     figure()
-    armature = bpy.data.armatures.new("Away")
-    rig = add("Away", armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bone = armature.edit_bones.new("Up")
-    bone.tail = (0.0, 0.0, 1.0)
-    bpy.ops.object.mode_set(mode="OBJECT")
+    rig = armature("Away", Up=((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
     with refused("'Away'"):
         bpy.ops.object.nested_cages_rig()
     assert rig.select_get() and not [o for o in bpy.data.objects if "Cage" in o.name]

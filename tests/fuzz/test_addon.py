@@ -11,7 +11,7 @@ bpy = pytest.importorskip("bpy")
 from support.animator import Animator, Puppeteer  # noqa: E402
 from support.artist import Artist  # noqa: E402
 from support.blender import core, empty_scene, extension, hasty, reports, timers, window  # noqa: E402, F401
-from support.drawings import generate, outlive, poly_curve, snapshot, star, text  # noqa: E402
+from support.drawings import generate, outlive, poly_curve, snapshot, star, text, try_operator  # noqa: E402
 from support.flock import Flock  # noqa: E402
 
 pytestmark = [pytest.mark.thorough, pytest.mark.filterwarnings("ignore::RuntimeWarning")]
@@ -53,9 +53,6 @@ def test_transforms_that_are_no_numbers(which: str, name: str, value: float) -> 
         bpy.context.view_layer.update()  # what is hidden on this frame is
         before = repr(snapshot())
         found = getattr(bpy.ops.object, f"nested_cages_{operator}")
-        try:
-            found.poll() and found()
-        except RuntimeError as error:
-            assert "Python" not in str(error), error
+        if found.poll() and try_operator(found) == {"CANCELLED"}:
             bpy.context.view_layer.update()
             assert repr(snapshot()) == before

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 from .blender import ESCAPE, GOES_ON, OTHER, TIMER, Window, running
-from .drawings import circle, grid_face, poly_curve, snapshot, star, text, wire
+from .drawings import circle, grid_face, poly_curve, snapshot, star, text, try_operator, wire
 from .panels import draw
 
 SECONDS = 60.0
@@ -283,12 +283,3 @@ class Artist:
         known = getattr(bpy.ops.object, f"nested_cages_{name}")
         if known.poll():
             try_operator(known)
-
-
-def try_operator(operator: Any) -> Any:
-    """Call an operator, which may refuse with an error of its own, but not fail in Python."""
-    try:
-        return operator()
-    except RuntimeError as error:
-        assert "Traceback" not in str(error) and "Python" not in str(error), error
-        return {"CANCELLED"}

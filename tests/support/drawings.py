@@ -52,6 +52,27 @@ def add(name: str, data: Any, select: bool = True) -> Any:
     return obj
 
 
+def gathered(name: str, *objects: Any, home: Any = None) -> Any:
+    """A new collection of the scene, or in another one, that these objects move to."""
+    made = bpy.data.collections.new(name)
+    (home or bpy.context.scene.collection).children.link(made)
+    for obj in objects:
+        made.objects.link(obj)
+        bpy.context.scene.collection.objects.unlink(obj)
+    return made
+
+
+def armature(name: str, **bones: Any) -> Any:
+    """An armature with bones from one place (x, y, z) to another."""
+    rig = add(name, bpy.data.armatures.new(name))
+    bpy.ops.object.mode_set(mode="EDIT")
+    for bone, (head, tail) in bones.items():
+        made = rig.data.edit_bones.new(bone)
+        made.head, made.tail = head, tail
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return rig
+
+
 def choose(*objects: Any) -> None:
     """Selects these objects alone, the last of them active."""
     for obj in bpy.context.selected_objects:
@@ -368,3 +389,12 @@ def outlive(subject: Any, count: int, seed: int) -> None:
             subject.check()
         except (AssertionError, KeyError, RuntimeError, StopIteration, ValueError) as error:
             raise AssertionError(f"seed {seed}, after {', '.join(done)}") from error
+
+
+def try_operator(operator: Any, **values: Any) -> Any:
+    """Call an operator, which may refuse with an error of its own, but not fail in Python."""
+    try:
+        return operator(**values)
+    except RuntimeError as error:
+        assert "Traceback" not in str(error) and "Python" not in str(error), error
+        return {"CANCELLED"}

@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from .drawings import bind, choose, circle, generate, save, set_of, sets, wire, world
+from .drawings import bind, choose, circle, generate, save, set_of, sets, try_operator, wire, world
 
 PARTS = ("Body", "Head", "Hat")
 
@@ -55,22 +55,16 @@ class Flock:
         choose(self.random.choice([*made.parts, *made.cages]))
         bpy.ops.object.delete()
 
-    def _try(self, operator: Any, **values: Any) -> None:
-        try:
-            operator(**values)
-        except RuntimeError as error:
-            assert "Traceback" not in str(error), error
-
     def operate(self) -> None:
         choose(self.some().parts[0])
         work = self.random.choice(("unbind", "rebind", "bind", "report"))
         operator = getattr(bpy.ops.object, f"nested_cages_{work}")
         if operator.poll():
-            self._try(operator)
+            try_operator(operator)
 
     def generate(self) -> None:
         choose(self.some().parts[0])
-        self._try(bpy.ops.object.nested_cages_generate, levels=self.random.choice(("12", "20, 10")))
+        try_operator(bpy.ops.object.nested_cages_generate, levels=self.random.choice(("12", "20, 10")))
 
     def reload(self) -> None:
         save(self.path, again=True)
