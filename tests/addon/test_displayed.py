@@ -194,7 +194,7 @@ ADD = {
 
 
 def carried(random, source):
-    """Gives an object a parent that moves, a constraint, a delta, and an instance elsewhere, some of these."""
+    """Gives an object a parent that moves, a constraint and a delta, some of these."""
     if random.random() < 0.6:
         random.choice([bezier, lambda: bpy.ops.object.empty_add(rotation=(0.2, 0.1, 0.4))])()
         parent = bpy.context.object
@@ -209,10 +209,6 @@ def carried(random, source):
         source.constraints.new(kind).target = bpy.context.object
     if random.random() < 0.5:
         source.delta_location, source.delta_rotation_euler = (0.3, -0.2, 0.1), (0.0, 0.0, 0.7)
-    if random.random() < 0.5:
-        home = bpy.data.collections.new("Home")
-        home.objects.link(source)
-        bpy.ops.object.collection_instance_add(collection="Home", location=(5.0, 0.0, 0.0))
     source.location, source.rotation_euler = (1.0, 2.0, 3.0), (0.4, 0.3, 0.2)
     choose(source)
 

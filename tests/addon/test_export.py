@@ -25,17 +25,6 @@ def test_it_says_how_many_outlines_were_written(cages, tmp_path, reports, kind, 
 
 
 @pytest.mark.slow
-def test_a_drawing_goes_to_svg_with_all_its_cages(cages, core, tmp_path) -> None:
-    source, fine, both = cages
-    choose(source)
-    path = tmp_path / "cages.svg"
-    assert bpy.ops.object.nested_cages_export(filepath=str(path), kind="SVG", flip_y=False) == {"FINISHED"}
-    for obj in (fine, *both):
-        back = core.read_svg(path, element=obj.name)
-        assert shapely.equals(shapely.normalize(shapely.geometry.shape(back)), shapely.normalize(solid(obj)))
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("unit", "scale_length", "per_metre"),
     [("METERS", 1.0, 1e3), ("MILLIMETERS", 0.001, 1e3), ("CENTIMETERS", 1.0, 1e2), ("INCHES", 1.0, 1 / 0.0254)],

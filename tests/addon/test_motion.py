@@ -33,7 +33,6 @@ from support.drawings import (
     snapshot,
     solid,
     star,
-    text,
     verify,
     wire,
 )
@@ -100,15 +99,7 @@ def shaped():
     return obj
 
 
-def spaced_text():
-    """A text whose letters move apart."""
-    obj = text("Word", "ab")
-    obj.data.resolution_u = 3
-    key(obj.data, "space_character", [1.2, 1.6])
-    return obj
-
-
-MOTIONS = {f.__name__: f for f in (bent_by_armature, keyed_points, shaped, spaced_text)}
+MOTIONS = {f.__name__: f for f in (bent_by_armature, keyed_points, shaped)}
 
 
 def follow(obj, **values):
@@ -142,10 +133,9 @@ def certified(core, collection, obj, frames) -> None:
 def test_cages_follow_a_drawing_that_moves_by_any_means(core, motion) -> None:
     obj = MOTIONS[motion]()
     bpy.context.scene.frame_set(4)
-    levels = "16, 10" if motion != "spaced_text" else "24, 14"
-    collection = follow(obj, levels=levels)
+    collection = follow(obj, levels="16, 10")
     assert bpy.context.scene.frame_current == 4
-    assert [len(o.data.vertices) for o in collection.objects][1:] == [int(n) for n in levels.split(",")]
+    assert [len(o.data.vertices) for o in collection.objects][1:] == [16, 10]
     certified(core, collection, obj, range(FIRST, LAST + 1, 2))
     fine, *cages = members(collection)
     for frame in np.arange(FIRST, LAST, 0.5):

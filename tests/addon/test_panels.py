@@ -60,22 +60,11 @@ def rigged() -> None:
     assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
 
 
-def cut_out() -> None:
-    image_empty()
-    bpy.data.images["sprite"].pixels.foreach_set([1.0] * 256)
-    assert bpy.ops.object.nested_cages_cutout(levels="4") == {"FINISHED"}
-
-
 def handles() -> None:
     poly_curve("Drawing", [star()])
     generate("8")
     assert bpy.ops.object.nested_cages_bind() == bpy.ops.object.nested_cages_add_handles() == {"FINISHED"}
     assert bpy.context.mode == "POSE"
-
-
-def own_outline() -> None:
-    squares(0.0, 0.5)
-    bpy.context.scene.nested_cages.use_selected_as_levels = True
 
 
 # What is selected, and the button to press, which is the first one.
@@ -88,9 +77,7 @@ FITTING = {
     "an armature": (bpy.ops.object.armature_add, "rig"),
     "a picture": (image_empty, "cutout"),
     "a rig in Pose Mode": (rigged, "rig"),
-    "a cutout in Pose Mode": (cut_out, "cutout"),
     "handles in Pose Mode": (handles, "generate"),
-    "an outline of one's own": (own_outline, "generate"),
 }
 
 

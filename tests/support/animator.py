@@ -233,21 +233,6 @@ class Puppeteer(Animator):
         vertex = min(mesh.data.vertices, key=lambda vertex: (vertex.co - place).length).index
         np.testing.assert_allclose([group.weight(vertex) for group in mesh.vertex_groups], 0.5, atol=1e-3)
 
-    def hang(self) -> None:
-        """Hangs a bone elsewhere, and makes the puppet again."""
-        choose(self.armature)
-        bpy.ops.object.mode_set(mode="EDIT")
-        bones = self.armature.data.edit_bones
-        ends = [bone for bone in bones if bone["nested_cages_part"] and not bone.children]
-        end, root = self.random.choice(ends), next(b for b in bones if b["nested_cages_part"] == "Torso")
-        if end.parent["nested_cages_part"] != end["nested_cages_part"]:
-            end.use_connect, end.parent = False, root
-        name = end.name
-        bpy.ops.object.mode_set(mode="OBJECT")
-        above = self.armature.data.bones[name].parent.name
-        self.rig()
-        assert self.armature.data.bones[name].parent.name == above
-
     KEPT = ("Torso",)
     cages: tuple[()] = ()
 
@@ -259,7 +244,7 @@ class Puppeteer(Animator):
         choose(*self.parts, self.armature)
         assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
 
-    EDITS = (rig, turn, Animator.move, paint, hang, Animator.delete, copy, *Animator.EDITS[-3:])
+    EDITS = (rig, turn, Animator.move, paint, Animator.delete, copy, *Animator.EDITS[-3:])
 
     def check(self) -> None:
         """The root moves all as one piece, and the drawing at rest is as it was drawn."""
