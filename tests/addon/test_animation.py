@@ -25,7 +25,6 @@ from support.drawings import (
     made,
     poly_curve,
     polygon_area,
-    save,
     star,
     verify,
 )
@@ -88,19 +87,6 @@ def test_markers_of_the_same_name_are_the_user_s() -> None:
     scene.timeline_markers.new("Drawing", frame=end)
     bpy.ops.object.nested_cages_remove_animation()
     assert [(marker.name, marker.frame) for marker in scene.timeline_markers] == [("Drawing", end)]
-
-
-@pytest.mark.slow
-def test_a_large_drawing_plays_the_same_after_saving_and_loading(tmp_path) -> None:
-    poly_curve("Drawing", [star(4000)])
-    generate("24")
-    frames = np.linspace(1, end_of(made()[1]), 9).round().astype(int)
-    before = [[evaluated(obj, at_frame(frame)) for obj in made()] for frame in frames]
-    assert np.abs(before[4][0] - before[0][0]).max() > 0.01
-    save(tmp_path / "large.blend", again=True)
-    for frame, wanted in zip(frames, before, strict=True):
-        for obj, points in zip(made(), wanted, strict=True):
-            np.testing.assert_array_equal(evaluated(obj, at_frame(frame)), points)
 
 
 def test_a_cage_stays_home_until_its_own_flow_begins_out_of_sight() -> None:

@@ -9,7 +9,6 @@ import bpy
 import numpy as np
 import pytest
 import shapely
-from mathutils import Matrix
 
 from support.blender import refused
 from support.drawings import (
@@ -89,18 +88,6 @@ def test_the_drawing_follows_affine_poses_through_all_levels(method) -> None:
     put(cages[-1], turned(base(cages[-1])))
     for obj in (fine, cages[0]):
         assert np.abs(evaluated(obj) - turned(base(obj))).max() <= 2e-5
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("method", EXACT)
-def test_a_moved_cage_object_takes_the_drawing_along(method) -> None:
-    _, _, fine, cages = bound(method=method)
-    before = in_world(fine, evaluated(fine))
-    step = Matrix.Translation((1.0, 0.5, 0.25)) @ Matrix.Rotation(0.7, 4, "X")
-    cages[-1].matrix_world = step @ cages[-1].matrix_world
-    bpy.context.view_layer.update()
-    expected = before @ np.array(step.to_3x3()).T + np.array(step.translation)
-    assert np.abs(in_world(fine, evaluated(fine)) - expected).max() < 2e-5
 
 
 @pytest.mark.slow

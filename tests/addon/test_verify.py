@@ -72,19 +72,6 @@ def test_a_cage_that_crosses_itself_is_found() -> None:
     assert not selected(inner)
 
 
-def test_any_two_objects_can_be_checked() -> None:
-    wire("Inner", [circle(12, 0.5)])
-    wire("Outer", [circle(8, 1.0, (0.7, 0.0))])
-    bpy.data.objects["Inner"].select_set(True)
-    bpy.ops.object.nested_cages_verify()
-    inner, outer = bpy.data.objects["Inner"], bpy.data.objects["Outer"]
-    assert {0, 1, 11}.isdisjoint(selected(inner))
-    assert 6 in selected(inner)
-    outer.location.x = -0.7
-    bpy.ops.object.nested_cages_verify()
-    assert not selected(inner) and not selected(outer)
-
-
 def test_what_is_in_a_hole_of_a_cage_or_outside_is_at_fault_and_nothing_else() -> None:
     islands = [circle(12, 0.2), circle(12, 0.1, (0.9, 0.0)), circle(12, 0.1, (3.0, 0.0))]
     inner = wire("Inner", islands)  # in the hole, in the cage, and outside
