@@ -140,10 +140,9 @@ def test_selected_objects_become_the_levels() -> None:
 
 @pytest.mark.slow
 def test_all_selected_drawings_in_common_cages() -> None:
-    """Drawings in objects of their own, each with its transform, layers that cross, a hole that is an object too."""
+    """Two drawings in objects of their own, each with its transform, and a hole that is an object too."""
     one, two, hole = poly_curve("One", [star()]), wire("Two", [circle(40)]), wire("Hole", [circle(12, 0.3)])
-    layer = wire("Layer", [circle(40, 1.0, (-0.9, 0.0))])
-    two.location, two.rotation_euler, layer.location.z = (3.0, 0.5, 0.0), (0.0, 0.0, 0.4), 0.01
+    two.location, two.rotation_euler = (3.0, 0.5, 0.0), (0.0, 0.0, 0.4)
     for obj in (one, two, hole):
         obj.select_set(True)
     bpy.context.view_layer.objects.active = one
@@ -159,6 +158,19 @@ def test_all_selected_drawings_in_common_cages() -> None:
     once = snapshot()
     generate("30", together=True)
     assert snapshot() == once
+
+
+def test_drawings_in_common_cages_are_united_where_they_cross_and_flattened_where_they_are_layers() -> None:
+    poly_curve("One", [star()])
+    two = wire("Two", [circle(40, 1.0, (0.9, 0.0))])
+    two.location.z = 0.01
+    bpy.data.objects["One"].select_set(True)
+    generate("30", together=True)
+    fine, cage = made("One")
+    depsgraph = at_frame(end_of(cage))
+    expected = shapely.Polygon(star()).union(shapely.Polygon(circle(40, 1.0, (0.9, 0.0))))
+    assert solid(fine, depsgraph).symmetric_difference(expected).area < 1e-5
+    assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
 
 
 def test_drawings_in_common_cages_must_be_parallel() -> None:
