@@ -9,25 +9,8 @@ import bpy
 import numpy as np
 import pytest
 
-from support.drawings import (
-    at_frame,
-    base,
-    bind,
-    certificate,
-    choose,
-    circle,
-    edges_of,
-    end_of,
-    evaluated,
-    generate,
-    keyed_steps,
-    lines,
-    made,
-    poly_curve,
-    polygon_area,
-    star,
-    verify,
-)
+from support import drawings
+from support.drawings import at_frame, certificate, circle, end_of, evaluated, generate, lines, made, poly_curve, star
 from support.marks import slow_after
 from support.panels import draw
 
@@ -39,7 +22,7 @@ def test_each_step_is_on_its_frame_and_the_motion_is_linear(which: int) -> None:
     poly_curve("Drawing", [star()])
     generate(frames_per_step=4)
     obj = made()[which]
-    frames, steps = keyed_steps(obj)
+    frames, steps = drawings.keyed_steps(obj)
     assert len(frames) > 5 and len(obj.data.shape_keys.key_blocks) <= len(steps) + 1
     rounding = 8.0 * np.finfo(np.float32).eps * np.abs(steps).max()
     for k, frame in enumerate(frames):
@@ -50,7 +33,7 @@ def test_each_step_is_on_its_frame_and_the_motion_is_linear(which: int) -> None:
                 found = evaluated(obj, at_frame(frames[k - 1] + 4 * part))
                 np.testing.assert_allclose(found, wanted, rtol=0.0, atol=rounding)
     for frame in (end_of(made()[-1]), 5000):
-        np.testing.assert_array_equal(evaluated(obj, at_frame(frame)), base(obj))
+        np.testing.assert_array_equal(evaluated(obj, at_frame(frame)), drawings.base(obj))
 
 
 @pytest.mark.parametrize("length", slow_after(1, [120, 30, 400]))
@@ -60,7 +43,7 @@ def test_the_animation_fits_a_length(length: int) -> None:
     assert end_of(made()[-1]) - 11 + 1 == pytest.approx(length, abs=2)
     assert bpy.context.scene.frame_end >= end_of(made()[-1])
     for obj in made():
-        assert (np.diff(keyed_steps(obj)[0]) > 0.0).all()
+        assert (np.diff(drawings.keyed_steps(obj)[0]) > 0.0).all()
 
 
 @pytest.mark.slow
@@ -72,7 +55,7 @@ def test_the_length_is_known_for_other_timings() -> None:
     for frames_per_step, show_flow in itertools.product((1, 3), (True, False)):
         settings.frames_per_step, settings.show_flow = frames_per_step, show_flow
         told = [int(number) for text in draw() for number in re.findall(r"\b(\d+) frames", text)]
-        choose(bpy.data.objects["Drawing"])
+        drawings.choose(bpy.data.objects["Drawing"])
         bpy.context.scene.frame_end = 6
         generate(start_frame=5, frames_per_step=frames_per_step, show_flow=show_flow)
         assert told == [bpy.context.scene.frame_end - 5 + 1]
@@ -160,7 +143,7 @@ def test_without_the_animation_the_cages_stay(cages) -> None:
     objects = cages
     end = end_of(cages[-1])
     depsgraph = at_frame(end)
-    home, edges = [evaluated(obj, depsgraph) for obj in objects], [edges_of(obj) for obj in objects]
+    home, edges = [evaluated(obj, depsgraph) for obj in objects], [drawings.edges_of(obj) for obj in objects]
     objects[1].keyframe_insert("location", frame=1)
     at_frame(7)
     assert bpy.ops.object.nested_cages_remove_animation() == {"FINISHED"}
@@ -168,7 +151,7 @@ def test_without_the_animation_the_cages_stay(cages) -> None:
         depsgraph = at_frame(frame)
         for obj, points, pairs in zip(objects, home, edges, strict=True):
             np.testing.assert_array_equal(evaluated(obj, depsgraph), points)
-            np.testing.assert_array_equal(edges_of(obj), pairs)
+            np.testing.assert_array_equal(drawings.edges_of(obj), pairs)
             assert not obj.hide_viewport and not obj.hide_render
             assert obj.data.shape_keys is None
     assert [obj.animation_data is not None for obj in objects] == [False, True, False]
@@ -176,7 +159,7 @@ def test_without_the_animation_the_cages_stay(cages) -> None:
     assert not scene.timeline_markers
     assert scene.frame_end == 250
     assert not bpy.ops.object.nested_cages_remove_animation.poll()
-    assert verify(*cages[1:])
+    assert drawings.verify(*cages[1:])
     bpy.data.objects["Drawing"].select_set(True)  # Blender deselects what an animation hides
     generate("20, 10")
 
@@ -214,7 +197,7 @@ def test_while_it_plays_a_filled_copy_moves_in_place_of_the_original(height) -> 
         assert source.hide_viewport is source.hide_render is playing
         assert copy.hide_viewport is copy.hide_render is not playing
     filled = area(copy, at_frame(first))
-    assert filled == pytest.approx(polygon_area(star()) - polygon_area(circle(12, 0.3)), rel=1e-4)
+    assert filled == pytest.approx(drawings.polygon_area(star()) - drawings.polygon_area(circle(12, 0.3)), rel=1e-4)
     shrunk = certificate(bpy.data.objects["Drawing Cage 1"]).frames[1]
     assert area(copy, at_frame(shrunk)) < filled
     mesh = copy.evaluated_get(at_frame(first)).data
@@ -228,7 +211,7 @@ def test_the_original_is_back_when_the_animation_goes_and_while_it_is_bound() ->
     source, _ = coloured("Drawing", [star()])
     actions = len(bpy.data.actions)
     generate()
-    bind()
+    drawings.bind()
     at_frame(3)
     assert not source.hide_viewport and "Drawing Moving" not in bpy.data.objects
     bpy.ops.object.nested_cages_unbind()

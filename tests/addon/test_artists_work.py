@@ -7,30 +7,9 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
+from support import drawings
 from support.blender import refused
-from support.drawings import (
-    add,
-    base,
-    bezier_circle,
-    certificate,
-    choose,
-    circle,
-    curves_of,
-    evaluated,
-    gathered,
-    holds,
-    members,
-    poly_curve,
-    put,
-    save,
-    sets,
-    snapshot,
-    star,
-    text,
-    verify,
-    wire,
-    world,
-)
+from support.drawings import add, base, choose, evaluated, members, poly_curve, snapshot, star, verify, wire, world
 from support.marks import slow_after
 
 GROUP = "Right"
@@ -157,7 +136,7 @@ def test_what_was_made_while_bound_stays_when_unbound() -> None:
     cage.keyframe_insert("location", frame=3)
     bpy.ops.object.nested_cages_unbind()
     assert_rigged(cage, exact=True)
-    assert {"location", "hide_viewport"} <= {curve.data_path for curve in curves_of(cage) if not curve.mute}
+    assert {"location", "hide_viewport"} <= {curve.data_path for curve in drawings.curves_of(cage) if not curve.mute}
 
 
 @pytest.mark.slow
@@ -168,7 +147,7 @@ def test_a_posed_drawing_is_still_posed_with_new_cages() -> None:
     rest = evaluated(source)
     bent = base(cage)
     bent[:, 1] += 0.2 * bent[:, 0]
-    put(cage, bent)
+    drawings.put(cage, bent)
     cage.location.x = 0.7
     posed = evaluated(source)
     assert np.abs(posed - rest).max() > 0.5
@@ -199,7 +178,7 @@ def test_a_level_that_is_no_more_is_kept_if_an_artist_worked_on_it() -> None:
 
 @pytest.mark.slow
 def test_hooks_and_vertex_parents_name_the_nearest_new_vertices() -> None:
-    source = poly_curve("Drawing", [circle(60) * 2.0])
+    source = poly_curve("Drawing", [drawings.circle(60) * 2.0])
     cage = generate(source, "12")[-1]
     right = int(np.argmax(base(cage)[:, 0]))
     place = base(cage)[right].copy()
@@ -224,7 +203,7 @@ def test_what_cannot_be_carried_over_is_named(reports) -> None:
 DRAWINGS = {
     "curve": lambda: poly_curve("Drawing", [star() * 2.0]),
     "mesh": lambda: wire("Drawing", [star() * 2.0]),
-    "text": lambda: text("Drawing", "o"),
+    "text": lambda: drawings.text("Drawing", "o"),
     "stretched": lambda: stretched(),
 }
 
@@ -245,7 +224,7 @@ def test_a_bound_drawing_goes_with_its_cages(kind) -> None:
     bpy.ops.object.nested_cages_bind()
     moved = base(cage)
     moved[:, 0] += 0.1 * moved[:, 1]
-    put(cage, moved)
+    drawings.put(cage, moved)
     before, around = world(source), world(cage)
     source.location.y += 4.0
     bpy.context.view_layer.update()
@@ -264,12 +243,12 @@ def test_a_bound_drawing_goes_with_its_cages(kind) -> None:
 
 def test_cages_are_in_the_collection_of_their_drawing() -> None:
     source = poly_curve("Drawing", [star()])
-    character = gathered("Character", source)
+    character = drawings.gathered("Character", source)
     generate(source, "12")
     assert [child.name for child in character.children] == ["Drawing Cages"]
 
 
-@pytest.mark.parametrize("draw", [lambda: poly_curve("Drawing", [star()]), lambda: bezier_circle("Drawing")])
+@pytest.mark.parametrize("draw", [lambda: poly_curve("Drawing", [star()]), lambda: drawings.bezier_circle("Drawing")])
 def test_cages_of_a_keyed_drawing_stand_where_it_is(draw) -> None:
     source = draw()
     for frame, x in ((1, 0.0), (101, 3.0)):
@@ -290,7 +269,7 @@ def test_verify_looks_at_the_drawing_as_it_is_seen() -> None:
     assert verify(cage)
     source.data.vertices[0].co.x += 2.0
     verify()
-    assert holds(cage) is False and "'Drawing'" in certificate(cage).finding
+    assert drawings.holds(cage) is False and "'Drawing'" in drawings.certificate(cage).finding
     assert source.data.vertices[0].select
 
 
@@ -298,14 +277,14 @@ def test_verify_looks_at_the_drawing_as_it_is_seen() -> None:
 def saved(tmp_path):
     """A file with a bound and posed drawing in a collection of its own, and how the drawing is seen."""
     source = wire("Drawing", [star() * 2.0])
-    gathered("Character", source)
+    drawings.gathered("Character", source)
     *_, cage = generate(source, "12")
     bpy.ops.object.nested_cages_bind()
     rigged(cage)
     bpy.context.scene.frame_set(1)
     cage.data.vertices[3].co.x += 0.25
     cage.data.update()
-    return save(tmp_path / "character.blend"), evaluated(source)
+    return drawings.save(tmp_path / "character.blend"), evaluated(source)
 
 
 def brought(path, link):
@@ -348,11 +327,11 @@ def test_an_override_is_posed_and_moved_and_says_what_it_cannot(saved, reloaded)
     assert cage.matrix_world.translation.y == pytest.approx(4.0)
     before = snapshot()
     if reloaded:
-        save(path.replace("character", "shot"), again=True)
+        drawings.save(path.replace("character", "shot"), again=True)
         own = {obj.name: obj for obj in bpy.data.objects if obj.override_library is not None}
         source, cage = own["Drawing"], own["Drawing Cage 1"]
         before = snapshot()
-    (home,) = sets().all_of(source)
+    (home,) = drawings.sets().all_of(source)
     assert home.cages[-1] == cage and all(obj.override_library for obj in (*members(home), *home.parts))
     for work in (bpy.ops.object.nested_cages_rebind, bpy.ops.object.nested_cages_unbind):
         choose(source)

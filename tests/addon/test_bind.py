@@ -10,29 +10,9 @@ import numpy as np
 import pytest
 import shapely
 
+from support import drawings
 from support.blender import refused
-from support.drawings import (
-    at_frame,
-    base,
-    bezier_circle,
-    bind,
-    choose,
-    circle,
-    evaluated,
-    generate,
-    holds,
-    in_world,
-    lines,
-    made,
-    poly_curve,
-    put,
-    save,
-    solid,
-    star,
-    text,
-    verify,
-    wire,
-)
+from support.drawings import at_frame, base, bind, circle, evaluated, generate, lines, poly_curve, put, star, wire
 from support.marks import slow_after
 
 ROTATION = np.array([[0.8, -0.6], [0.6, 0.8]])
@@ -49,7 +29,7 @@ def bound(draw=poly_curve, levels="24, 12", **values):
 
 
 def members(source):
-    fine, *cages = made(source.name)
+    fine, *cages = drawings.made(source.name)
     return source, bpy.data.collections["Drawing Cages"], fine, cages
 
 
@@ -68,10 +48,10 @@ def test_a_cage_that_fills_a_hole_moves_what_is_in_it() -> None:
     source = poly_curve("Drawing", [star(120), circle(40, 0.35), circle(24, 0.1, (0.55, 0.0))])
     generate("48, 12")
     fine, _, last = (bpy.data.objects[f"Drawing {name}"] for name in ("Fine", "Cage 1", "Cage 2"))
-    assert len(shapely.get_rings(shapely.get_parts(solid(last)))) < len(
-        shapely.get_rings(shapely.get_parts(solid(fine)))
+    assert len(shapely.get_rings(shapely.get_parts(drawings.solid(last)))) < len(
+        shapely.get_rings(shapely.get_parts(drawings.solid(fine)))
     )
-    choose(source)
+    drawings.choose(source)
     bind()
     before = evaluated(fine)
     for vertex in last.data.vertices:
@@ -114,7 +94,7 @@ def test_the_original_follows(draw) -> None:
     area_before = lines(fine).length
     put(cages[-1], turned(base(cages[-1])))
     assert lines(fine).length != pytest.approx(area_before, rel=1e-3)
-    points, mine = in_world(source, evaluated(source)), in_world(fine, evaluated(fine))
+    points, mine = drawings.in_world(source, evaluated(source)), drawings.in_world(fine, evaluated(fine))
     distance = np.linalg.norm(points[:, None] - mine[None], axis=2)
     assert distance.min(axis=1).max() < 1e-4
     assert distance.min(axis=0).max() < 1e-4
@@ -127,7 +107,7 @@ def subdivided():
 
 
 def thick():
-    source = bezier_circle("Drawing")
+    source = drawings.bezier_circle("Drawing")
     source.data.bevel_depth = 0.05
     return source
 
@@ -245,7 +225,7 @@ for name, rest in zip(names, before):
 @pytest.mark.parametrize(("draw", "method"), [(poly_curve, "AUTO"), (wire, "LINEAR")])
 def test_a_saved_file_moves_without_the_add_on(draw, method, tmp_path) -> None:
     bound(draw, method=method)
-    command = [sys.executable, "-c", OPENED, save(tmp_path / "bound.blend")]
+    command = [sys.executable, "-c", OPENED, drawings.save(tmp_path / "bound.blend")]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=100, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count("True") == 3, done.stdout
@@ -294,7 +274,7 @@ def body(source):
     "edit", slow_after(2, [shape_key, simple_deform, doubled_vertex, size, body], thorough_after=3)
 )
 def test_a_bound_drawing_plays_its_own_changes_before_the_bend(edit) -> None:
-    source = text("Drawing", "Hi") if edit in (size, body) else wire("Drawing", [star()])
+    source = drawings.text("Drawing", "Hi") if edit in (size, body) else wire("Drawing", [star()])
     generate("24, 12")
     bind()
     cage = bpy.context.object
@@ -310,8 +290,8 @@ def test_a_bound_drawing_plays_its_own_changes_before_the_bend(edit) -> None:
     assert np.abs(after - before).max() > 0.01
     assert bent == count
     bpy.context.view_layer.objects.active = cage
-    verify()
+    drawings.verify()
     finest = bpy.data.objects["Drawing Cage 1"]
     drawn, around = (shapely.polygonize(shapely.get_parts(shapely.node(displayed(o)))) for o in (source, finest))
     inside = shapely.contains_properly(shapely.unary_union(around), shapely.unary_union(drawn))
-    assert holds(finest) == inside
+    assert drawings.holds(finest) == inside

@@ -9,21 +9,9 @@ import numpy as np
 import pytest
 import shapely
 
+from support import drawings
 from support.blender import refused
-from support.drawings import (
-    armature,
-    at_frame,
-    base,
-    certificate,
-    choose,
-    circle,
-    generate,
-    made,
-    poly_curve,
-    solid,
-    star,
-    wire,
-)
+from support.drawings import armature, at_frame, certificate, circle, generate, made, poly_curve, solid, star, wire
 
 
 def paint(obj, name, weights):
@@ -39,7 +27,7 @@ def cages():
 
 def points(cage):
     """(m, 2) vertices as stored."""
-    return base(cage)[:, :2]
+    return drawings.base(cage)[:, :2]
 
 
 def assert_nested():
@@ -165,7 +153,7 @@ def test_bones_are_joints() -> None:
     bar = np.array([(x, y) for x, y in shapely.box(-2.0, -0.3, 2.0, 0.3).segmentize(0.1).exterior.coords[:-1]])
     wire("Drawing", [bar])
     armature("Rig", Arm=((-1.0, 0.0, 0.0), (0.5, 0.0, 0.0)))
-    choose(bpy.data.objects["Drawing"])
+    drawings.choose(bpy.data.objects["Drawing"])
     generate("8", joint_armature="Rig")
     found = points(cages()[0])
     for joint in ((-1.0, 0.3), (-1.0, -0.3), (0.5, 0.3), (0.5, -0.3)):

@@ -232,6 +232,7 @@ def test_pictures_without_a_cage_are_skipped_and_opaque_ones_told(reports) -> No
     solid.pixels.foreach_set(np.ones(8 * 8 * 4, np.float32))
     large, small, rectangle = empty(picture("large.png")), empty(picture()), empty(solid)
     large.empty_display_size, small.empty_display_size, rectangle.empty_display_size = 300.0, 1.0, 1.0
+    choose(large, small, rectangle)
     cut(levels="1e-4u", bind=False)
     told = reports.read()
     assert "'large'" in told and "'solid.png'" in told and "'part.png'" not in told

@@ -9,27 +9,8 @@ import numpy as np
 import pytest
 import shapely
 
-from support.drawings import (
-    at_frame,
-    base,
-    bind,
-    certificate,
-    choose,
-    evaluated,
-    gathered,
-    generate,
-    grease_pencil,
-    holds,
-    in_world,
-    made,
-    save,
-    set_of,
-    solid,
-    star,
-    text,
-    verify,
-    wire,
-)
+from support import drawings
+from support.drawings import at_frame, bind, choose, evaluated, generate, holds, in_world, made, star, text, wire
 from support.marks import slow_after
 
 
@@ -87,7 +68,7 @@ def test_cages_lie_and_stay_around_what_is_displayed(kind) -> None:
     KINDS[kind]()
     source = bpy.context.object
     generate("12")
-    cage = set_of(source).cages[0]
+    cage = drawings.set_of(source).cages[0]
     end = bpy.context.scene.frame_current
     check_enclosed(source, cage, end)
     source.delta_location.x, source.delta_scale = 0.7, (1.5, 1.5, 1.5)
@@ -98,7 +79,7 @@ def test_cages_lie_and_stay_around_what_is_displayed(kind) -> None:
     generate("12")
     assert [len(obj.constraints) for obj in (cage, source)] in ([1, 1], [0, 0])
     check_enclosed(source, cage, end)
-    assert verify(cage)
+    assert drawings.verify(cage)
 
 
 @pytest.mark.slow
@@ -151,7 +132,7 @@ def test_a_change_that_cages_cannot_follow_is_said_at_once(timers, hasty, change
         outer.location.x += 0.1
         assert looked_at(None)  # the drawing follows
     CHANGES[change](source)
-    assert looked_at(False) and "Word" in certificate(cage).finding
+    assert looked_at(False) and "Word" in drawings.certificate(cage).finding
     source.data.body, source.data.size = "Hi", 1.0
     if "Bend" in source.modifiers:
         source.modifiers.remove(source.modifiers["Bend"])
@@ -189,7 +170,7 @@ ADD = {
     "plane": bpy.ops.mesh.primitive_plane_add,
     "circle": bpy.ops.mesh.primitive_circle_add,
     "grid": bpy.ops.mesh.primitive_grid_add,
-    "stroke": lambda: grease_pencil("Stroke", [star()]),  # those of the menu are open and cross themselves
+    "stroke": lambda: drawings.grease_pencil("Stroke", [star()]),  # those of the menu are open and cross themselves
 }
 
 
@@ -234,7 +215,7 @@ def test_what_users_add_and_place_stays_in_its_displayed_cage(kind, seed, tmp_pa
     check(end, end + 40)
     source.location.x += random.uniform(-3.0, 3.0)
     check(end + 80)
-    save(tmp_path / "caged.blend", again=True)
+    drawings.save(tmp_path / "caged.blend", again=True)
     check(end)
     cage = bpy.data.objects[cages[1]]
     cage.location.x += 0.5
@@ -278,15 +259,15 @@ def test_instances_of_nodes_are_read_as_displayed(kind, fill) -> None:
     word(source, fill)
     generate("24, 16")
     fine, outer, _ = made(source.name)
-    assert len(shapely.get_rings(shapely.get_parts(solid(fine)))) == 4  # two letters, two holes
-    assert np.ptp(base(fine)[:, 0]) == pytest.approx(0.8, abs=0.2) and np.ptp(evaluated(outer)[:, 0]) < 1.2
+    assert len(shapely.get_rings(shapely.get_parts(drawings.solid(fine)))) == 4  # two letters, two holes
+    assert np.ptp(drawings.base(fine)[:, 0]) == pytest.approx(0.8, abs=0.2) and np.ptp(evaluated(outer)[:, 0]) < 1.2
     bind()
-    assert verify(outer)
+    assert drawings.verify(outer)
 
 
 @pytest.mark.slow
 def test_the_silhouette_of_an_instance_leaves_cages_out() -> None:
-    gathered("Home", wire("Drawing", [star()]))
+    drawings.gathered("Home", wire("Drawing", [star()]))
     for operator in (bpy.ops.object.nested_cages_generate, bpy.ops.object.nested_cages_bind):
         assert operator() == {"FINISHED"}
     bpy.ops.object.collection_instance_add(collection="Home", location=(5.0, 0.0, 0.0))

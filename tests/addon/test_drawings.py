@@ -10,34 +10,9 @@ import numpy as np
 import pytest
 from mathutils import Euler, Matrix
 
+from support import drawings
 from support.blender import refused
-from support.drawings import (
-    add,
-    at_frame,
-    base,
-    bezier_circle,
-    certificate,
-    choose,
-    circle,
-    edges_of,
-    end_of,
-    evaluated,
-    generate,
-    grease_pencil,
-    grid_face,
-    hair,
-    in_world,
-    made,
-    nurbs_circle,
-    poly_curve,
-    raised,
-    set_of,
-    snapshot,
-    solid,
-    star,
-    text,
-    wire,
-)
+from support.drawings import add, certificate, circle, evaluated, generate, made, poly_curve, raised, star, text, wire
 
 SHEAR = Matrix(((1.0, 0.5, 0.2, 0.0), (0.0, 1.0, 0.4, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
 TURN = Euler((0.4, 1.0, -2.0)).to_matrix().to_4x4()
@@ -86,7 +61,7 @@ def svg(folder):
     bpy.ops.preferences.addon_enable(module="io_curve_svg")
     bpy.ops.import_curve.svg(filepath=str(path))
     (obj,) = bpy.data.objects
-    choose(obj)
+    drawings.choose(obj)
     return obj
 
 
@@ -99,7 +74,7 @@ def linked(folder):
         wanted.objects = available.objects
     (obj,) = wanted.objects
     bpy.context.scene.collection.objects.link(obj)
-    choose(obj)
+    drawings.choose(obj)
     return obj
 
 
@@ -116,7 +91,7 @@ def edited():
 
 def faces_in_edit_mode():
     """A grid of faces in Edit Mode with some of them selected, whose border has ten vertices."""
-    obj = grid_face("Drawing", 4)
+    obj = drawings.grid_face("Drawing", 4)
     bpy.ops.object.mode_set(mode="EDIT")
     mesh = bmesh.from_edit_mesh(obj.data)
     mesh.select_mode = {"FACE"}
@@ -136,26 +111,30 @@ def bent():
 
 # How the object is made, the settings that it needs, and how many points its loops have where that is known.
 KINDS = {
-    "Bezier": (lambda _: bezier_circle("Drawing"), {}, 48),
-    "NURBS": (lambda _: nurbs_circle("Drawing"), {}, None),
+    "Bezier": (lambda _: drawings.bezier_circle("Drawing"), {}, 48),
+    "NURBS": (lambda _: drawings.nurbs_circle("Drawing"), {}, None),
     "poly": (lambda _: poly_curve("Drawing", [star()]), {}, 60),
     "triangle": (lambda _: wire("Drawing", [circle(3)]), {}, 3),
     "many parts": (lambda _: wire("Drawing", [circle(5, 0.3, (x, 0.0)) for x in range(12)]), {"loops": "keep"}, 60),
     "2D filled": (lambda _: changed(poly_curve("Drawing", [star(), circle(12, 0.3)]), fill_mode="BOTH"), {}, 72),
     "3D": (lambda _: poly_curve("Drawing", [star()], dimensions="3D"), {}, 60),
     "curve with a modifier": (lambda _: modified(poly_curve("Drawing", [star()]), "CAST", factor=0.3), {}, 60),
-    "resolution": (lambda _: bezier_circle("Drawing"), {"resolution": 5}, 20),
+    "resolution": (lambda _: drawings.bezier_circle("Drawing"), {"resolution": 5}, 20),
     "text": (lambda _: text("Drawing", "do"), {}, None),
     "SVG": (svg, {}, None),
     "wire": (lambda _: wire("Drawing", [star(), circle(12, 0.3)]), {}, 72),
-    "boundary of faces": (lambda _: grid_face("Drawing", 4), {}, 16),
-    "mesh with a modifier": (lambda _: modified(grid_face("Drawing", 1), "SUBSURF", levels=2), {}, 16),
+    "boundary of faces": (lambda _: drawings.grid_face("Drawing", 4), {}, 16),
+    "mesh with a modifier": (lambda _: modified(drawings.grid_face("Drawing", 1), "SUBSURF", levels=2), {}, 16),
     "Edit Mode": (lambda _: edited(), {}, 60),
-    "hair": (lambda _: hair("Drawing", [star(), circle(12, 0.3)]), {}, 72),
-    "Grease Pencil": (lambda _: grease_pencil("Drawing", [star(), circle(12, 0.3)]), {}, 72),
+    "hair": (lambda _: drawings.hair("Drawing", [star(), circle(12, 0.3)]), {}, 72),
+    "Grease Pencil": (lambda _: drawings.grease_pencil("Drawing", [star(), circle(12, 0.3)]), {}, 72),
     "open spline, closed": (lambda _: poly_curve("Drawing", [star()], cyclic=False), {"close_open": True}, 60),
     "open wire, closed": (lambda _: wire("Drawing", [star()], cyclic=False), {"close_open": True}, 60),
-    "open stroke, closed": (lambda _: grease_pencil("Drawing", [star()], cyclic=False), {"close_open": True}, 60),
+    "open stroke, closed": (
+        lambda _: drawings.grease_pencil("Drawing", [star()], cyclic=False),
+        {"close_open": True},
+        60,
+    ),
     "upright": (lambda _: wire("Drawing", [np.insert(star(), 0, 0.5, axis=1)]), {}, 60),
     "projected": (lambda _: bent(), {"project": True}, 60),
     "turned": (lambda _: placed(poly_curve("Drawing", [star()]), Matrix.Translation((1.0, 2.0, 3.0)) @ TURN), {}, 60),
@@ -178,26 +157,25 @@ def test_the_operator_gives_the_core_s_cages(core, tmp_path, name) -> None:
     make, values, count = KINDS[name]
     source = make(tmp_path)
     bpy.context.view_layer.update()
-    shown = in_world(source, outline(source))
+    shown = drawings.in_world(source, outline(source))
     generate("40%", **values)
     fine, cage = made(source.name)
-    depsgraph = at_frame(end_of(cage))
+    depsgraph = drawings.at_frame(drawings.end_of(cage))
     points, corners = evaluated(fine, depsgraph)[:, :2], evaluated(cage, depsgraph)[:, :2]
     assert count is None or len(points) == count
     assert fine.matrix_world == cage.matrix_world
 
-    mesh = core.Mesh(points.astype(float), edges_of(fine).astype(int))
-    wanted = max(3 * len(mesh.loops), round(0.4 * len(points)))
-    (level,) = core.nested_cages(mesh, [wanted], stored=np.float32).levels
+    mesh = core.Mesh(points.astype(float), drawings.edges_of(fine).astype(int))
+    (level,) = core.nested_cages(mesh, core.Share(0.4), stored=np.float32, loops=values.get("loops", "auto")).levels
     np.testing.assert_array_equal(corners, level.cage.vertices)
-    np.testing.assert_array_equal(edges_of(cage), level.cage.edges)
+    np.testing.assert_array_equal(drawings.edges_of(cage), level.cage.edges)
     assert certificate(cage).excess == pytest.approx(level.report.excess, rel=1e-3)
-    assert core.verify(core.Mesh(corners.astype(float), edges_of(cage).astype(int)), mesh).holds
+    assert core.verify(core.Mesh(corners.astype(float), drawings.edges_of(cage).astype(int)), mesh).holds
 
     # Every point of the fine mesh is one that Blender shows of the source, in the same place of the world.
     if name not in {"projected", "resolution"}:
-        gaps = np.linalg.norm(in_world(fine, evaluated(fine, depsgraph))[:, None] - shown[None], axis=2).min(axis=1)
-        assert gaps.max() < 1e-5 * np.linalg.norm(np.ptp(shown, axis=0))
+        far = np.linalg.norm(drawings.in_world(fine, evaluated(fine, depsgraph))[:, None] - shown[None], axis=2)
+        assert far.min(axis=1).max() < 1e-5 * np.linalg.norm(np.ptp(shown, axis=0))
 
 
 def outline(obj):
@@ -227,17 +205,17 @@ def test_a_hidden_own_level_counts_with_its_modifiers(hide, kind) -> None:
     own = wire("Own", [circle(8, 3.0)]) if kind == "mesh" else poly_curve("Own", [circle(8, 3.0)])
     modified(own, "ARRAY", count=1)
     modified(own, "CAST", factor=0.5, cast_type="CUBOID")
-    expected = in_world(own, evaluated(own))
+    expected = drawings.in_world(own, evaluated(own))
     own.select_set(False)
     hide(own)
     poly_curve("Drawing", [star()])
-    before = snapshot()
+    before = drawings.snapshot()
     generate("*", level_objects="Own", as_published=True, shrink=False)
     cage = made()[1]
-    first = evaluated(cage, at_frame(certificate(cage).frames[0]))
-    np.testing.assert_allclose(in_world(cage, first), expected, atol=1e-5)
-    assert snapshot()["hidden"] == ["Drawing Moving", *before["hidden"]]
-    assert end_of(cage) == certificate(cage).frames[0]  # nothing moves
+    first = evaluated(cage, drawings.at_frame(certificate(cage).frames[0]))
+    np.testing.assert_allclose(drawings.in_world(cage, first), expected, atol=1e-5)
+    assert drawings.snapshot()["hidden"] == ["Drawing Moving", *before["hidden"]]
+    assert drawings.end_of(cage) == certificate(cage).frames[0]  # nothing moves
 
 
 def theta():
@@ -263,8 +241,8 @@ REFUSED = {
     "no numbers": (lambda: wire("Drawing", [np.array([(np.nan, 0.0), (1.0, 0.0), (0.0, 1.0)])]), {}),
     "open spline": (lambda: poly_curve("Drawing", [circle()], cyclic=False), {}),
     "open mesh line": (lambda: wire("Drawing", [circle(8)], cyclic=False), {}),
-    "open hair": (lambda: hair("Drawing", [star()], cyclic=False), {}),
-    "open stroke": (lambda: grease_pencil("Drawing", [star()], cyclic=False), {}),
+    "open hair": (lambda: drawings.hair("Drawing", [star()], cyclic=False), {}),
+    "open stroke": (lambda: drawings.grease_pencil("Drawing", [star()], cyclic=False), {}),
     "not planar": (lambda: bent(), {}),
     "no outline": (lambda: add("Drawing", bpy.data.meshes.new("Points")), {}),
     "too few points": (lambda: poly_curve("Drawing", [circle(2)]), {}),
@@ -339,22 +317,24 @@ def test_coordinates_are_those_of_the_drawing() -> None:
     poly_curve("Drawing", [outer, hole])
     generate("24", loops="keep")
     wanted = {tuple(point) for point in np.concatenate([outer, hole]).astype(np.float32).tolist()}
-    assert {tuple(point) for point in base(made()[0])[:, :2].tolist()} == wanted
+    assert {tuple(point) for point in drawings.base(made()[0])[:, :2].tolist()} == wanted
 
 
 def test_letters_that_do_not_interlock_have_room_for_each_cage() -> None:
     text("Word", "Hifly")
     assert bpy.ops.object.nested_cages_generate() == {"FINISHED"}
-    assert len(set_of(bpy.data.objects["Word"])) == 2
+    assert len(drawings.set_of(bpy.data.objects["Word"])) == 2
 
 
 def test_a_drawing_far_from_its_origin_is_certified_as_stored(core) -> None:
     """At a thousand times its size away, float32 leaves some 1e-4 of the size between two numbers."""
     poly_curve("Drawing", [star() + 2000.0])
     generate("16")
-    fine, cage = (core.Mesh(base(obj)[:, :2].astype(float), edges_of(obj).astype(int)) for obj in made())
+    fine, cage = (
+        core.Mesh(drawings.base(obj)[:, :2].astype(float), drawings.edges_of(obj).astype(int)) for obj in made()
+    )
     assert core.verify(cage, fine, 1e-6 * fine.diagonal).holds
-    assert solid(made()[1]).contains(solid(made()[0]))
+    assert drawings.solid(made()[1]).contains(drawings.solid(made()[0]))
 
 
 def test_a_text_without_height_keeps_its_cages_where_it_is() -> None:
@@ -369,7 +349,7 @@ def test_a_text_without_height_keeps_its_cages_where_it_is() -> None:
 
 
 def test_smooth_hair_is_as_round_as_blender_shows_it() -> None:
-    hair("Drawing", [circle(8)], kind="CATMULL_ROM")
+    drawings.hair("Drawing", [circle(8)], kind="CATMULL_ROM")
     generate("12")
     fine = made()[0]
-    assert len(base(fine)) > 8 and solid(fine).area == pytest.approx(np.pi, rel=1e-2)
+    assert len(drawings.base(fine)) > 8 and drawings.solid(fine).area == pytest.approx(np.pi, rel=1e-2)

@@ -9,33 +9,15 @@ import numpy as np
 import pytest
 import shapely
 
+from support import drawings
 from support.blender import refused
-from support.drawings import (
-    at_frame,
-    bezier_circle,
-    certificate,
-    choose,
-    circle,
-    end_of,
-    evaluated,
-    gathered,
-    generate,
-    in_world,
-    lines,
-    made,
-    poly_curve,
-    sets,
-    snapshot,
-    solid,
-    star,
-    wire,
-)
+from support.drawings import at_frame, certificate, circle, end_of, generate, lines, poly_curve, snapshot, solid, star
 from support.marks import slow_after
 
 
 def output(name="Drawing"):
     """The collection, the fine mesh and the cages."""
-    fine, *cages = made(name)
+    fine, *cages = drawings.made(name)
     return bpy.data.collections[f"{name} Cages"], fine, cages
 
 
@@ -66,16 +48,16 @@ def test_no_cage_crosses_what_it_encloses_on_any_frame(decimation) -> None:
 
 
 def test_the_animation_begins_and_ends_with_the_source() -> None:
-    source = bezier_circle("Drawing", radius=2.0, resolution=16)
+    source = drawings.bezier_circle("Drawing", radius=2.0, resolution=16)
     generate()
     collection, fine, cages = output()
     first = certificate(cages[0]).frames[0]
     assert certificate(cages[0]).frames[1] > first
     source.data.dimensions = "3D"
-    expected = evaluated(source)
+    expected = drawings.evaluated(source)
     for frame in (first, first - 10, end_of(collection), 4000):
-        np.testing.assert_array_equal(evaluated(fine, at_frame(frame)), expected)
-    assert np.abs(evaluated(fine, at_frame(certificate(cages[0]).frames[1])) - expected).max() > 1e-3
+        np.testing.assert_array_equal(drawings.evaluated(fine, at_frame(frame)), expected)
+    assert np.abs(drawings.evaluated(fine, at_frame(certificate(cages[0]).frames[1])) - expected).max() > 1e-3
     assert fine.matrix_world == source.matrix_world
 
 
@@ -122,7 +104,7 @@ def test_the_clearance_is_a_length_of_the_scene(clearance) -> None:
 
 
 def test_selected_objects_become_the_levels() -> None:
-    finer = wire("Finer", [circle(24, 1.4)])
+    finer = drawings.wire("Finer", [circle(24, 1.4)])
     coarser = poly_curve("Coarser", [circle(9, 1.5)])
     source = poly_curve("Drawing", [star()])
     for obj in (finer, coarser):
@@ -133,7 +115,7 @@ def test_selected_objects_become_the_levels() -> None:
     assert [len(cage.data.vertices) for cage in cages] == [24, 9]
     assert len(fine.data.vertices) == 60
     assert bpy.context.view_layer.objects.active is source
-    start = evaluated(cages[0], at_frame(certificate(cages[0]).frames[1]))
+    start = drawings.evaluated(cages[0], at_frame(certificate(cages[0]).frames[1]))
     np.testing.assert_allclose(start[:, :2], circle(24, 1.4, (0.05, 0.0)), atol=1e-6)
     assert len(bpy.data.collections) == 1
 
@@ -141,16 +123,20 @@ def test_selected_objects_become_the_levels() -> None:
 @pytest.mark.slow
 def test_all_selected_drawings_in_common_cages() -> None:
     """Two drawings in objects of their own, each with its transform, and a hole that is an object too."""
-    one, two, hole = poly_curve("One", [star()]), wire("Two", [circle(40)]), wire("Hole", [circle(12, 0.3)])
+    one, two, hole = (
+        poly_curve("One", [star()]),
+        drawings.wire("Two", [circle(40)]),
+        drawings.wire("Hole", [circle(12, 0.3)]),
+    )
     two.location, two.rotation_euler = (3.0, 0.5, 0.0), (0.0, 0.0, 0.4)
     for obj in (one, two, hole):
         obj.select_set(True)
     bpy.context.view_layer.objects.active = one
     bpy.context.view_layer.update()
     generate("30", together=True)
-    fine, cage = made("One")
+    fine, cage = drawings.made("One")
     depsgraph = at_frame(end_of(cage))
-    moved = in_world(two, evaluated(two, depsgraph))[:, :2]
+    moved = drawings.in_world(two, drawings.evaluated(two, depsgraph))[:, :2]
     expected = shapely.Polygon(star(), [circle(12, 0.3)]).union(shapely.Polygon(moved))
     assert solid(fine, depsgraph).symmetric_difference(expected).area < 1e-5
     assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
@@ -162,11 +148,11 @@ def test_all_selected_drawings_in_common_cages() -> None:
 
 def test_drawings_in_common_cages_are_united_where_they_cross_and_flattened_where_they_are_layers() -> None:
     poly_curve("One", [star()])
-    two = wire("Two", [circle(40, 1.0, (0.9, 0.0))])
+    two = drawings.wire("Two", [circle(40, 1.0, (0.9, 0.0))])
     two.location.z = 0.01
     bpy.data.objects["One"].select_set(True)
     generate("30", together=True)
-    fine, cage = made("One")
+    fine, cage = drawings.made("One")
     depsgraph = at_frame(end_of(cage))
     expected = shapely.Polygon(star()).union(shapely.Polygon(circle(40, 1.0, (0.9, 0.0))))
     assert solid(fine, depsgraph).symmetric_difference(expected).area < 1e-5
@@ -175,7 +161,7 @@ def test_drawings_in_common_cages_are_united_where_they_cross_and_flattened_wher
 
 def test_drawings_in_common_cages_must_be_parallel() -> None:
     poly_curve("One", [star()])
-    wire("Two", [circle(40, 1.0, (4.0, 0.0))])
+    drawings.wire("Two", [circle(40, 1.0, (4.0, 0.0))])
     bpy.data.objects["One"].rotation_euler.x = 0.1
     bpy.data.objects["One"].select_set(True)
     with refused("'One'"):
@@ -192,7 +178,7 @@ def test_output_that_is_selected_with_its_drawing_is_replaced_not_caged() -> Non
     generate()
     assert len(bpy.data.collections) == 1 and len(bpy.data.objects) == 5
     cage = output()[2][0]
-    choose(cage)
+    drawings.choose(cage)
     generate("8")  # a cage that is selected on its own is a drawing like any other
     assert "Drawing Cage 1 Cages" in bpy.data.collections
 
@@ -230,7 +216,7 @@ def test_a_renamed_drawing_keeps_its_output() -> None:
     cages[1].name = "My own name"
     source.name = "Picture"
     poly_curve("Drawing", [circle(30)]).select_set(False)
-    choose(source)
+    drawings.choose(source)
     generate()
     assert (collection.name, fine.name) == ("Picture Cages", "Picture Fine")
     assert [cage.name for cage in cages] == ["Picture Cage 1", "My own name"]
@@ -265,8 +251,8 @@ def test_own_levels_that_are_missing_or_out_of_plane_are_refused() -> None:
     poly_curve("Drawing", [star()])
     with refused():
         generate("20", use_selected_as_levels=True)
-    wire("Tilted", [circle(12, 1.5)]).rotation_euler = (0.3, 0.0, 0.0)
-    choose(bpy.data.objects["Tilted"], bpy.data.objects["Drawing"])
+    drawings.wire("Tilted", [circle(12, 1.5)]).rotation_euler = (0.3, 0.0, 0.0)
+    drawings.choose(bpy.data.objects["Tilted"], bpy.data.objects["Drawing"])
     with refused("'Tilted'"):
         generate("20", use_selected_as_levels=True)
 
@@ -280,9 +266,9 @@ def test_undo_and_redo() -> None:
     bpy.ops.ed.undo_push(message="after")
     after = snapshot()
     bpy.ops.ed.undo()
-    assert snapshot() == before and not sets().everywhere()
+    assert snapshot() == before and not drawings.sets().everywhere()
     bpy.ops.ed.redo()
-    assert snapshot() == after and len(sets().everywhere()) == 1
+    assert snapshot() == after and len(drawings.sets().everywhere()) == 1
 
 
 ENERGIES = ["SHAPE_KEEPING", "INITIAL_DISPLACEMENT", "STEP_DISPLACEMENT", "BOUNDARY_ARAP", "INTERIOR_ARAP"]
@@ -294,10 +280,10 @@ def test_each_energy_gives_its_own_certified_cage_looser_than_the_tightest(energ
     shapes = []
     for wanted in ("AREA", energy):
         generate("16", energy=wanted)
-        fine, cage = made()
+        fine, cage = drawings.made()
         depsgraph = at_frame(9000)
         assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
-        shapes.append((evaluated(cage, depsgraph), certificate(cage).excess))
+        shapes.append((drawings.evaluated(cage, depsgraph), certificate(cage).excess))
     (tight, least), (other, more) = shapes
     assert np.abs(tight - other).max() > 1e-4
     assert more > least
@@ -310,7 +296,7 @@ WAYS = [("decimation", key) for key in ("ON_CURVE", "OUTER_HULL", "ARC_LENGTH")]
 def test_each_way_to_start_makes_the_core_s_certified_cage(core, name, key) -> None:
     poly_curve("Drawing", [star(24)])
     generate("10", **{name: key})
-    fine, cage = made()
+    fine, cage = drawings.made()
     assert not certificate(cage).edited
     depsgraph = at_frame(end_of(cage))
     assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
@@ -331,7 +317,7 @@ def test_in_a_batch_what_cannot_be_done_is_skipped_and_listed(reports) -> None:
     for x in range(4):
         poly_curve(f"Glyph {x}", [star()] if x % 2 else [eight()]).location.x = 3.0 * x
     poly_curve("Open", [star()], cyclic=False)
-    choose(*bpy.data.objects)
+    drawings.choose(*bpy.data.objects)
     generate()
     assert {each.name for each in bpy.data.collections if "Glyph" in each.name} == {"Glyph 1 Cages", "Glyph 3 Cages"}
     told = reports.read("Warning").splitlines()
@@ -358,8 +344,8 @@ def test_nothing_selected_and_the_wrong_kind_are_refused() -> None:
 def test_drawings_of_one_run_share_a_collection_within_their_own() -> None:
     scene = bpy.context.scene
     parts = [poly_curve(name, [star() + 3.0 * x]) for x, name in enumerate(("Eye", "Nose", "Mouth"))]
-    face = gathered("Face", *parts, home=gathered("Character"))
-    choose(*reversed(parts))
+    face = drawings.gathered("Face", *parts, home=drawings.gathered("Character"))
+    drawings.choose(*reversed(parts))
     generate()
     run = bpy.data.collections["Cages of 3 Drawings"]
     assert set(face.children) == {run}

@@ -83,9 +83,7 @@ def test_points_that_float32_cannot_tell_apart_become_one(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("name", "text"),
     [
-        ("a.txt", ""),
-        ("a.svg", "hello"),
-        ("a.geojson", "{"),
+        *(("a.txt", ""), ("a.svg", "hello"), ("a.geojson", "{")),
         ("b.geojson", '{"type": "FeatureCollection", "features": []}'),
         ("none.svg", None),
     ],

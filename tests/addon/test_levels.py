@@ -8,25 +8,9 @@ import pytest
 import shapely
 from mathutils import Matrix
 
+from support import drawings
 from support.blender import refused
-from support.drawings import (
-    at_frame,
-    base,
-    certificate,
-    choose,
-    circle,
-    edges_of,
-    end_of,
-    generate,
-    holds,
-    lines,
-    made,
-    poly_curve,
-    sets,
-    solid,
-    star,
-    verify,
-)
+from support.drawings import at_frame, certificate, choose, circle, generate, holds, made, poly_curve, solid, star
 from support.marks import slow_after
 from support.panels import draw
 
@@ -39,9 +23,7 @@ def counts(name: str = "Drawing") -> list[int]:
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("40, 24", [40, 24]),
-        ("40 24", [40, 24]),
-        (" 40;24 ", [40, 24]),
+        *((text, [40, 24]) for text in ("40, 24", "40 24", " 40;24 ", "40,, 24,")),
         ("7", [7]),
         ("40,, 24,", [40, 24]),
         ("24, 40", [40, 24]),  # the finest comes first
@@ -185,13 +167,13 @@ def test_inner_cages_lie_inside_and_play() -> None:
     fine, first, second = made(inside=True)
     names = [f"Drawing Inner {name}" for name in ("Fine", "Cage 1", "Cage 2")]
     assert [each.name for each in (fine, first, second)] == names
-    assert bpy.context.scene.frame_current == end_of(second)
+    assert bpy.context.scene.frame_current == drawings.end_of(second)
     for outer, cage in ((fine, first), (first, second)):
         begin, end = certificate(cage).frames[1], certificate(cage).frames[3]
         assert end > begin + 5
         for frame in np.linspace(begin, end, 12):
             depsgraph = at_frame(frame)
-            assert not lines(outer, depsgraph).intersects(lines(cage, depsgraph)), (cage.name, frame)
+            assert not drawings.lines(outer, depsgraph).intersects(drawings.lines(cage, depsgraph)), (cage.name, frame)
     depsgraph = at_frame(9000)
     excesses = [
         solid(inner, depsgraph).area / solid(outer, depsgraph).area - 1.0
@@ -227,7 +209,7 @@ def test_cages_around_and_inside_are_kept_side_by_side_and_replaced_each_by_its_
         if frame == 9000:
             assert shown == [inner[1], inner[0], outer[1]]
     assert obj.visible_get()
-    assert [each.inside for each in sets().all_of(obj)] == [False, True]
+    assert [each.inside for each in drawings.sets().all_of(obj)] == [False, True]
 
 
 @pytest.mark.slow
@@ -238,12 +220,12 @@ def test_inner_cages_are_verified() -> None:
     _, first, second = made(inside=True)
     bpy.ops.object.nested_cages_remove_animation()
     bpy.context.view_layer.objects.active = obj
-    assert verify(first, second, made()[1])
+    assert drawings.verify(first, second, made()[1])
     choose(first)
     bpy.ops.object.nested_cages_remove_animation()
     first.data.transform(Matrix.Scale(1.2, 4))
     first.data.update()
-    verify()
+    drawings.verify()
     assert holds(first) is False and "'Drawing Inner Fine'" in certificate(first).finding
     assert first.select_get()
 
@@ -284,6 +266,8 @@ def test_scripts_get_inner_cages_and_needs(extension, core) -> None:
     assert first.name == "Drawing Inner Cage 1"
     assert len(second.data.vertices) == 9
     ((near, wide),) = extension.cages([obj], [core.Within(distance=0.05), core.Within(excess=0.5)])
-    fine, outer, wider = (core.Mesh(base(each)[:, :2].astype(float), edges_of(each)) for each in made())
+    fine, outer, wider = (
+        core.Mesh(drawings.base(each)[:, :2].astype(float), drawings.edges_of(each)) for each in made()
+    )
     assert core.Within(distance=0.05).is_met(outer, fine) and core.Within(excess=0.5).is_met(wider, fine)
     assert certificate(near).need and certificate(wide).need

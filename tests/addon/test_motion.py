@@ -9,33 +9,9 @@ import bpy
 import numpy as np
 import pytest
 
+from support import drawings
 from support.blender import GOES_ON, new_file, refused, running
-from support.drawings import (
-    add,
-    armature,
-    at_frame,
-    base,
-    bind,
-    certificate,
-    checked,
-    choose,
-    circle,
-    edges_of,
-    end_of,
-    evaluated,
-    generate,
-    keyed_steps,
-    made,
-    members,
-    poly_curve,
-    save,
-    set_of,
-    snapshot,
-    solid,
-    star,
-    verify,
-    wire,
-)
+from support.drawings import at_frame, base, choose, circle, evaluated, generate, members, set_of, solid, star, wire
 from support.marks import slow_after
 from support.panels import draw
 
@@ -59,7 +35,7 @@ def bent_by_armature():
     x, count = np.linspace(-1.0, 1.0, 21), 21
     bar = np.concatenate([np.column_stack([x, np.full(count, -0.2)]), np.column_stack([x, np.full(count, 0.2)])[::-1]])
     obj = wire("Bar", [bar])
-    rig = armature("Rig", left=((-1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), right=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
+    rig = drawings.armature("Rig", left=((-1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), right=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
     for name, side in (("left", -1.0), ("right", 1.0)):
         group = obj.vertex_groups.new(name=name)
         for number, point in enumerate(bar):
@@ -73,7 +49,7 @@ def bent_by_armature():
 
 def keyed_points():
     """A curve whose points are keyed, and whose object turns and moves."""
-    obj = poly_curve("Keyed", [circle(40)])
+    obj = drawings.poly_curve("Keyed", [circle(40)])
     for number, point in enumerate(obj.data.splines[0].points):
         x, y = point.co[:2]
         if number % 3 == 0:
@@ -93,7 +69,7 @@ def shaped():
     for point, place in zip(shape.data, circle(60), strict=True):
         point.co = (*place, 0.0)
     key(shape, "value", [0.0, 1.0, 0.0])
-    parent = add("Parent", None, select=False)
+    parent = drawings.add("Parent", None, select=False)
     key(parent, "location", [0.0, 2.0], index=1)
     obj.parent = parent
     return obj
@@ -151,7 +127,7 @@ def test_the_stored_coordinates_are_certified_key_by_key(core) -> None:
 
     def steps(obj):
         rest = {float(FIRST): base(obj)[:, :2].astype(float)}
-        return rest | {f: points[:, :2].astype(float) for f, points in zip(*keyed_steps(obj), strict=True)}
+        return rest | {f: points[:, :2].astype(float) for f, points in zip(*drawings.keyed_steps(obj), strict=True)}
 
     keyed, fine_keyed = steps(cage), steps(fine)
     at_rest = [frame for frame in range(FIRST, LAST + 1) if frame not in fine_keyed]
@@ -162,7 +138,7 @@ def test_the_stored_coordinates_are_certified_key_by_key(core) -> None:
                   for i in range(fine_keyed[1.0].size)]).reshape(-1, 2)
         for f in frames
     ]  # fmt: skip
-    outer, inner = core.Mesh(keyed[frames[0]], edges_of(cage)), core.Mesh(inside[0], edges_of(fine))
+    outer, inner = core.Mesh(keyed[frames[0]], drawings.edges_of(cage)), core.Mesh(inside[0], drawings.edges_of(fine))
     for f, points in zip(frames, inside, strict=True):
         assert core.verify(outer.moved(keyed[f]), inner.moved(points), 0.99e-5 * inner.diagonal).holds
     assert core.verify_motion(outer, inner, np.stack([keyed[f] for f in frames]), np.stack(inside)).free
@@ -191,8 +167,8 @@ def test_the_whole_animation_can_be_verified() -> None:
     collection = follow(obj, frame_step=1)
     bpy.context.scene.frame_end = LAST
     cages = members(collection)[1:]
-    assert verify(*cages, whole=True) and checked(cages[0]) == [FIRST, LAST]
-    assert certificate(cages[0]).moving
+    assert drawings.verify(*cages, whole=True) and drawings.checked(cages[0]) == [FIRST, LAST]
+    assert drawings.certificate(cages[0]).moving
 
 
 def refuse(obj, *named, **values) -> None:
@@ -224,7 +200,7 @@ def test_what_cannot_be_followed_is_refused() -> None:
     refuse(obj, frame_end=FIRST)
     choose(obj)
     generate("16")
-    bind(method="AUTO")
+    drawings.bind(method="AUTO")
     refuse(obj)
 
 
@@ -236,7 +212,7 @@ def test_follow_and_generate_replace_each_other() -> None:
     choose(obj)
     generate("20, 10")
     collection = bpy.data.collections["Shaped Cages"]
-    assert not certificate(members(collection)[1]).moving and len(collection.objects) == 3
+    assert not drawings.certificate(members(collection)[1]).moving and len(collection.objects) == 3
     bpy.context.view_layer.update()
     for member in collection.objects:
         assert np.allclose(member.matrix_world, obj.matrix_world, atol=1e-6)
@@ -251,8 +227,8 @@ def test_the_range_is_the_scenes_if_it_is_not_given() -> None:
     choose(obj)
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 2, 6
     bpy.ops.object.nested_cages_follow(levels="12")
-    cage = made("Shaped")[1]
-    assert (certificate(cage).frames[0], end_of(cage)) == (2, 6)
+    cage = drawings.made("Shaped")[1]
+    assert (drawings.certificate(cage).frames[0], drawings.end_of(cage)) == (2, 6)
 
 
 @pytest.mark.parametrize("steps", slow_after(0, [3, 0, 1, 12, 24], thorough_after=1))
@@ -261,7 +237,7 @@ def test_cancelling_leaves_the_scene(window, hasty, steps) -> None:
     choose(obj)
     bpy.context.scene.frame_set(3)
     bpy.context.view_layer.update()
-    before = snapshot()
+    before = drawings.snapshot()
     operator = window.operator("follow", levels="16, 10", frame_start=1, frame_end=9, frame_step=1)
     assert window.invoke(operator) == {"RUNNING_MODAL"}
     for _ in range(steps):
@@ -269,7 +245,7 @@ def test_cancelling_leaves_the_scene(window, hasty, steps) -> None:
     assert running()
     operator.cancel(window.context)
     bpy.context.view_layer.update()
-    assert snapshot() == before and not running()
+    assert drawings.snapshot() == before and not running()
 
 
 @pytest.mark.thorough
@@ -287,7 +263,7 @@ def test_a_motion_too_fast_for_its_step_names_the_step() -> None:
 def test_a_user_s_following_begins_with_the_settings_of_the_cages(window, levels) -> None:
     obj = keyed_points()
     generate(levels, clearance=0.02, energy="SHAPE_KEEPING")
-    counts = [len(each.data.vertices) for each in made("Keyed")][1:]
+    counts = [len(each.data.vertices) for each in drawings.made("Keyed")][1:]
     bpy.context.scene.nested_cages.levels, bpy.context.scene.nested_cages.clearance = "33", 0.5
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = FIRST, LAST
     choose(obj)
@@ -339,7 +315,7 @@ def handlers() -> int:
 
 
 def star_curve() -> Any:
-    return flat(poly_curve("Drawing", [star()]))
+    return flat(drawings.poly_curve("Drawing", [star()]))
 
 
 def flat(obj: Any) -> Any:
@@ -438,7 +414,7 @@ def test_the_panel_says_whether_the_cages_are_behind(followed) -> None:
     obj = switched_on(star_curve)
     assert followed(obj)
     now = draw()
-    other = poly_curve("Other", [circle()])
+    other = drawings.poly_curve("Other", [circle()])
     choose(obj)
     bpy.context.view_layer.update()
     followed(obj, 20)
@@ -457,7 +433,7 @@ def test_nothing_is_left_behind(extension, followed, timers, tmp_path) -> None:
     before = handlers()
     for end in (
         bpy.ops.object.nested_cages_live,
-        lambda: bpy.ops.wm.open_mainfile(filepath=save(tmp_path / "live.blend")),
+        lambda: bpy.ops.wm.open_mainfile(filepath=drawings.save(tmp_path / "live.blend")),
         lambda: bpy.data.objects.remove(bpy.data.objects["Drawing"]),
     ):
         switched_on(star_curve)
@@ -494,7 +470,7 @@ def test_undo_is_followed(followed) -> None:
 def test_bound_cages_do_not_follow_edits() -> None:
     wire("Drawing", [star()])
     generate("20")
-    bind()
+    drawings.bind()
     assert not bpy.ops.object.nested_cages_live.poll()
 
 

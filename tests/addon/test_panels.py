@@ -9,22 +9,9 @@ import bpy
 import numpy as np
 import pytest
 
+from support import drawings
 from support.blender import refused
-from support.drawings import (
-    base,
-    bezier_circle,
-    bind,
-    certificate,
-    choose,
-    circle,
-    generate,
-    grid_face,
-    made,
-    poly_curve,
-    star,
-    text,
-    wire,
-)
+from support.drawings import base, bind, certificate, choose, generate, grid_face, made, poly_curve, star, text, wire
 from support.marks import slow_after
 from support.panels import Layout, draw, ours, own_settings, sidebar
 
@@ -145,8 +132,8 @@ def test_all_operators_are_in_the_submenu() -> None:
 
 COUNTED = {
     "curve": (lambda: poly_curve("Drawing", [star(465)]), 465),
-    "Bezier curve": (lambda: bezier_circle("Drawing", resolution=12), 48),
-    "edges": (lambda: wire("Drawing", [star(60), circle(12, 0.3)]), 72),
+    "Bezier curve": (lambda: drawings.bezier_circle("Drawing", resolution=12), 48),
+    "edges": (lambda: wire("Drawing", [star(60), drawings.circle(12, 0.3)]), 72),
     "faces": (lambda: grid_face("Drawing", 4), 16),
     "text": (lambda: text("Drawing", "Ag&"), None),
 }

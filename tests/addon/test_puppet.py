@@ -243,9 +243,7 @@ def test_what_was_made_by_hand_stays(fox: tuple[Any, dict[str, np.ndarray]]) -> 
 
 
 @pytest.mark.slow
-def test_puppets_made_again_elsewhere_are_copied_and_lose_their_body(
-    fox: tuple[Any, dict[str, np.ndarray]],
-) -> None:
+def test_puppets_made_again_elsewhere_are_copied_and_lose_their_body(fox: tuple[Any, dict[str, np.ndarray]]) -> None:
     armature, _ = fox
     armature.location = (3.0, 1.0, 0.5)
     make()

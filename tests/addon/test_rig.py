@@ -10,21 +10,9 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
+from support import drawings
 from support.blender import new_file, refused
-from support.drawings import (
-    armature,
-    at_frame,
-    bind,
-    certificate,
-    checked,
-    choose,
-    evaluated,
-    generate,
-    save,
-    set_of,
-    sets,
-    verify,
-)
+from support.drawings import armature, at_frame, bind, certificate, checked, choose, evaluated, save, set_of, verify
 from support.engine_json import character_of
 from support.figure import LIMBS, bone_at, capsule, face, figure, key_turn, points, rigged, turn
 from support.marks import slow_after
@@ -157,7 +145,7 @@ def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
     for silhouette in (False, True):
         if silhouette:
             assert bpy.ops.object.nested_cages_silhouette() == {"FINISHED"}
-        generate("8", together=True)
+        drawings.generate("8", together=True)
         bind()
         cage = bpy.context.object
         assert len(cage.data.vertices) == 8  # one loop: the eye is no hole
@@ -177,7 +165,7 @@ PARTS = ("Torso", "Hand.L", "Badge")
 def test_what_acts_on_a_part_acts_on_its_character(character: Character, name, reports) -> None:
     """Generating, rigging and following: no other part is let go or left behind."""
     parts, armature, cage = character
-    (home,) = sets().all_of(parts["Leg.R"])
+    (home,) = drawings.sets().all_of(parts["Leg.R"])
     for again in (False, True):
         choose(parts[name], armature)
         work = bpy.ops.object.nested_cages_rig if again else bpy.ops.object.nested_cages_generate

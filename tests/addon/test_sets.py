@@ -8,37 +8,16 @@ import bpy
 import numpy as np
 import pytest
 
-from support.drawings import (
-    base,
-    bind,
-    certificate,
-    choose,
-    circle,
-    end_of,
-    evaluated,
-    generate,
-    grid_face,
-    holds,
-    made,
-    members,
-    poly_curve,
-    put,
-    save,
-    set_of,
-    sets,
-    star,
-    text,
-    verify,
-    world,
-)
+from support import drawings
+from support.drawings import base, bind, certificate, evaluated, generate, made, members, save, set_of, sets, world
 from support.flock import PARTS, copied, flock
 from support.marks import slow_after
 from support.panels import draw
 
 MAKE = {
-    "curve": lambda: poly_curve("Drawing", [star()]),
-    "mesh": lambda: grid_face("Drawing"),
-    "text": lambda: text("Drawing", "Hi"),
+    "curve": lambda: drawings.poly_curve("Drawing", [drawings.star()]),
+    "mesh": lambda: drawings.grid_face("Drawing"),
+    "text": lambda: drawings.text("Drawing", "Hi"),
 }
 
 
@@ -48,7 +27,7 @@ def show(*objects: Any) -> None:
     for obj in objects:
         obj.hide_viewport = False
         obj.hide_set(False)
-    choose(*objects)
+    drawings.choose(*objects)
 
 
 def caged(kind: str = "curve", *, bound: bool = False) -> tuple[Any, Any]:
@@ -63,7 +42,7 @@ def caged(kind: str = "curve", *, bound: bool = False) -> tuple[Any, Any]:
 def moved_by(source: Any, cage: Any) -> float:
     """How far a drawing moves when the vertices of a cage move apart."""
     before = evaluated(source).copy()
-    put(cage, 1.5 * base(cage))
+    drawings.put(cage, 1.5 * base(cage))
     return float(np.abs(evaluated(source) - before).max())
 
 
@@ -74,7 +53,7 @@ def test_a_set_is_found_from_each_of_its_objects_and_knows_all_of_them() -> None
     assert list(found) == found.cages and [len(cage.data.vertices) for cage in found] == [24, 12] and len(found) == 2
     assert found.settings.levels == "24, 12" and found.bound == "HARMONIC" and not found.inside and not found.missing
     assert all(each.clearance > 0.0 and each.excess > 0.0 and not each.edited for each in found.certificates)
-    assert sets().of(poly_curve("Other", [star()])) is None
+    assert sets().of(drawings.poly_curve("Other", [drawings.star()])) is None
     assert sets().everywhere() == [found]
 
 
@@ -94,7 +73,7 @@ def test_a_copy_of_what_is_seen_is_a_character_at_once_and_gets_its_own_when_it_
     for obj in (*own.parts, *(each for each in members(own) if each.parent is None)):
         obj.location.y += 5.0
     np.testing.assert_allclose(world(copies["Body"]), before["Body"] + (1.0, 5.0, 0.0), atol=1e-5)
-    choose(copies["Hat"])
+    drawings.choose(copies["Hat"])
     assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
     assert not own.missing and not own.bound and found.bound and not {*members(own)} & {*members(found)}
     assert not {obj.data for obj in members(own)} & {obj.data for obj in members(found)}
@@ -118,14 +97,14 @@ def test_partial_copies_are_no_more_than_what_was_copied() -> None:
     finest = copied(found.parts[0], found.cages[0])
     few = set_of(finest["Body"])
     assert "'Body Fine'" in few.missing[0] and len(few) == 1
-    choose(finest["Body"])
+    drawings.choose(finest["Body"])
     assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
     assert len(few) == 2 and not few.missing and len(found.parts) == 3 and not found.missing
 
 
 def test_deleted_objects_are_named_and_swept(tmp_path) -> None:
     found = flock(bound=False)
-    choose(bpy.data.objects["Head"], found.cages[0])
+    drawings.choose(bpy.data.objects["Head"], found.cages[0])
     bpy.ops.object.delete()
     found = set_of(bpy.data.objects["Body"])
     assert len(found.missing) == 2 and "'Body Cage 1'" in found.missing[0] and "'Head'" in found.missing[1]
@@ -159,8 +138,8 @@ def test_a_saved_file_works_as_before(bound: bool, tmp_path) -> None:
     show(source)
     scene.frame_set(1)
     assert source.hide_viewport  # its moving copy plays
-    scene.frame_set(end_of(found))
-    assert verify(*found)
+    scene.frame_set(drawings.end_of(found))
+    assert drawings.verify(*found)
     markers = len(scene.timeline_markers)
     generate("16")
     assert len(found) == 1 and len(scene.timeline_markers) == markers and found.settings.levels == "16"
@@ -184,9 +163,9 @@ def test_a_set_is_known_by_its_objects_wherever_they_are() -> None:
     coarsest.name = source.name = "Renamed"
     assert members(source) == [fine, finer, coarsest]
     assert moved_by(fine, coarsest) > 0.1
-    put(coarsest, base(coarsest) / 1.5)
+    drawings.put(coarsest, base(coarsest) / 1.5)
     show(source)
-    assert verify(finer, coarsest)
+    assert drawings.verify(finer, coarsest)
     generate("20, 10")
     assert members(source) == [fine, finer, coarsest] and len(coarsest.data.vertices) == 10
     assert len(bpy.data.collections) == 2
@@ -260,7 +239,7 @@ def test_append_brings_what_was_in_the_file_and_nothing_else(tmp_path) -> None:
 
 @pytest.mark.slow
 def test_several_drawings_are_rigged_in_three_actions() -> None:
-    parts = [poly_curve(f"Part {k}", [circle(24, 0.5, (2.0 * k, 0.0))]) for k in range(4)]
+    parts = [drawings.poly_curve(f"Part {k}", [drawings.circle(24, 0.5, (2.0 * k, 0.0))]) for k in range(4)]
     show(*parts)
     generate("8")
     show(*parts)
@@ -277,7 +256,9 @@ def test_several_drawings_are_rigged_in_three_actions() -> None:
     bpy.context.view_layer.update()
     change = [np.abs(evaluated(each.fine) - points).max() for each, points in zip(found, before, strict=True)]
     assert [value > 0.1 for value in change] == [False, False, True, False]
-    assert verify(*(each.cages[0] for each in found)) and bpy.context.mode == "POSE"  # a pose is checked where it is
+    assert (
+        drawings.verify(*(each.cages[0] for each in found)) and bpy.context.mode == "POSE"
+    )  # a pose is checked where it is
     bpy.ops.object.mode_set(mode="OBJECT")
     show(*parts)
     for action in ("rebind", "unbind", "remove_animation"):
@@ -291,14 +272,14 @@ def test_what_an_edit_makes_untrue_is_not_said() -> None:
     generate("0.05u")
     (cage,) = made()[1:]
     assert not certificate(cage).edited and certificate(cage).need
-    put(cage, 1.5 * base(cage))
+    drawings.put(cage, 1.5 * base(cage))
     assert certificate(cage).edited
     before = draw()
     show(source)
     bpy.context.scene.frame_set(bpy.context.scene.frame_end)
-    verify()
-    assert holds(cage) is not None and draw() != before
-    put(cage, 1.5 * base(cage))
+    drawings.verify()
+    assert drawings.holds(cage) is not None and draw() != before
+    drawings.put(cage, 1.5 * base(cage))
     assert certificate(cage).edited
     bind(method="LINEAR")  # measures the cage as it is
     said = certificate(cage)

@@ -9,18 +9,7 @@ import numpy as np
 import pytest
 
 from support.blender import new_file, refused
-from support.drawings import (
-    bind,
-    certificate,
-    checked,
-    circle,
-    generate,
-    holds,
-    poly_curve,
-    star,
-    verify,
-    wire,
-)
+from support.drawings import bind, certificate, checked, circle, generate, holds, poly_curve, star, verify, wire
 
 
 @pytest.fixture

@@ -356,44 +356,31 @@ def fails(*_: Any) -> Any:
     raise ZeroDivisionError("division by zero")
 
 
-BROKEN: list[tuple[str, Any]] = [
-    ("rows", fails),
-    ("rows", answer(None)),
-    ("rows", answer(["x"])),
-    ("rows", terms(room=np.full(3, np.nan))),
-    ("rows", terms(direction=np.full((2, 3), 1e300))),
-    ("rows", terms(direction=np.ones((2, 4)))),
-    ("rows", terms(vertex=np.full((1, 3), 99))),
-    ("rows", terms(vertex=np.ones((1, 3)))),
-    ("rows", terms(vertex=np.ones((2, 3), int), weight=np.ones((2, 3)))),
-    ("rows", lambda _, cage: cage.__setitem__(0, 9.0)),
-    ("short", answer(np.full(12, np.nan))),
-    ("short", answer(np.full(12, -1.0))),
-    ("short", answer(np.zeros(5))),
-    ("free", answer(None)),
-    ("free", answer("far")),
-    ("count", answer(2)),
-    ("count", lambda _, outline, count: count + 1),
-    ("count", answer(8.5)),
-    ("distances", answer(np.array([-1.0]))),
-    ("distances", answer(np.ones(4))),
-    ("turn_limits", (np.nan, 0.0)),
-    ("turn_limits", (-1.0, 0.0)),
-    ("candidates", lambda _, chain, at, lines, *rest: lines.take(at[:0])),
-    ("candidates", lambda _, chain, at, lines, *rest: type(lines).of(lines.point, lines.place - 1e3, lines.direction)),
-    ("reach", answer(np.zeros(3))),
-    ("started", answer(None)),
-    ("started", answer(star(5, 14))),
-    ("restored", lambda _, coarse, steps: steps * np.nan),
-    ("bound", answer(None)),
-    ("term", answer(1.0)),
-    ("outline", answer(None)),
-    ("of", answer(None)),
-    ("of", fails),
-    ("mended", lambda _, cage: cage),
-    ("fault", fails),
-    ("fault", answer(True)),
-]
+FURTHER = lambda _, chain, at, lines, *rest: type(lines).of(lines.point, lines.place - 1e3, lines.direction)  # noqa: E731
+WRONG: dict[str, list[Any]] = {
+    "rows": [
+        *(fails, answer(None), answer(["x"]), terms(room=np.full(3, np.nan)), terms(vertex=np.ones((1, 3)))),
+        *(terms(direction=np.full((2, 3), 1e300)), terms(direction=np.ones((2, 4))), terms(vertex=np.full((1, 3), 99))),
+        terms(vertex=np.ones((2, 3), int), weight=np.ones((2, 3))),
+        lambda _, cage: cage.__setitem__(0, 9.0),
+    ],
+    "short": [answer(np.full(12, np.nan)), answer(np.full(12, -1.0)), answer(np.zeros(5))],
+    "free": [answer(None), answer("far")],
+    "count": [answer(2), lambda _, outline, count: count + 1, answer(8.5)],
+    "distances": [answer(np.array([-1.0])), answer(np.ones(4))],
+    "turn_limits": [(np.nan, 0.0), (-1.0, 0.0)],
+    "candidates": [lambda _, chain, at, lines, *rest: lines.take(at[:0]), FURTHER],
+    "reach": [answer(np.zeros(3))],
+    "started": [answer(None), answer(star(5, 14))],
+    "restored": [lambda _, coarse, steps: steps * np.nan],
+    "bound": [answer(None)],
+    "term": [answer(1.0)],
+    "outline": [answer(None)],
+    "of": [answer(None), fails],
+    "mended": [lambda _, cage: cage],
+    "fault": [fails, answer(True)],
+}
+BROKEN = [(method, wrong) for method, answers in WRONG.items() for wrong in answers]
 
 
 @pytest.mark.parametrize(("method", "wrong"), BROKEN, ids=[f"{k}-{row[0]}" for k, row in enumerate(BROKEN)])

@@ -10,18 +10,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import (
-    ArcLength,
-    LineCycles,
-    Mesh,
-    NestedCagesError,
-    NestingError,
-    OnCurve,
-    OwnDecimation,
-    Settings,
-    nested_cages,
-    verify,
-)
+import nestedcages_core as core
+from nestedcages_core import ArcLength, LineCycles, Mesh, NestingError, OnCurve, OwnDecimation, nested_cages, verify
 from support.families import drawing, smallest_around
 from support.judging import codes, gap, never_rises
 from support.marks import slow_after
@@ -190,12 +180,14 @@ def test_many_loops_are_enclosed_one_by_one() -> None:
 def test_both_ways_of_starting_lead_to_the_same_cage() -> None:
     """The paper's, with vertices on the curve, and from lines around it, where the motion has a single step."""
     fine = letter_a()
-    curve, outside = (nested_cages(fine, 20, Settings(decimation=LineCycles(on_curve=way)))[0] for way in (True, False))
+    curve, outside = (
+        nested_cages(fine, 20, core.Settings(decimation=LineCycles(on_curve=way)))[0] for way in (True, False)
+    )
     assert curve.report.start == "flow" != outside.report.start
     on_it = shapely.distance(polygon(fine).boundary, shapely.points(curve.coarse.vertices))
     assert on_it.max() < 1e-12 and verify(outside.coarse, fine)
     assert curve.excess == pytest.approx(outside.excess, rel=0.01)
-    with pytest.raises(NestedCagesError) as caught:
+    with pytest.raises(core.NestedCagesError) as caught:
         LineCycles(on_curve=2)  # type: ignore[arg-type]
     assert caught.value.code == "setting.invalid"
 
@@ -249,7 +241,7 @@ def test_loops_that_even_points_cannot_follow_are_refused() -> None:
 def test_vertices_on_the_curve_are_at_its_corners() -> None:
     corners = OnCurve().decimate(dense_square(), 4).vertices.round(12)
     assert sorted(map(tuple, corners.tolist())) == sorted(map(tuple, SQUARE.tolist()))
-    with pytest.raises(NestedCagesError) as caught:
+    with pytest.raises(core.NestedCagesError) as caught:
         OnCurve(around=3)  # type: ignore[arg-type]
     assert caught.value.code == "setting.invalid"
 
@@ -288,8 +280,8 @@ def test_any_object_that_decimates_is_a_decimation() -> None:
     (note,) = [each for each in level.report.notes if each.code == "note.count"]
     assert (len(level.cage.vertices), note.data["asked"], note.data["given"]) == (6, 8, 6)
     assert codes(nested_cages(Mesh.from_loops([ring(20)]), 8, decimation=LineCycles(on_curve=False))[0]) == []
-    with pytest.raises(NestedCagesError) as caught:
-        Settings(decimation=object())  # type: ignore[arg-type]
+    with pytest.raises(core.NestedCagesError) as caught:
+        core.Settings(decimation=object())  # type: ignore[arg-type]
     assert caught.value.code == "setting.invalid"
 
 

@@ -169,6 +169,9 @@ def test_a_coarse_mesh_around_everything_needs_no_flow_whichever_holes_are_match
     assert len(level.flow.steps) == 1
 
 
+FAR = (disc(3, 0.1, 9.0, 0.0), disc(3, 0.1, -9.0, 0.0))
+
+
 @pytest.mark.parametrize(
     ("fine", "coarse", "place"),
     [
@@ -176,11 +179,7 @@ def test_a_coarse_mesh_around_everything_needs_no_flow_whichever_holes_are_match
         ([ring(60)], [ring(9, 1.02), ring(8, 0.3)], (0.0, 0.0)),  # a hole too many
         ([ring(60)], [disc(9, 1.0, 5.0, 5.0)], (0.0, 0.0)),  # elsewhere
         ([*two_discs(), THIRD], [WRAP, disc(6, 0.3, 3.0, 3.0)], (5.0, 1.0)),  # of one component, elsewhere
-        (
-            [*two_discs(), disc(40, 0.5, 0.0, 3.0)],
-            [WRAP, WRAP + np.array([0.0, 2.7]), disc(3, 0.1, 9.0, 0.0), disc(3, 0.1, -9.0, 0.0)],
-            None,
-        ),
+        ([*two_discs(), disc(40, 0.5, 0.0, 3.0)], [WRAP, WRAP + np.array([0.0, 2.7]), *FAR], None),
     ],
 )
 def test_loops_that_do_not_fit(fine: list[Any], coarse: list[Any], place: tuple[float, float] | None) -> None:

@@ -11,26 +11,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import (
-    AxisAligned,
-    Level,
-    Mesh,
-    NestedCagesError,
-    NestingError,
-    Settings,
-    Within,
-    collision_outline,
-    from_engine_json,
-    from_geojson,
-    from_svg,
-    inner_cages,
-    nested_cages,
-    to_engine_json,
-    to_geojson,
-    to_svg,
-    verify,
-    verify_motion,
-)
+import nestedcages_core as core
+from nestedcages_core import Mesh, NestedCagesError, NestingError, Settings, nested_cages, to_engine_json, verify
 from support.command import run
 from support.families import simple
 from support.judging import codes, is_on_grid, lengths_of, lies_within, note
@@ -41,7 +23,7 @@ SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 KINDS: dict[str, Any] = {"star": star(), "letter": letter_a(), "ring": annulus(40), "islands": islands()}
 
 
-def assert_on_grid(level: Level, grid: float) -> None:
+def assert_on_grid(level: core.Level, grid: float) -> None:
     """The cage's numbers are decimals of the grid, and it is one on them; see `conftest.py` for what else holds."""
     outer, inner = (level.fine, level.cage) if level.inside else (level.cage, level.fine)
     assert is_on_grid(level.cage, grid) and level.report.grid == grid
@@ -57,7 +39,7 @@ def assert_on_grid(level: Level, grid: float) -> None:
 )
 def test_around_a_square_along_the_axes_the_next_lines_of_the_grid_are_taken(grid: float, inner: Any) -> None:
     """The square from 0.05 to 10.05."""
-    level = nested_cages(10.0 * SQUARE + 0.05, 4, grid=grid, constraints=[AxisAligned()])[0]
+    level = nested_cages(10.0 * SQUARE + 0.05, 4, grid=grid, constraints=[core.AxisAligned()])[0]
     low, high = inner
     assert sorted(map(tuple, level.cage.vertices.tolist())) == [(low, low), (low, high), (high, low), (high, high)]
 
@@ -117,10 +99,10 @@ def test_levels_on_a_grid(name: str, grid: float) -> None:
 @pytest.mark.slow
 def test_cages_inside_and_within() -> None:
     fine = letter_a(1)
-    for level in inner_cages(fine, [30, 16], grid=0.02):
+    for level in core.inner_cages(fine, [30, 16], grid=0.02):
         assert_on_grid(level, 0.02)
         assert level.excess < 0.0
-    level = nested_cages(fine, Within(distance=0.3), grid=0.05)[0]
+    level = nested_cages(fine, core.Within(distance=0.3), grid=0.05)[0]
     assert_on_grid(level, 0.05)
     assert lies_within(level.cage, fine, 0.3)
 
@@ -202,14 +184,14 @@ def test_random_outlines_have_cages_on_coarse_grids(seed: int) -> None:
 def test_every_step_is_stored_without_rounding(kind: str, inside: bool) -> None:
     """Far enough from the origin that rounding counts."""
     fine = letter_a().moved((letter_a().vertices + np.array([30.0, -7.0])).astype(kind).astype(float))
-    level = (inner_cages if inside else nested_cages)(fine, 20, stored=kind, clearance=0.05)[0]
+    level = (core.inner_cages if inside else nested_cages)(fine, 20, stored=kind, clearance=0.05)[0]
     assert level.report.stored == kind and len(level.cage.vertices) == 20
     steps = level.reinflation.cage_steps, level.reinflation.fine_steps
     for points in (level.cage.vertices, level.coarse.vertices, level.flow.steps, *steps):
         assert np.array_equal(points, np.asarray(points).astype(kind))
     outer, inner = (fine, level.cage) if inside else (level.cage, fine)
     assert verify(outer, inner, level.report.wanted_clearance)
-    assert verify_motion(*((fine, level.cage, *steps[::-1]) if inside else (level.cage, fine, *steps)))
+    assert core.verify_motion(*((fine, level.cage, *steps[::-1]) if inside else (level.cage, fine, *steps)))
     assert (level.reinflation.fine_steps[-1] == fine.vertices).all()
 
 
@@ -239,11 +221,11 @@ def test_every_grid_cage_survives_writing_and_reading(seed: int, decimals: int, 
     assert_on_grid(level, 10.0**-decimals)
     cage, clearance = level.cage, level.report.wanted_clearance
     for read in (
-        from_geojson(to_geojson(cage, decimals=decimals)),
-        from_svg(to_svg({"drawing": fine, "cage": cage}, decimals=decimals), element="cage"),
-        from_svg(to_svg(cage, y_up=False, decimals=decimals)),
-        from_engine_json(to_engine_json(cage, decimals=decimals)),
-        from_engine_json(to_engine_json(cage, flip_y=480, decimals=decimals), flip_y=480),
+        core.from_geojson(core.to_geojson(cage, decimals=decimals)),
+        core.from_svg(core.to_svg({"drawing": fine, "cage": cage}, decimals=decimals), element="cage"),
+        core.from_svg(core.to_svg(cage, y_up=False, decimals=decimals)),
+        core.from_engine_json(to_engine_json(cage, decimals=decimals)),
+        core.from_engine_json(to_engine_json(cage, flip_y=480, decimals=decimals), flip_y=480),
     ):
         assert {tuple(row) for row in read.vertices.tolist()} == {tuple(row) for row in cage.vertices.tolist()}
         assert verify(read, fine, clearance)
@@ -256,11 +238,11 @@ def test_every_grid_cage_survives_writing_and_reading(seed: int, decimals: int, 
 @pytest.mark.slow
 def test_the_command_writes_so_many_decimals(tmp_path: Path) -> None:
     source, out, report = (tmp_path / name for name in ("star.geojson", "cages.geojson", "report.json"))
-    source.write_text(to_geojson(star()))
+    source.write_text(core.to_geojson(star()))
     asked = [str(source), "--levels", "20", "--decimals", "2", "-o", str(out), "--report", str(report), "--quiet"]
     for inside in ([], ["--inside"]):
         assert run(*asked, *inside).status == 0
-        cage = from_geojson(out.read_text())
+        cage = core.from_geojson(out.read_text())
         assert is_on_grid(cage, 0.01) and (verify(star(), cage) if inside else verify(cage, star()))
         assert json.loads(report.read_text())["inputs"][0]["shapes"][0]["levels"][0]["grid"] == 0.01
     for wrong in (
@@ -276,6 +258,6 @@ def test_the_command_writes_so_many_decimals(tmp_path: Path) -> None:
 def test_a_picture_in_whole_pixels() -> None:
     y, x = np.mgrid[:40, :60]
     picture = (np.hypot((x - 30) / 25.0, (y - 20) / 15.0) < 1.0).astype(float)
-    outline = collision_outline(picture, 8, settings=Settings(grid=1))
+    outline = core.collision_outline(picture, 8, settings=Settings(grid=1))
     assert is_on_grid(outline, 1.0) and outline.area < 1.2 * picture.sum()
     assert json.loads(to_engine_json(outline, decimals=0))

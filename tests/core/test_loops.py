@@ -13,18 +13,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import (
-    AxisAligned,
-    Mesh,
-    Mirror,
-    NestedCagesError,
-    Settings,
-    Share,
-    check,
-    inner_cages,
-    nested_cages,
-    verify,
-)
+import nestedcages_core as core
+from nestedcages_core import AxisAligned, Mesh, Mirror, NestedCagesError, Settings, Share, check, nested_cages, verify
 from support.families import drawing
 from support.judging import codes, note
 from support.marks import slow_after
@@ -144,10 +134,8 @@ def mirror() -> Mirror:
 
 
 WITH: dict[str, dict[str, Any]] = {
-    "clearance": {"clearance": 0.02},
-    "grid": {"grid": 0.05},
+    **{name: {name: value} for name, value in (("clearance", 0.02), ("grid", 0.05), ("symmetry", mirror()))},
     "float32": {"stored": np.float32},
-    "symmetry": {"symmetry": mirror()},
     "weights": {"weights": np.linspace(0.5, 2.0, 100)},
     "pins": {"pins": [0, 50]},
     "edges": {"min_edge": 0.1},
@@ -261,7 +249,7 @@ def test_holes_are_filled_without_shapely_and_joining_parts_says_what_is_missing
 
 @pytest.mark.slow
 def test_loops_are_kept_inside_and_around_meshes_of_ones_own() -> None:
-    level = inner_cages(bell(), 15)[0]
+    level = core.inner_cages(bell(), 15)[0]
     assert len(level.cage.loops) == 5 and verify(bell(), level.cage)
     rings = bell().rings[:2]
     own = Mesh.from_loops([1.05 * (each - each.mean(axis=0)) + each.mean(axis=0) for each in rings])

@@ -32,29 +32,23 @@ class Broken:
 
 
 UNREADABLE = "mesh.unreadable"
+NO_POINTS = (
+    *(None, [[0.0, 0.0, 1.0]] * 4, [[0, 0], [1, 0], [1]], Broken(), [["a", "b"]] * 4, [[1j, 0]] * 4, [[{}, 0]] * 4),
+    [[10**400, 0]] * 4,
+)
 VERTICES_AND_EDGES: list[tuple[Any, Any, str, dict[str, Any]]] = [
     # numbers that are none
-    (None, AROUND, UNREADABLE, {}),
+    *((points, AROUND, UNREADABLE, {}) for points in NO_POINTS),
     ([], AROUND, "mesh.empty", {}),
-    ([[0.0, 0.0, 1.0]] * 4, AROUND, UNREADABLE, {}),
-    ([[0, 0], [1, 0], [1]], AROUND, UNREADABLE, {}),
-    (Broken(), AROUND, UNREADABLE, {}),
-    ([["a", "b"]] * 4, AROUND, UNREADABLE, {}),
-    ([[1j, 0]] * 4, AROUND, UNREADABLE, {}),
-    ([[{}, 0]] * 4, AROUND, UNREADABLE, {}),
-    ([[10**400, 0]] * 4, AROUND, UNREADABLE, {}),
     (with_point(2, [np.nan, 4.0]), AROUND, "mesh.not_finite", {"vertex": 2}),
     (with_point(3, [0.0, -np.inf]), AROUND, "mesh.not_finite", {"vertex": 3}),
     (with_point(1, [1e151, 0.0]), AROUND, "mesh.out_of_range", {"vertex": 1, "place": (1e151, 0.0)}),
     ((np.array(SQUARE) * 1e-160).tolist(), AROUND, "mesh.out_of_range", {"place": (0.0, 0.0)}),
     # indices that are none
-    (SQUARE, None, UNREADABLE, {}),
+    *((SQUARE, edges, UNREADABLE, {}) for edges in (None, [[0, 1, 2]], [["0", "1"]], [[True, False]])),
     (SQUARE, [], "mesh.empty", {}),
-    (SQUARE, [[0, 1, 2]], UNREADABLE, {}),
     (SQUARE, [[0, 1], [1, 2], [2, 3], [3, 0.5]], "mesh.edge_index", {"edges": (3,)}),
     (SQUARE, [[0, 1], [1, np.nan], [2, 3], [3, 0]], "mesh.edge_index", {"edges": (1,)}),
-    (SQUARE, [["0", "1"]], UNREADABLE, {}),
-    (SQUARE, [[True, False]], UNREADABLE, {}),
     (SQUARE, [[0, 1], [1, 2], [2, 4], [4, 0]], "mesh.edge_index", {"edges": (2,)}),
     (SQUARE, [[0, 1], [1, 2], [2, 3], [3, -1]], "mesh.edge_index", {"edges": (3,)}),
     (SQUARE, np.array([[0, 2**64 - 1]], np.uint64), "mesh.edge_index", {"edges": (0,)}),
@@ -76,15 +70,9 @@ VERTICES_AND_EDGES: list[tuple[Any, Any, str, dict[str, Any]]] = [
 ]
 
 LOOPS: list[tuple[Any, str, dict[str, Any]]] = [
-    (None, UNREADABLE, {}),
-    (7, UNREADABLE, {}),
-    ([Broken()], UNREADABLE, {}),
+    *((loops, UNREADABLE, {}) for loops in (None, 7, [Broken()], SQUARE, [SQUARE, []], [SQUARE, [["a", "b"]] * 3])),
+    *(([SQUARE, loop], UNREADABLE, {}) for loop in ([["a", "b"]], np.array(SQUARE).astype("M8[s]"))),
     ([], "mesh.empty", {}),
-    (SQUARE, UNREADABLE, {}),
-    ([SQUARE, []], UNREADABLE, {}),
-    ([SQUARE, [["a", "b"]] * 3], UNREADABLE, {}),
-    ([SQUARE, [["a", "b"]]], UNREADABLE, {}),
-    ([np.array(SQUARE), np.array(SQUARE).astype("M8[s]")], UNREADABLE, {}),
     ([np.zeros((0, 2))], "mesh.open", {}),
     ([SQUARE, [[7.0, 8.0]]], "mesh.open", {}),
     ([SQUARE, [[7.0, 8.0], [9.0, 8.0]]], "mesh.open", {}),

@@ -225,8 +225,7 @@ def test_levels_made_in_time_are_kept() -> None:
         ("around", {"convex": True}),
         ("around", {}),
         ("inside", {}),
-        pytest.param("around", {"stored": "float32"}, marks=pytest.mark.thorough),
-        pytest.param("around", {"grid": 0.02}, marks=pytest.mark.thorough),
+        *(pytest.param("around", kept, marks=pytest.mark.thorough) for kept in ({"stored": "float32"}, {"grid": 0.02})),
     ],
     ids=["convex", "around", "inside", "stored", "grid"],
 )

@@ -111,15 +111,8 @@ def test_all_pairs_have_a_limit() -> None:
 
 
 GAUSS = tuple(GaussLegendre(points) for points in (1, 2, 3))
-RULES = (
-    core.QuadraticFallOff(),
-    core.QuadraticFallOff(7),
-    core.Midpoint(),
-    *GAUSS,
-    EvenSamples(),
-    EvenSamples(1),
-    RandomSamples(),
-)
+FALL_OFF = (core.QuadraticFallOff(), core.QuadraticFallOff(7))
+RULES = (*FALL_OFF, core.Midpoint(), *GAUSS, EvenSamples(), EvenSamples(1), RandomSamples())
 
 
 @pytest.mark.parametrize("rule", RULES, ids=repr)

@@ -8,20 +8,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import (
-    Area,
-    Constraint,
-    Found,
-    InvalidMeshError,
-    Level,
-    Mesh,
-    Mirror,
-    NestedCagesError,
-    Rotation,
-    inner_cages,
-    nested_cages,
-    verify,
-)
+import nestedcages_core as core
+from nestedcages_core import Area, Found, Mesh, Mirror, NestedCagesError, Rotation, inner_cages, nested_cages, verify
 from support.judging import codes, is_mirrored, is_symmetric, note
 from support.marks import slow_after
 from support.shapes import letter_a, polygon, ring, star
@@ -47,7 +35,7 @@ def blob(seed: int, symmetry: Any, count: int = 60) -> Mesh:
     return Mesh.from_loops([np.concatenate([symmetry.image(part + symmetry.centre, k) for k in range(symmetry.order)])])
 
 
-def assert_symmetric(level: Level, symmetry: Any) -> None:
+def assert_symmetric(level: core.Level, symmetry: Any) -> None:
     """Certified, and symmetric at every step."""
     outer, inner = (level.fine, level.cage) if level.inside else (level.cage, level.fine)
     assert verify(outer, inner, level.report.wanted_clearance)
@@ -164,7 +152,7 @@ def test_cages_of_mirrored_drawings_are_mirrored_where_that_costs_little() -> No
         waves = np.random.default_rng(seed).normal(size=6) / np.arange(1, 7) / 4
         radius = np.maximum(1.0 + waves @ np.cos(np.arange(1, 7)[:, None] * (turn - np.pi / 2)), 0.3)
         fine = Mesh.from_loops([radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1) + 3.0])
-        level, plain = (nested_cages(fine, count, constraints=nothing)[0] for nothing in ((), [Constraint()]))
+        level, plain = (nested_cages(fine, count, constraints=nothing)[0] for nothing in ((), [core.Constraint()]))
         mirrored = level.cage.vertices * (-1.0, 1.0) + (6.0, 0.0)
         off = np.abs(mirrored[:, None] - level.cage.vertices).sum(axis=2).min(axis=1).max()
         assert (off < 1e-3) == alike
@@ -208,7 +196,7 @@ def test_any_drawing_is_enclosed_with_all_of_its_images(seed: int) -> None:
     loop = rounded if rng.random() < 0.5 and shapely.Polygon(rounded).is_valid else loop
     try:
         fine, *images = (Mesh.from_loops([symmetry.image(loop, k)]) for k in range(symmetry.order))
-    except InvalidMeshError:  # points that coincide once they are rounded
+    except core.InvalidMeshError:  # points that coincide once they are rounded
         return
     union, common = (polygon(fine),) * 2
     for image in map(polygon, images):

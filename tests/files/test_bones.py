@@ -10,17 +10,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nestedcages_core import (
-    Bone,
-    Character,
-    Mesh,
-    Skeleton,
-    bone_weights,
-    character_to_engine_json,
-    nested_cages,
-    suggest_bones,
-    with_joints,
-)
+import nestedcages_core as core
+from nestedcages_core import Bone, Character, Mesh, Skeleton, bone_weights, nested_cages, suggest_bones, with_joints
 from support.documents import refusal
 from support.engine_json import character_of
 from support.engines import areas
@@ -151,7 +142,7 @@ def test_a_bent_limb_moves_alone_and_does_not_fold(character: Character) -> None
 @pytest.mark.parametrize("flip_y", [None, 2.5])
 def test_an_engine_poses_a_character_without_this_package(character: Character, flip_y: float | None) -> None:
     """What a reader of the format does, written out with nothing but the file and numpy."""
-    text = character_to_engine_json(character, flip_y=flip_y)
+    text = core.character_to_engine_json(character, flip_y=flip_y)
     document = json.loads(text)
     turned = {character.bones[1].name: 40.0, character.bones[0].name: -10.0}
     sign = 1.0 if flip_y is None else -1.0

@@ -10,19 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nestedcages_core import (
-    Feature,
-    Mesh,
-    animated_cages,
-    features_from_geojson,
-    frames_to_engine_json,
-    from_svg,
-    inner_cages,
-    nested_cages,
-    to_engine_json,
-    to_geojson,
-    to_svg,
-)
+import nestedcages_core as core
+from nestedcages_core import Feature, Mesh, frames_to_engine_json, from_svg, nested_cages, to_geojson, to_svg
 from support.command import run
 from support.documents import closed, collection, feature, png, svg
 from support.marks import slow_after
@@ -62,7 +51,7 @@ def test_what_the_command_writes_holds(folder: Path) -> None:
 
 def test_cages_of_other_places_and_levels_are_wrong(folder: Path, tmp_path: Path) -> None:
     fine, result = from_svg(CURVED), tmp_path / "out.svg"
-    cage, inner = nested_cages(fine, [16]).cages[0], inner_cages(fine, [16]).cages[0]
+    cage, inner = nested_cages(fine, [16]).cages[0], core.inner_cages(fine, [16]).cages[0]
 
     def judged(shapes: dict[str, Mesh], levels: list[int], *, holds: bool) -> str:
         result.write_text(to_svg(shapes, levels=levels, view_box=(0, 0, 9, 9)))
@@ -157,7 +146,7 @@ def test_what_was_written_elsewhere_the_same_holds(folder: Path, tmp_path: Path)
 ONE = Mesh.from_loops([[(1, 1), (2, 1), (2, 2), (1, 2)]])
 AROUND = Mesh.from_loops([[(0, 0), (3, 0), (3, 3), (0, 3)]])
 SQUARE = [[0, 0], [3, 0], [3, 3], [0, 3], [0, 0]]
-OUTLINE = json.loads(to_engine_json(AROUND, triangles=True, pieces=4))
+OUTLINE = json.loads(core.to_engine_json(AROUND, triangles=True, pieces=4))
 
 
 def features(*levels: object, ring: object = None) -> str:
@@ -220,7 +209,7 @@ def test_each_shape_of_a_map_has_its_own_cages(tmp_path: Path) -> None:
     drawing.write_text(collection(*shapes))
     assert run(drawing, "--levels", 16, 8, "-o", result, "--quiet").status == 0
     checked(drawing, result, "--levels", 16, 8)
-    cages = list(features_from_geojson(result.read_text()))
+    cages = list(core.features_from_geojson(result.read_text()))
     for order in ((0, 1), (2, 3, 0, 1), (0, 1, 3, 2)):
         result.write_text(to_geojson([cages[k] for k in order]))
         checked(drawing, result, holds=False)
@@ -266,7 +255,7 @@ def test_motions_are_judged_between_their_frames(tmp_path: Path) -> None:
     drawing, result = tmp_path / "in.json", tmp_path / "out.json"
     fine = star(5, 40)
     poses = [fine.vertices + np.array([x, 0.0]) for x in np.linspace(0.0, 0.4, 4)]
-    moving = animated_cages(fine, poses, [12]).levels[0]
+    moving = core.animated_cages(fine, poses, [12]).levels[0]
 
     def judged(fines: list[Mesh], cages: list[Mesh], *, holds: bool) -> None:
         drawing.write_text(frames_to_engine_json(fines))

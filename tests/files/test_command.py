@@ -15,16 +15,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import (
-    Mesh,
-    features_from_geojson,
-    from_engine_json,
-    from_svg,
-    read_geojson,
-    to_geojson,
-    to_svg,
-    verify,
-)
+import nestedcages_core as core
+from nestedcages_core import Mesh, features_from_geojson, from_engine_json, from_svg, read_geojson, to_svg, verify
 from support.command import run, run_alone
 from support.documents import closed, collection, feature, png, squares
 from support.engine_json import pieces_of
@@ -467,7 +459,7 @@ def test_what_goes_wrong_ends_with_a_sentence_and_its_status(drawing: Path, comm
     (folder / "link.svg").symlink_to("letter.svg")
     (folder / "fake.png").write_bytes(b"GIF89a")
     (folder / "deep.geojson").write_text("[" * 100_000)
-    (folder / "LETTER.geojson").write_text(to_geojson(ring(9)))
+    (folder / "LETTER.geojson").write_text(core.to_geojson(ring(9)))
     (folder / "empty.geojson").write_text('{"type": "FeatureCollection", "features": []}')
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     done = run(*command, cwd=folder)

@@ -9,17 +9,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import (
-    Feature,
-    Mesh,
-    Within,
-    check,
-    coverage_cages,
-    features_from_geojson,
-    from_svg,
-    to_geojson,
-    verify,
-)
+import nestedcages_core as core
+from nestedcages_core import Feature, Mesh, Within, check, coverage_cages, features_from_geojson, from_svg, to_geojson
 from support.command import run
 from support.documents import refusal
 from support.marks import slow_after
@@ -54,7 +45,7 @@ def test_regions_fill_the_cage_of_their_land(seed: int, turn: float) -> None:
     for share, found in zip((0.12, 0.04), coverage_cages(regions, ["12%", "4%"]), strict=True):
         made = [polygon(region) for region in found.regions]
         cage = polygon(found.coast.cage)
-        assert verify(found.coast.cage, found.coast.fine, same_loops=not any(found.coast.report.lost))
+        assert core.verify(found.coast.cage, found.coast.fine, same_loops=not any(found.coast.report.lost))
         assert check(found.coast.fine, found.coast)
         assert area(made) == pytest.approx(cage.area, rel=1e-9)  # no overlap, and with the next line no gap
         assert shapely.union_all(made).symmetric_difference(cage).area < 1e-9 * cage.area

@@ -15,18 +15,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nestedcages_core import (
-    Feature,
-    InvalidMeshError,
-    Mesh,
-    features_from_geojson,
-    from_geojson,
-    nested_cages,
-    read_geojson,
-    read_map,
-    to_geojson,
-    write_geojson,
-)
+import nestedcages_core as core
+from nestedcages_core import Feature, Mesh, features_from_geojson, from_geojson, read_geojson, read_map, to_geojson
 from support.command import run
 from support.documents import closed, collection, feature, refusal, same, solid
 from support.shapes import islands, polygon, ring
@@ -135,7 +125,7 @@ def test_what_is_no_polygon_is_named_by_every_reader(points: Any, tmp_path: Path
     (tmp_path / "a.geojson").write_text(text)
     for read in (from_geojson, features_from_geojson, lambda _: read_geojson(tmp_path / "a.geojson")):
         error = refusal(read, text)
-        assert (type(error), error.code) == (InvalidMeshError, "file.invalid") and "Isle" in str(error)
+        assert (type(error), error.code) == (core.InvalidMeshError, "file.invalid") and "Isle" in str(error)
     for reader in (from_geojson, features_from_geojson):
         with pytest.warns(UserWarning, match="Isle"):  # the others are not lost
             found = reader(collection(feature([points], name="Isle"), feature([SQUARE])))
@@ -162,7 +152,7 @@ def test_hairlines_cost_no_vertices(width: float) -> None:
         (found,) = features_from_geojson(collection(feature([spike, slit])), tolerance=1e-3)
     assert len(found.mesh.loops) == 1
     assert found.mesh.area == pytest.approx(16.0, abs=1e-6)
-    assert nested_cages(found.mesh, [5]).levels[0].report.strict
+    assert core.nested_cages(found.mesh, [5]).levels[0].report.strict
 
 
 def test_valid_polygons_keep_every_bit() -> None:
@@ -248,13 +238,13 @@ def test_crs_ids_and_properties_are_kept(tmp_path: Path) -> None:
     member = feature([SQUARE], name="Bern", people=7, identity=4)
     found = read_map(collection(member, {"type": "Feature", "geometry": None}, crs=crs))
     assert (found.crs, found.without_polygons) == (crs, 1)
-    write_geojson(tmp_path / "a.geojson", found)
+    core.write_geojson(tmp_path / "a.geojson", found)
     document = json.loads((tmp_path / "a.geojson").read_text())
     assert document["crs"] == crs
     assert document["features"][0]["id"] == 4
     assert document["features"][0]["properties"] == {"name": "Bern", "people": 7}
     assert "crs" not in json.loads(to_geojson(list(found.features)))
-    levels = json.loads(to_geojson(nested_cages(found.features[0].mesh, [4])))["features"]
+    levels = json.loads(to_geojson(core.nested_cages(found.features[0].mesh, [4])))["features"]
     assert shapely.geometry.shape(levels[-1]["geometry"]).contains(shapely.geometry.shape(levels[0]["geometry"]))
 
 

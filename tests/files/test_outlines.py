@@ -11,15 +11,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import (
-    Mesh,
-    convex_pieces,
-    frames_to_engine_json,
-    from_engine_json,
-    is_engine_json,
-    to_engine_json,
-    to_geojson,
-)
+import nestedcages_core as core
+from nestedcages_core import Mesh, frames_to_engine_json, from_engine_json, is_engine_json, to_engine_json, to_geojson
 from support.documents import refusal, same
 from support.shapes import annulus, islands, polygon
 
@@ -59,7 +52,7 @@ def test_convex_pieces_are_written(flip: float | None) -> None:
     document = json.loads(to_engine_json(mesh, flip_y=flip, triangles=True, pieces=5))
     written = [np.array(document["points"])[piece] for piece in document["pieces"]]
     assert all(shapely.LinearRing(each).is_ccw and 3 <= len(each) <= 5 for each in written)
-    wanted = convex_pieces(mesh, 5)
+    wanted = core.convex_pieces(mesh, 5)
     assert len(written) == len(wanted) < len(document["triangles"])
     for found, piece in zip(written, wanted, strict=True):
         turned = piece if flip is None else np.stack([piece[:, 0], flip - piece[:, 1]], axis=1)[::-1]

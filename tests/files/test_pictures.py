@@ -16,16 +16,8 @@ from hypothesis.extra.numpy import arrays
 from PIL import Image
 from scipy.ndimage import label
 
-from nestedcages_core import (
-    InvalidMeshError,
-    Limits,
-    Mesh,
-    Settings,
-    alpha_channel,
-    boundary_of_pixels,
-    collision_outline,
-    read_png,
-)
+import nestedcages_core as core
+from nestedcages_core import InvalidMeshError, Limits, alpha_channel, boundary_of_pixels, collision_outline, read_png
 from support.command import run
 from support.documents import png, png_chunk, png_header, refusal, squares
 from support.engine_json import frames_of
@@ -191,7 +183,7 @@ def sprite(size: int = 96) -> np.ndarray:
     return (solid * size).clip(0.0, 1.0)
 
 
-def assert_wrapped(alpha: np.ndarray, outline: Mesh, padding: float, threshold: float = 0.0) -> None:
+def assert_wrapped(alpha: np.ndarray, outline: core.Mesh, padding: float, threshold: float = 0.0) -> None:
     solid, pixels = polygon(outline), squares(alpha > threshold)
     assert solid.is_valid
     assert shapely.covers(solid, pixels).all()
@@ -249,7 +241,7 @@ def test_settings_are_passed_on_and_bad_padding_is_an_error() -> None:
         refusal(collision_outline, sprite(), 12, padding=padding)
     assert len(collision_outline(sprite(), 4).vertices) == 4
     assert refusal(collision_outline, sprite(), 2).code == "count.too_small"
-    assert_wrapped(sprite(), collision_outline(sprite(), 12, settings=Settings(clearance=2.0)), 2.0, 0.5)
+    assert_wrapped(sprite(), collision_outline(sprite(), 12, settings=core.Settings(clearance=2.0)), 2.0, 0.5)
 
 
 # Frames

@@ -10,19 +10,8 @@ import pytest
 import shapely
 import shapely.affinity
 
-from nestedcages_core import (
-    Mesh,
-    PartChoice,
-    Puppet,
-    PuppetDraft,
-    PuppetPart,
-    draft_puppet,
-    idle,
-    puppet_of,
-    puppet_parts,
-    walk,
-    wave,
-)
+import nestedcages_core as core
+from nestedcages_core import PartChoice, Puppet, PuppetDraft, PuppetPart, draft_puppet, idle, puppet_of, walk, wave
 from support.documents import refusal, svg
 from support.figures import ball, front_figure, limb, side_figure, solid
 from support.marks import slow_after
@@ -73,7 +62,7 @@ def test_parts_hang_together_by_their_overlaps(draft: PuppetDraft) -> None:
 def test_neither_place_nor_size_nor_direction_of_the_drawing_counts() -> None:
     turn = np.array([[0.0, -1.0], [1.0, 0.0]])
     moved = [
-        PuppetPart(part.name, Mesh(1e3 * part.outline.vertices @ turn + 5e4, part.outline.edges))
+        PuppetPart(part.name, core.Mesh(1e3 * part.outline.vertices @ turn + 5e4, part.outline.edges))
         for part in front_figure()
     ]
     assert parents(draft_puppet(moved)) == PARENTS
@@ -135,7 +124,7 @@ def test_a_hand_before_a_hip_is_no_pin_of_it() -> None:
         "forearm": 'd="M52 72 L84 98" stroke="#c73" stroke-width="18" stroke-linecap="round" fill="none"',
         "hand": 'd="M90 92 a11 11 0 1 0 .1 0 z" fill="#c73"',
     }
-    parts, _ = puppet_parts(svg("".join(f'<path id="{name}" {data}/>' for name, data in by_name.items())))
+    parts, _ = core.puppet_parts(svg("".join(f'<path id="{name}" {data}/>' for name, data in by_name.items())))
     assert parents(draft_puppet(parts))["hand"] == "forearm"
 
 

@@ -14,19 +14,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nestedcages_core import (
-    InvalidMeshError,
-    Mesh,
-    NestedCagesError,
-    features_from_geojson,
-    from_geojson,
-    from_svg,
-    joined,
-    nested_cages,
-    read_svg_drawing,
-    svg_drawing,
-    to_geojson,
-)
+import nestedcages_core as core
+from nestedcages_core import InvalidMeshError, Mesh, NestedCagesError, from_svg, joined, nested_cages, svg_drawing
 from support.documents import area_of, refusal, solid, svg
 from support.marks import slow_after
 from support.shapes import ring
@@ -214,17 +203,17 @@ def test_what_is_smaller_than_a_pixel_costs_no_vertices(angle: float, tmp_path: 
     turn = 100.0 * np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     body = path_of([(loop @ turn + 200.0).round(9) for loop in speckled()], "evenodd")
     (tmp_path / "a.svg").write_text(svg(body, 'width="400" height="400"'))
-    found = read_svg_drawing(tmp_path / "a.svg")
+    found = core.read_svg_drawing(tmp_path / "a.svg")
     assert (len(found.mesh.loops), len(found.notes)) == (3, 1)
     level = nested_cages(found.mesh, 40)[0]
     assert len(level.cage.vertices) <= 40 and not any(note.code == "note.loops" for note in level.report.notes)
 
 
 def test_maps_lose_what_is_smaller_than_a_tenth_of_the_tolerance_both_ways() -> None:
-    text = json.loads(to_geojson([Mesh.from_loops(speckled())]))
-    assert len(from_geojson(text).loops) == 6
+    text = json.loads(core.to_geojson([Mesh.from_loops(speckled())]))
+    assert len(core.from_geojson(text).loops) == 6
     with pytest.warns(UserWarning):
-        (found,) = features_from_geojson(text, tolerance=0.005)
+        (found,) = core.features_from_geojson(text, tolerance=0.005)
     assert len(found.mesh.loops) == 3 and found.repairs
 
 

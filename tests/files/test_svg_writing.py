@@ -11,15 +11,7 @@ import numpy as np
 import pytest
 from tinycss2.color3 import parse_color
 
-from nestedcages_core import (
-    Mesh,
-    from_svg,
-    nested_cages,
-    read_svg_drawing,
-    svg_drawing,
-    to_svg,
-    verify,
-)
+from nestedcages_core import Mesh, from_svg, nested_cages, read_svg_drawing, svg_drawing, to_svg, verify
 from support.documents import refusal, same, svg
 from support.shapes import islands, letter_a, ring, star
 

@@ -17,21 +17,8 @@ from unittest.mock import Mock
 
 import pytest
 
-from nestedcages_core import (
-    Area,
-    Mesh,
-    Settings,
-    from_engine_json,
-    from_geojson,
-    from_svg,
-    nested_cages,
-    to_engine_json,
-    to_geojson,
-    to_svg,
-    write_engine_json,
-    write_geojson,
-    write_svg,
-)
+import nestedcages_core as core
+from nestedcages_core import Mesh, Settings, from_svg, nested_cages, to_geojson, to_svg, write_geojson, write_svg
 from support.command import run
 from support.documents import refusal, same
 from support.shapes import islands, letter_a, star
@@ -40,9 +27,9 @@ from support.sources import ROOT
 FAILURES = [("os.fsync", OSError), ("os.replace", OSError), ("os.fsync", KeyboardInterrupt)]
 SHAPES = [letter_a(1), islands(), star(5, 40)]
 NARROW = Mesh.from_loops([[(0, 0), (4, 0), (4, 1), (7, 1), (7, 1 + 1e-7), (4, 1 + 1e-7), (4, 4), (0, 4)]])
-FORMATS = [(write_svg, to_svg, from_svg), (write_geojson, to_geojson, from_geojson),
-           (write_engine_json, to_engine_json, from_engine_json)]  # fmt: skip
-WRITERS = (write_svg, write_geojson, write_engine_json)
+FORMATS = [(write_svg, to_svg, from_svg), (write_geojson, to_geojson, core.from_geojson),
+           (core.write_engine_json, core.to_engine_json, core.from_engine_json)]  # fmt: skip
+WRITERS = (write_svg, write_geojson, core.write_engine_json)
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="permissions, links, locks and kills of POSIX")
 
 
@@ -59,10 +46,10 @@ def test_what_is_written_is_read_back_to_the_last_bit(
     assert same(read(text(NARROW)), NARROW)
 
 
-@pytest.mark.parametrize("text", [to_svg, to_geojson, partial(to_engine_json, flip_y=3.0)])
+@pytest.mark.parametrize("text", [to_svg, to_geojson, partial(core.to_engine_json, flip_y=3.0)])
 def test_few_decimals_are_written_as_certified_or_not_at_all(text: Any) -> None:
     fine = letter_a(1)
-    cage = nested_cages(fine, 24, Settings(grid=0.01, energy=Area())).cages[0]
+    cage = nested_cages(fine, 24, Settings(grid=0.01, energy=core.Area())).cages[0]
     written = re.sub(r' (?!d=)[\w-]+="[^"]*"', "", text(cage, decimals=2))  # of SVG the data of paths alone
     assert max(len(number.partition(".")[2]) for number in re.findall(r"[-\d.]+(?:e-?\d+)?", written)) == 2
     for decimals in (16, True):

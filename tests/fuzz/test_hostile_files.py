@@ -14,22 +14,8 @@ import shapely
 from hypothesis import HealthCheck, given, seed, settings
 from hypothesis import strategies as st
 
-from nestedcages_core import (
-    ArcLength,
-    Limits,
-    Mesh,
-    NestedCagesError,
-    OnCurve,
-    OuterHull,
-    Settings,
-    features_from_geojson,
-    from_engine_json,
-    from_geojson,
-    from_svg,
-    nested_cages,
-    read_png,
-    svg_drawing,
-)
+import nestedcages_core as core
+from nestedcages_core import ArcLength, Limits, Mesh, NestedCagesError, OnCurve, Settings, from_svg, nested_cages
 from support import hostile
 from support.attacks import ATTACKS, png_bombs
 from support.command import run
@@ -70,10 +56,10 @@ def check_result(result: Any) -> None:
     ("ending", "read"),
     [
         (".svg", from_svg),
-        (".svg", lambda text: svg_drawing(text, each=True).mesh),
-        (".geojson", from_geojson),
-        (".geojson", features_from_geojson),
-        (".json", from_engine_json),
+        (".svg", lambda text: core.svg_drawing(text, each=True).mesh),
+        (".geojson", core.from_geojson),
+        (".geojson", core.features_from_geojson),
+        (".json", core.from_engine_json),
     ],
 )
 def test_documents_that_are_nearly_right(ending: str, read: Callable[[Any], Any]) -> None:
@@ -83,7 +69,7 @@ def test_documents_that_are_nearly_right(ending: str, read: Callable[[Any], Any]
 def test_pictures_that_are_nearly_right(tmp_path: Path) -> None:
     def check(document: bytes) -> None:
         (tmp_path / "a.png").write_bytes(document)
-        check_result(outcome(lambda: read_png(tmp_path / "a.png")))
+        check_result(outcome(lambda: core.read_png(tmp_path / "a.png")))
 
     try_many(check, hostile.DOCUMENTS[".png"])
 
@@ -98,7 +84,7 @@ def test_cages_around_extreme_loops() -> None:
             count = min(len(mesh.vertices), 3 * len(mesh.loops) + more)
             outcome(lambda: nested_cages(mesh, [count], Settings(decimation=decimation)))
 
-    decimations = st.sampled_from([OuterHull(), OnCurve(), ArcLength()])
+    decimations = st.sampled_from([core.OuterHull(), OnCurve(), ArcLength()])
     try_many(check, st.tuples(hostile.loops, st.integers(0, 4), decimations))
 
 

@@ -10,24 +10,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from nestedcages_core import (
-    AxisAligned,
-    BoundaryARAP,
-    Box,
-    Found,
-    InitialDisplacement,
-    LeastEdge,
-    Mesh,
-    Mirror,
-    NestedCagesError,
-    Rotation,
-    Settings,
-    Within,
-    check,
-    inner_cages,
-    nested_cages,
-    verify,
-)
+import nestedcages_core as core
+from nestedcages_core import Box, Found, Mesh, Mirror, NestedCagesError, Rotation, Settings, Within, nested_cages
 from support.families import blob, drawing, simple
 from support.judging import is_along_the_axes, is_convex, is_on_grid, is_symmetric, lengths_of, lies_within, sharpest
 from support.shapes import annulus, islands, letter_a, ring, star
@@ -48,7 +32,7 @@ WISHES: dict[str, st.SearchStrategy[Any]] = {
     "pins": st.lists(st.integers(0, 11), min_size=1, max_size=3, unique=True),
     "joints": st.just([(0.0, 0.5)]),
     "weights": st.sampled_from([0.0, 1.0, 1e6]),
-    "energy": st.sampled_from([InitialDisplacement(), BoundaryARAP()]),
+    "energy": st.sampled_from([core.InitialDisplacement(), core.BoundaryARAP()]),
     "loops": st.sampled_from(["auto", "keep", "one"]),
     "stored": st.just("float32"),
 }
@@ -87,15 +71,15 @@ def requests(draw: st.DrawFn) -> tuple[Mesh, dict[str, Any], Any, bool]:
 def fulfilled(fine: Mesh, wanted: dict[str, Any], count: Any, inside: bool = False) -> bool:
     """Whether there is a cage, which then is judged; raises whatever is not a NestedCagesError with a code."""
     try:
-        level = (inner_cages if inside else nested_cages)(fine, [count], Settings(**wanted))[0]
+        level = (core.inner_cages if inside else nested_cages)(fine, [count], Settings(**wanted))[0]
     except NestedCagesError as error:
         assert error.code not in NO_CAGE and str(error).strip(), (wanted, count, inside, error)
         return False
     cage, symmetry, distance = level.cage, wanted.get("symmetry"), getattr(count, "distance", None)
     loops = False if {"convex", "merge", "loops"} & set(wanted) else None
     placed = None if isinstance(symmetry, Found) or "stored" in wanted else symmetry  # exact on doubles alone
-    verdict = check(fine, level, wanted.get("clearance"), same_loops=loops, grid=wanted.get("grid"), symmetry=placed,
-                    distance=None if inside else distance, motions=4)  # fmt: skip
+    verdict = core.check(fine, level, wanted.get("clearance"), same_loops=loops, grid=wanted.get("grid"),
+                         symmetry=placed, distance=None if inside else distance, motions=4)  # fmt: skip
     assert verdict, (wanted, count, inside, verdict.problems[:3])
     assert not isinstance(count, int) or len(cage.vertices) <= count or "symmetry" in wanted or "convex" in wanted
     if wanted.get("grid", 0.0) > 1e-6 and "stored" not in wanted:
@@ -139,7 +123,7 @@ def random_options(random: np.random.Generator, fine: Mesh) -> dict[str, Any]:
         "pins": [int(k) for k in random.integers(0, len(fine.vertices), 2)],
         "min_edge": 0.02 * size,
         "min_angle": 15.0,
-        "constraints": [[Box(tuple(low), tuple(high))], [LeastEdge(0.01 * size, must=False)]][random.integers(2)],
+        "constraints": [[Box(tuple(low), tuple(high))], [core.LeastEdge(0.01 * size, must=False)]][random.integers(2)],
         "loops": str(random.choice(["keep", "auto"])),
     }
     return {name: every[name] for name in random.choice(sorted(every), random.integers(1, 4), replace=False)}
@@ -164,7 +148,7 @@ def test_around_single_outlines_more_vertices_are_never_worse(start: int) -> Non
         areas: list[float] = []
         for count in (3, 4, 5, 6, 7, 8, 10, 13, 17, 24, 40):
             level = nested_cages(fine, count)[0]
-            assert len(level.cage.vertices) <= count and verify(level.cage, fine, level.report.wanted_clearance)
+            assert len(level.cage.vertices) <= count and core.verify(level.cage, fine, level.report.wanted_clearance)
             assert not areas or level.cage.area <= 1.005 * min(areas), (seed, count)
             areas.append(level.cage.area)
 
@@ -177,7 +161,7 @@ def test_what_a_box_satisfies_is_not_refused_around_single_outlines(start: int) 
         fine = simple(random, 10, 60)
         for wanted, room in (
             ({}, 1e-4),
-            ({"constraints": [AxisAligned()]}, 1e-4),
+            ({"constraints": [core.AxisAligned()]}, 1e-4),
             ({"grid": 0.05}, 0.1001),
             ({"clearance": 0.1}, 0.1001),
             ({"stored": "float32"}, 1e-4),

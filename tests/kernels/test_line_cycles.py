@@ -204,10 +204,7 @@ def test_cages_of_convex_shapes_are_the_tightest_of_all(shape: str | int, count:
 
 NEXT_TO = Mesh.from_loops([jagged(np.random.default_rng(2), 40), 0.9 * jagged(np.random.default_rng(3), 30) + 1.9])
 HOOKED = Mesh.from_loops(
-    [
-        [(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)],
-        [(2, 2), (5, 2), (5, 5), (4, 5), (4, 3), (2, 3)],
-    ]
+    [[(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)], [(2, 2), (5, 2), (5, 5), (4, 5), (4, 3), (2, 3)]]
 )
 CASES = [(letter_a(), 24), (islands(), 20), (comb(3, 0.02), 20), (annulus(80), 7), (NEXT_TO, 16), (HOOKED, 12)]
 MORE = [(letter_a(), 70), (islands(), 60), (comb(6, 0.001), 14), (star(15, 300), 31)]

@@ -35,13 +35,7 @@ SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
 
 def target() -> list[np.ndarray]:
     """Outer loop, hole, island, hole in the island, and a second component; directions at random."""
-    return [
-        ring(9, 0.5)[::-1],
-        ring(12, 2.0),
-        ring(5, 0.2),
-        ring(17, 4.0)[::-1],
-        ring(4, 1.0, centre=(9.0, 0.0)),
-    ]
+    return [ring(9, 0.5)[::-1], ring(12, 2.0), ring(5, 0.2), ring(17, 4.0)[::-1], ring(4, 1.0, centre=(9.0, 0.0))]
 
 
 # What comes in
@@ -367,6 +361,7 @@ def test_every_kind_of_geometry_is_read() -> None:
     mapping = shapely.geometry.mapping
     feature = {"type": "Feature", "geometry": mapping(square), "properties": {"name": "square"}}
     nothing = {"type": "Feature", "geometry": None, "properties": {}}
+    exact = [(Decimal(x), Fraction(y)) for x, y in np.array(SQUARE).tolist()]
     both = square.area + other.area
     cases = [
         (square, square.area),
@@ -376,13 +371,7 @@ def test_every_kind_of_geometry_is_read() -> None:
         (Carrier(feature), square.area),
         (Carrier({"type": "FeatureCollection", "features": [feature, nothing, Carrier(mapping(other))]}), both),
         (shapely.Polygon([(x, y, 7.0) for x, y in SQUARE]), 16.0),
-        (
-            {
-                "type": "Polygon",
-                "coordinates": iter([[(Decimal(x), Fraction(y)) for x, y in np.array(SQUARE).tolist()]]),
-            },
-            16.0,
-        ),
+        ({"type": "Polygon", "coordinates": iter([exact])}, 16.0),
     ]
     for geometry, area in cases:
         assert Mesh.from_geometry(geometry).area == pytest.approx(area, rel=1e-14)
@@ -391,18 +380,14 @@ def test_every_kind_of_geometry_is_read() -> None:
 @pytest.mark.parametrize(
     ("geometry", "code"),
     [
-        (shapely.LineString([(0, 0), (1, 1)]), "mesh.unreadable"),
+        *((geometry, "mesh.unreadable") for geometry in (shapely.LineString([(0, 0), (1, 1)]), 7, None, {})),
+        *(({"type": "Polygon", **rings}, "mesh.unreadable") for rings in ({}, {"coordinates": np.array(5)})),
+        *(
+            ({"type": "Polygon", "coordinates": rings}, "mesh.unreadable")
+            for rings in ([[1, 2, 3]], [[(0, 0), (1, 0), (1,)]], "rings", [[(True, 0)]])
+        ),
         (shapely.Polygon(), "mesh.empty"),
         (shapely.MultiPolygon(), "mesh.empty"),
-        (7, "mesh.unreadable"),
-        (None, "mesh.unreadable"),
-        ({}, "mesh.unreadable"),
-        ({"type": "Polygon"}, "mesh.unreadable"),
-        ({"type": "Polygon", "coordinates": [[1, 2, 3]]}, "mesh.unreadable"),
-        ({"type": "Polygon", "coordinates": [[(0, 0), (1, 0), (1,)]]}, "mesh.unreadable"),
-        ({"type": "Polygon", "coordinates": np.array(5)}, "mesh.unreadable"),
-        ({"type": "Polygon", "coordinates": "rings"}, "mesh.unreadable"),
-        ({"type": "Polygon", "coordinates": [[(True, 0)]]}, "mesh.unreadable"),
         ({"type": "Polygon", "coordinates": [[(10**400, 0)]]}, "mesh.out_of_range"),
         ({"type": "Polygon", "coordinates": [[(0, np.nan)]]}, "mesh.not_finite"),
         ({"type": "MultiPolygon"}, "mesh.unreadable"),

@@ -241,8 +241,7 @@ def test_the_order_is_that_of_scipy(seed: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("size", "height"),
-    [(160, 1), (160, 2), (160, 5), (160, 64), (160, 65), (160, 150), (67, 66), (128, 100)],
+    ("size", "height"), [(160, 1), (160, 2), (160, 5), (160, 64), (160, 65), (160, 150), (67, 66), (128, 100)]
 )
 def test_symmetric_systems_of_any_width(size: int, height: int) -> None:
     """Solved where all eigenvalues are positive, refused where one is not."""

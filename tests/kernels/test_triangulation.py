@@ -22,11 +22,7 @@ SHAPES = {
     "islands": islands(),
     "thin annulus": annulus(48, 1.0 - 1e-7),
 }
-SAMPLINGS = {
-    "none": None,
-    "even": Sampling(0.15),
-    "graded": Sampling(0.5, at_corners=1 / 4),
-}
+SAMPLINGS = {"none": None, "even": Sampling(0.15), "graded": Sampling(0.5, at_corners=1 / 4)}
 
 
 def excess_angle(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> float:
@@ -60,17 +56,9 @@ def assert_constrained_delaunay(points: np.ndarray, triangles: np.ndarray, segme
 def boundary_segments(grid: Triangulation, mesh: Mesh) -> np.ndarray:
     order = np.lexsort((grid.parameter, grid.edge))
     begins = {int(grid.edge[k]): i for i, k in enumerate(order) if grid.parameter[k] == 0.0}
-    return np.array(
-        [
-            (
-                k,
-                order[i + 1]
-                if i + 1 < len(order) and grid.edge[order[i + 1]] == grid.edge[k]
-                else order[begins[int(mesh.successor[grid.edge[k]])]],
-            )
-            for i, k in enumerate(order)
-        ]
-    )
+    after = np.append(order[1:], order[:1])
+    ends = [order[begins[int(mesh.successor[edge])]] for edge in grid.edge[order]]
+    return np.column_stack((order, np.where(grid.edge[after] == grid.edge[order], after, ends)))
 
 
 @pytest.mark.parametrize("shape", slow_after(1, SHAPES))

@@ -85,15 +85,11 @@ def numbers_are_those_that_were_measured(page: Path) -> None:
         assert [line for line in lines[:-1] if line not in whole] == [], name
 
 
-@pytest.mark.parametrize(
-    "hold",
-    [
-        links_lead_somewhere,
-        pages_look_alike_on_code_hosts_and_on_the_site,
-        pictures_have_a_text,
-        numbers_are_those_that_were_measured,
-    ],
-)
+PAGES_LOOK_ALIKE = pages_look_alike_on_code_hosts_and_on_the_site
+HOLD = (links_lead_somewhere, PAGES_LOOK_ALIKE, pictures_have_a_text, numbers_are_those_that_were_measured)
+
+
+@pytest.mark.parametrize("hold", HOLD)
 def test_all_pages(hold: Callable[[Path], None]) -> None:
     for page in PAGES:
         hold(page)
@@ -150,15 +146,9 @@ def test_the_python_of_a_page_runs(page: Path, tmp_path: Path) -> None:
         source = source.replace(enable, REGISTER).replace("bl_ext.user_default.nested_cages", "extension") + UNREGISTER
     script = tmp_path / "page.py"
     script.write_text(source, encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, str(script)],
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"},
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    env = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"}
+    command = [sys.executable, str(script)]
+    done = subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr + done.stdout
 
 

@@ -12,14 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from nestedcages_core import (
-    Mesh,
-    features_from_geojson,
-    from_engine_json,
-    from_geojson,
-    from_svg,
-    read_png,
-)
+from nestedcages_core import Mesh, features_from_geojson, from_engine_json, from_geojson, from_svg, read_png
 from support.documents import png_chunk, png_header, svg
 
 Calls = Iterator[Callable[[], Any]]
