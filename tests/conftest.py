@@ -1,7 +1,5 @@
 """What all tests share: repeatable examples, and an independent judge of every hierarchy of the core."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from typing import Any

@@ -1,7 +1,5 @@
 """The add-on, registered once from the repository's root as Blender would, and an empty scene for every test."""
 
-from __future__ import annotations
-
 import os
 import sys
 

@@ -1,7 +1,5 @@
 """The animation of how cages form: keys and frames, the moving copy, visibility, length, range, and life without it."""
 
-from __future__ import annotations
-
 import itertools
 import re
 

@@ -1,7 +1,5 @@
 """The function for scripts: objects in, cages out."""
 
-from __future__ import annotations
-
 from types import ModuleType
 
 import bpy

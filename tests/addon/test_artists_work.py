@@ -1,7 +1,5 @@
 """What artists make on cages outlives new cages, binding and unbinding; cages go where their drawing goes."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 import pytest

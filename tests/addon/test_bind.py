@@ -1,7 +1,5 @@
 """Binding: at rest nothing moves, a posed cage moves the drawing, unbinding takes it all back, files need no add-on."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """What cages must be, apart from tight, as stored: on a grid, convex, symmetric, finer where it matters."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import bpy

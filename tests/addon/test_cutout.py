@@ -1,7 +1,5 @@
 """Cutouts: from a picture to a mesh that shows it and follows its cage."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

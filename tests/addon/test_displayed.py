@@ -1,7 +1,5 @@
 """Cages lie around the drawing as Blender displays it: whatever adds, places, moves and deforms it."""
 
-from __future__ import annotations
-
 from random import Random
 
 import bpy

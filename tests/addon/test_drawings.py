@@ -1,7 +1,5 @@
 """Every kind of drawing: the cages are the core's own, around the lines that Blender shows."""
 
-from __future__ import annotations
-
 import re
 
 import bmesh

@@ -1,7 +1,5 @@
 """Cages as files: read back and compared with what is displayed, by shapely."""
 
-from __future__ import annotations
-
 import json
 import re
 from xml.etree import ElementTree as ET

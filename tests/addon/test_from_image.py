@@ -1,7 +1,5 @@
 """Outlines of images: no opaque pixel is outside."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """The operator from end to end: against the core's own result, and as Blender evaluates what it wrote."""
 
-from __future__ import annotations
-
 import itertools
 
 import bpy

@@ -1,7 +1,5 @@
 """Grease Pencil: what it paints, on each frame, is what is caged, cut out and rigged, and it follows."""
 
-from __future__ import annotations
-
 import re
 from itertools import pairwise
 from typing import Any

@@ -1,7 +1,5 @@
 """Handles move the corners of a bound cage, one each; only its outline is seen."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Files that are read as drawings: what was exported comes back, any SVG and GeoJSON, several at once."""
 
-from __future__ import annotations
-
 import json
 
 import bpy

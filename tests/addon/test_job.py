@@ -1,7 +1,5 @@
 """Operators as in a window: work in slices, cancelling at any moment, one job at a time."""
 
-from __future__ import annotations
-
 import itertools
 import json
 from types import SimpleNamespace

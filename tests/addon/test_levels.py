@@ -1,7 +1,5 @@
 """Levels as users write them: counts, shares, distances, excesses, own objects; and cages inside the drawing."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Follow Animation and Live: cages that follow drawings which move by any means or are edited, certified as stored."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Layered paintings in Blender: imported as puppets, moved by their bones as engines do, and exported as they are."""
 
-from __future__ import annotations
-
 import io
 import json
 import zipfile

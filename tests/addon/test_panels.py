@@ -1,7 +1,5 @@
 """Panels, menus and dialogs: what fits the selection is offered, every setting is there, and results are said."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Convex pieces of cages: they tile them, in the scene, as rigid bodies and in collision outlines."""
 
-from __future__ import annotations
-
 import json
 from itertools import combinations
 

@@ -1,7 +1,5 @@
 """Puppets: parts of a layered drawing that move by themselves, in plain Blender."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from math import radians

@@ -1,7 +1,5 @@
 """A short sequence of random edits of each kind: jobs and scenes, copies of sets, characters, puppets."""
 
-from __future__ import annotations
-
 from random import Random
 
 import pytest

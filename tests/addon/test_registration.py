@@ -1,7 +1,5 @@
 """Registering twice in a row, presets, the tab of the panels, and a description on all that the user can touch."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Characters: many drawings of many kinds in one cage, and an armature that moves them all."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

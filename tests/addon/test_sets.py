@@ -1,7 +1,5 @@
 """Sets of cages: found from each of their objects, copied, appended, deleted, saved, undone, and true to edits."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import bpy

@@ -1,7 +1,5 @@
 """Silhouettes: what several objects paint, as one outline; and letters that are united before they are caged."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import bpy

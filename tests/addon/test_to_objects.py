@@ -1,7 +1,5 @@
 """Cages as curves, faces, prisms, strokes and animated faces, which Alembic and glTF carry out and back in."""
 
-from __future__ import annotations
-
 import addon_utils
 import bpy
 import numpy as np

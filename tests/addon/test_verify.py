@@ -1,7 +1,5 @@
 """Verify Cages: finds what was broken by editing, and only that."""
 
-from __future__ import annotations
-
 import re
 
 import bpy

@@ -1,7 +1,5 @@
 """Cages that follow a moving drawing: certified at every pose and between, the given poses bit by bit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Batches: order, failures, cancelling, going on, and workers that die."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -1,7 +1,5 @@
 """What is handed out is certified: a user's own methods do something wrong, and an error or a right level comes out."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The independent checker: it knows wrong cages, needs and motions by hand, and no certificate says more than it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Clearances up to the largest that a hole or a gap has room for, which shapely knows, and the error beyond."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import shapely

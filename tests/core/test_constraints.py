@@ -1,7 +1,5 @@
 """Constraints: kept to the last bit, alone and in pairs, or the error has a code; others may write their own."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import combinations

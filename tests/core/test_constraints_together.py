@@ -1,7 +1,5 @@
 """Settings together: each pair gives a certified cage that keeps both promises, or a code from a written list."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import combinations_with_replacement
 from typing import Any

@@ -1,7 +1,5 @@
 """Reinflation by each contact: the fine mesh returns to the last bit, by motions that meet nothing."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Convex cages: the least polygons there are, certified, apart from each other, and what does not go with them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import shapely

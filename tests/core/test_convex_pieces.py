@@ -1,7 +1,5 @@
 """Convex pieces tile a mesh exactly, have few vertices, and are as few as possible on small shapes."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Cage coordinates against closed forms, ray integrals and random walks; grids against what is linear."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 
 import numpy as np

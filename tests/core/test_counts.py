@@ -1,7 +1,5 @@
 """At most so many vertices, always: more than the drawing has, fewer than its loops need, shared between loops."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

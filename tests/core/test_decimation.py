@@ -1,7 +1,5 @@
 """Coarse meshes with so many vertices: what each decimation promises, and cages next to the best there are."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any

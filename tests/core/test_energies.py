@@ -1,7 +1,5 @@
 """Energies: values against shapely, derivatives against differences, and cages that have the least of each."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

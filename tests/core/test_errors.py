@@ -1,7 +1,5 @@
 """Errors and notes carry a code and data, and are one sentence each."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 import re

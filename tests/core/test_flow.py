@@ -1,7 +1,5 @@
 """The flow: its last step lies strictly inside the coarse mesh, by shapely and by angle sums; and its refusals."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

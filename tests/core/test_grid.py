@@ -1,7 +1,5 @@
 """Cages on a grid and on stored numbers: certified on the numbers that are written, which are read back bit by bit."""
 
-from __future__ import annotations
-
 import json
 from decimal import Decimal
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What must always hold, for whole runs: random shapes, every instant, invariance, five levels, own coarse meshes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

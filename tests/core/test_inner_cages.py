@@ -1,7 +1,5 @@
 """Cages inside: certified with the roles swapped, as tight as outer ones."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

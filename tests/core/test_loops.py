@@ -1,7 +1,5 @@
 """Which loops a cage has: holes are filled and parts joined where that adds the least area, and all of it is named."""
 
-from __future__ import annotations
-
 import sys
 import warnings
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Every kind of bad input is refused with a code and its place, and nothing ever crashes the door."""
 
-from __future__ import annotations
-
 import warnings
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The main job: certified cages for the shapes of the paper, drawn here and checked by shapely; starts and levels."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass

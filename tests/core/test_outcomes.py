@@ -2,8 +2,6 @@
 certified, so that no other test tells them apart; what changes one is meant. This file, run, prints today's table.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The outer hull as a decimation of its own: strictly around the shape, with exactly so many vertices."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Method objects check their parameters and parts when they are made."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

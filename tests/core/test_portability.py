@@ -1,8 +1,6 @@
 """Results depend on the input and the libraries alone: not on hash seeds, threads, what was asked for before, how numpy
 treats its errors, or the system; nothing warns."""
 
-from __future__ import annotations
-
 import json
 import os
 import platform

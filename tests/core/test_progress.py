@@ -1,7 +1,5 @@
 """Runs as iterators of their progress: fractions, cancelling, listeners that raise, and time that is over."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

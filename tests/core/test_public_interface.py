@@ -1,7 +1,5 @@
 """How the package is used from Python: plain arrays, results that show themselves, names, and what is imported when."""
 
-from __future__ import annotations
-
 import ast
 import copy
 import json

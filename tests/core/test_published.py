@@ -1,7 +1,5 @@
 """The paper as written: the excess of its compiled program, its flow, its descent, its rules; and its repairs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction

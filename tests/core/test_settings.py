@@ -1,7 +1,5 @@
 """The choices of a run: as an object or as keywords, checked when they are made, described in the help."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import fields
 from typing import Any

@@ -1,7 +1,5 @@
 """The region that a motion sweeps, and outlines of an animation for engines."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

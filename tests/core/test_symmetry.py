@@ -1,7 +1,5 @@
 """Symmetric cages: symmetric to the last bit, certified, with as few vertices as asked."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

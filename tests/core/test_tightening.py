@@ -1,7 +1,5 @@
 """Tightening: cages at a local optimum, at the clearance, by motions that meet nothing."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Levels within a distance or an excess, by shapely's buffers, near the lower bound where it is known."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

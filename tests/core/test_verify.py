@@ -1,7 +1,5 @@
 """The certificate of a cage against shapely and fractions, and that of a motion against exact instants of contact."""
 
-from __future__ import annotations
-
 import math
 from contextlib import suppress
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Where it matters: weights, pins, joints, shortest edges and sharpest angles; always certified."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Bones along limbs, weights inside the cage, poses, and a character that a game engine reads and poses by itself."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

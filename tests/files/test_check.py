@@ -1,7 +1,5 @@
 """`nested-cages check`: exit 0 where everything in the files holds, 1 where something does not, and never a crash."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The command: every kind of file in and out, what is written, and its exit status."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

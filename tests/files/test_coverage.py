@@ -1,7 +1,5 @@
 """Regions that share borders: borders simplified once, nothing cut off the coast, no gaps, no overlaps."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Puppets for game engines: what is written is posed by other code, with certified hulls, weights and ranges."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

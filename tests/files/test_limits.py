@@ -1,7 +1,5 @@
 """Every reader keeps every limit that applies to what it reads, to the last one of what is counted."""
 
-from __future__ import annotations
-
 import re
 import tracemalloc
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Maps as they are published: what is repaired and named, against GEOS; exact coordinates; what belongs to a map."""
 
-from __future__ import annotations
-
 import json
 import math
 import sys

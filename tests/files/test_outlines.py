@@ -1,7 +1,5 @@
 """Collision outlines and frames as our own JSON: as engines expect them, read back to the last bit."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Layered paintings, read by the command `puppet` and judged in what it writes: by psd-tools, PIL, and each other."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 from pathlib import Path

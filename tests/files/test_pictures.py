@@ -1,7 +1,5 @@
 """Pictures pixel by pixel: PNG against PIL and an encoder, boundaries and outlines against the squares of pixels."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """Puppets: which part hangs on which, parts that bend, and the ranges in which nothing folds."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 

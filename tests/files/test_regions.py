@@ -1,7 +1,5 @@
 """What files paint as one region: overlaps, contacts, fill rules and hairlines, against shapely and exact fractions."""
 
-from __future__ import annotations
-
 import json
 import math
 import sys

@@ -1,7 +1,5 @@
 """SVG as browsers paint it: strokes, styles, gradients, clips and masks against areas known beforehand."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

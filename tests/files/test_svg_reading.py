@@ -1,7 +1,5 @@
 """SVG documents: path data, elements, transforms, lengths, layers and pages, and what is wrong in them."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """SVG that is written: parsed as XML, each property of it, exact coordinates, and pages as those of the source."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

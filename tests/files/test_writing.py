@@ -1,7 +1,5 @@
 """Files are written whole or not at all, whoever writes them."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -1,7 +1,5 @@
 """Random edits of scenes, during jobs too, of copies, characters and puppets; and transforms that are no numbers."""
 
-from __future__ import annotations
-
 from random import Random
 
 import pytest

@@ -1,8 +1,6 @@
 """Every reader against attacks that are known and documents that are nearly right: a result or one sentence, in bounded
 time and memory."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path

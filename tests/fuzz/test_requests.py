@@ -1,7 +1,5 @@
 """Random shapes with random settings: a cage that the checker accepts and that keeps what was asked, or a code."""
 
-from __future__ import annotations
-
 from math import inf
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What is near what, how near, and on which side: against shapely's tree and distances, and fractions."""
 
-from __future__ import annotations
-
 import itertools
 from fractions import Fraction
 

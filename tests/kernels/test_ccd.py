@@ -1,7 +1,5 @@
 """Collisions, distances, barriers and contacts against IPC Toolkit and finite differences; needs ipctk."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

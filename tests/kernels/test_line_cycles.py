@@ -1,7 +1,5 @@
 """Line cycles: turns and best cycles against all that are possible, cages of convex shapes against the optimum."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """The mesh: what comes in stays as it is, what is derived is that of shapely and fractions, bad input is refused."""
 
-from __future__ import annotations
-
 import copy
 import dataclasses
 import itertools

@@ -1,7 +1,5 @@
 """Orientation, crossing and winding number against fractions, whole numbers and shapely."""
 
-from __future__ import annotations
-
 import itertools
 from fractions import Fraction
 from typing import Any

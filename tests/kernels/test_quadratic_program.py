@@ -1,7 +1,5 @@
 """Quadratic programs and Newton steps against scipy, equalities against full matrices, factorisations against numpy."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

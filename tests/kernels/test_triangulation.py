@@ -1,7 +1,5 @@
 """Triangulations against shapely and fractions: they tile the solid, keep its edges, are Delaunay inside."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

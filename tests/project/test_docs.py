@@ -1,7 +1,5 @@
 """The documentation is true: links lead somewhere, Python runs, the picture of the rooms is up to date."""
 
-from __future__ import annotations
-
 import doctest
 import importlib.util
 import os

@@ -1,7 +1,5 @@
 """Examples, the demo and the README's lines do what they say: `make check`."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Nothing in the code or among the file names stops at Windows or macOS."""
 
-from __future__ import annotations
-
 import ast
 import re
 import subprocess

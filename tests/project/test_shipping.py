@@ -1,7 +1,5 @@
 """What is shipped: the README for package indexes, the wheels in the zips, and the versions that must agree."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import re

@@ -1,7 +1,5 @@
 """Random edits of a character and of a puppet: after each, all parts follow the bones, and Verify holds or tells."""
 
-from __future__ import annotations
-
 from random import Random
 
 import bpy

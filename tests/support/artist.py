@@ -1,7 +1,5 @@
 """Random edits before, between and during jobs: only sentences, nothing half done, and outputs that verify."""
 
-from __future__ import annotations
-
 import random
 import time
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Attacks that are known, by the door they knock at: each a name and calls, all of which must be held."""
 
-from __future__ import annotations
-
 import json
 import struct
 import zlib

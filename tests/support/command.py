@@ -1,7 +1,5 @@
 """The command `nested-cages`, run in this process as `python -m nestedcages_core` runs it."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

@@ -1,7 +1,5 @@
 """Documents that tests of files write and read: SVG, maps and pictures, and how their meshes compare."""
 
-from __future__ import annotations
-
 import io
 import json
 import struct

@@ -1,7 +1,5 @@
 """Objects to test with, what a scene consists of, and the evaluated shape of an object as shapely sees it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from importlib import import_module

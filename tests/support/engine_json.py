@@ -1,7 +1,5 @@
 """Frames, convex pieces and characters as they are written for game engines, read back."""
 
-from __future__ import annotations
-
 import json
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Puppets as game engines read and pose them: Spine's JSON and Godot's scenes, written out with numpy alone."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping

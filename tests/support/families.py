@@ -1,7 +1,5 @@
 """Random shapes of several kinds from a seed, and the smallest polygons around convex ones by brute force."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import combinations
 

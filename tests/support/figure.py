@@ -1,7 +1,5 @@
 """A figure of capsules: parts of many kinds in front of each other, its bones, and how they turn."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import bpy

@@ -1,7 +1,5 @@
 """Characters that tests draw: whole ones as one outline, and parts of puppets."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A figure of three parts in common cages, and random edits of it and its copies."""
 
-from __future__ import annotations
-
 from random import Random
 from typing import Any
 

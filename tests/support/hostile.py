@@ -1,7 +1,5 @@
 """What becomes of a call on hostile input, and grammars of documents that are nearly right."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

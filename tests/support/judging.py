@@ -1,7 +1,5 @@
 """Exact and independent judges of cages: numbers as fractions, areas and distances by shapely."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from decimal import Decimal

@@ -1,7 +1,5 @@
 """Which cases of a family the fast tests leave out."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from math import inf
 from typing import Any

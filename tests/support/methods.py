@@ -1,7 +1,5 @@
 """A user's own methods: they work as those of the package, and then do something wrong."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """Layered paintings that tests write, and the pixels of the puppets that the command makes of them."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 from typing import Any

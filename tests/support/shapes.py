@@ -1,7 +1,5 @@
 """Shapes that tests of several rooms draw, and shapely's view of them. All drawn here."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 from typing import Any

@@ -1,7 +1,5 @@
 """The project's Python files, each read and parsed once."""
 
-from __future__ import annotations
-
 import ast
 from functools import cache
 from pathlib import Path
