@@ -318,6 +318,7 @@ def test_coordinates_are_those_of_the_drawing() -> None:
     assert {tuple(point) for point in drawings.base(made()[0])[:, :2].tolist()} == wanted
 
 
+@pytest.mark.slow
 def test_letters_that_do_not_interlock_have_room_for_each_cage() -> None:
     text("Word", "Hifly")
     assert bpy.ops.object.nested_cages_generate() == {"FINISHED"}

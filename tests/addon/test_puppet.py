@@ -500,6 +500,7 @@ def test_pictures_on_planes_are_told(reports: Any) -> None:
     assert drawings[1].name not in said
 
 
+@pytest.mark.slow
 def test_an_armature_that_was_deleted_leaves_nothing_behind(man: Any) -> None:
     drawings = limbs()
     before = {obj.name for obj in bpy.data.objects}
@@ -510,6 +511,7 @@ def test_an_armature_that_was_deleted_leaves_nothing_behind(man: Any) -> None:
     assert {obj.name for obj in bpy.data.objects} == before
 
 
+@pytest.mark.slow
 def test_a_copy_of_a_part_is_a_part_of_its_own(man: Any) -> None:
     """It hangs where it lies now, and not on the part that it is a copy of."""
     rig, drawings = man, {obj.name: obj for obj in limbs()}
@@ -554,6 +556,7 @@ def test_a_subdivided_bone_bends_its_part(man: Any, cuts: int) -> None:
     assert bpy.ops.object.nested_cages_clip(kind="WAVE") == {"FINISHED"}
 
 
+@pytest.mark.slow
 def test_a_joint_moved_off_its_part_comes_back(man: Any) -> None:
     rig = man
     before = bones_of(rig)
@@ -593,6 +596,7 @@ def test_what_moves_all_drawings_moves_their_puppet() -> None:
         np.testing.assert_allclose(after[name], there + np.array([5.0, 0.0, 0.0]), atol=1e-4)
 
 
+@pytest.mark.slow
 def test_each_file_is_a_puppet(tmp_path: Path) -> None:
     for name in ("one", "two"):
         (tmp_path / f"{name}.svg").write_text(ARM, encoding="utf-8")

@@ -105,6 +105,7 @@ def test_letters_that_touch_or_overlap_are_united(body: str) -> None:
     assert body != "__" or solid(fine).geom_type == "Polygon"
 
 
+@pytest.mark.slow
 def test_letters_that_do_not_touch_keep_their_coordinates() -> None:
     obj = text("Text", "Ag&")
     obj.data.fill_mode = "NONE"

@@ -167,6 +167,7 @@ def test_steps_that_cross_on_purpose_are_no_fault(cages) -> None:
         assert holds(cage) and checked(cage) == [scene.frame_start, scene.frame_end]
 
 
+@pytest.mark.slow
 def test_thickness_is_for_renders_only() -> None:
     source = poly_curve("Drawing", [star()])
     source.scale = (2.0, 2.0, 2.0)

@@ -128,6 +128,7 @@ def test_an_own_coarse_mesh_keeps_its_edges() -> None:
     assert_certified(level, fine, poses, 0.0)
 
 
+@pytest.mark.slow
 def test_fast_turns_get_keys_or_room() -> None:
     """Half-way between poses a quarter turn apart, straight lines cut a thin shape's way short."""
     bar = np.array([(-1.0, -0.03), (1.0, -0.03), (1.0, 0.03), (-1.0, 0.03)])
@@ -140,6 +141,7 @@ def test_fast_turns_get_keys_or_room() -> None:
     assert level.report.keys_added > 0
 
 
+@pytest.mark.slow
 def test_a_stream_is_read_as_it_is_needed() -> None:
     fine, poses = waving(40, SMALL)
     read = []

@@ -169,6 +169,7 @@ def test_least_edges_are_reached_and_judged_exactly() -> None:
     assert LeastEdge(3.5, must=False).fault(cage, LETTER).code == "note.edge"
 
 
+@pytest.mark.slow
 def test_least_angles_are_reached() -> None:
     level = nested_cages(LETTER, 20, constraints=[LeastAngle(40.0)])[0]
     assert 40.0 <= sharpest(level.cage) < 40.01

@@ -118,6 +118,7 @@ print((faults() - before) * resource.getpagesize() / (size * 2**17))
 """Prints how much fresh memory arrays take of which each is larger than those before, in parts of the largest."""
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="other libraries keep memory by rules of their own")
 def test_freed_memory_is_used_again() -> None:
     own = {name: value for name, value in os.environ.items() if not name.startswith("MALLOC_")}  # dask sets some

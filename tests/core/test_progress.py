@@ -64,7 +64,7 @@ def test_the_stages_of_a_level_come_in_order_and_the_result_is_that_of_a_call() 
     assert run.hierarchy.cages == nested_cages(changed(letter_a(2), 2), [24]).cages
 
 
-@pytest.mark.parametrize("make", slow_after(2, RUNS.values()), ids=RUNS.keys())
+@pytest.mark.parametrize("make", slow_after(1, RUNS.values()), ids=RUNS.keys())
 def test_a_run_can_be_stopped_at_every_step(make: Callable[[int], Any]) -> None:
     """At steps spread over the whole run; what was reported before is the same each time."""
     whole = [report.stage for report in make(10)]

@@ -134,6 +134,7 @@ def test_the_picture_of_a_motion_shows_its_poses(moving: MovingCages) -> None:
         assert shapely.geometry.shape(cage).contains(shapely.geometry.shape(fine))
 
 
+@pytest.mark.slow
 def test_results_plot_themselves(hierarchy: Hierarchy, monkeypatch: pytest.MonkeyPatch) -> None:
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
@@ -228,6 +229,7 @@ def test_what_cages_do_not_need_is_imported_when_it_is_asked_for(imported: list[
     assert own[0] <= own[1] < own[2]
 
 
+@pytest.mark.slow
 def test_another_scipy_may_keep_its_parts_elsewhere() -> None:
     """The first cage is the same where they are not found in their usual place."""
     shape = star(5, 40)

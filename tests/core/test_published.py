@@ -60,6 +60,7 @@ def test_newton_needs_few_iterations_on_the_papers_energy() -> None:
     assert level.report.excess == pytest.approx(0.207, abs=0.006)
 
 
+@pytest.mark.slow
 def test_descent_ends_at_a_target_or_at_a_maximum() -> None:
     """The paper's proposal (section 5); a distance that no target comes within costs all steps."""
     contact = replace(REPAIRED, solver=core.GradientDescent(steps=15, refuse_infinite=True))

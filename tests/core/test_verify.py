@@ -352,6 +352,7 @@ def test_what_moves_on_either_side_of_a_pair_counts(cage: Mesh, moves: dict[int,
     assert verify_motion(cage, fine, *halfway).free == motion_checked(cage, fine, *halfway)
 
 
+@pytest.mark.slow
 def test_distances_count_with_the_rounding_of_large_coordinates() -> None:
     """A corner comes to lie on a wall exactly, in one step as long as their distance, far from the origin."""
     random = np.random.default_rng(5)
@@ -366,6 +367,7 @@ def test_distances_count_with_the_rounding_of_large_coordinates() -> None:
         assert not certificate(cage, mesh(here), np.stack([here, there]))
 
 
+@pytest.mark.slow
 def test_a_touch_that_rounding_hides_is_not_certified() -> None:
     """A point arrives on an edge or less than a rounding behind it; by the checker, half of these motions touch."""
     random = np.random.default_rng(5)
@@ -384,6 +386,7 @@ def test_a_touch_that_rounding_hides_is_not_certified() -> None:
     assert touched > 30
 
 
+@pytest.mark.slow
 def test_contact_in_passing_is_never_certified() -> None:
     """A point runs through the start of an edge while the edge points along its path: they touch for an instant, at
     s = 2^-k. Exact contact, by differences of doubles that round."""

@@ -76,6 +76,7 @@ def test_reading_ends_when_its_time_is_over() -> None:
     exceeded("seconds", from_svg, svg(bars), limits=Limits(seconds=1))
 
 
+@pytest.mark.slow
 def test_points_of_curves_are_counted_before_they_take_memory() -> None:
     """Long arcs through a small drawing: they have 24 million chords."""
     arcs = " ".join(f"A1e5 1e-5 {k} 1 0 {k % 90} {k % 70}" for k in range(1000))

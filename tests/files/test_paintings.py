@@ -29,7 +29,7 @@ STACK = """<image w="40" h="30"><stack><stack name="head" x="2" y="1" opacity="0
 @pytest.mark.parametrize(
     ("mode", "compression"),
     slow_after(
-        1, [("RGB", 1), ("CMYK", 2), *((m, c) for m in ("L", "RGB", "CMYK") for c in range(4))], thorough_after=5
+        0, [("RGB", 1), ("CMYK", 2), *((m, c) for m in ("L", "RGB", "CMYK") for c in range(4))], thorough_after=5
     ),
 )
 def test_psd_as_psd_tools_writes_and_reads_it(mode: str, compression: int, tmp_path: Path) -> None:
@@ -96,6 +96,7 @@ def test_deep_layers(depth: int, big: bool, tmp_path: Path) -> None:
     np.testing.assert_allclose(found[..., 1], 255 * light, atol=0.51)
 
 
+@pytest.mark.slow
 def test_krita_and_ag_psd_have_the_same_pixels(tmp_path: Path) -> None:
     rigs = []
     for kind in ("psd", "kra"):
@@ -187,6 +188,7 @@ def test_a_background_is_no_part(left: int, width: int, is_left_out: bool, tmp_p
         assert "Background" in {part.name for part in rig_of(tmp_path / "a.psd")[0].parts}
 
 
+@pytest.mark.slow
 def test_drawings_become_pictures_of_their_paints(tmp_path: Path) -> None:
     body = """<g id="whole"><rect id="body" x="4" y="6" width="20" height="10" fill="#f00" stroke="#00f"
         stroke-width="2"/><rect id="arm" x="20" y="8" width="9" height="4" fill="#0f0" fill-opacity="0.5"/></g>"""

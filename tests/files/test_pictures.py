@@ -234,6 +234,7 @@ def test_a_sprite_of_4096_boundary_pixels_in_16_vertices() -> None:
     assert solid.area < 1.25 * opaque.sum()
 
 
+@pytest.mark.slow
 def test_settings_are_passed_on_and_bad_padding_is_an_error() -> None:
     for padding in (-1.0, float("nan")):
         refusal(collision_outline, sprite(), 12, padding=padding)

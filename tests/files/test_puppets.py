@@ -242,6 +242,7 @@ def test_weights_suit_engines() -> None:
     assert all(np.allclose(a, part.outline.vertices) for a, part in zip(rest, puppet.draft.parts, strict=True))
 
 
+@pytest.mark.slow
 def test_a_limb_turns_alone_with_what_hangs_on_it() -> None:
     puppet = puppet_from(front_figure)
     arm = next(bone for bone in puppet.bones if bone.name == "arm.L")

@@ -120,6 +120,7 @@ def test_data_is_never_run_as_code() -> None:
         assert [(path, name) for path, _, name in imported(package) if name.partition(".")[0] in RUNS_DATA] == []
 
 
+@pytest.mark.slow
 def test_only_the_tests_of_kernels_import_internals_of_the_core() -> None:
     internal = []
     for path, source in sources("tests").items():
