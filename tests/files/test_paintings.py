@@ -130,6 +130,14 @@ def test_openraster(tmp_path: Path) -> None:
     assert "head" in notes  # has an opacity, which becomes that of its layers
 
 
+def test_groups_are_read_to_a_depth_that_no_program_makes(tmp_path: Path) -> None:
+    for depth, status in ((64, 0), (65, 1)):
+        groups = "<stack>" * depth + '<layer name="a" src="a.png"/>' + "</stack>" * depth
+        files = {"stack.xml": f'<image w="9" h="9"><stack>{groups}</stack></image>', "a.png": png_of(picture(0, 9, 9))}
+        (tmp_path / "a.ora").write_bytes(archive(files))
+        assert run("puppet", tmp_path / "a.ora", "-o", tmp_path / "a.json").status == status, depth
+
+
 def test_a_folder_of_pictures_is_ordered_by_numbers_and_placed_by_offsets(tmp_path: Path) -> None:
     place = tmp_path / "cat"
     pictures = {name: picture(k, 4 + k, 9) for k, name in enumerate(("10_arm.png", "2 body.png", "head/1-face.png"))}
