@@ -2,6 +2,7 @@
 
 import itertools
 from fractions import Fraction
+from math import gcd
 from typing import Any
 
 import numpy as np
@@ -285,6 +286,22 @@ def test_winding_number_next_to_slanted_edges_is_exact() -> None:
     expected = np.where((sides > 0).all(axis=0), 1, np.where((sides >= 0).all(axis=0), ON_BOUNDARY, 0))
     assert np.array_equal(winding_number(points, a, b), expected)
     assert len(set(expected.tolist())) == 3
+
+
+def test_triples_that_double_doubles_do_not_tell_from_a_line_are_exact() -> None:
+    """a - c and b - c are (m, n) u 2^40 and (m, n) v 2^40, plus a vector so small that both differences round."""
+    random = np.random.default_rng(7)
+    points, signs = [], []
+    for _ in range(300):
+        m, n, u, v = (int(number) | 1 for number in random.integers(2**24, 2**26, 4))
+        if gcd(m, n) > 1 or u == v:
+            continue
+        i = pow(m, -1, n)
+        j, t, side = (m * i - 1) // n, int(random.integers(2**12)), int(random.choice([-1, 1]))  # m i - n j = 1
+        small = m * t + side * j, n * t + side * i
+        points.append([(m * u * 2.0**40, n * u * 2.0**40), (m * v * 2.0**40, n * v * 2.0**40), (-small[0], -small[1])])
+        signs.append(side if u > v else -side)
+    assert orientation(*np.array(points, float).transpose(1, 0, 2)).tolist() == signs
 
 
 def test_winding_number_of_nothing() -> None:
