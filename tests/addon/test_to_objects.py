@@ -33,7 +33,7 @@ def seen(objects, frames):
 
 
 @pytest.mark.slow
-def test_shownfill_the_cage(cages) -> None:
+def test_faces_fill_the_cage(cages) -> None:
     _, _, (inner, _) = cages
     choose(inner)
     assert bpy.ops.object.nested_cages_to_objects(shape="FILLED") == {"FINISHED"}
