@@ -1,10 +1,50 @@
 """Handles move the corners of a bound cage, one each; only its outline is seen."""
 
+import sys
+from types import SimpleNamespace
+from typing import Any
+from unittest.mock import MagicMock
+
 import bpy
+import gpu
 import numpy as np
 import pytest
 
 from support.drawings import circle, evaluated, poly_curve, set_of, star
+
+
+class Buffer(dict[str, Any]):
+    def __init__(self, *_: Any) -> None:
+        self.attr_fill = self.__setitem__
+
+
+@pytest.fixture
+def drawn(extension, monkeypatch):
+    """What is drawn over a 3D view, where there is no graphics card: points by kind, lines by their two ends."""
+    handlers, shown = [], []
+    extension.unregister()
+    with monkeypatch.context() as patched:
+        patched.setattr(bpy.types.SpaceView3D, "draw_handler_add", lambda draw, *_: handlers.append(draw))
+        patched.setattr(bpy.types.SpaceView3D, "draw_handler_remove", lambda *_: None)
+        batch = lambda type, buf: SimpleNamespace(draw=lambda _: shown.append((type, buf["pos"])))  # noqa: E731
+        patched.setattr(gpu, "types", MagicMock(GPUVertBuf=Buffer, GPUBatch=batch))
+        patched.setitem(sys.modules, "gpu.types", gpu.types)
+        for name in ("shader", "state"):
+            patched.setattr(gpu, name, MagicMock())
+        extension.register()
+
+        def look(kind: str) -> np.ndarray:
+            shown.clear()
+            bpy.context.view_layer.update()
+            (window,) = bpy.context.window_manager.windows
+            view = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+            with bpy.context.temp_override(window=window, area=view):
+                handlers[0]()
+            return np.concatenate([np.zeros((0, 3)), *(points for each, points in shown if each == kind)])
+
+        yield look
+        extension.unregister()
+    extension.register()
 
 
 @pytest.fixture
@@ -42,6 +82,19 @@ def test_each_handle_moves_its_corner_and_the_drawing_follows(cage) -> None:
     np.testing.assert_allclose(moved[3], (0.25, 0.0, 0.0), atol=1e-5)
     np.testing.assert_allclose(np.delete(moved, 3, axis=0), 0.0, atol=1e-5)
     assert np.abs(evaluated(fine) - drawing).max() > 0.01
+
+
+@pytest.mark.slow
+def test_outlines_are_drawn_and_the_corners_of_the_bound_cage(drawn, cage) -> None:
+    for off in (0.0, 1.0):
+        cage.location.x += off
+        points = drawn("POINTS")
+        corners = np.array([cage.matrix_world @ vertex.co for vertex in cage.data.vertices])
+        np.testing.assert_allclose(points, corners, atol=1e-5)
+        assert len(drawn("LINES")) == 2 * sum(len(each.data.vertices) for each in set_of(cage).cages)
+        assert all(np.abs(drawn("LINES") - corner).max(axis=1).min() < 1e-5 for corner in corners)
+    cage.hide_set(True)
+    assert not len(drawn("POINTS")) and len(drawn("LINES")) == 2 * len(set_of(cage).cages[0].data.vertices)
 
 
 @pytest.mark.slow
