@@ -152,6 +152,10 @@ def test_unbinding_takes_it_all_back(draw) -> None:
     for obj, before in zip((fine, *cages), shown, strict=True):
         np.testing.assert_array_equal(evaluated(obj, at_frame(9)), before)
     assert not bpy.ops.object.nested_cages_unbind.poll()
+    put(cages[-1], 0.1 * base(cages[-1]))
+    with refused(unchanged=False):
+        bind()
+    assert all(tree.users for tree in bpy.data.node_groups)
 
 
 @pytest.mark.slow

@@ -465,6 +465,14 @@ def test_undo_is_followed(followed) -> None:
         bpy.ops.ed.undo() if step is bpy.ops.ed.undo else None
 
 
+def test_a_drawing_gets_cages_while_those_of_another_follow_it(window, hasty) -> None:
+    switched_on(star_curve)
+    choose(other := wire("Other", [circle(20, 0.4, (4.0, 0.0))]))
+    operator = window.operator("generate", levels="8")
+    window.invoke(operator)
+    assert any(window.tick(operator) == {"FINISHED"} for _ in range(600)) and len(members(other)) == 2
+
+
 def test_bound_cages_do_not_follow_edits() -> None:
     wire("Drawing", [star()])
     generate("20")
@@ -492,3 +500,4 @@ def test_a_cage_keeps_the_promises_that_it_was_made_with(core, followed, levels,
         else:
             assert core.Within(excess=0.2).is_met(cages[1], fine)
         assert set_of(obj).settings.levels == levels
+        assert bool(set_of(obj).certificates[-1].need) == (not settings)  # how a tolerance is met
