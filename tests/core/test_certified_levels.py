@@ -109,6 +109,9 @@ def test_a_contact_that_gives_up_leads_to_the_next_and_then_to_the_fallback() ->
         (level,) = nested_cages(FINE, OWN, contact=contact)
         assert_right(level)
         assert codes(level) == notes
+    elsewhere = Offering((Mesh.from_loops([ring(10) + 9.0]),))
+    (level,) = nested_cages(FINE, 10, decimation=elsewhere, contact=GivingUp(), fallback=core.LineCycles())
+    assert level.report.start == "line cycles"  # as it is, where the one on the curve is given up
 
 
 FLOWS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], str | None]] = {

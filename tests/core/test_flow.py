@@ -203,6 +203,9 @@ STUCK = {
         Mesh.from_loops([[(0.0, 0.2), (2.9, 0.2), (1.2, 2.9)]]), CORRIDOR, TwoSidedFlow(limit=1, vertex_limit=1),
     ),
     "too few steps": (annulus(64), annulus(3), SignedDistanceFlow(limit=2)),
+    "holes apart": (
+        Mesh.from_loops([ring(9, 0.8), disc(9, 0.05, 0.5, 0.0)]), annulus(16, 0.05), SignedDistanceFlow(limit=1),
+    ),
     **{f"slits of {w}": (comb(2, w), resampled(comb(2, w), 24, 0.37), TwoSidedFlow()) for w in (1e-2, 1e-5, 1e-8)},
 }  # fmt: skip
 

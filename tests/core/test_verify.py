@@ -148,6 +148,7 @@ def test_loops_that_a_cage_has_no_part_for_are_listed() -> None:
     cage = mesh([(-5, -5), (12, -5), (12, 5), (-5, 5)], square(0.5, (-2.0, 0.0)))
     lost = verify(cage, fine, same_loops=False).lost
     assert (lost.filled, lost.joined) == ((2,), ((0, 4),))
+    assert len({str(each) for each in (lost, lost._replace(filled=()), lost._replace(joined=()))}) == 3
     assert len(check(fine, cage, same_loops=False).lost) == 2
     in_hole = mesh(square(4.0), square(3.0), square(1.0), square(0.5, (2.0, 2.0)))
     assert verify(mesh(square(5.0), square(2.9)), in_hole, same_loops=False).problems[0].code == "cage.leaves_out"

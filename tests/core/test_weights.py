@@ -48,9 +48,10 @@ def test_weights_have_no_unit_and_reach_the_next_level() -> None:
     assert excess_in(one.cages[1], fine, HEAD) < 0.8 * excess_in(alike.cages[1], fine, HEAD)
 
 
-def test_equal_weights_are_none() -> None:
+@pytest.mark.parametrize(("made", "count"), [(nested_cages, 20), (inner_cages, 16)], ids=["around", "inside"])
+def test_equal_weights_are_none(made: Any, count: int) -> None:
     fine = star(5, 100)
-    plain, same = (nested_cages(fine, 20, weights=each)[0].excess for each in (None, np.full(100, 3.0)))
+    plain, same = (made(fine, count, weights=each)[0].excess for each in (None, np.full(100, 3.0)))
     assert same == pytest.approx(plain, rel=0.02)
 
 

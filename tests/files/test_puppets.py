@@ -235,6 +235,7 @@ def test_weights_suit_engines() -> None:
         assert bones.shape == weights.shape and weights.shape[1] <= 4
         assert np.allclose(weights.sum(axis=1), 1.0) and (np.diff(weights, axis=1) <= 0.0).all()
         assert set(bones[weights > 0].tolist()) <= set(puppet.draft.chain(0))
+        np.testing.assert_array_equal(bones, puppet.strongest(0, puppet.draft.parts[part].outline.vertices)[0])
     inside = np.array([[2.2 + 0.1 * k, 0.5 + 0.8 * np.sin(0.1 * k + 0.2)] for k in range(80)])
     strongest = puppet.strongest(0, inside)[0][:, 0]
     assert (np.diff(strongest) >= 0).all() and len(set(strongest.tolist())) == len(puppet.draft.chain(0))
