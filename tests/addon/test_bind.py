@@ -13,6 +13,8 @@ from support.blender import refused
 from support.drawings import at_frame, base, bind, circle, evaluated, generate, lines, poly_curve, put, star, wire
 from support.marks import slow_after
 
+pytestmark = pytest.mark.slow
+
 ROTATION = np.array([[0.8, -0.6], [0.6, 0.8]])
 
 
@@ -41,7 +43,6 @@ def turned(points):
 EXACT = ("AUTO", "LINEAR")
 
 
-@pytest.mark.slow
 def test_a_cage_that_fills_a_hole_moves_what_is_in_it() -> None:
     source = poly_curve("Drawing", [star(120), circle(40, 0.35), circle(24, 0.1, (0.55, 0.0))])
     generate("48, 12")
@@ -58,7 +59,6 @@ def test_a_cage_that_fills_a_hole_moves_what_is_in_it() -> None:
     np.testing.assert_allclose(evaluated(fine) - before, np.tile((0.5, 0.0, 0.0), (len(before), 1)), atol=1e-5)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("method", EXACT)
 def test_the_drawing_follows_affine_poses_through_all_levels(method) -> None:
     _, _, fine, cages = bound(method=method)
@@ -68,7 +68,6 @@ def test_the_drawing_follows_affine_poses_through_all_levels(method) -> None:
         assert np.abs(evaluated(obj) - turned(base(obj))).max() <= 2e-5
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("method", ["HARMONIC", "LINEAR"])
 def test_edits_of_a_finer_cage_turn_with_the_coarser_one(method) -> None:
     _, _, fine, cages = bound(method=method)
@@ -85,7 +84,6 @@ def test_edits_of_a_finer_cage_turn_with_the_coarser_one(method) -> None:
         assert np.abs(evaluated(obj) - (before @ turn.T + (0.3, -0.2, 0.0))).max() < 1e-5
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("draw", [poly_curve, wire])
 def test_the_original_follows(draw) -> None:
     source, _, fine, cages = bound(draw)
@@ -110,7 +108,6 @@ def thick():
     return source
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("draw", [subdivided, thick])
 def test_an_original_of_which_more_is_shown_than_its_outline_follows(draw) -> None:
     source = draw()
@@ -131,7 +128,6 @@ def parts():
     return {obj.name: (tuple(m.name for m in obj.modifiers), obj.hide_render, obj.data) for obj in objects}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("draw", [poly_curve, wire])
 def test_unbinding_takes_it_all_back(draw) -> None:
     source = draw("Drawing", [star() * 2.0])
@@ -158,7 +154,6 @@ def test_unbinding_takes_it_all_back(draw) -> None:
     assert all(tree.users for tree in bpy.data.node_groups)
 
 
-@pytest.mark.slow
 def test_rebinding_takes_the_cage_as_it_is() -> None:
     _, _, fine, cages = bound(levels="12")
     rest = base(fine)
@@ -183,7 +178,6 @@ def test_a_cage_that_no_longer_encloses_or_left_its_plane_is_refused(out_of_plan
     np.testing.assert_array_equal(evaluated(fine), shape)
 
 
-@pytest.mark.slow
 def test_unbinding_hides_what_was_hidden_before_and_nothing_else() -> None:
     source = poly_curve("Drawing", [star()])
     generate("24, 12, 6")
@@ -223,7 +217,6 @@ for name, rest in zip(names, before):
 """
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("draw", "method"), [(poly_curve, "AUTO"), (wire, "LINEAR")])
 def test_a_saved_file_moves_without_the_add_on(draw, method, tmp_path) -> None:
     bound(draw, method=method)
@@ -271,7 +264,6 @@ def body(source):
     source.data.body = "Hello"
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "edit", slow_after(2, [shape_key, simple_deform, doubled_vertex, size, body], thorough_after=3)
 )

@@ -16,6 +16,8 @@ from support.figure import LIMBS, bone_at, capsule, face, figure, key_turn, poin
 from support.marks import slow_after
 from support.panels import draw
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def saved(extension: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, list[str], str]:
@@ -38,7 +40,6 @@ def character(saved: tuple[str, list[str], str]) -> tuple[dict[str, Any], Any, A
 Character = tuple[dict[str, Any], Any, Any]
 
 
-@pytest.mark.slow
 def test_suggested_bones_move_all_parts_of_a_figure(tmp_path) -> None:
     parts = figure()
     before = {name: points(obj) for name, obj in parts.items()}
@@ -64,7 +65,6 @@ def test_suggested_bones_move_all_parts_of_a_figure(tmp_path) -> None:
         np.testing.assert_allclose(points(bpy.data.objects[name]), after[name], atol=1e-6)
 
 
-@pytest.mark.slow
 def test_own_keys_of_a_part_play_before_the_bend_and_the_whole_moves(character: Character) -> None:
     parts, armature, _ = character
     hand = parts["Hand.L"]
@@ -116,7 +116,6 @@ def instanced(empty):
     )
 
 
-@pytest.mark.slow
 def test_parts_added_later_and_instances_follow_and_are_verified(character: Character) -> None:
     _, armature, cage = character
     ring = face("Ring", capsule((1.2, 1.1), (1.25, 1.1), 0.04))
@@ -136,7 +135,6 @@ def test_parts_added_later_and_instances_follow_and_are_verified(character: Char
     assert not ring.modifiers and empty.instance_type == "COLLECTION" and not empty.children
 
 
-@pytest.mark.slow
 def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
     head, eye = face("Head", capsule((0.0, 0.0), (0.0, 0.2), 1.0)), face("Eye", capsule((0.3, 0.2), (0.3, 0.3), 0.1))
     choose(eye, head)
@@ -158,7 +156,6 @@ def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
 PARTS = ("Torso", "Hand.L", "Badge")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", slow_after(1, PARTS[::-1], thorough_after=1))
 def test_what_acts_on_a_part_acts_on_its_character(character: Character, name, reports) -> None:
     """Generating, rigging and following: no other part is let go or left behind."""
@@ -182,7 +179,6 @@ def test_what_acts_on_a_part_acts_on_its_character(character: Character, name, r
     assert np.abs(points(parts["Hand.L"]) - before["Hand.L"]).max() > 0.3
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("height", slow_after(1, [2.17, 2.1], thorough_after=1))  # a narrow gap above the head, or none
 def test_rigging_again_fits_the_cage_to_new_parts(character: Character, height) -> None:
     parts, armature, cage = character
@@ -198,7 +194,6 @@ def test_rigging_again_fits_the_cage_to_new_parts(character: Character, height) 
     assert verify(cage), certificate(cage).finding
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "chosen", slow_after(1, ["a part and the cage", "two parts", "the cage and a part"], thorough_after=1)
 )
@@ -209,7 +204,6 @@ def test_verification_of_some_parts_is_that_of_their_character(character: Charac
     assert verify(cage)
 
 
-@pytest.mark.slow
 def test_verification_says_where_a_limb_folds_over_itself(character: Character, reports) -> None:
     """An elbow has room for 120 degrees, a neck of a head has not for 170."""
     _, armature, cage = character
@@ -230,7 +224,6 @@ def test_verification_says_where_a_limb_folds_over_itself(character: Character, 
     assert 0.1 < part < 20.0
 
 
-@pytest.mark.slow
 def test_a_limb_that_passes_over_the_body_is_not_broken(character: Character) -> None:
     _, armature, cage = character
     bones = bone_at(armature, 0.6, 1.1), bone_at(armature, 1.3, 1.1)
@@ -259,7 +252,6 @@ def test_a_limb_that_passes_over_the_body_is_not_broken(character: Character) ->
     assert len(draw()) < len(broken)
 
 
-@pytest.mark.slow
 def test_a_character_is_written_and_posed_without_blender(character: Character, tmp_path) -> None:
     _, armature, cage = character
     choose(cage)
@@ -294,7 +286,6 @@ def test_a_character_is_written_and_posed_without_blender(character: Character, 
         bpy.ops.object.nested_cages_export(filepath=str(path), kind="CHARACTER")
 
 
-@pytest.mark.slow
 def test_a_copy_of_a_character_moves_on_its_own(character: Character) -> None:
     parts, armature, cage = character
     turn(armature, bone_at(armature, 1.3, 1.1), 40.0)
@@ -321,7 +312,6 @@ ODD = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 200"><defs>
 <text x="20" y="190">Hello</text></svg>"""
 
 
-@pytest.mark.slow
 def test_gradients_patterns_uses_and_lines_become_parts_and_the_rest_is_told(tmp_path, reports) -> None:
     file = tmp_path / "odd.svg"
     file.write_text(ODD)

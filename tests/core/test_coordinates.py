@@ -117,6 +117,8 @@ def test_mean_value_coordinates_on_the_cage_are_linear_along_its_edges() -> None
     weights = cage_coordinates(np.concatenate((cage.vertices, middle)), cage, MeanValue())
     assert weights[:10] == pytest.approx(np.eye(10), abs=1e-12)
     assert weights[10:] == pytest.approx(0.25 * np.eye(10) + 0.75 * np.eye(10)[cage.successor], abs=1e-9)
+    square = Mesh.from_loops([[(0, 0), (2, 0), (2, 2), (0, 2)]])
+    assert cage_coordinates([(1.0, 0.0)], square, MeanValue()).tolist() == [[0.5, 0.5, 0.0, 0.0]]
 
 
 @pytest.mark.slow

@@ -29,6 +29,8 @@ def test_absolute_lengths_give_the_excess_of_the_compiled_program(scale: float, 
     assert 0.0 < result.short < 1e-3 * fine.diagonal
     assert np.array_equal(result.flow_steps[0], fine.vertices)
     assert result.short == pytest.approx(np.hypot(*(result.returned - fine.vertices).T).max())
+    finer = annulus(24)
+    assert np.array_equal(core.as_published(finer, annulus(16)).flow_steps[0], finer.vertices)
     with pytest.raises(core.ReinflationError) as caught:  # the preset does the same, and its certificate sees that
         nested_cages(fine, [coarse], core.AUGMENTED_2022)
     assert caught.value.code == "reinflation.blocked"

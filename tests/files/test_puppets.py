@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from support.documents import refusal, svg
 from support.figures import ball, front_figure, limb, side_figure, solid
 from support.marks import slow_after
 
+FOX = Path(__file__).resolve().parents[2] / "examples/fox.svg"
 PARENTS = {
     "torso": None, "neck": "torso", "head": "neck", "thigh_l": "torso", "thigh_r": "torso", "shin_l": "thigh_l",
     "shin_r": "thigh_r", "eye_l": "head", "eye_r": "head", "pupil_l": "eye_l", "pupil_r": "eye_r", "arm_l": "torso",
@@ -55,6 +57,14 @@ def test_parts_hang_together_by_their_overlaps(draft: PuppetDraft) -> None:
     assert np.hypot(knee[0] - 1.1, knee[1] + 4.0) < 0.3
     assert [bone.parent for bone in draft.bones].count(None) == 1
     assert all(bone.parent is None or bone.parent < k for k, bone in enumerate(draft.bones))
+
+
+@pytest.mark.slow
+def test_a_fox_of_many_layers_hangs_together() -> None:
+    fox = draft_puppet(core.puppet_parts(FOX.read_text(encoding="utf-8"))[0])
+    under = [6, 0, 6, 2, 6, 4, None, 6, 6, 8, 6, 10, 6, 6, 13, 17, 15, 6, 17, 18, 17, 20, 17, 22]
+    assert [link.parent for link in fox.links] == under and fox.doubtful == ("ear-far 17", "nose 20")
+    assert [k for k in range(24) if not fox.chain(k)] == [7, 13, 14, 16, 20, 21, 23]
 
 
 def test_neither_place_nor_size_nor_direction_of_the_drawing_counts() -> None:
