@@ -52,8 +52,9 @@ def test_what_cannot_be_caged_has_no_cages_though_it_had_some(extension: ModuleT
     one, two = drawings()
     extension.cages([one, two], 12)
     two.data.vertices[0].co = (4.0, 2.0, 3.0)
+    before = bpy.data.objects.keys()
     made = extension.cages([one, two], 12)
-    assert [len(cages) for cages in made] == [1, 0]
+    assert [len(cages) for cages in made] == [1, 0] and bpy.data.objects.keys() == before
 
 
 @pytest.mark.parametrize("settings", [{"levels": "many"}, {"levels": 2.5}, {"colour": "red"}, {"energy": "MOST"}])

@@ -68,6 +68,15 @@ def test_the_drawing_follows_affine_poses_through_all_levels(method) -> None:
         assert np.abs(evaluated(obj) - turned(base(obj))).max() <= 2e-5
 
 
+def test_a_bent_cage_moves_the_drawing_by_harmonic_coordinates(core) -> None:
+    _, _, fine, (cage,) = bound(poly_curve, "6")
+    rest, off = base(cage), np.zeros((6, 3))
+    off[2] = (0.6, 0.4, 0.0)
+    weights = core.cage_coordinates(base(fine)[:, :2], core.Mesh.from_loops([rest[:, :2]]))
+    put(cage, rest + off)
+    assert np.abs(evaluated(fine) - base(fine) - weights @ off).max() < 0.01
+
+
 @pytest.mark.parametrize("method", ["HARMONIC", "LINEAR"])
 def test_edits_of_a_finer_cage_turn_with_the_coarser_one(method) -> None:
     _, _, fine, cages = bound(method=method)

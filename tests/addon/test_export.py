@@ -12,8 +12,9 @@ import shapely
 from support.blender import refused
 from support.drawings import choose, circle, evaluated, generate, in_world, poly_curve, solid, star
 
+pytestmark = pytest.mark.slow
 
-@pytest.mark.slow
+
 @pytest.mark.parametrize(("kind", "count"), [("SVG", 3), ("GEOJSON", 3), ("ENGINE", 1)])
 def test_it_says_how_many_outlines_were_written(cages, tmp_path, reports, kind, count) -> None:
     choose(cages[0])
@@ -22,7 +23,6 @@ def test_it_says_how_many_outlines_were_written(cages, tmp_path, reports, kind, 
     assert re.findall(r"\d+", told) == [str(count)] and "file" in told
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("unit", "scale_length", "per_metre"),
     [("METERS", 1.0, 1e3), ("MILLIMETERS", 0.001, 1e3), ("CENTIMETERS", 1.0, 1e2), ("INCHES", 1.0, 1 / 0.0254)],
@@ -44,14 +44,12 @@ def test_an_svg_has_its_size_in_the_unit_of_the_scene(cages, tmp_path, unit, sca
     assert "width" not in ET.fromstring(path.read_text()).attrib
 
 
-@pytest.mark.slow
 def test_a_file_that_cannot_be_written_is_a_sentence(cages, tmp_path) -> None:
     choose(cages[0])
     with refused("cages.svg"):
         bpy.ops.object.nested_cages_export(filepath=str(tmp_path / "missing" / "cages.svg"))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "flip_y"), [("SVG", True), ("GEOJSON", False), ("ENGINE", True)])
 def test_what_is_exported_comes_back_the_same(cages, core, tmp_path, kind, flip_y) -> None:
     source, _, _ = cages
@@ -97,7 +95,6 @@ def test_an_outline_that_stands_up_is_written_as_seen_from_the_front(core, tmp_p
         bpy.ops.object.nested_cages_export(filepath=path, **options)
 
 
-@pytest.mark.slow
 def test_files_of_several_drawings_hold_their_cages(tmp_path) -> None:
     parts = [poly_curve(f"Part {k}", [circle(40, 0.5, (2.0 * k, 0.0))]) for k in range(3)]
     choose(*parts)

@@ -12,6 +12,8 @@ from support.flock import PARTS, copied, flock
 from support.marks import slow_after
 from support.panels import draw
 
+pytestmark = pytest.mark.slow
+
 MAKE = {
     "curve": lambda: drawings.poly_curve("Drawing", [drawings.star()]),
     "mesh": lambda: drawings.grid_face("Drawing"),
@@ -55,7 +57,6 @@ def test_a_set_is_found_from_each_of_its_objects_and_knows_all_of_them() -> None
     assert sets().everywhere() == [found]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("linked", slow_after(1, [False, True]))
 def test_a_copy_of_what_is_seen_is_a_character_at_once_and_gets_its_own_when_it_is_changed(linked: bool) -> None:
     found = flock()
@@ -79,7 +80,6 @@ def test_a_copy_of_what_is_seen_is_a_character_at_once_and_gets_its_own_when_it_
         np.testing.assert_allclose(world(bpy.data.objects[name]), before[name], atol=1e-6)
 
 
-@pytest.mark.slow
 def test_partial_copies_are_no_more_than_what_was_copied() -> None:
     found = flock()
     found.cages[-1].location.x += 0.5
@@ -115,7 +115,6 @@ def test_deleted_objects_are_named_and_swept(tmp_path) -> None:
     assert [each.name for each in found.parts] == ["Hat"]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("bound", slow_after(1, [True, False]), ids=["bound", "free"])
 def test_a_saved_file_works_as_before(bound: bool, tmp_path) -> None:
     scene = bpy.context.scene
@@ -145,7 +144,6 @@ def test_a_saved_file_works_as_before(bound: bool, tmp_path) -> None:
     assert scene.frame_end == 20
 
 
-@pytest.mark.slow
 def test_a_set_is_known_by_its_objects_wherever_they_are() -> None:
     """Moved to other collections, renamed, and with the collection removed."""
     source, collection = caged(bound=True)
@@ -222,7 +220,6 @@ def test_a_copy_is_a_character_of_its_own(kind: str, how: str, tmp_path) -> None
     assert len(set(meshes)) == len(meshes)
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(bpy.app.version < (4, 3), reason="Blender 4.2 tells nothing of imports")
 def test_append_brings_what_was_in_the_file_and_nothing_else(tmp_path) -> None:
     """No objects of meshes that a binding keeps for later."""
@@ -235,7 +232,6 @@ def test_append_brings_what_was_in_the_file_and_nothing_else(tmp_path) -> None:
     assert sorted(obj.name for obj in bpy.data.objects) == names
 
 
-@pytest.mark.slow
 def test_several_drawings_are_rigged_in_three_actions() -> None:
     parts = [drawings.poly_curve(f"Part {k}", [drawings.circle(24, 0.5, (2.0 * k, 0.0))]) for k in range(4)]
     show(*parts)
@@ -264,7 +260,6 @@ def test_several_drawings_are_rigged_in_three_actions() -> None:
     assert not any(each.bound or each.cages[0].data.shape_keys for each in found)
 
 
-@pytest.mark.slow
 def test_what_an_edit_makes_untrue_is_not_said() -> None:
     source = MAKE["curve"]()
     generate("0.05u")
@@ -286,7 +281,6 @@ def test_what_an_edit_makes_untrue_is_not_said() -> None:
     assert set_of(source).bound == "LINEAR"
 
 
-@pytest.mark.slow
 def test_generate_after_bind_makes_the_drawings_cages_again() -> None:
     source, _ = caged()
     bind(method="LINEAR")
@@ -297,7 +291,6 @@ def test_generate_after_bind_makes_the_drawings_cages_again() -> None:
     assert len(bpy.data.collections) == 1 and set_of(source).bound == "LINEAR"
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("how", slow_after(1, ["driven", "keyed"], thorough_after=1))
 def test_a_pose_by_animation_is_there_after_generate(how: str) -> None:
     source, _ = caged(bound=True)
@@ -314,7 +307,6 @@ def test_a_pose_by_animation_is_there_after_generate(how: str) -> None:
     np.testing.assert_allclose(evaluated(source) - rest, np.tile((1.0, 0.0, 0.0), (len(rest), 1)), atol=1e-5)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("bound", slow_after(1, [True, False], thorough_after=1))
 def test_what_was_deleted_is_not_saved(bound: bool, tmp_path) -> None:
     """Hidden objects and pointers keep nothing in the file, and what is left or was copied stays as it is."""

@@ -9,6 +9,8 @@ from support.blender import new_file, refused
 from support.drawings import at_frame, choose, circle, evaluated, generate, in_world, made, poly_curve, solid, star
 from support.marks import slow_after
 
+pytestmark = pytest.mark.slow
+
 # Frames at which a step is shown, and frames between two steps.
 PER_STEP = 3
 
@@ -32,7 +34,6 @@ def seen(objects, frames):
     return found
 
 
-@pytest.mark.slow
 def test_faces_fill_the_cage(cages) -> None:
     _, _, (inner, _) = cages
     choose(inner)
@@ -44,7 +45,6 @@ def test_faces_fill_the_cage(cages) -> None:
     assert all(face.normal.z > 0.999 for face in new.data.polygons)
 
 
-@pytest.mark.slow
 def test_prisms_are_closed_and_point_out(cages) -> None:
     _, _, both = cages
     choose(*both)
@@ -61,7 +61,6 @@ def test_prisms_are_closed_and_point_out(cages) -> None:
         assert volume == pytest.approx(4.0 * solid(obj).area * 1.0, rel=1e-4)
 
 
-@pytest.mark.slow
 def test_curves_have_the_cage_s_points(cages) -> None:
     _, _, (inner, _) = cages
     choose(inner)
@@ -106,7 +105,6 @@ def frames_to_compare():
     return np.linspace(1, bpy.context.scene.frame_end, 30).round().astype(int)
 
 
-@pytest.mark.slow
 def test_animated_faces_move_as_the_cages_do(playing) -> None:
     shown = animated_faces(playing)
     for frame in frames_to_compare():
@@ -125,7 +123,6 @@ def test_still_objects_are_no_animated_faces() -> None:
         bpy.ops.object.nested_cages_to_objects(shape="ANIMATED")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("faces", slow_after(1, [False, True]))
 def test_gltf_carries_the_animation_as_morph_targets(playing, tmp_path, faces) -> None:
     """Lone edges become lines, and faces triangles; either has a morph target for each step. What is hidden on the

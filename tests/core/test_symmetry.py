@@ -182,6 +182,12 @@ def test_a_drawing_by_hand_is_enclosed_with_its_image(symmetry: Mirror | Found) 
     assert verify(fine, inner.cage) and verify(image, inner.cage) and is_symmetric(inner.cage.vertices, mirror)
 
 
+def test_a_gap_that_the_image_closes_is_no_hole() -> None:
+    fine = Mesh.from_loops([[(-2, -2), (2, -2), (2, -1), (-1, -1), (-1, 1), (2, 1), (2, 2), (-2, 2)]])
+    (cage,) = nested_cages(fine, 8, symmetry=Mirror((0.0, 0.0), (0.0, 1.0))).cages
+    assert len(cage.loops) == 1 and cage.area == pytest.approx(16.0, rel=1e-3)
+
+
 @pytest.mark.parametrize("seed", slow_after(1, range(60), thorough_after=5))
 def test_any_drawing_is_enclosed_with_all_of_its_images(seed: int) -> None:
     """The union, or for cages inside the intersection, is that of shapely; notes have its area."""
