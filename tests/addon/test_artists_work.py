@@ -125,12 +125,16 @@ def test_work_on_a_cage_outlives_new_cages_binding_and_unbinding() -> None:
     assert [key.name for key in cage.data.shape_keys.key_blocks] == ["Basis", "Wide"]
 
 
+@pytest.mark.slow
 def test_weights_stay_on_their_side_of_a_thin_wall() -> None:
     source = poly_curve("Drawing", [drawings.circle(60), drawings.circle(60, 0.95)])
     _, cage = generate(source, "16")
     cage.vertex_groups.new(name=GROUP).add(np.flatnonzero(np.hypot(*base(cage).T[:2]) < 0.97).tolist(), 1.0, "REPLACE")
-    _, cage = generate(source, "80")
-    np.testing.assert_allclose(weights(cage), np.hypot(*base(cage).T[:2]) < 0.97, atol=1e-6)
+    for size, levels in ((1.0, "80"), (3.0, "60")):  # of what is drawn anew too
+        for point in [point for spline in source.data.splines for point in spline.points]:
+            point.co = (size * point.co[0], size * point.co[1], 0.0, 1.0)
+        _, cage = generate(source, levels)
+        np.testing.assert_allclose(weights(cage), np.hypot(*base(cage).T[:2]) < 0.97 * size, atol=1e-6)
 
 
 @pytest.mark.slow

@@ -18,6 +18,8 @@ from support.drawings import add, choose, curves_of, gathered, grease_pencil, sa
 from support.figure import LIMBS, capsule, face, figure, points
 from support.marks import slow_after
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("shapely")
 
 FOX = Path(__file__).resolve().parents[2] / "examples" / "fox.svg"
@@ -113,7 +115,6 @@ def limbs() -> list[Object]:
     return [bpy.data.objects[name] for name in LIMBS]
 
 
-@pytest.mark.slow
 def test_a_leg_moves_alone_and_the_drawing_is_as_before(fox: tuple[Any, dict[str, np.ndarray]]) -> None:
     armature, before = fox
     assert moved(before, shapes()) == set()
@@ -138,7 +139,6 @@ def test_a_leg_moves_alone_and_the_drawing_is_as_before(fox: tuple[Any, dict[str
     assert root.min() < 1e-4 < root.max()  # its root stays on the body
 
 
-@pytest.mark.slow
 def test_limbs_reach_for_controls_within_their_ranges(fox: tuple[Any, dict[str, np.ndarray]]) -> None:
     armature, before = fox
     armature.pose.bones["Root"].location[0] = 0.5
@@ -162,7 +162,6 @@ def test_limbs_reach_for_controls_within_their_ranges(fox: tuple[Any, dict[str, 
         assert low - 0.1 <= np.rad2deg(turned.z) <= high + 0.1
 
 
-@pytest.mark.slow
 def test_clips_repeat_and_fold_nothing(fox: tuple[Any, dict[str, np.ndarray]]) -> None:
     armature, before = fox
     scene = bpy.context.scene
@@ -198,7 +197,6 @@ def test_clips_repeat_and_fold_nothing(fox: tuple[Any, dict[str, np.ndarray]]) -
     assert bpy.ops.object.nested_cages_select_fault() == {"FINISHED"}
 
 
-@pytest.mark.slow
 def test_what_was_made_by_hand_stays(fox: tuple[Any, dict[str, np.ndarray]]) -> None:
     """A part is redrawn and another one added: names, poses, own bones, constraints and painted weights stay."""
     armature, _ = fox
@@ -240,7 +238,6 @@ def test_what_was_made_by_hand_stays(fox: tuple[Any, dict[str, np.ndarray]]) -> 
     assert "tail" not in moved(posed_shapes, shapes()) and "head" not in moved(posed_shapes, shapes())
 
 
-@pytest.mark.slow
 def test_puppets_made_again_elsewhere_are_copied_and_lose_their_body(fox: tuple[Any, dict[str, np.ndarray]]) -> None:
     armature, _ = fox
     armature.location = (3.0, 1.0, 0.5)
@@ -275,7 +272,6 @@ ARM = """<svg xmlns="http://www.w3.org/2000/svg">
 <circle id="eye" cx="150" cy="150" r="8"/></svg>"""
 
 
-@pytest.mark.slow
 def test_vector_puppets_are_exported_as_pictures(tmp_path: Path) -> None:
     """With the bones and keys of the armature, parts in their colours, and weights of engines, also while posed."""
     (tmp_path / "arm.svg").write_text(ARM, encoding="utf-8")
@@ -366,7 +362,6 @@ def test_caps_have_the_ink_of_their_drawings() -> None:
     assert {name for name, edge in zip(painted, above, strict=True) if not edge} == {"Ink", "Fill"}
 
 
-@pytest.mark.slow
 def test_layers_of_one_grease_pencil_drawing_are_parts() -> None:
     """The drawing itself is hidden; a second press finds the parts that were made of it."""
     hero = grease_pencil("Hero", [capsule(*LIMBS["Torso"])])
@@ -442,7 +437,6 @@ TURNS = [
 ]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("own", slow_after(1, TURNS[::-1], thorough_after=1))
 def test_a_part_that_was_turned_or_mirrored_turns_no_puppet(man: Any, own: Matrix) -> None:
     wanted = bones_of(man)
@@ -452,7 +446,6 @@ def test_a_part_that_was_turned_or_mirrored_turns_no_puppet(man: Any, own: Matri
     assert bpy.ops.object.nested_cages_clip(kind="WALK") == {"FINISHED"}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("side", slow_after(1, ["RIGHT", "FRONT"], thorough_after=1))
 def test_strokes_that_stand_upright_are_seen_from_the_front_or_the_right(side: str) -> None:
     """Grease Pencil stores them upright, in an object that is not turned."""
@@ -500,7 +493,6 @@ def test_pictures_on_planes_are_told(reports: Any) -> None:
     assert drawings[1].name not in said
 
 
-@pytest.mark.slow
 def test_an_armature_that_was_deleted_leaves_nothing_behind(man: Any) -> None:
     drawings = limbs()
     before = {obj.name for obj in bpy.data.objects}
@@ -511,7 +503,6 @@ def test_an_armature_that_was_deleted_leaves_nothing_behind(man: Any) -> None:
     assert {obj.name for obj in bpy.data.objects} == before
 
 
-@pytest.mark.slow
 def test_a_copy_of_a_part_is_a_part_of_its_own(man: Any) -> None:
     """It hangs where it lies now, and not on the part that it is a copy of."""
     rig, drawings = man, {obj.name: obj for obj in limbs()}
@@ -532,7 +523,6 @@ def test_a_copy_of_a_part_is_a_part_of_its_own(man: Any) -> None:
     assert far == {"Arm.L.001", "Hand.L.001"}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("cuts", slow_after(1, [2, 1], thorough_after=1))
 def test_a_subdivided_bone_bends_its_part(man: Any, cuts: int) -> None:
     rig = man
@@ -556,7 +546,6 @@ def test_a_subdivided_bone_bends_its_part(man: Any, cuts: int) -> None:
     assert bpy.ops.object.nested_cages_clip(kind="WAVE") == {"FINISHED"}
 
 
-@pytest.mark.slow
 def test_a_joint_moved_off_its_part_comes_back(man: Any) -> None:
     rig = man
     before = bones_of(rig)
@@ -567,7 +556,6 @@ def test_a_joint_moved_off_its_part_comes_back(man: Any) -> None:
     np.testing.assert_allclose(bones_of(rig)["Leg.001.L"][2], before["Leg.001.L"][2], atol=0.1)
 
 
-@pytest.mark.slow
 def test_parents_of_drawings_say_what_hangs_on_what() -> None:
     """Unless all hang on one, which moves them; what is the parent of all is that of the puppet."""
     own = {"Head": "Torso", "Arm.L": "Neck", "Neck": "Torso"}
@@ -596,7 +584,6 @@ def test_what_moves_all_drawings_moves_their_puppet() -> None:
         np.testing.assert_allclose(after[name], there + np.array([5.0, 0.0, 0.0]), atol=1e-4)
 
 
-@pytest.mark.slow
 def test_each_file_is_a_puppet(tmp_path: Path) -> None:
     for name in ("one", "two"):
         (tmp_path / f"{name}.svg").write_text(ARM, encoding="utf-8")
@@ -610,7 +597,6 @@ def test_nothing_selected_is_told() -> None:
         bpy.ops.object.nested_cages_puppet()
 
 
-@pytest.mark.slow
 def test_poses_are_mirrored_as_pictures() -> None:
     """What Blender pastes flipped by .L and .R is the mirrored picture, controls of limbs included."""
     drawings = figure()
@@ -635,7 +621,6 @@ def test_poses_are_mirrored_as_pictures() -> None:
         assert far.max() < 0.02, name
 
 
-@pytest.mark.slow
 def test_an_override_is_posed_and_walks_and_says_what_it_cannot(tmp_path: Path) -> None:
     drawings = figure()
     gathered("Character", *drawings.values())
@@ -676,7 +661,6 @@ def test_an_override_is_posed_and_walks_and_says_what_it_cannot(tmp_path: Path) 
     assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
 
 
-@pytest.mark.slow
 def test_limbs_snap_between_their_controls_and_their_bones() -> None:
     armature = make(*figure().values())
     bones = armature.pose.bones
@@ -729,7 +713,6 @@ def test_limbs_snap_between_their_controls_and_their_bones() -> None:
     assert keyed() == first | own
 
 
-@pytest.mark.slow
 def test_swapped_mouths_and_hands_stay_when_the_puppet_is_made_again() -> None:
     """Hidden ones too, though Blender doesn't move what is hidden."""
     drawings = figure()

@@ -6,6 +6,7 @@ import sys
 
 import bpy
 import pytest
+from bl_operators.wm import WM_OT_doc_view_manual as DocView
 
 from support.blender import refused
 from support.drawings import add, certificate, choose, circle, generate, made, poly_curve, star
@@ -42,6 +43,15 @@ def test_everything_has_a_description(extension) -> None:
                 assert prop.description, (rna.identifier, prop.identifier)
     for operator in operators:
         assert operator.get_rna_type().description
+
+
+@pytest.mark.parametrize(
+    ("name", "page"),
+    [("bpy.ops.object.nested_cages_rebind", "bind"), ("bpy.types.NestedCagesSettings.clearance", "levels"),
+     ("bpy.types.NestedCagesPreferences.category", "install"), ("bpy.ops.object.nested_cages_cancel", "cages")],
+)  # fmt: skip
+def test_f1_leads_to_a_page_of_the_guide(name: str, page: str) -> None:
+    assert DocView._lookup_rna_url(name, verbose=False) == (ROOT / f"docs/guide/{page}.md").as_uri()
 
 
 def test_all_properties_can_be_overridden() -> None:

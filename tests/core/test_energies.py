@@ -228,6 +228,12 @@ def test_small_powers_have_derivatives_at_zero(power: int, triangle: Mesh) -> No
     assert energy.hessian(x, successor).dense(3).tolist() == np.diag([2.0 * (power == 2), 0.0] * 3).tolist()
 
 
+def test_points_are_added_and_scaled_as_vectors(triangle: Mesh) -> None:
+    energy = ElementEnergy.per_vertex(lambda now, rest: (2.0 * (now[0] + rest[0]) / 4.0 - rest[0] * 0.5).dot(now[0]))
+    vertices, successor = np.array([[1.0, 2.0], [3.0, 5.0], [0.0, 4.0]]), triangle.successor
+    assert energy.at(triangle).value(vertices, successor) == pytest.approx(0.5 * (vertices**2).sum())
+
+
 WITHOUT_A_RULE: list[Callable[[Any, Any], Any]] = [
     lambda now, rest: np.tanh(now[0].x),
     lambda now, rest: now[0].x if now[0].x < 1.0 else now[0].y,

@@ -143,7 +143,7 @@ def test_each_of_many_discs_goes_into_its_own(spread: float) -> None:
     random = np.random.default_rng(4)
     at = random.permutation([(x, y) for x in range(9) for y in range(9)]) * spread
     order = random.permutation(81)
-    fine = Mesh.from_loops([ring(9, 0.4, centre=place) for place in at])
+    fine = Mesh.from_loops([ring(16, 0.4, centre=place) for place in at])
     coarse = Mesh.from_loops([ring(5, 0.4, 0.3, at[k] + 0.02) for k in order])
     level = assert_flows(fine, coarse)
     for k, number in enumerate(order):

@@ -24,6 +24,7 @@ from nestedcages_core.geometry.predicates import (
 )
 from nestedcages_core.published.gurditta_jacobson_2022.ray_parity import edges_meet, inside_by_parity
 from support.marks import slow_after, slowly
+from support.shapes import as_set
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -184,13 +185,6 @@ def all_meet(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.n
     boxes = (np.minimum(a, b) <= np.maximum(c, d)) & (np.minimum(c, d) <= np.maximum(a, b))
     apart = (side(a, b, c) * side(a, b, d) > 0) | (side(c, d, a) * side(c, d, b) > 0)
     return boxes.all(axis=2) & ~apart
-
-
-def as_set(pairs: tuple[np.ndarray, np.ndarray]) -> set[tuple[int, int]]:
-    """Pairs as a set; each must come once."""
-    listed = list(zip(pairs[0].tolist(), pairs[1].tolist(), strict=True))
-    assert len(set(listed)) == len(listed)
-    return set(listed)
 
 
 @pytest.mark.parametrize("exponent", [0, *slowly(-1074, -1000, -300, 300, 1000)])

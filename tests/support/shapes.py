@@ -156,3 +156,10 @@ def assert_nested(cage: Mesh, fine: Mesh) -> None:
     assert outside.boundary.distance(inside.boundary) > 0.0
     assert len(cage.loops) == len(fine.loops)
     assert sorted(cage.loop_signs.tolist()) == sorted(fine.loop_signs.tolist())
+
+
+def as_set(pairs: tuple[np.ndarray, np.ndarray]) -> set[tuple[int, int]]:
+    """Pairs as a set; each must come once."""
+    listed = list(zip(pairs[0].tolist(), pairs[1].tolist(), strict=True))
+    assert len(set(listed)) == len(listed)
+    return set(listed)
