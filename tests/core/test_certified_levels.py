@@ -10,7 +10,7 @@ import nestedcages_core as core
 from nestedcages_core import Mesh, NestingError, Settings, Within, animated_cages, check, inner_cages, nested_cages
 from support.judging import assert_right, codes, rejected
 from support.marks import slow_after
-from support.methods import Continued, Detouring, Elsewhere, GivingUp, Misleading, Offering, Pretending, Refusing
+from support.methods import Continued, Detouring, Elsewhere, GivingUp, Misleading, Moved, Offering, Pretending, Refusing
 from support.shapes import annulus, letter_a, letter_a_coarse, ring, star, turned
 
 FINE = star(5, 40)
@@ -175,6 +175,12 @@ def test_a_constraint_has_the_last_word(needs: dict[str, Any]) -> None:
     (level,) = nested_cages(FINE, 10, constraints=[Refusing(must=False)], **needs)
     assert_right(level)
     assert codes(level) == ["constraint.missed"]
+
+
+@pytest.mark.parametrize("symmetry", [core.Mirror(), core.Rotation(None, 5)])
+def test_a_constraint_may_not_take_the_symmetry(symmetry: Any) -> None:
+    with rejected("symmetry.missed", NestingError):
+        nested_cages(FINE, 10, constraints=[Moved()], symmetry=symmetry, fallback=None)
 
 
 def test_the_way_is_certified_and_not_the_cage_alone() -> None:
