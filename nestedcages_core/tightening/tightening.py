@@ -55,8 +55,6 @@ class TighteningOutcome(NamedTuple):
     """Steps of the trust-region method."""
     quadratic_programs: int
     """Linear systems factorised within their quadratic programs."""
-    converged: bool
-    """Whether the predicted decrease fell below the tolerance."""
     reason: str
     """Why it stopped, in a sentence."""
 
@@ -125,7 +123,7 @@ class _Run:
         self.x, self.wanted = widened.x, widened.wanted
         self.systems += widened.systems
         if widened.closest >= 0:
-            return self._outcome(0, False, f"There is no room for the clearance at {self._name(widened.closest)}.")
+            return self._outcome(0, f"There is no room for the clearance at {self._name(widened.closest)}.")
         if self.bodies.bounds:
             from .feasibility import feasible
 
@@ -139,7 +137,7 @@ class _Run:
         negligible = settings.tolerance * abs(signed_area(self.x[: self.m], successor))
         slope = float(np.abs(energy.gradient(self.x[: self.m], successor)).sum())
         if slope * region.largest <= negligible:
-            return self._outcome(0, True, "The cage is at a minimum of its energy.")
+            return self._outcome(0, "The cage is at a minimum of its energy.")
         loads = EdgeLoads.none(self.m)
         quiet = 0
         previous = 0.0
@@ -167,14 +165,14 @@ class _Run:
             if still or quiet >= settings.patience:
                 escape = self._escape(model, solution, value)
                 if escape is None or value - escape.value < negligible:
-                    return self._outcome(iteration, True, "The model predicts no further decrease of the energy.")
+                    return self._outcome(iteration, "The model predicts no further decrease of the energy.")
                 logger.debug("tightening %d: off a saddle, actual %.2e", iteration, value - escape.value)
                 value = yield from self._accept(escape)
                 region.reset()
                 quiet = 0
             elif region.collapsed:
-                return self._outcome(iteration, False, "No step, however short, lowers the energy.")
-        return self._outcome(settings.iterations, False, f"Stopped after {settings.iterations} iterations.")
+                return self._outcome(iteration, "No step, however short, lowers the energy.")
+        return self._outcome(settings.iterations, f"Stopped after {settings.iterations} iterations.")
 
     def _try(self, model: QuadraticModel, step: FloatArray, value: float, decrease: float) -> Trial:
         return find_trial(self.bodies, model.around, self.x, step, value=value, decrease=decrease, energy=self.energy)
@@ -209,6 +207,6 @@ class _Run:
     def _name(self, vertex: int) -> str:
         return f"cage vertex {vertex}" if vertex < self.m else f"fine vertex {vertex - self.m}"
 
-    def _outcome(self, iterations: int, converged: bool, reason: str) -> TighteningOutcome:
+    def _outcome(self, iterations: int, reason: str) -> TighteningOutcome:
         logger.debug("tightening ended after %d iterations, %d systems: %s", iterations, self.systems, reason)
-        return TighteningOutcome(self.x[: self.m].copy(), iterations, self.systems, converged, reason)
+        return TighteningOutcome(self.x[: self.m].copy(), iterations, self.systems, reason)

@@ -93,7 +93,7 @@ class _Kept:
             look = 2 * number
             while held and not self.is_met(bodies.coarse.moved(held[-1])):
                 del held[len(held) // 2 :]
-                outcome = TighteningOutcome(cage, number, 0, False, "The cage would leave the tolerance.")
+                outcome = TighteningOutcome(cage, number, 0, "The cage would leave the tolerance.")
             yield from held
             held.clear()
         return outcome
