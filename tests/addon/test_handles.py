@@ -2,7 +2,6 @@
 
 import sys
 from types import SimpleNamespace
-from typing import Any
 from unittest.mock import MagicMock
 
 import bpy
@@ -13,11 +12,6 @@ import pytest
 from support.drawings import circle, evaluated, poly_curve, set_of, star
 
 
-class Buffer(dict[str, Any]):
-    def __init__(self, *_: Any) -> None:
-        self.attr_fill = self.__setitem__
-
-
 @pytest.fixture
 def drawn(extension, monkeypatch):
     """What is drawn over a 3D view, where there is no graphics card: points by kind, lines by their two ends."""
@@ -26,11 +20,12 @@ def drawn(extension, monkeypatch):
     with monkeypatch.context() as patched:
         patched.setattr(bpy.types.SpaceView3D, "draw_handler_add", lambda draw, *_: handlers.append(draw))
         patched.setattr(bpy.types.SpaceView3D, "draw_handler_remove", lambda *_: None)
-        batch = lambda type, buf: SimpleNamespace(draw=lambda _: shown.append((type, buf["pos"])))  # noqa: E731
-        patched.setattr(gpu, "types", MagicMock(GPUVertBuf=Buffer, GPUBatch=batch))
-        patched.setitem(sys.modules, "gpu.types", gpu.types)
-        for name in ("shader", "state"):
+        for name in ("types", "shader", "state"):
             patched.setattr(gpu, name, MagicMock())
+        patched.setitem(sys.modules, "gpu.types", gpu.types)
+        gpu.types.GPUBatch = lambda type, buf: SimpleNamespace(
+            draw=lambda _, at=dict(call.args for call in buf.attr_fill.call_args_list)["pos"]: shown.append((type, at))
+        )
         extension.register()
 
         def look(kind: str) -> np.ndarray:

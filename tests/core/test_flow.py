@@ -175,6 +175,7 @@ FAR = (disc(3, 0.1, 9.0, 0.0), disc(3, 0.1, -9.0, 0.0))
     [
         ([ring(60)], [ring(9, 1.02), disc(8, 0.3, 3.0, 0.0)], (3.0, 0.0)),  # a part too many
         ([ring(60)], [ring(9, 1.02), ring(8, 0.3)], (0.0, 0.0)),  # a hole too many
+        (two_discs(), [WRAP, disc(8, 0.2, 0.0, 0.0)], (0.0, 0.0)),  # a hole in one of two
         ([ring(60)], [disc(9, 1.0, 5.0, 5.0)], (0.0, 0.0)),  # elsewhere
         ([*two_discs(), THIRD], [WRAP, disc(6, 0.3, 3.0, 3.0)], (5.0, 1.0)),  # of one component, elsewhere
         ([*two_discs(), disc(40, 0.5, 0.0, 3.0)], [WRAP, WRAP + np.array([0.0, 2.7]), *FAR], None),

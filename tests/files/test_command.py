@@ -214,13 +214,13 @@ def test_levels_before_one_that_fails_are_written(drawing: Path, tmp_path: Path)
 @pytest.mark.parametrize("symmetry", ["x", *slow_after(0, ["found", "2"])])
 def test_symmetric_cages_and_limits_of_edges(symmetry: str, drawing: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.geojson"
-    command = [drawing, "--levels", 24, "--symmetry", symmetry, "--min-edge", 0.1, "--min-angle", 20, "--quiet"]
+    command = [drawing, "--levels", 24, "--symmetry", symmetry, "--min-edge", 0.1, "--min-angle", 45, "--quiet"]
     assert run(*command, "-o", out).status == 0
     cage = read_geojson(out)
     assert cage.edge_lengths.min() >= 0.1
     before, after = (cage.vertices[way] - cage.vertices for way in (cage.predecessor, cage.successor))
     cosine = (before * after).sum(axis=1) / np.hypot(*before.T) / np.hypot(*after.T)
-    assert np.degrees(np.arccos(cosine)).min() >= 20.0 - 1e-6
+    assert np.degrees(np.arccos(cosine)).min() >= 45.0 - 1e-6
     rows = cage.vertices - (0.0 if symmetry != "2" else cage.vertices.mean(axis=0))
     image = rows * ((-1.0, -1.0) if symmetry == "2" else (-1.0, 1.0))
     assert shapely.MultiPoint(image).hausdorff_distance(shapely.MultiPoint(rows)) < 1e-6

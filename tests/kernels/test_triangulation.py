@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from nestedcages_core import InvalidMeshError, Mesh
 from nestedcages_core.geometry.triangulation import Sampling, Triangulation, constrained_delaunay, triangulate
+from support.judging import rejected
 from support.marks import slow_after
 from support.shapes import annulus, islands, letter_a, letter_a_coarse, polygon, ring, star
 
@@ -159,6 +160,12 @@ def test_points_and_segments_in_each_others_way_are_refused(
     with pytest.raises(InvalidMeshError) as caught:
         constrained_delaunay(points, segments)
     assert caught.value.code == code
+
+
+@pytest.mark.parametrize("wrong", [(0.0,), (1.0, 0.0), (1.0, 1.0, -0.5)], ids=str)
+def test_a_sampling_is_checked(wrong: tuple[float, ...]) -> None:
+    with rejected("setting.invalid"):
+        Sampling(*wrong)
 
 
 def test_interpolation_is_linear_and_finds_every_point() -> None:
