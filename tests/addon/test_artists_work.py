@@ -10,6 +10,8 @@ from support.blender import refused
 from support.drawings import add, base, choose, evaluated, members, poly_curve, snapshot, star, verify, wire, world
 from support.marks import slow_after
 
+pytestmark = pytest.mark.slow
+
 GROUP = "Right"
 
 
@@ -103,7 +105,6 @@ def assert_rigged(obj, exact=False):
     assert np.abs(tint - ramp(base(obj))).max() < error
 
 
-@pytest.mark.slow
 def test_work_on_a_cage_outlives_new_cages_binding_and_unbinding() -> None:
     source = poly_curve("Drawing", [star() * 2.0])
     cage = rigged(generate(source)[-1])
@@ -125,7 +126,6 @@ def test_work_on_a_cage_outlives_new_cages_binding_and_unbinding() -> None:
     assert [key.name for key in cage.data.shape_keys.key_blocks] == ["Basis", "Wide"]
 
 
-@pytest.mark.slow
 def test_weights_stay_on_their_side_of_a_thin_wall() -> None:
     source = poly_curve("Drawing", [drawings.circle(60), drawings.circle(60, 0.95)])
     _, cage = generate(source, "16")
@@ -137,7 +137,6 @@ def test_weights_stay_on_their_side_of_a_thin_wall() -> None:
         np.testing.assert_allclose(weights(cage), np.hypot(*base(cage).T[:2]) < 0.97 * size, atol=1e-6)
 
 
-@pytest.mark.slow
 def test_what_was_made_while_bound_stays_when_unbound() -> None:
     source = poly_curve("Drawing", [star() * 2.0])
     cage = generate(source)[-1]
@@ -149,7 +148,6 @@ def test_what_was_made_while_bound_stays_when_unbound() -> None:
     assert {"location", "hide_viewport"} <= {curve.data_path for curve in drawings.curves_of(cage) if not curve.mute}
 
 
-@pytest.mark.slow
 def test_a_posed_drawing_is_still_posed_with_new_cages() -> None:
     source = poly_curve("Drawing", [star() * 2.0])
     cage = generate(source, "12")[-1]
@@ -173,7 +171,6 @@ def test_a_posed_drawing_is_still_posed_with_new_cages() -> None:
         assert [users for _, users in snapshot()[kind]] == [users for _, users in everything[kind]], kind
 
 
-@pytest.mark.slow
 def test_a_level_that_is_no_more_is_kept_if_an_artist_worked_on_it() -> None:
     source = poly_curve("Drawing", [star() * 2.0])
     _, _, cage = generate(source)
@@ -186,7 +183,6 @@ def test_a_level_that_is_no_more_is_kept_if_an_artist_worked_on_it() -> None:
     assert len(members(source)) == 2
 
 
-@pytest.mark.slow
 def test_hooks_and_vertex_parents_name_the_nearest_new_vertices() -> None:
     source = poly_curve("Drawing", [drawings.circle(60) * 2.0])
     cage = generate(source, "12")[-1]
@@ -225,7 +221,6 @@ def stretched():
     return source
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", slow_after(2, DRAWINGS))
 def test_a_bound_drawing_goes_with_its_cages(kind) -> None:
     source = DRAWINGS[kind]()
@@ -307,7 +302,6 @@ def brought(path, link):
     return wanted.collections[0]
 
 
-@pytest.mark.slow
 def test_an_appended_rig_can_be_worked_on(saved) -> None:
     path, shown = saved
     brought(path, link=False)
@@ -319,7 +313,6 @@ def test_an_appended_rig_can_be_worked_on(saved) -> None:
     assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("reloaded", slow_after(1, [True, False]))
 def test_an_override_is_posed_and_moved_and_says_what_it_cannot(saved, reloaded) -> None:
     path, shown = saved
@@ -353,7 +346,6 @@ def test_an_override_is_posed_and_moved_and_says_what_it_cannot(saved, reloaded)
     assert snapshot()["meshes"] == before["meshes"]
 
 
-@pytest.mark.slow
 def test_handles_move_the_drawing_with_new_cages_too() -> None:
     source = wire("Drawing", [star() * 2.0])
     *_, cage = generate(source, "12")

@@ -11,6 +11,8 @@ from support import drawings
 from support.blender import refused
 from support.drawings import armature, at_frame, certificate, circle, generate, made, poly_curve, solid, star, wire
 
+pytestmark = pytest.mark.slow
+
 
 def paint(obj, name, weights):
     group = obj.vertex_groups.new(name=name)
@@ -36,7 +38,6 @@ def assert_nested():
     return shapes
 
 
-@pytest.mark.slow
 def test_every_level_is_on_the_grid() -> None:
     poly_curve("Drawing", [star(60, 0.3)])
     generate("24, 12", grid=0.125)
@@ -66,7 +67,6 @@ def test_convex_cages_have_so_many_vertices_around_each_part() -> None:
         generate("6", convex=True, inside=True)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("symmetry", ["MIRROR_X", "FOUND"])
 def test_mirrored_vertices_are_mirrored_to_the_last_bit(symmetry) -> None:
     loop = star(61, 0.2, 3)[:, ::-1]  # symmetric about the y axis only
@@ -84,7 +84,6 @@ def test_mirrored_vertices_are_mirrored_to_the_last_bit(symmetry) -> None:
     assert bool(certificate(cages()[0]).notes) or symmetry == "MIRROR_X"  # what was found is said
 
 
-@pytest.mark.slow
 def test_rotations_and_mirrors_of_a_drawing_away_from_the_origin() -> None:
     poly_curve("Drawing", [star(60, 0.25, 5) + np.array([7.0, 3.0])])
     generate("15", symmetry="ROTATION", symmetry_order=5)
@@ -119,7 +118,6 @@ def test_a_symmetry_and_a_grid_go_together() -> None:
     assert {tuple(point) for point in found.tolist()} == {(x, -y) for x, y in found.tolist()}
 
 
-@pytest.mark.slow
 def test_painted_weights_draw_vertices() -> None:
     obj = wire("Drawing", [star(120, 0.2, 9)])
     generate("20, 14")
@@ -131,7 +129,6 @@ def test_painted_weights_draw_vertices() -> None:
     assert all(after > before for before, after in zip(right, weighted, strict=True))
 
 
-@pytest.mark.slow
 def test_pins_of_a_vertex_group_are_kept_on_every_level() -> None:
     loop = star(120, 0.25, 5)
     obj = wire("Drawing", [loop])
@@ -178,7 +175,6 @@ def test_edges_have_few_directions(directions: str, turns: float) -> None:
     assert np.abs((angle + 0.5 * turns) % turns - 0.5 * turns).max() < 1e-3
 
 
-@pytest.mark.slow
 def test_close_parts_are_merged() -> None:
     poly_curve("Drawing", [circle(40), circle(40) + np.array([2.1, 0.0])])
     generate("5", merge=0.5)
@@ -194,7 +190,6 @@ def test_a_group_that_is_not_there_is_named() -> None:
     assert certificate(cages()[0]).notes
 
 
-@pytest.mark.slow
 def test_cages_with_rules_do_not_follow() -> None:
     poly_curve("Drawing", [star()])
     generate("16", grid=0.1)

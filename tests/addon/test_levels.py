@@ -12,6 +12,8 @@ from support.drawings import at_frame, certificate, choose, circle, generate, ho
 from support.marks import slow_after
 from support.panels import draw
 
+pytestmark = pytest.mark.slow
+
 
 def counts(name: str = "Drawing") -> list[int]:
     """Numbers of vertices of the cages around a drawing."""
@@ -50,7 +52,6 @@ def test_other_texts_are_refused(text: str) -> None:
         generate(text)
 
 
-@pytest.mark.slow
 def test_a_count_holds_where_loops_are_in_each_others_way_unless_all_are_kept() -> None:
     poly_curve("Drawing", [circle(40, size) for size in (4.0, 3.9, 3.8)])
     generate("12")
@@ -97,7 +98,6 @@ def farthest(cage: shapely.Geometry, fine: shapely.Geometry) -> float:
     return shapely.hausdorff_distance(cage, fine, densify=0.01)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("scale", slow_after(1, [1.0, 1000.0, 0.001], thorough_after=1))
 def test_a_distance_is_kept_in_units_of_the_scene(scale) -> None:
     obj = poly_curve("Drawing", [circle(90)])
@@ -114,7 +114,6 @@ def test_a_distance_is_kept_in_units_of_the_scene(scale) -> None:
     assert len(coarser.data.vertices) < len(finer.data.vertices)
 
 
-@pytest.mark.slow
 def test_units_of_the_scene_are_understood() -> None:
     bpy.context.scene.unit_settings.scale_length = 0.01
     poly_curve("Drawing", [circle(60, 100.0)])
@@ -125,7 +124,6 @@ def test_units_of_the_scene_are_understood() -> None:
     assert certificate(cage).need and 0.5 < farthest(solid(cage, depsgraph), solid(fine, depsgraph)) <= 5.0
 
 
-@pytest.mark.slow
 def test_an_excess_is_of_the_drawing_on_every_level() -> None:
     poly_curve("Drawing", [star()])
     generate("40, +20%, +50 %")
@@ -139,7 +137,6 @@ def test_an_excess_is_of_the_drawing_on_every_level() -> None:
     assert not certificate(cages[0]).need and certificate(cages[2]).need
 
 
-@pytest.mark.slow
 def test_an_excess_that_cannot_be_is_refused() -> None:
     poly_curve("Drawing", [star()])
     for levels in ("+0.00001%", "1e-9u"):
@@ -158,7 +155,6 @@ def test_the_panel_says_what_levels_come_to() -> None:
     assert not any("0.884" in text for text in draw())
 
 
-@pytest.mark.slow
 def test_inner_cages_lie_inside_and_play() -> None:
     obj = poly_curve("Drawing", [star(80)])
     generate("24, 10", inside=True)
@@ -185,7 +181,6 @@ def test_inner_cages_lie_inside_and_play() -> None:
     assert len(first.data.shape_keys.key_blocks) > 2
 
 
-@pytest.mark.slow
 def test_cages_around_and_inside_are_kept_side_by_side_and_replaced_each_by_its_own() -> None:
     obj = poly_curve("Drawing", [star()])
     generate("20")
@@ -210,7 +205,6 @@ def test_cages_around_and_inside_are_kept_side_by_side_and_replaced_each_by_its_
     assert [each.inside for each in drawings.sets().all_of(obj)] == [False, True]
 
 
-@pytest.mark.slow
 def test_inner_cages_are_verified() -> None:
     obj = poly_curve("Drawing", [star()])
     generate("20")
@@ -228,7 +222,6 @@ def test_inner_cages_are_verified() -> None:
     assert first.select_get()
 
 
-@pytest.mark.slow
 def test_selected_cages_of_both_sides_are_one_chain() -> None:
     poly_curve("Drawing", [star()])
     generate("20")
@@ -241,7 +234,6 @@ def test_selected_cages_of_both_sides_are_one_chain() -> None:
     assert holds(second) and "'Drawing Inner Cage 1'" in certificate(second).finding
 
 
-@pytest.mark.slow
 def test_inner_cages_move_nothing_and_say_so() -> None:
     poly_curve("Drawing", [star()])
     generate("16", inside=True)
@@ -257,7 +249,6 @@ def test_inner_cages_move_nothing_and_say_so() -> None:
             getattr(bpy.ops.object, f"nested_cages_{name}")(**options)
 
 
-@pytest.mark.slow
 def test_scripts_get_inner_cages_and_needs(extension, core) -> None:
     obj = poly_curve("Drawing", [star()])
     ((first, second),) = extension.cages([obj], [20, 0.15], inside=True)

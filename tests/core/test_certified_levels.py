@@ -1,6 +1,7 @@
 """What is handed out is certified: a user's own methods do something wrong, and an error or a right level comes out."""
 
 from collections.abc import Callable
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -275,6 +276,9 @@ def test_keys_that_a_jump_pushes_apart_stay_certified_on_both_sides(jump: tuple[
 def test_keys_are_on_the_numbers_that_will_hold_them_at_the_first_trial() -> None:
     """Far from the origin rounding takes from the clearance, and poses that are read once are not tried again."""
     fine = FINE.moved((FINE.vertices + 300.0).astype(np.float32).astype(float))
+    steps: list[core.Progress] = []
+    nested_cages(fine, 8, stored=np.float32, clearance=0.01, progress=steps.append)
+    assert [stage for stage, _ in groupby(step.stage for step in steps)].count("decimation") == 1
     poses = (fine.vertices + np.array([0.125 * k, 0.0]) for k in range(3))
     moving = animated_cages(fine, poses, [8], stored=np.float32, clearance=0.01)
     (level,) = moving.levels

@@ -45,6 +45,8 @@ class Searched(NamedTuple):
     """The least area for each number of lines."""
     cycle: Any
     """A function of a number of lines: the best cycle."""
+    within: Any
+    """A function of what is free: the areas of turns, infinite where one is not."""
 
 
 @pytest.fixture(scope="module", params=SHAPES)
@@ -62,7 +64,7 @@ def searches(request: pytest.FixtureRequest) -> list[Searched]:
         found.append(
             Searched(
                 search.chain.vertices, lines.place, lines.point, lines.direction,
-                search.free, turn, search.totals, search.cycle,
+                search.free, turn, search.totals, search.cycle, turns.within,
             )
         )  # fmt: skip
     return found
@@ -100,6 +102,14 @@ def test_turns_are_the_pairs_of_lines_that_meet_where_both_are_free(searches: li
             if (i, j) in search.turn:
                 assert search.turn[i, j] == pytest.approx((forth, back, area), rel=1e-4, abs=1e-6)
         assert judged > 100
+
+
+def test_what_is_free_of_either_line_bounds_a_turn(searches: list[Searched]) -> None:
+    for search in searches:
+        (i, j), (forth, back, area) = np.array(list(search.turn)).T, np.array(list(search.turn.values())).T
+        less = search.free * np.random.default_rng(2).random(search.free.shape)
+        open_ = (forth <= less[0][i]) & (back <= less[1][j])
+        np.testing.assert_array_equal(search.within(less), np.where(open_, area, np.inf))
 
 
 def test_cycles_are_the_best_of_all(searches: list[Searched]) -> None:
@@ -217,6 +227,21 @@ def test_cycles_enclose_loop_by_loop_and_do_not_cross(shape: Mesh, count: int, c
     for k in range(len(shape.loops)):
         one, other = (shapely.Polygon(mesh.vertices[mesh.loops[k]]) for mesh in (coarse, shape))
         assert one.contains(other) if shape.loop_signs[k] > 0 else other.contains(one)
+
+
+@pytest.mark.parametrize(("seed", "count", "area"), [(10, 16, 12.874), (16, 9, 9.313), (43, 12, 9.562)])
+def test_of_lines_that_cross_the_farther_give_way(seed: int, count: int, area: float) -> None:
+    """Or a hull is taken, where that is smaller: the areas are those that were reached."""
+    random = np.random.default_rng(seed)
+    places = [(1.6 * (k % 2), 1.7 * (k // 2)) for k in range(int(random.integers(2, 5)))]
+    fine = Mesh.from_loops([jagged(random, int(random.integers(6, 40))) + place for place in places])
+    assert LineCycles(on_curve=False).decimate(fine, count).area <= 1.001 * area
+
+
+def test_a_hole_without_room_takes_none_from_other_loops() -> None:
+    fine = Mesh.from_loops([ring(40), 0.04 * ring(12)])
+    coarse = LineCycles(on_curve=False).decimate(fine, 12, clearance=0.05)
+    assert shapely.LinearRing(coarse.vertices[coarse.loops[0]]).distance(shapely.Polygon(ring(40))) >= 0.05 - 1e-9
 
 
 @pytest.mark.thorough
