@@ -45,13 +45,9 @@ def test_everything_has_a_description(extension) -> None:
         assert operator.get_rna_type().description
 
 
-@pytest.mark.parametrize(
-    ("name", "page"),
-    [("bpy.ops.object.nested_cages_rebind", "bind"), ("bpy.types.NestedCagesSettings.clearance", "levels"),
-     ("bpy.types.NestedCagesPreferences.category", "install"), ("bpy.ops.object.nested_cages_cancel", "cages")],
-)  # fmt: skip
-def test_f1_leads_to_a_page_of_the_guide(name: str, page: str) -> None:
-    assert DocView._lookup_rna_url(name, verbose=False) == (ROOT / f"docs/guide/{page}.md").as_uri()
+def test_f1_leads_to_a_page_of_the_guide() -> None:
+    for name, page in (("ops.object.nested_cages_rebind", "bind"), ("types.NestedCagesSettings.clearance", "levels")):
+        assert DocView._lookup_rna_url(f"bpy.{name}", verbose=False) == (ROOT / f"docs/guide/{page}.md").as_uri()
 
 
 def test_all_properties_can_be_overridden() -> None:

@@ -16,8 +16,6 @@ from nestedcages_core import BatchProgress, Hierarchy, InvalidMeshError, Mesh, N
 from support.judging import rejected
 from support.shapes import assert_nested, star
 
-pytestmark = pytest.mark.slow
-
 BOW_TIE = shapely.Polygon([(0, 0), (1, 1), (1, 0), (0, 1)])
 
 
@@ -53,6 +51,7 @@ def executor(request: pytest.FixtureRequest, processes: Executor) -> Iterator[ob
         yield {"here": None, "processes": processes, "maker": spawning}[request.param]
 
 
+@pytest.mark.slow
 def test_results_come_in_order_and_equal_single_runs(executor: Executor | None) -> None:
     shapes = glyphs(4)
     seen: list[BatchProgress] = []
@@ -67,6 +66,7 @@ def test_results_come_in_order_and_equal_single_runs(executor: Executor | None) 
     assert {each.outcome.key for each in seen} == set(range(4))
 
 
+@pytest.mark.slow
 def test_a_failure_does_not_lose_the_others(executor: Executor | None) -> None:
     shapes = {"a": star(5, 50), "bow tie": BOW_TIE, "text": "no shape", "b": shapely.Point(0, 0).buffer(1)}
     outcomes = nested_cages_many(shapes, [12], executor=executor)
@@ -79,6 +79,7 @@ def test_a_failure_does_not_lose_the_others(executor: Executor | None) -> None:
     assert isinstance(small.error, core.NestingError)
 
 
+@pytest.mark.slow
 def test_levels_by_key_by_function_and_from_a_generator(executor: Executor | None) -> None:
     shapes = {"a": star(5, 50), "b": star(4, 60)}
     by_key = nested_cages_many(shapes, {"a": [20, 10], "b": [8]}, executor=executor)
@@ -93,6 +94,7 @@ def test_an_empty_batch() -> None:
     assert nested_cages_many([], [8], executor=ThreadPoolExecutor) == []
 
 
+@pytest.mark.slow
 def test_a_batch_may_be_cancelled(executor: Executor | None) -> None:
     done: dict[object, core.Outcome] = {}
 
@@ -134,6 +136,7 @@ def lock(hierarchy: Hierarchy) -> object:
     return threading.Lock()
 
 
+@pytest.mark.slow
 def test_results_that_do_not_travel_are_errors_of_their_shape() -> None:
     (read,) = nested_cages_many([star(5, 50)], [12], executor=lambda: ProcessPoolExecutor(1), keep=bomb)
     (written,) = nested_cages_many([star(5, 50)], [12], executor=lambda: ProcessPoolExecutor(1), keep=lock)
@@ -151,6 +154,7 @@ class Deadly:
         raise AssertionError("the worker is dead")
 
 
+@pytest.mark.slow
 def test_every_shape_without_a_result_has_an_error_when_a_worker_dies() -> None:
     shapes: dict[str, object] = {f"glyph {k}": shape for k, shape in enumerate(glyphs(9))}
     shapes["deadly"] = Deadly()
@@ -180,6 +184,7 @@ def test_exceptions_that_end_the_program_are_raised() -> None:
         nested_cages_many(glyphs(1), [12], executor=pool, keep=lambda _: sys.exit())
 
 
+@pytest.mark.slow
 def test_dask_makes_cages_too() -> None:
     from distributed import Client, LocalCluster
 
