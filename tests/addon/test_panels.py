@@ -146,7 +146,7 @@ def test_levels_are_told_in_vertices_next_to_them(name) -> None:
     if count is None:
         generate("40%")
         count = len(base(made(bpy.context.object.name)[0]))
-    assert f"50 % = {round(0.5 * count)}, 20 % = {max(3, round(0.2 * count))} " in drawn
+    assert f"50 % = {round(0.5 * count)}, 20 % = {max(3, round(0.2 * count))} " in drawn and "weight_group" in drawn
 
 
 def test_levels_are_told_for_all_selected_drawings() -> None:
