@@ -122,6 +122,7 @@ def test_what_is_missed_is_measured_on_the_grid() -> None:
     away = float(np.hypot(*(level.cage.vertices - star().vertices[0]).T).min())
     for said in [each for each in level.report.notes if each.code == "note.pin"]:
         assert said.data["distance"] == pytest.approx(away, abs=1e-3)
+    assert codes(nested_cages(annulus(40), 24, grid=0.05)[0]) == []  # a push makes way, so that no cage stands still
 
 
 @pytest.mark.slow
