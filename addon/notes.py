@@ -23,10 +23,6 @@ SENTENCES: Mapping[str, str] = {
         "Your outline could not be used, and another one took its place: draw it around the drawing and all its parts, "
         "with no holes that the drawing has not."
     ),
-    "note.loops keep": (
-        "With all {wanted} loops it is {excess_percent:.0f} % larger; {given} would make it about "
-        "{better_percent:.0f} % larger: choose 'As Needed' for 'Loops'."
-    ),
     "check.holds": "{when}'{outer}' encloses '{inner}': gap {clearance:.3g}, {excess_percent:.2f} % larger",
     "check.passes": "{when}'{outer}' encloses '{inner}', which passes over itself",
     "check.frames": "'{outer}' encloses '{inner}' on all frames from {first} to {last}: gap {clearance:.3g} at least",
@@ -53,12 +49,10 @@ BROKEN: Mapping[str, str] = {
     "cage.loops_differ": "one has holes or parts that the other has not",
     "cage.too_close": "they are too close",
     "flow.loops_differ": (
-        "your outline has not the parts and holes of the drawing: draw it around all of it, or tick 'Fall Back to Hull'"
+        "your outline has not the parts and holes of the drawing: draw it around all of it, or tick 'Fall Back'"
     ),
-    "flow.stuck": ("the drawing cannot shrink into your outline: draw it closer there, or tick 'Fall Back to Hull'"),
-    "reinflation.blocked": (
-        "the drawing cannot grow back in your outline: give it more vertices, or tick 'Fall Back to Hull'"
-    ),
+    "flow.stuck": ("the drawing cannot shrink into your outline: draw it closer there, or tick 'Fall Back'"),
+    "reinflation.blocked": ("the drawing cannot grow back in your outline: give it more vertices, or tick 'Fall Back'"),
     "edges.not_aligned": (
         "its edges cannot be along the axes with all else that is asked: use more vertices, or choose other 'Edges'"
     ),

@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib import import_module
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -29,7 +30,7 @@ FIRST_SEED, LARGEST = 40_000, 300
 NEEDLES = ("needles", "star")  # kinds whose excess is decided by round-off: they are apart
 
 
-FIRST: Any = lambda given, *_, **__: given  # noqa: E731
+NEVER: Any = lambda *_, **__: False  # noqa: E731
 NOTHING: Any = lambda *_, **__: None  # noqa: E731
 NO_STAGE: Any = lambda *_, **__: iter(())  # noqa: E731
 ALL_KEPT: Any = lambda pairs, *_, **__: np.ones(len(pairs), bool)  # noqa: E731
@@ -51,25 +52,21 @@ def chosen_as(name: str, method: str, **options: object) -> Callable[[], Setting
     return lambda: Settings(**{name: getattr(core, method)(**options)})
 
 
-CYCLES, HULL, CLEARANCE = "decimation.line_cycles", "decimation.hull", "tightening.reach_clearance"
+CLEARANCE = "tightening.reach_clearance"
 MECHANISMS: dict[str, Off] = {
     "the hull as fallback": Off(partial(Settings, fallback=None)),
     "untightened cage as last resort": Off(patches={"level.assembly:Assembly.untightened": NO_STAGE}),
     "line cycles (places by arc length)": Off(partial(Settings, decimation=ArcLength())),
-    "line cycles (outer hull)": Off(chosen_as("decimation", "OuterHull")),
     "the curve": Off(chosen_as("decimation", "LineCycles", on_curve=False)),
     "flow: steps with samples at vertices (6 to 1)": Off(chosen_as("flow", "TwoSidedFlow", vertex_limit=1)),
     "line cycles: searches through other lines": Off(
-        patches={f"{CYCLES}.loop_search:MAX_ACROSS": 0, f"{CYCLES}.loop_search:MAX_MORE": 0}
+        patches={"decimation.ring_search:MAX_ACROSS": 0, "decimation.ring_search:MAX_MORE": 0}
     ),
-    "line cycles: ways to clear crossings (3 to 1)": Off(patches={f"{CYCLES}.method:BIASES": (1.0,)}),
-    "line cycles: places (3 to 2 per vertex)": Off(patches={f"{CYCLES}.around:PLACES_PER_VERTEX": 2.0}),
-    "clearing": Off(patches={f"{HULL}.outer_search:cleared": FIRST}),
-    "clearing: small details built over": Off(patches={f"{HULL}.offset:without_small_details": FIRST}),
-    "clearing: narrow gaps filled": Off(patches={f"{HULL}.offset:without": FIRST}),
-    "filling of gaps like round-off": Off(patches={f"{HULL}.outer_search:without_gaps": FIRST}),
-    "details like round-off built over": Off(patches={f"{HULL}.outer_search:without_small_details": FIRST}),
-    "room in small holes": Off(patches={f"{HULL}.small_holes:with_room": FIRST}),
+    "line cycles: ways to clear crossings (3 to 1)": Off(patches={"decimation.line_cycles:CROSSING_RULES": (1.0,)}),
+    "line cycles: places (3 to 2 per vertex)": Off(patches={"decimation.cycle_search:SAMPLES_PER_VERTEX": 2.0}),
+    "the sequence of outlines": Off(partial(Settings, loops="keep")),
+    "large clearances: the rounded offset": Off(patches={"decimation.starts:is_wide": NEVER}),
+    "many points: coarse to fine": Off(patches={"decimation.line_cycles:ALL_POINTS": inf}),
     "sequential QPs first (IPC first)": Off(contacts("IPC", "SequentialQP")),
     "sequential QPs (IPC only)": Off(contacts("IPC")),
     "IPC behind sequential QPs": Off(contacts("SequentialQP")),

@@ -106,7 +106,7 @@ def settings(random: np.random.Generator, fine: Mesh) -> dict[str, Any]:
         "stored": str(pick(["float32", "float16"])),
         "symmetry": [core.Found(), core.Mirror(None, (1.0, 0.0)), core.Rotation(None, int(pick([2, 3, 6])))][pick(3)],
         "convex": True,
-        "merge": size * 10.0 ** random.uniform(-2.0, 0.0),
+        "loops": str(pick(["keep", "one"])),
         "constraints": [
             [
                 core.LeastEdge(size * 10.0 ** random.uniform(-2.0, 0.0)),

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 from .contact import SequentialQP as SequentialQP
 from .contact.reinflation import Reinflation
 from .decimation import LineCycles as LineCycles
-from .decimation import OuterHull as OuterHull
 from .energies import Area as Area
 from .energies import Blocks as Blocks
 from .energies import CageEnergy as CageEnergy
@@ -70,9 +69,9 @@ if TYPE_CHECKING:
     from .coordinates import PiecewiseLinear as PiecewiseLinear
     from .coordinates import cage_coordinates, deform
     from .coordinates import grids as grids
-    from .decimation.choices import ArcLength as ArcLength
-    from .decimation.choices import OnCurve as OnCurve
-    from .decimation.choices import OwnDecimation as OwnDecimation
+    from .decimation import ArcLength as ArcLength
+    from .decimation import OnCurve as OnCurve
+    from .decimation import OwnDecimation as OwnDecimation
     from .energies.choices import BoundaryARAP as BoundaryARAP
     from .energies.choices import ElementEnergy as ElementEnergy
     from .energies.choices import InitialDisplacement as InitialDisplacement
@@ -115,6 +114,9 @@ if TYPE_CHECKING:
     from .geometry.symmetry import Mirror as Mirror
     from .geometry.symmetry import Rotation as Rotation
     from .geometry.triangulation import convex_pieces as convex_pieces
+    from .hierarchy.check_decimation import check_decimation as check_decimation
+    from .hierarchy.excess_by_count import ExcessByCount as ExcessByCount
+    from .hierarchy.excess_by_count import excess_by_count as excess_by_count
     from .motion import AnimatedCagesRun as AnimatedCagesRun
     from .motion import Key as Key
     from .motion import MotionReport as MotionReport
@@ -212,7 +214,7 @@ _LATER = {
     "energies.weighted_sum": "WeightedSum",
     "energies.no_energy": "NoEnergy",
     "contact.ipc": "IPC",
-    "decimation.choices": "OnCurve ArcLength OwnDecimation",
+    "decimation": "OnCurve ArcLength OwnDecimation",
     "energies.choices": "BoundaryARAP ElementEnergy InitialDisplacement InteriorARAP ShapeKeeping StepDisplacement",
     "geometry.triangulation": "convex_pieces",
     "geometry.symmetry": "Found Mirror Rotation",
@@ -229,6 +231,8 @@ _LATER = {
         "read_svg_drawing svg_drawing swept to_engine_json to_geojson to_svg write_engine_json write_geojson write_svg"
     ),
     "exchange.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
+    "hierarchy.check_decimation": "check_decimation",
+    "hierarchy.excess_by_count": "ExcessByCount excess_by_count",
     "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",
     "puppet": "PartChoice Puppet PuppetDraft PuppetPart draft_puppet idle puppet_of walk wave",
     "published.gurditta_jacobson_2022": (

@@ -30,6 +30,15 @@ def load_shapely(purpose: str) -> Any:
     return shapely
 
 
+def has_shapely() -> bool:
+    """Whether shapely can be imported."""
+    try:
+        load_shapely("This")
+    except NestedCagesError:
+        return False
+    return True
+
+
 def load_css() -> tuple[Any, Any]:
     """tinycss2, with its colours, and cssselect2."""
     with _needed("tinycss2 and cssselect2", "Reading styles and colours by function or in masks"):

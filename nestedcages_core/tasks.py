@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Generator, Iterable, Iterator
+from contextvars import copy_context
+from threading import Semaphore, Thread
 from typing import Any, Generic, TypeAlias, TypeVar
 
 from .errors import NestedCagesError
@@ -97,6 +99,51 @@ def _with_lines(run: Run[Any, Result]) -> Result:
             print(f"{10 * line[0]:3} %  {step.message}", file=sys.stderr)
             said = line
     return run.result
+
+
+def ticking(work: Callable[[Callable[[float], None]], Result]) -> Stage[float, Result]:
+    """Work that calls a function with the fraction done, as a stage: in a thread that runs only while the caller waits.
+
+    Closing the stage ends the work at its next call.
+    """
+    go, shown, steps, outcome = Semaphore(0), Semaphore(0), list[float](), list[Any]()
+
+    def tick(fraction: float) -> None:
+        steps.append(fraction)
+        shown.release()
+        go.acquire()
+        if outcome:
+            raise _Cancelled
+
+    def run() -> None:
+        try:
+            outcome[:] = [work(tick), None]
+        except BaseException as error:
+            outcome[:] = [None, error]
+        shown.release()
+
+    thread = Thread(target=copy_context().run, args=(run,), daemon=True)
+    thread.start()
+    try:
+        while True:
+            shown.acquire()
+            if not steps:
+                break
+            yield steps.pop()
+            go.release()
+    finally:
+        if not outcome:
+            outcome.append(None)
+            go.release()
+        thread.join()
+    result, error = outcome
+    if error is not None:
+        raise error
+    return result  # type: ignore[no-any-return]
+
+
+class _Cancelled(BaseException):
+    """Ends work that is no longer wanted; no handler of errors catches it."""
 
 
 class Run(Generic[Shown, Result]):

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import ceil, pi
+from math import pi
 from typing import Any
 
 from ..core import core, known, memory, remembered, steps
@@ -24,8 +24,8 @@ LOOSE, GOOD = 0.5, 0.25
 # The part of a cage's excess that a clearance takes alone, to be called its cause; one that is loose by itself always
 # is, since no number of vertices helps.
 CLEARANCE_PART = 0.25
-# Factor from one tested vertex count to the next; drawings with more vertices than this are not tested.
-COUNT_GROWTH, LARGEST_TRIED = 1.3, 5000
+# How many times as many vertices are looked at; drawings with more vertices than the second are not.
+MOST_TIMES, LARGEST_TRIED = 8, 5000
 # Size in bytes of a bound, for the memory.
 BOUND_BYTES = 1000
 
@@ -61,30 +61,15 @@ def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: flo
 
 
 def _enough(fine: core.Mesh, count: int, clearance: float) -> int | None:
-    """A vertex count whose outer hull, without tightening, is close enough; None if there is none."""
-    total = len(fine.vertices)
-    while count < total <= LARGEST_TRIED:
-        count = min(ceil(COUNT_GROWTH * count), total)
-        try:
-            hull = core.OuterHull().decimate(fine, count, clearance=clearance)
-        except core.NestedCagesError:
-            continue
-        if hull.area <= (1.0 + GOOD) * fine.area:
-            return count
-    return None
-
-
-def _on_drawing(said: core.Fault, size: float) -> core.Fault:
-    """A note whose excess is over the drawing, not over the cage in it, given the area of that by the drawing's."""
-    if said.code != KNEE:
-        return said
-    return note(KNEE, **dict(said.data) | {name: size * (1.0 + said.data[name]) - 1.0 for name in ("excess", "less")})
+    """A vertex count whose cage is probably close enough; None if there is none."""
+    if len(fine.vertices) > LARGEST_TRIED:
+        return None
+    curve = core.excess_by_count(fine, min(MOST_TIMES * count, len(fine.vertices)), clearance=clearance)
+    return next((better for better, excess in curve.items() if better > count and excess <= GOOD), None)
 
 
 # What Blender stores coordinates in; cages and their motion are certified on these numbers.
 STORED = "float32"
-# Code of the note that says which number of vertices is worth it: no other advice is needed then.
-KNEE = "note.knee"
 # Size in bytes of the advice on a level, for the memory.
 ADVICE_BYTES = 1000
 
@@ -179,7 +164,7 @@ class Generation:
         if not own and not options.levels:
             raise UserError("Enter a number of vertices in 'Cages', such as 64")
         scale, convex = request.fine.frame.scale, options.rules.convex
-        keeps = options.inside or (options.rules.loops == KEEP and not options.rules.merge)
+        keeps = options.inside or options.rules.loops == KEEP
         wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex, keeps=keeps)
         try:
             settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
@@ -247,9 +232,8 @@ class Generation:
             known().put(key, levels, sum(each.nbytes for motion in moved for each in motion))
         for each, level in zip(plan.levels, levels, strict=True):
             facts = (plan.fine, level.cage, each.level, level.report.wanted_clearance)
-            told = tuple(_on_drawing(said, level.fine.area / plan.fine.area) for said in level.report.notes)
-            checked = not (options.inside or options.rules.convex or any(each.code == KNEE for each in told))
+            checked = not (options.inside or options.rules.convex)
             advice = remembered(partial(excess_note, *facts), ADVICE_BYTES, "advice", *facts) if checked else ()
-            notes = (*plan.request.places.notes, *each.notes, *told, *advice)
+            notes = (*plan.request.places.notes, *each.notes, *level.report.notes, *advice)
             finished.append(replace(level, report=replace(level.report, notes=tuple(dict.fromkeys(notes)))))
         yield Progress(1.0, f"{name}, cage {len(levels)}")

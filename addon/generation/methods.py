@@ -23,8 +23,8 @@ DECIMATIONS: Mapping[str, Choice] = {
         "Coarse meshes start on the drawing, which shrinks into them and pushes them out while it grows back",
         "LineCycles",
     ),
-    "OUTER_HULL": Choice(
-        "Outer Hull", "Coarse meshes start outside the drawing, which need not shrink: the tightest cages"
+    "OUTSIDE": Choice(
+        "Outside", "Coarse meshes start around the drawing, which need not shrink: the tightest cages", "LineCycles"
     ),
     "ARC_LENGTH": Choice(
         "Even Resampling", "Coarse vertices lie on the drawing at equal distances along it, on every level"
@@ -60,8 +60,8 @@ def _made(choices: Mapping[str, Choice], key: str) -> Any:
 @dataclass(frozen=True)
 class Methods:
     """`decimation`, `energy`: keys of `DECIMATIONS` and `ENERGIES`. `as_published`: whether the drawing shrinks and
-    grows back as in Gurditta & Jacobson (2022), with repairs. `fall_back`: whether to start from the outer hull if a
-    coarse mesh fails.
+    grows back as in Gurditta & Jacobson (2022), with repairs. `fall_back`: whether to start from a mesh around the
+    drawing if a coarse mesh fails.
     """
 
     decimation: str = "ON_CURVE"
@@ -72,13 +72,14 @@ class Methods:
     def settings(self) -> core.Settings:
         """The core's ``Settings``."""
         settings, energy = core.Settings(), _made(ENERGIES, self.energy)
+        outside = core.LineCycles(on_curve=False)
         if self.as_published:
             settings = core.AUGMENTED_2022_REPAIRED
             contact: Any = settings.contact
             settings = replace(settings, contact=replace(contact, energy=energy))
         return replace(
             settings,
-            decimation=_made(DECIMATIONS, self.decimation),
+            decimation=outside if self.decimation == "OUTSIDE" else _made(DECIMATIONS, self.decimation),
             energy=energy,
-            fallback=core.OuterHull() if self.fall_back else None,
+            fallback=outside if self.fall_back else None,
         )

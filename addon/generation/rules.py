@@ -61,7 +61,6 @@ class Rules:
     convex: bool = False
     grid: float = 0.0
     loops: Literal["auto", "keep", "one"] = "auto"
-    merge: float = 0.0
     symmetry: str = NONE
     symmetry_order: int = 2
     min_edge: float = 0.0
@@ -78,7 +77,6 @@ class Rules:
             convex=self.convex,
             grid=self.grid / scale or None,
             loops=self.loops,
-            merge=self.merge / scale or None,
             symmetry=self._symmetry(fine),
             weights=places.weights or None,
             pins=places.pins,
@@ -91,7 +89,7 @@ class Rules:
     def kinds(self, places: Places | None = None) -> list[str]:
         """What cages are by these rules, in words."""
         names = {"convex": self.convex, "on a grid": self.grid > 0.0, "symmetric": self.symmetry != NONE}
-        names |= {"merged": self.merge > 0.0 or self.loops == ONE}
+        names |= {"merged": self.loops == ONE}
         if places is not None:
             names |= {"weighted": bool(places.weights), "pinned": bool(places.pins or places.joints)}
         names |= {"of few directions": self.directions != NONE}

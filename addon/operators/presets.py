@@ -22,11 +22,11 @@ FOLDER = "nested_cages"
 PRESETS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
     "Collision": (
         "One outline of very few vertices around each drawing, without the animation of how it forms",
-        {"levels": "12", "decimation": "OUTER_HULL", "show_flow": False, "shrink": False},
+        {"levels": "12", "decimation": "OUTSIDE", "show_flow": False, "shrink": False},
     ),
     "Outline": (
         "Outlines for smaller and smaller scales; each encloses all land of the one before",
-        {"levels": "25%, 8%, 2%", "decimation": "OUTER_HULL", "show_flow": False, "shrink": False},
+        {"levels": "25%, 8%, 2%", "decimation": "OUTSIDE", "show_flow": False, "shrink": False},
     ),
     "Rig": (
         "One cage of few, evenly spaced vertices at a hundredth of the drawing's size, to be bound and posed",
@@ -34,7 +34,7 @@ PRESETS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
     ),
     "Tight": (
         "Tight cages, with vertex counts relative to the drawing",
-        {"levels": "10%, 3%", "decimation": "OUTER_HULL"},
+        {"levels": "10%, 3%", "decimation": "OUTSIDE"},
     ),
     "IPC 2022 Repaired": (
         "For comparisons, after Gurditta & Jacobson (2022), with fixes",

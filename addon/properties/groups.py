@@ -12,7 +12,7 @@ from .settings import GenerationProperties
 
 SPACE: tuple[str, ...] = ("clearance", "clearance_share", "inside")
 WHICH: tuple[str, ...] = ("together", "use_selected_as_levels")
-RULES: tuple[str, ...] = ("convex", "grid", "loops", "merge", "symmetry", "symmetry_order", "directions")
+RULES: tuple[str, ...] = ("convex", "grid", "loops", "symmetry", "symmetry_order", "directions")
 PLACES: tuple[str, ...] = ("weight_group", "pin_group", "joint_armature", "min_edge", "min_angle")
 # Names of vertex groups.
 GROUPS = ("weight_group", "pin_group")

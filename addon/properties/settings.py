@@ -44,9 +44,6 @@ class GenerationProperties:
     convex: flag("Convex", "Make the smallest convex polygon around each part, with as many vertices as the level says")
     grid: length("Grid", "Put all vertices of cages at multiples of this length from the object's origin; 0 for none")
     loops: choice("Loops", "Which loops of the drawing have one of their own in a cage", LOOPS, default=AUTO)
-    merge: length(
-        "Merge", "Parts closer than this share a loop of the cage, and smaller holes are filled; 0 keeps all loops"
-    )
     symmetry: choice("Symmetry", "What makes both sides of a cage alike", SYMMETRIES, default=NO_SYMMETRY)
     symmetry_order: whole("Order", "Number of sectors that are alike", default=2, min=2, soft_max=12)
     directions: choice("Edges", "Directions of the edges of cages in the plane of the drawing", DIRECTIONS)
@@ -79,8 +76,8 @@ class GenerationProperties:
     decimation: choice("Coarse Meshes", "How coarse meshes are made", items(DECIMATIONS))
     energy: choice("Energy", "What a cage minimises", items(ENERGIES))
     fall_back: flag(
-        "Fall Back to Hull",
-        "If the drawing cannot shrink into a coarse mesh, start from the outer hull instead of reporting it",
+        "Fall Back",
+        "If the drawing cannot shrink into a coarse mesh, start from a mesh around it instead of reporting it",
         default=Methods.fall_back,
     )
     as_published: flag(

@@ -14,8 +14,8 @@ from ..record import CageSet
 
 # Letters per line of a sentence: fits into the sidebar at its default width.
 NOTE_WIDTH = 36
-# Code of the note on a few vertices more that would halve the excess, which is on a button.
-KNEE = "note.knee"
+# Code of the note on a number of vertices that would be enough, which is on a button.
+ENOUGH = "loose.enough"
 HOLDS, BROKEN, EDITED, ADVICE, MADE = "CHECKMARK", "ERROR", "QUESTION", "INFO", "MOD_MESHDEFORM"
 
 
@@ -35,7 +35,7 @@ def draw_set(layout: Any, context: Context, cage_set: CageSet) -> None:
         if state == BROKEN:
             column.operator("object.nested_cages_select_fault", icon="VIEWZOOM").cage = cage.name
         for code, data in record.notes(record.node_of(cage)):
-            if code == KNEE:  # a button that takes the better count
+            if code == ENOUGH:  # a button that takes the better count
                 counts = [data["better"] if each is cage else len(each.data.vertices) for each in cage_set.cages]
                 button = column.operator("object.nested_cages_generate", text=notes.sentence(code, data), icon="ADD")
                 button.levels = ", ".join(map(str, counts))
@@ -53,7 +53,7 @@ def health(context: Context, cage: Object) -> tuple[str, str]:
     advice = [
         notes.sentence(*each)
         for each in record.notes(node)
-        if notes.is_told(*each) and not each[0].startswith((record.CHECK, KNEE))
+        if notes.is_told(*each) and not each[0].startswith((record.CHECK, ENOUGH))
     ]
     if advice:
         return ADVICE, advice[0]

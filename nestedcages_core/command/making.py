@@ -25,7 +25,7 @@ MAX_PROCESSES_ON_WINDOWS = 61
 TOLD = ("note.count", "note.loops")
 """Codes of notes that are told of several files too."""
 
-SETTINGS = ("clearance", "grid", "loops", "merge", "convex", "symmetry", "min_edge", "min_angle", "seconds")
+SETTINGS = ("clearance", "grid", "loops", "convex", "symmetry", "min_edge", "min_angle", "seconds")
 """Options that are settings of the same name."""
 
 CONSTRAINTS = ("directions", "box")

@@ -167,9 +167,6 @@ OPTIONS = {
     ),
     "shape": (
         _option("--convex", help="convex cages: this many vertices around each part, holes filled"),
-        _option("--merge", type=lambda text: inf if text == "all" else length(text), metavar="LENGTH", help="parts "
-                "closer than this share a loop of the cage, and smaller holes are filled; all: one loop around "
-                "everything"),
         _option("--symmetry", type=symmetry, metavar="WHAT", help="x (left and right alike), y (top and bottom alike), "
                 "both about the middle of the drawing, a number (rotations of that order about its centroid), or found "
                 "(the drawing's own)"),
@@ -235,7 +232,6 @@ APART = (
     *(("borders", "grid"), ("borders", "decimals"), ("borders", "symmetry"), ("convex", "inside")),
     *(("convex", other) for other in ("borders", "min_edge", "min_angle", "directions")),
     *(("borders", other) for other in ("directions", "box")),
-    *(("merge", other) for other in ("inside", "convex", "symmetry", "min_edge", "min_angle")),
 )
 """Options that exclude each other."""
 

@@ -15,8 +15,8 @@ from ..geometry.vectors import cross, dot, norm, rotated_left
 from .base import Bound, Constraint, Units
 
 if TYPE_CHECKING:
-    from ..decimation.line_cycles.chain import Chain, Lines
-    from ..decimation.line_cycles.places import NormalFrame
+    from ..decimation.outline import Lines, Outline
+    from ..decimation.sampling import NormalFrame
     from ..solver.elimination import Elimination
 
 TRANSIT = (0.0, 45.0, 90.0, 135.0)
@@ -65,34 +65,34 @@ class AxisAligned(Constraint):
         ahead[np.abs(ahead) < INPUT_ROUND_OFF] = 0.0
         return np.concatenate((ahead, -ahead))
 
-    def candidates(self, chain: Chain, at: IntArray, lines: Lines, frame: NormalFrame, shift: float) -> Lines:
+    def candidates(self, outline: Outline, at: IntArray, lines: Lines, frame: NormalFrame, shift: float) -> Lines:
         """Lines along the directions that touch the stretches from each place on, instead of others.
 
         Each twice, before and behind its contact: at the reflex corners of stairs one ends where the next one begins.
         """
-        from ..decimation.line_cycles.candidates import STRETCHES, supporting_lines
-        from ..decimation.line_cycles.chain import Lines
+        from ..decimation.outline import Lines
+        from ..decimation.tangents import STRETCHES, supporting_lines
 
         turned = frame.into(frame.centre + frame.scale * self.tangents)
         parts = []
         for stretch in (0, *(stretch for stretch in STRETCHES if stretch < len(at))):
             last = np.roll(at, -stretch)
-            last = np.where(last < at, last + chain.size, last)
-            parts += [supporting_lines(chain, at, last, np.broadcast_to(way, (len(at), 2))) for way in turned]
-        lines = Lines.joined(parts).ordered(chain)
+            last = np.where(last < at, last + outline.size, last)
+            parts += [supporting_lines(outline, at, last, np.broadcast_to(way, (len(at), 2))) for way in turned]
+        lines = Lines.joined(parts).ordered(outline)
         both = []
-        for way, touches in zip((-1.0, 1.0), _touching(chain, lines, 0.0), strict=True):
+        for way, touches in zip((-1.0, 1.0), _touching(outline, lines, 0.0), strict=True):
             some = lines.take(touches)
             point = some.point + way * FORWARD * shift * some.direction
-            both.append(Lines(point, np.mod(some.place + way * BESIDE, chain.size), some.direction, some.passed))
+            both.append(some.but(point=point, place=np.mod(some.place + way * BESIDE, outline.size)))
         lines = Lines.joined(both)
-        return lines.take(np.lexsort((chain.turned(lines.place, lines.direction), lines.place)))
+        return lines.take(np.lexsort((outline.turned(lines.place, lines.direction), lines.place)))
 
-    def reach(self, chain: Chain, lines: Lines, shift: float) -> FloatArray:
+    def reach(self, outline: Outline, lines: Lines, shift: float) -> FloatArray:
         """Lines that touch the loop only before a vertex end there, and those that touch it only behind begin there."""
-        from ..decimation.line_cycles.turns import SLACK
+        from ..decimation.turns import SLACK
 
-        before, behind = _touching(chain, lines, shift)
+        before, behind = _touching(outline, lines, shift)
         way = lines.place - _contact(lines)
         last = max(FORWARD * shift - SLACK, ROUND_OFF)
         return np.stack((np.where((way < 0.0) & ~behind, last, np.inf), np.where((way > 0.0) & ~before, last, np.inf)))
@@ -161,6 +161,11 @@ class BoundDirections(Bound):
         tangent = np.where((successor == self.following)[:, None], self.tangent, -self.tangent[successor])
         return Elimination.of_lines(tangent, np.ones(len(tangent), bool), successor, images)
 
+    def allowed(self, vertex: IntArray, start: FloatArray, end: FloatArray) -> BoolArray:
+        """Edges along their directions."""
+        tangent, edge = self.tangent[vertex], end - start
+        return np.asarray((np.abs(cross(tangent, edge)) <= ROUND_OFF * norm(edge)) & (dot(tangent, edge) > 0.0))
+
     def settled(self, cage: FloatArray, successor: IntArray) -> FloatArray:
         """(m, 2) the cage with each line through that of its vertices (m, 2) that is farthest out."""
         elimination = self.eliminated(None, successor)
@@ -179,22 +184,22 @@ def _contact(lines: Lines) -> FloatArray:
     return np.asarray(np.round(2.0 * lines.place) / 2.0)
 
 
-def _touching(chain: Chain, lines: Lines, shift: float) -> tuple[BoolArray, BoolArray]:
-    """(K,) whether the chain before, and behind, the contact of each line lies to its left.
+def _touching(outline: Outline, lines: Lines, shift: float) -> tuple[BoolArray, BoolArray]:
+    """(K,) whether the outline before, and behind, the contact of each line lies to its left.
 
-    shift: of the lines from the chain. Lines that touch it elsewhere, next to both sides of it, do.
+    shift: of the lines from the outline. Lines that touch it elsewhere, next to both sides of it, do.
     """
     contact = _contact(lines)
-    ahead, vertex = np.ceil(contact).astype(np.int64), np.floor(contact).astype(np.int64) % chain.size
+    ahead, vertex = np.ceil(contact).astype(np.int64), np.floor(contact).astype(np.int64) % outline.size
     before, behind = (
         np.mod(cross_angle, 2.0 * np.pi)
         for cross_angle in (
-            _turn(chain.edges[ahead - 1], lines.direction) + ROUND_OFF,
-            _turn(lines.direction, chain.edges[vertex]) + ROUND_OFF,
+            _turn(outline.edges[ahead - 1], lines.direction) + ROUND_OFF,
+            _turn(lines.direction, outline.edges[vertex]) + ROUND_OFF,
         )
     )
-    height = cross(lines.direction, chain.vertices[vertex] - lines.point)
-    elsewhere = np.abs(height - shift) > 0.5 * shift + ROUND_OFF * chain.length
+    height = cross(lines.direction, outline.vertices[vertex] - lines.point)
+    elsewhere = np.abs(height - shift) > 0.5 * shift + ROUND_OFF * outline.length
     convex = before + behind < np.pi + 4.0 * ROUND_OFF
     one, other = before < np.pi, behind < np.pi
     left = one & other & ~convex  # the line touches a reflex corner from within

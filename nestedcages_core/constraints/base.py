@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
 import numpy as np
 
 from ..errors import Fault
-from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from ..solver.banded import Rows
 
 if TYPE_CHECKING:
-    from ..decimation.base import Outline
-    from ..decimation.line_cycles.chain import Chain, Lines
-    from ..decimation.line_cycles.places import NormalFrame
+    from ..decimation.base import LevelTarget
+    from ..decimation.outline import Lines, Outline
+    from ..decimation.sampling import NormalFrame
     from ..energies import CageEnergy
     from ..solver.elimination import Elimination
 
@@ -81,6 +81,10 @@ class Bound:
         """
         return ()
 
+    def allowed(self, vertex: IntArray, start: FloatArray, end: FloatArray) -> BoolArray:
+        """(K,) whether the edges from vertices (K,) may run from starts (K, 2) to ends (K, 2), on a grid."""
+        return np.ones(len(vertex), bool)
+
     def short(self, cage: FloatArray) -> FloatArray:
         """(m,) the length that the cage (m, 2) lacks at each vertex; 0 where the constraint is kept."""
         return np.zeros(len(cage))
@@ -108,7 +112,7 @@ class Constraint:
         """The constraint about a drawing, for cages around it (side 1) or inside it (-1). Raises NestingError."""
         return self
 
-    def outline(self, outline: Outline, side: int) -> Outline:
+    def outline(self, outline: LevelTarget, side: int) -> LevelTarget:
         """What cages of a level are made around, such as the union of images. Raises NestingError."""
         return outline
 
@@ -128,14 +132,14 @@ class Constraint:
         """(L,) distance to keep from each loop of the mesh inside, or around, on top of the clearance; None: none."""
         return None
 
-    def candidates(self, chain: Chain, at: IntArray, lines: Lines, frame: NormalFrame, shift: float) -> Lines:
+    def candidates(self, outline: Outline, at: IntArray, lines: Lines, frame: NormalFrame, shift: float) -> Lines:
         """The candidate lines of the start next to a loop, in the units of the frame; all others if need be.
 
         at: (N,) vertices that stretches begin at. shift: by which lines are then moved away from the loop.
         """
         return lines
 
-    def reach(self, chain: Chain, lines: Lines, shift: float) -> FloatArray:
+    def reach(self, outline: Outline, lines: Lines, shift: float) -> FloatArray:
         """(2, K) how far own candidates run from their contacts forwards and backwards, in units of the frame."""
         return np.full((2, len(lines)), np.inf)
 

@@ -15,8 +15,8 @@ from ..solver.banded import Rows
 from .base import Bound, Constraint, Terms, Units
 
 if TYPE_CHECKING:
-    from ..decimation.line_cycles.chain import Lines
-    from ..decimation.line_cycles.places import NormalFrame
+    from ..decimation.outline import Lines
+    from ..decimation.sampling import NormalFrame
 
 SIDES = ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0))
 """Coordinate and sign of the inner normal of each side."""

@@ -12,13 +12,12 @@ from typing import Any, TypeVar, cast
 
 import numpy as np
 
-from ..decimation.base import Outline
-from ..decimation.budget import LEAST_PER_LOOP
-from ..decimation.line_cycles.chain import Chain, Lines
-from ..decimation.line_cycles.places import NormalFrame
+from ..decimation.base import MIN_PER_LOOP, LevelTarget
+from ..decimation.outline import Lines, Outline
+from ..decimation.sampling import NormalFrame
 from ..energies import CageEnergy
 from ..errors import Fault, NestedCagesError
-from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from ..solver.banded import Rows
@@ -81,14 +80,14 @@ class Checked(Constraint):
         """A constraint."""
         return self._again("rounded", numbers)
 
-    def outline(self, outline: Outline, side: int) -> Outline:
+    def outline(self, outline: LevelTarget, side: int) -> LevelTarget:
         """An outline."""
-        return _instance(self.given, "outline", Outline, self.given.outline, outline, side)
+        return _instance(self.given, "outline", LevelTarget, self.given.outline, outline, side)
 
     def count(self, outline: Mesh, count: int) -> int:
         """A whole number, at least that asked for or three a loop, at most that asked for or that of the outline."""
         found = _asked(self.given, "count", self.given.count, outline, count)
-        least, most = min(count, LEAST_PER_LOOP * len(outline.loops)), max(count, len(outline.vertices))
+        least, most = min(count, MIN_PER_LOOP * len(outline.loops)), max(count, len(outline.vertices))
         if isinstance(found, bool | np.bool_) or not isinstance(found, int | np.integer) or not least <= found <= most:
             raise _wrong(self.given, "count", f"must return a whole number from {least} to {most}, not {found!r}")
         return int(found)
@@ -103,23 +102,32 @@ class Checked(Constraint):
             raise _wrong(self.given, "distances", "must return finite lengths of at least 0")
         return lengths
 
-    def candidates(self, chain: Chain, at: IntArray, lines: Lines, frame: NormalFrame, shift: float) -> Lines:
+    def candidates(self, outline: Outline, at: IntArray, lines: Lines, frame: NormalFrame, shift: float) -> Lines:
         """Lines with places on the loop."""
-        found = _instance(self.given, "candidates", Lines, self.given.candidates, chain, at, lines, frame, shift)
+        found = _instance(self.given, "candidates", Lines, self.given.candidates, outline, at, lines, frame, shift)
         if found is lines:
             return lines
         count = len(np.atleast_1d(found.place))
         if count == 0:
             raise _wrong(self.given, "candidates", "must return some lines")
-        shapes = {"point": (count, 2), "place": (count,), "direction": (count, 2), "passed": (count,)}
+        shapes = {
+            "point": (count, 2),
+            "place": (count,),
+            "direction": (count, 2),
+            "skipped": (count,),
+            "span": (count,),
+        }
         parts = [_numbers(self.given, "candidates", lambda n=n: getattr(found, n), shapes[n]) for n in shapes]
-        if not all(np.isfinite(part).all() for part in parts) or not ((parts[1] >= 0) & (parts[1] < chain.size)).all():
-            raise _wrong(self.given, "candidates", f"must return finite numbers, and places from 0 to {chain.size}")
+        if (
+            not all(np.isfinite(part).all() for part in parts)
+            or not ((parts[1] >= 0) & (parts[1] < outline.size)).all()
+        ):
+            raise _wrong(self.given, "candidates", f"must return finite numbers, and places from 0 to {outline.size}")
         return Lines(*parts)
 
-    def reach(self, chain: Chain, lines: Lines, shift: float) -> FloatArray:
+    def reach(self, outline: Outline, lines: Lines, shift: float) -> FloatArray:
         """Numbers, which may be infinite."""
-        return _numbers(self.given, "reach", lambda: self.given.reach(chain, lines, shift), (2, len(lines)))
+        return _numbers(self.given, "reach", lambda: self.given.reach(outline, lines, shift), (2, len(lines)))
 
     def started(self, coarse: Mesh, side: int) -> Mesh:
         """A mesh with the same edges."""
@@ -225,6 +233,11 @@ class CheckedBound(Bound):
                 Rows(vertex.astype(np.int64), weight.astype(np.float64), direction.astype(np.float64)),
                 room.astype(np.float64),
             )
+
+    def allowed(self, vertex: IntArray, start: FloatArray, end: FloatArray) -> BoolArray:
+        """Whether each edge may run so."""
+        allowed = _numbers(self.of, "allowed", lambda: self.given.allowed(vertex, start, end), (len(vertex),))
+        return np.asarray(allowed != 0.0)
 
     def short(self, cage: FloatArray) -> FloatArray:
         """Finite lengths of at least 0."""

@@ -8,8 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ..decimation.base import Outline
-from ..decimation.budget import LEAST_PER_LOOP
+from ..decimation.base import MIN_PER_LOOP, LevelTarget
 from ..errors import Fault, NestingError, note
 from ..geometry.arrays import FloatArray
 from ..geometry.convex_hull import convex_hull
@@ -32,7 +31,7 @@ class Convex(Constraint):
     on_grid: bool = False
     """Whether vertices are on certain numbers."""
 
-    def outline(self, outline: Outline, side: int) -> Outline:
+    def outline(self, outline: LevelTarget, side: int) -> LevelTarget:
         """The hulls of the parts, each with the number of vertices asked for, to be enclosed instead of the fine mesh.
 
         Raises NestingError for cages inside, whose complement is not convex, and where hulls overlap.
@@ -61,7 +60,7 @@ class Convex(Constraint):
             for k in set(part):  # others are images alone
                 points = np.concatenate([loop for loop, of in zip(loops, part, strict=True) if of == k])
                 hulls[k] = points[convex_hull(points)]
-        return Outline(alike, Mesh.from_loops(hulls), fine, True, outline.notes)
+        return LevelTarget(alike, Mesh.from_loops(hulls), fine, True, outline.notes)
 
     def rounded(self, numbers: Rounding) -> Convex:
         """The same, for other notes."""
@@ -73,7 +72,7 @@ class Convex(Constraint):
         along = hull.edge_ends - hull.vertices
         before = along[hull.predecessor]
         turn = np.arctan2(cross(before, along), (before * along).sum(axis=1))
-        most = max(LEAST_PER_LOOP, int((turn > NEGLIGIBLE).sum()))
+        most = max(MIN_PER_LOOP, int((turn > NEGLIGIBLE).sum()))
         return min(count, most)
 
     def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
@@ -83,7 +82,7 @@ class Convex(Constraint):
     def mended(self, cage: Mesh) -> tuple[Mesh, Fault] | None:
         """The convex hull of a cage with dents or straight angles; None for one that is inside out or flat."""
         hulls = [] if is_convex(cage) else _hulls(cage, range(len(cage.loops)), self.kept)
-        if not hulls or min(map(len, hulls)) < LEAST_PER_LOOP or sum(map(len, hulls)) == len(cage.vertices):
+        if not hulls or min(map(len, hulls)) < MIN_PER_LOOP or sum(map(len, hulls)) == len(cage.vertices):
             return None
         hull = Mesh.from_loops(hulls)
         orbits = None if self.kept is None else orbits_of(hull, self.kept)

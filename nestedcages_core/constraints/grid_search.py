@@ -8,7 +8,9 @@ each other, so that loops stay simple. The result is certified elsewhere.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import numpy as np
 
@@ -26,6 +28,9 @@ from ..geometry.signed_distance import SignedDistance
 from ..geometry.vectors import cross, norm, rotated_right
 from ..tasks import Stage
 from .free_edges import FreeEdges, Near, Segments
+
+Allowed: TypeAlias = Callable[[IntArray, FloatArray, FloatArray], BoolArray]
+"""(K,) whether the edges from vertices (K,) may run from starts (K, 2) to ends (K, 2)."""
 
 REACHES = (1, 2, 3, 4)
 """Reach of first layers around a vertex and its path outwards, in grid steps; larger ones where no cage is found."""
@@ -47,6 +52,7 @@ def put_on_grid(
     cage: Mesh,
     fine: Mesh,
     grid: Grid,
+    allowed: Allowed,
     *,
     clearance: float,
     side: int,
@@ -55,11 +61,11 @@ def put_on_grid(
 ) -> Stage[float, FloatArray | None]:
     """(m, 2) grid points for the vertices of a cage around a fine mesh, or inside it; None if none were found.
 
-    clearance: smallest distance to keep from the fine mesh, above 0, as in the coordinates of the meshes. edge_cost:
-    what is minimised; None: the area. rounds: of improvements, at most. A generator: yields a fraction after each.
-    Raises NestingError if none were found within `MOST_TESTS`.
+    allowed: tells which edges may be. clearance: smallest distance to keep from the fine mesh, above 0, as in the
+    coordinates of the meshes. edge_cost: what is minimised; None: the area. rounds: of improvements, at most. A
+    generator: yields a fraction after each. Raises NestingError if none were found within `MOST_TESTS`.
     """
-    search = _CoordinateDescent(cage, fine, grid, clearance, side, edge_cost, rounds)
+    search = _CoordinateDescent(cage, fine, grid, allowed, clearance, side, edge_cost, rounds)
     found: IntArray | None = None
     reach = np.zeros(len(cage.vertices), np.int64)
     while found is None:
@@ -98,6 +104,7 @@ class _CoordinateDescent:
     cage: Mesh
     fine: Mesh
     grid: Grid
+    allowed: Allowed
     clearance: float
     side: int
     """1 for a cage around the fine mesh, -1 for one inside it."""
@@ -235,6 +242,7 @@ class _CoordinateDescent:
         sizes = [len(i) for i, _ in pairs]
         segments = Segments(edges.repeat(sizes), self.grid.points(one).T.copy(), self.grid.points(other).T.copy())
         kept = np.flatnonzero((one != other).any(axis=1))
+        kept = kept[self.allowed(segments.edge[kept], self.grid.points(one[kept]), self.grid.points(other[kept]))]
         kept = self.free.kept(segments, kept, near)
         costs = np.full(len(one), np.inf)
         costs[kept] = self._costs(segments.edge[kept], one[kept], other[kept])

@@ -9,9 +9,9 @@ from math import hypot
 
 import numpy as np
 
-from ..decimation.budget import LEAST_PER_LOOP
+from ..decimation.base import MIN_PER_LOOP
 from ..errors import Fault, invalid_setting, note
-from ..geometry.arrays import TINY, FloatArray, IntArray
+from ..geometry.arrays import TINY, BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE, ROUND_OFF
 from ..geometry.vectors import norm
@@ -54,7 +54,7 @@ class LeastEdge(Constraint):
     def count(self, outline: Mesh, count: int) -> int:
         """At most as many vertices as edges of this length fit along the outline."""
         loops = [outline.vertices[loop] for loop in outline.loops]
-        return min(count, sum(max(LEAST_PER_LOOP, int(FILLED * _divided(loop, self.length))) for loop in loops))
+        return min(count, sum(max(MIN_PER_LOOP, int(FILLED * _divided(loop, self.length))) for loop in loops))
 
     @property
     def turn_limits(self) -> tuple[float, float]:
@@ -107,6 +107,10 @@ class BoundEdge(Bound):
         weight = np.tile([[-1.0], [1.0]], len(near))
         yield Terms(Rows(np.stack((near, self.successor[near])), weight, direction.T), (length - self.least)[near])
         yield from self.folds.rows(cage, radius)
+
+    def allowed(self, vertex: IntArray, start: FloatArray, end: FloatArray) -> BoolArray:
+        """Edges as long as asked for."""
+        return np.asarray(norm(end - start) >= (1.0 - LENGTH_MARGIN) * self.least)
 
     def short(self, cage: FloatArray) -> FloatArray:
         """What an edge lacks, at both ends."""

@@ -17,7 +17,7 @@ from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS
 from ..tasks import Stage
 from .base import Constraint
-from .grid_search import put_on_grid
+from .grid_search import Allowed, put_on_grid
 
 FINER = ("0.5", "0.2", "0.1", "0.05", "0.02", "0.01")
 """Finer grids that are tried for the error message, relative to one without a cage."""
@@ -90,14 +90,14 @@ class Numbers(Constraint):
         return as_stored(self.exact(points), self.stored)
 
     def settled(
-        self, cage: Mesh, fine: Mesh, clearance: float, side: int, cost: EdgeCost | None
+        self, cage: Mesh, fine: Mesh, clearance: float, side: int, allowed: Allowed, cost: EdgeCost | None
     ) -> Stage[float, FloatArray | None]:
         """(m, 2) multiples of least cost, searched around the cage; None if none are found. Else its vertices."""
         if self.lattice is None:
             yield 1.0
             return self.nearest(cage.vertices)
         found = yield from put_on_grid(
-            cage, fine, self.lattice, clearance=clearance, side=side, edge_cost=cost, rounds=self.rounds
+            cage, fine, self.lattice, allowed, clearance=clearance, side=side, edge_cost=cost, rounds=self.rounds
         )
         return None if found is None else as_stored(found, self.stored)
 

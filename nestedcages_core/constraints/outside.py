@@ -24,8 +24,8 @@ from ..solver.banded import Rows
 from .base import Bound, Constraint, Terms, Units
 
 if TYPE_CHECKING:
-    from ..decimation.line_cycles.chain import Lines
-    from ..decimation.line_cycles.places import NormalFrame
+    from ..decimation.outline import Lines
+    from ..decimation.sampling import NormalFrame
 
 OBSTACLE_MARGIN = 1e-7
 """Fraction added to a distance, for rounding; without a distance the same part of the drawing's diagonal."""

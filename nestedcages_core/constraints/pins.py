@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 import scipy
 
-from ..decimation.line_cycles.turns import PIN_REACH
+from ..decimation.turns import PIN_REACH
 from ..energies import CageEnergy
 from ..energies.weighted_area import Springs
 from ..errors import Fault, NestingError, note

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..decimation.base import Outline
-from ..decimation.budget import LEAST_PER_LOOP
+from ..decimation.base import MIN_PER_LOOP, LevelTarget
 from ..errors import Fault, InvalidMeshError, NestingError, note
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.group import Orbits, Symmetry, orbits_of
@@ -51,7 +50,7 @@ class Symmetric(Constraint):
         """The symmetry on them."""
         return replace(self, numbers=numbers)
 
-    def outline(self, outline: Outline, side: int) -> Outline:
+    def outline(self, outline: LevelTarget, side: int) -> LevelTarget:
         """The drawing and its images."""
         mesh, notes = with_images(outline.mesh, self.group, side)
         return outline._replace(mesh=mesh, notes=(*outline.notes, *notes))
@@ -230,8 +229,8 @@ def possible_count(count: int, fine: Mesh, symmetry: Symmetry, *, keeps: bool = 
     image = fine.loop_of_vertex[orbits.partner[[loop[0] for loop in fine.loops]]]
     own = image == np.arange(len(image))
     step = 1 if symmetry.reverses and own.any() else symmetry.order
-    own_least = LEAST_PER_LOOP if symmetry.reverses else -(-LEAST_PER_LOOP // symmetry.order) * symmetry.order
-    least = int(own.sum()) * own_least + int((~own).sum()) * LEAST_PER_LOOP
+    own_least = MIN_PER_LOOP if symmetry.reverses else -(-MIN_PER_LOOP // symmetry.order) * symmetry.order
+    least = int(own.sum()) * own_least + int((~own).sum()) * MIN_PER_LOOP
     if count < least and not keeps:
         step, least = 1 if symmetry.reverses else symmetry.order, own_least
     return max(count // step * step, least)

@@ -1,21 +1,15 @@
-"""Fine to coarse with a wanted vertex count. Each method is a frozen object with one method, `decimate`.
+"""Decimation: coarse meshes with at most so many vertices.
 
-- `Decimation`: the interface, with `Count`, the vertices of a level; `SeveralStarts` for methods that offer several
-  coarse meshes.
-- `LineCycles`: the lines of least area around each loop; put on the curve.
-- `OuterHull`: strictly encloses the fine mesh from the start; works for any count down to a triangle per loop.
-- `choices/`: others.
+- `LineCycles`: the lines of least area around each loop, the default.
+- `ArcLength`: evenly spaced along each loop.
+- `OnCurve`: vertices on the fine mesh, at the places closest to those of another decimation's mesh.
+- `OwnDecimation`: a function of the user's own.
 """
 
-from .base import Count, Decimation, SeveralStarts, Start
-from .hull.outer_hull import OuterHull
+from .arc_length import ArcLength
+from .base import Count, Decimation, Start, Starts
 from .line_cycles import LineCycles
+from .on_curve import OnCurve
+from .own_decimation import OwnDecimation
 
-__all__ = [
-    "Count",
-    "Decimation",
-    "LineCycles",
-    "OuterHull",
-    "SeveralStarts",
-    "Start",
-]
+__all__ = ["ArcLength", "Count", "Decimation", "LineCycles", "OnCurve", "OwnDecimation", "Start", "Starts"]

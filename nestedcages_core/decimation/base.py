@@ -1,27 +1,38 @@
-"""The interface of all decimations."""
+"""The interface of all decimations, and what they are told."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 from ..errors import Fault
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
-from ..tasks import Stage
 
 if TYPE_CHECKING:
+    from ..geometry.arrays import FloatArray, IntArray
     from .importance import Importance
-    from .line_cycles.rules import LineRule
+    from .outline import Lines, Outline
+    from .sampling import NormalFrame
 
 Count: TypeAlias = int | Sequence[int]
 """Vertices of a level: a total, or one number per loop in the order of `fine.loops`."""
 
+MIN_PER_LOOP = 3
+"""Vertices of the smallest polygon."""
+
+Tick: TypeAlias = Callable[[float], None]
+"""Told the fraction done; may raise to cancel."""
+
 REACH = 1.5
 """How far new vertices may run away, in diameters: from the centre, or along an edge from its contact. Tightening needs
 no limit, since edges of least area touch what is inside at their middle or on either side of it."""
+
+
+def no_tick(_: float) -> None:
+    """Nobody is told."""
 
 
 class Decimation(Protocol):
@@ -42,12 +53,14 @@ class Start(NamedTuple):
 
     coarse: Mesh
     source: str
-    """What it is, such as "outer hull"."""
+    """What it is, such as "line cycles"."""
     on_curve: Mesh | None = None
     """The mesh with its vertices on the fine mesh, where that is preferred; the flow leads from it to a cage."""
+    rivals: tuple[Start, ...] = ()
+    """Starts that are about as good, around other outlines: the cage may be tighter from one of these."""
 
 
-class Outline(NamedTuple):
+class LevelTarget(NamedTuple):
     """What cages are made around, or inside."""
 
     mesh: Mesh
@@ -60,6 +73,26 @@ class Outline(NamedTuple):
     """Whether a number of vertices is that of each loop, not of all together."""
     notes: tuple[Fault, ...] = ()
     """What differs from the fine mesh."""
+
+
+class LineRule(Protocol):
+    """A constraint, as the search for lines sees it; see `nestedcages_core.constraints.Constraint`."""
+
+    @property
+    def turn_limits(self) -> tuple[float, float]:
+        """The least length of an edge, in the input's units, and angle, in degrees."""
+
+    def distances(self, fine: Mesh) -> FloatArray | None:
+        """(L,) distance from each loop of a mesh, in the input's units; None: none."""
+
+    def candidates(self, outline: Outline, at: IntArray, lines: Lines, frame: NormalFrame, shift: float) -> Lines:
+        """The candidate lines, or others."""
+
+    def reach(self, outline: Outline, lines: Lines, shift: float) -> FloatArray:
+        """(2, K) how far these run from their contacts forwards and backwards."""
+
+    def free(self, lines: Lines, frame: NormalFrame) -> FloatArray:
+        """(2, K) how far lines run forwards and backwards, in the units of the frame; negative: not at all."""
 
 
 @dataclass(frozen=True)
@@ -86,24 +119,18 @@ NOTHING_KEPT = Kept()
 
 
 @runtime_checkable
-class SeveralStarts(Protocol):
-    """A decimation that offers several coarse meshes to start from, and whose search can be cancelled."""
+class Starts(Protocol):
+    """A decimation that offers several coarse meshes, which can keep something."""
 
-    def starts(self, fine: Mesh, count: Count, *, clearance: float) -> Stage[float, list[Start]]:
-        """Different coarse meshes, the most promising first; otherwise like `Decimation.decimate`.
+    def starts(
+        self, fine: Mesh, count: Count, *, clearance: float, kept: Kept = NOTHING_KEPT, tick: Tick = no_tick
+    ) -> Iterator[Start]:
+        """Coarse meshes to start from, the most promising first, each made when it is asked for.
 
-        A generator: yields the fraction done and returns the list.
+        Otherwise like `Decimation.decimate`; raises NestingError where there is none.
         """
 
 
-@runtime_checkable
-class KeepingStarts(Protocol):
-    """A decimation whose coarse meshes can keep something."""
-
-    def starts_keeping(self, fine: Mesh, count: Count, kept: Kept, *, clearance: float) -> Stage[float, list[Start]]:
-        """As `SeveralStarts.starts`."""
-
-
 def in_words(decimation: Decimation) -> str:
-    """The name of a decimation in words: "outer hull" for ``OuterHull()``."""
+    """The name of a decimation in words: "arc length" for ``ArcLength()``."""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(decimation).__name__).lower()

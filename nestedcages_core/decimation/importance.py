@@ -13,7 +13,7 @@ from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
 from ..geometry.signed_distance import EdgeSearch
 from ..geometry.vectors import norm
-from .line_cycles.turns import PIN_REACH
+from .turns import PIN_REACH
 
 LEAST_WEIGHT = 0.02
 """Lower bound of the weights, as a fraction of their mean, so that all edges are pulled inwards."""

@@ -2,34 +2,37 @@
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass, field
 
-from ..errors import InvalidMeshError
-from ..geometry.group import Symmetry
+from ..errors import NestingError
 from ..geometry.mesh import Mesh
-from ..geometry.signed_distance import EdgeSearch
+from ..parameters import check_part
+from .arc_length import ArcLength
+from .base import Count, Decimation
+from .closest_points import closest_on_curve
+from .line_cycles import LineCycles
 
 
-def closest_on_curve(cage: Mesh, fine: Mesh, symmetry: Symmetry | None = None) -> Mesh | None:
-    """The cage with its vertices moved to the closest points of the fine mesh, loop k to loop k.
+@dataclass(frozen=True)
+class OnCurve:
+    """Vertices on the fine mesh, at the places closest to those of a mesh around it: more at features."""
 
-    symmetry: of the fine mesh, kept where the cage has it. None where the result crosses itself. Flow and reinflation
-    lead from it to nearly the same cage.
-    """
-    places = np.empty_like(cage.vertices)
-    for own, other in zip(cage.loops, fine.loops, strict=True):
-        starts, ends = fine.vertices[other], fine.vertices[fine.successor[other]]
-        places[own] = EdgeSearch(starts, ends).nearest(cage.vertices[own])
-    if symmetry is not None:
-        from ..geometry.group import Orbits
-        from .alike import SYMMETRY_TOLERANCE
+    around: Decimation = field(default_factory=LineCycles)
+    """Makes the mesh around it."""
 
-        orbits = Orbits.of(cage.vertices, cage.successor, symmetry, SYMMETRY_TOLERANCE * cage.diagonal)
-        if orbits is not None:
-            places = orbits.symmetrised(places)
-    try:
-        coarse = Mesh.from_loops([places[own] for own in cage.loops])
-    except InvalidMeshError:
-        return None
-    same = (coarse.loop_signs == fine.loop_signs).all() and (coarse.component_of_loop == fine.component_of_loop).all()
-    return coarse if same else None
+    def __post_init__(self) -> None:
+        check_part(self, "around", "decimate", "LineCycles()")
+
+    def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
+        """A coarse mesh whose vertices lie on the fine one, whatever the clearance; loop k on loop k.
+
+        Where its loops would cross, they are resampled by `ArcLength` instead. Raises NestingError as that does.
+        """
+        try:
+            around = self.around.decimate(fine, count, clearance=clearance)
+        except NestingError as error:
+            try:
+                return ArcLength().decimate(fine, count, clearance=clearance)
+            except NestingError:
+                raise error from None
+        return closest_on_curve(around, fine) or ArcLength().decimate(fine, count, clearance=clearance)

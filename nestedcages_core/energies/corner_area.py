@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..decimation.line_cycles.chain import Chain
+from ..decimation.outline import Outline
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE
@@ -34,7 +34,7 @@ class CornerArea(CageEnergy):
     """½ Σ w ((v - p) × (q - v) - A) over the vertices v: the area between cage and hull, as line cycles weigh it."""
 
     cage: Mesh
-    chains: tuple[Chain, ...]
+    outlines: tuple[Outline, ...]
     """The hulls, loop by loop, with their weights."""
     weighted: CageEnergy
     """The weighted energy of other cages, for grids."""
@@ -45,18 +45,18 @@ class CornerArea(CageEnergy):
     ) -> CornerArea:
         """The energy of a cage whose loops are around those of a hull; weights (P,) at points (P, 2)."""
         loops = [hull.vertices[loop] for loop in hull.loops]
-        return cls(cage, tuple(Chain(loop, weight_at(loop)) for loop in loops), weighted)
+        return cls(cage, tuple(Outline(loop, weight_at(loop)) for loop in loops), weighted)
 
     def corners(self, cage: FloatArray) -> Corners:
         """What the edges of a cage (m, 2) touch."""
         at = Corners(np.empty_like(cage), np.empty_like(cage), np.empty(len(cage)), np.empty(len(cage)))
-        for loop, chain in zip(self.cage.loops, self.chains, strict=True):
-            place, point = _touched(chain, cage[loop])
+        for loop, outline in zip(self.cage.loops, self.outlines, strict=True):
+            place, point = _touched(outline, cage[loop])
             begin, start = np.roll(place, 1), np.roll(point, 1, axis=0)
-            swept = _swept(chain, place, point)
-            way = swept - np.roll(swept, 1) + np.where(place < begin, chain.swept[-1], 0.0)
-            at.before[loop], at.after[loop], at.weight[loop] = start, point, chain.mean_weight(begin, place)
-            at.inside[loop] = way - cross(start - chain.vertices[0], point - chain.vertices[0])
+            swept = _swept(outline, place, point)
+            way = swept - np.roll(swept, 1) + np.where(place < begin, outline.swept[-1], 0.0)
+            at.before[loop], at.after[loop], at.weight[loop] = start, point, outline.mean_weight(begin, place)
+            at.inside[loop] = way - cross(start - outline.vertices[0], point - outline.vertices[0])
         return at
 
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
@@ -79,20 +79,20 @@ class CornerArea(CageEnergy):
         return Blocks.sum([])
 
 
-def _swept(chain: Chain, place: FloatArray, point: FloatArray) -> FloatArray:
-    """(k,) twice the area swept from the first vertex of a chain to points (k, 2) at places (k,)."""
+def _swept(outline: Outline, place: FloatArray, point: FloatArray) -> FloatArray:
+    """(k,) twice the area swept from the first vertex of a outline to points (k, 2) at places (k,)."""
     edge = place.astype(np.int64)
-    start = chain.vertices[edge] - chain.vertices[0]
-    return np.asarray(chain.swept[edge] + cross(start, point - chain.vertices[0]))
+    start = outline.vertices[edge] - outline.vertices[0]
+    return np.asarray(outline.swept[edge] + cross(start, point - outline.vertices[0]))
 
 
-def _touched(chain: Chain, cage: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(k,) places on a convex chain that the edges of a cage (k, 2) around it touch, the middle of an edge that lies
+def _touched(outline: Outline, cage: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(k,) places on a convex outline that the edges of a cage (k, 2) around it touch, the middle of an edge that lies
     along one, and (k, 2) the points there."""
     along = np.roll(cage, -1, axis=0) - cage
-    height = rotated_right(along / norm(along)[:, None]) @ chain.vertices.T
-    touched = height >= height.max(axis=1)[:, None] - NEGLIGIBLE * chain.length
+    height = rotated_right(along / norm(along)[:, None]) @ outline.vertices.T
+    touched = height >= height.max(axis=1)[:, None] - NEGLIGIBLE * outline.length
     first = np.argmax(touched & ~np.roll(touched, 1, axis=1), axis=1)
-    place = np.mod(first + 0.5 * (touched.sum(axis=1) - 1), chain.size)
+    place = np.mod(first + 0.5 * (touched.sum(axis=1) - 1), outline.size)
     edge = place.astype(np.int64)
-    return place, chain.vertices[edge] + (place - edge)[:, None] * chain.edges[edge]
+    return place, outline.vertices[edge] + (place - edge)[:, None] * outline.edges[edge]

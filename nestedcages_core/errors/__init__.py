@@ -60,6 +60,7 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "numbers.unresolved": ("spacing", "vertex", "place"),
     "tolerance.unreachable": ("limit", "taken"),
     "solver.not_finite": (),
+    "method.wrong": ("name",),
     # files, batches and what is around them
     "file.invalid": (),
     "limit.exceeded": ("what",),
@@ -77,8 +78,7 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "note.count": ("asked", "given", "on", "symmetry"),
     "note.start": ("source", "on", "first", "text"),
     "note.clearance": ("wanted", "given", "on"),
-    "note.loops": ("wanted", "given", "filled", "joined", "lost", "on", "excess", "better"),
-    "note.knee": ("given", "better", "excess", "less"),
+    "note.loops": ("wanted", "given", "filled", "joined", "lost"),
     "note.energy": ("energy",),
     "note.untightened": (),
     "note.symmetry": ("symmetry", "difference", "on", "tolerance"),
@@ -90,6 +90,7 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "note.pose": ("pose",),
     "note.time": ("seconds", "level", "stage"),
     "note.work": ("steps", "level", "stage"),
+    "note.library": ("library",),
     "note.text": ("text",),
 }
 """All codes, each with the names of the data that it may carry. Places are (x, y) in the input's units; loops and

@@ -22,9 +22,6 @@ NOTES: Mapping[str, str] = {
     "clearance gaps": "The gaps of the shape leave {given:.3g} between it and the cage, not {wanted:.3g}.",
     "clearance inside": "The shape is narrow, and leaves {given:.3g} between it and the cage, not {wanted:.3g}.",
     "loops": "The cage has {given}, but the mesh in it has {wanted}{lost}.",
-    "loops keep": "Keeping all {wanted} loops makes the cage {excess_percent:.0f} % larger than the shape; {given} "
-    'would make it about {better_percent:.0f} % larger: leave out loops="keep".',
-    "knee": "{better} vertices would make it {less_percent:.3g} % larger instead of {excess_percent:.3g} %.",
     "energy": "The cage is the coarse mesh, where {energy} is smallest; Area() makes it tighter.",
     "untightened": "The coarse mesh is not tightened: details of the fine mesh are too small for that.",
     "symmetry grid": "The symmetry is moved by {difference:.3g} to the grid: {symmetry}.",
@@ -44,6 +41,7 @@ NOTES: Mapping[str, str] = {
     "time": "The time of {seconds:g} s was over during the {stage}: the cage is the best certified one by then.",
     "work": "The search was ended after {steps} steps, during the {stage}: the cage is the best certified one by then.",
     "pose": "The path to pose {pose} is blocked: a new cage was made there.",
+    "library": "Without {library}, parts do not share a loop, and corners at a large clearance are not round.",
     "text": "{text}",
 }
 """Sentences of notes, by the code without `note.`, and by what it is `on` where it has several: formats for their data.

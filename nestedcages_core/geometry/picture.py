@@ -78,14 +78,13 @@ def _axes(ax: Any) -> Any:
     return plt.subplots()[1] if ax is None else ax
 
 
-def plotted_curve(values: Mapping[int, float], marked: Sequence[int], names: tuple[str, str], ax: Any = None) -> Any:
-    """Draw values by number with matplotlib, some of them marked, and return the axes.
+def plotted_curve(values: Mapping[int, float], names: tuple[str, str], ax: Any = None) -> Any:
+    """Draw values by number with matplotlib, and return the axes.
 
     Raises NestedCagesError if matplotlib is missing.
     """
     axes = _axes(ax)
     axes.step(list(values), list(values.values()), where="post", color=COLOURS[0])
-    axes.plot(marked, [values[k] for k in marked], "o", color=COLOURS[1 % len(COLOURS)])
     axes.set_xlabel(names[0])
     axes.set_ylabel(names[1])
     return axes

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import scipy
 
 from ..errors import InvalidMeshError
 from ..libraries import load_shapely
@@ -52,6 +51,8 @@ def _overlay(meshes: Sequence[Mesh], intersection: bool) -> Mesh:
     together = shapely.coverage_union_all([face for face, inside in zip(faces, chosen, strict=True) if inside])
     if together.area <= INPUT_ROUND_OFF * diagonal**2:
         raise InvalidMeshError("The shapes have nothing in common.", code="overlay.empty")
+    import scipy  # for solids alone
+
     tree, tolerance = scipy.spatial.cKDTree(points), 2.0 * ROUND_OFF * diagonal
 
     def back(at: FloatArray) -> FloatArray:

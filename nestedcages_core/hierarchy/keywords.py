@@ -32,7 +32,6 @@ class SettingsKeywords(TypedDict, total=False):
     grid: float | None
     stored: DTypeLike | None
     loops: Literal["auto", "keep", "one"]
-    merge: float | None
     convex: bool
     symmetry: Symmetry | Found | None
     weights: ArrayLike | None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..decimation.budget import LEAST_PER_LOOP
+from ..decimation.base import MIN_PER_LOOP
 from ..errors import Fault, NestedCagesError, note
 from ..geometry.mesh import Mesh
 from ..tolerance.within import Within
@@ -55,7 +55,7 @@ class Share:
 
     def of(self, sizes: Sequence[int], *, keeps: bool = True) -> int:
         """The number of vertices for loops of these sizes: enough for each, or for one where not all are kept."""
-        least = sum(min(size, LEAST_OF_A_SHARE) for size in sizes) if keeps else LEAST_PER_LOOP
+        least = sum(min(size, LEAST_OF_A_SHARE) for size in sizes) if keeps else MIN_PER_LOOP
         return max(round(sum(sizes) * self.fraction), least)
 
 

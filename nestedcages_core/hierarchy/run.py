@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 
-from ..decimation.budget import LEAST_PER_LOOP
+from ..decimation.base import MIN_PER_LOOP
 from ..errors import Fault, NestedCagesError, NestingError, note
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, by_side, is_mesh_like
-from ..level.attempts import LOOSE, clearances_for
+from ..level.attempts import clearances_for
 from ..level.builder import LevelBuilder
 from ..level.gate import passed
 from ..level.level_cache import whole_level
-from ..level.notes import NotesWhenRead
 from ..level.plan import Plan
 from ..level.report import Hierarchy, Level, LevelProgress, Progress
 from ..tasks import Run, Stage, limited, listened
@@ -80,7 +79,7 @@ def inner_cages(
 
     Level k is certified to lie strictly inside level k - 1, or inside the fine mesh, at the clearance; so its
     ``report.excess`` is negative. A user's own mesh, from which the cage starts, must lie inside. The settings `flow`
-    and `contact` are not used, nor is a decimation other than the hull. Errors are those of `nested_cages`.
+    and `contact` are not used, nor is a decimation other than `LineCycles`. Errors are those of `nested_cages`.
     """
     return listened(InnerCagesRun(fine, levels, settings, **options), progress)
 
@@ -125,7 +124,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
     def made(index: int, level: int | Mesh | Within, inner: Mesh, chosen: Settings) -> Stage[Progress, Level]:
         clearances, late = clearances_for(chosen, fine), tuple[Fault, ...]()
         if isinstance(level, int) and not keeps:
-            chosen = with_loops(chosen, inner)
+            chosen = with_loops(chosen)
         while True:
             plan, progress = Plan.of(inner, constraints, importance, side=side), LevelProgress(index, len(wanted))
             builder = LevelBuilder(plan, clearances, chosen, progress)
@@ -160,13 +159,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
         told = any(each.code == "note.count" for each in done.report.notes)
         if isinstance(level, int) and len(done.cage.vertices) < level and not told:
             advised += (note("note.count", on="fewer", asked=int(level), given=len(done.cage.vertices)),)
-        if keeps and side > 0 and done.report.excess > LOOSE and plan.is_free and not isinstance(level, Mesh):
-            from ..decimation.loops import advice
-
-            advised += advice(inner, done.cage)
         notes: Sequence[Fault] = (*remarks, *done.report.notes, *advised, *late)
-        if side > 0 and plan.kept().is_free and isinstance(level, int) and not settings.convex:
-            notes = NotesWhenRead(notes, partial(_knee_note, inner, done.cage, clearances[0]))
         return replace(done, report=replace(done.report, notes=notes))
 
     failure: NestedCagesError | None = None
@@ -185,13 +178,6 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
             if error.code != "clearance.no_room" or not finished or not isinstance(settings.tightening, Tightening):
                 raise
             failure = error  # the levels before may have taken the room between their loops
-
-
-def _knee_note(fine: Mesh, cage: Mesh, clearance: float) -> tuple[Fault, ...]:
-    """The note on a few vertices more, which takes a search of its own."""
-    from ..decimation.loops import knee_note
-
-    return knee_note(fine, cage, clearance)
 
 
 def _with_room(settings: Settings, levels: int) -> Settings:
@@ -251,14 +237,14 @@ def _checked(
             loops = len(mesh.loops) if keeps else 1
             checked.append(mesh)
         elif isinstance(level, (int, np.integer)) and not isinstance(level, bool):
-            count = level.raised(LEAST_PER_LOOP * loops) if isinstance(level, Rising) else int(level)
-            if count < LEAST_PER_LOOP * loops:
+            count = level.raised(MIN_PER_LOOP * loops) if isinstance(level, Rising) else int(level)
+            if count < MIN_PER_LOOP * loops:
                 raise NestingError(
                     f"Level {number} asks for {count} vertices, but {loops} loop{'s need' if loops > 1 else ' needs'} "
-                    f"at least {LEAST_PER_LOOP * loops}{f', {LEAST_PER_LOOP} each' if loops > 1 else ''}.",
+                    f"at least {MIN_PER_LOOP * loops}{f', {MIN_PER_LOOP} each' if loops > 1 else ''}.",
                     code="count.too_small",
                     total=count,
-                    least=LEAST_PER_LOOP * loops,
+                    least=MIN_PER_LOOP * loops,
                 )
             checked.append(count)
         else:

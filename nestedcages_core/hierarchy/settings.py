@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from math import inf
 from typing import TYPE_CHECKING, Literal, Unpack
 
 import numpy as np
@@ -51,9 +50,7 @@ class Settings(LevelSettings):
             that is tighter (joining needs shapely). "keep": all; counts below three for each are an error. "one": one
             around all. Cages inside, from one's own meshes and by a tolerance keep all, and so do moving ones with
             enough vertices. Default: "auto".
-        merge: Parts closer than this length share a loop, and holes of less than its square are filled, as far as that
-            is tighter; inf: one loop around all. Needs shapely. Default: None, only what `loops` says.
-        convex: Around each part the convex polygon of least area found, with holes filled. Not with `merge`, pins,
+        convex: Around each part the convex polygon of least area found, with holes filled. Not with pins,
             joints and limits; `energy` and `fallback` do not matter then. Default: False.
         symmetry: A symmetry that the cages have exactly: `Mirror`, `Rotation`, or `Found` for that of the drawing.
             Needs shapely where the drawing does not have it. Default: None.
@@ -71,7 +68,7 @@ class Settings(LevelSettings):
             one: a drawing inside the fine mesh, or around it for inner cages. Default: the fine mesh.
         decimation: Turns a vertex count into a coarse mesh. Default: `LineCycles()`.
         fallback: Decimation to start from if flow or reinflation fail (docs/ablation.md: the hull as fallback); None
-            raises an error. Default: `OuterHull()`.
+            raises an error. Default: `LineCycles(on_curve=False)`.
         flow: Brings the fine mesh inside the coarse one. Default: `TwoSidedFlow()`.
         energy: What the cage minimises during tightening. Default: `Area()`.
         contact: Resolves contact during reinflation; of several, each starts over where the one before is blocked.
@@ -82,7 +79,6 @@ class Settings(LevelSettings):
     grid: float | None = None
     stored: DTypeLike | None = None
     loops: Literal["auto", "keep", "one"] = "auto"
-    merge: float | None = None
     convex: bool = False
     symmetry: Symmetry | Found | None = None
     weights: ArrayLike | None = field(default=None, repr=False)
@@ -114,20 +110,12 @@ class Settings(LevelSettings):
         super().__post_init__()
         if self.loops not in LOOPS:
             raise invalid_setting(f"loops must be one of {', '.join(map(repr, LOOPS))}, not {self.loops!r}.")
-        if self.merge is not None and self.merge != inf and not (is_length(self.merge) and self.merge > 0.0):
-            raise NestedCagesError(
-                f"merge must be a length above 0, or infinite for one loop, not {self.merge!r}; leave it out for none.",
-                code="setting.invalid",
-                name="merge",
-                value=self.merge,
-            )
         of_loops = self.has_priorities or self.has_limits or self.symmetry is not None or self.convex
-        if self.merged_within is not None and of_loops:
-            name = "merge" if self.merge is not None else 'loops="one"'
+        if self.loops == "one" and of_loops:
             raise NestedCagesError(
-                f"{name} does not go with convex, symmetry, weights, pins, joints or limits; leave out one of them.",
+                'loops="one" does not go with convex, symmetry, weights, pins, joints or limits; leave out one.',
                 code="setting.conflict",
-                names=(name.partition("=")[0],),
+                names=("loops",),
             )
         for name, (wanted, otherwise) in POSITIVE.items():
             value = getattr(self, name)
@@ -161,11 +149,6 @@ class Settings(LevelSettings):
             raise NestedCagesError(
                 "Convex cages have no pins, joints or limits; leave these out or convex.", code="setting.conflict"
             )
-
-    @property
-    def merged_within(self) -> float | None:
-        """The distance over which parts are merged in any case; infinite for one loop, None for none."""
-        return inf if self.loops == "one" else self.merge
 
     @property
     def has_priorities(self) -> bool:

@@ -12,9 +12,7 @@ from math import isfinite
 import numpy as np
 
 from ..contact import Contact, SequentialQP
-from ..decimation import Count, Decimation, LineCycles, OuterHull, Start
-from ..decimation.base import KeepingStarts
-from ..decimation.hull.outer_hull import SOURCE as HULL
+from ..decimation import Count, Decimation, LineCycles, Start, Starts
 from ..energies import Area
 from ..errors import FlowError, NestingError
 from ..flow import FlowMethod
@@ -34,10 +32,6 @@ MAX_CLEARANCE = 1e6
 LOOSE = 0.5
 """Excess above which a note says what fewer loops would give and, from a user's own coarse mesh, the next contact is
 tried too: around needles the contacts end in different minima."""
-
-TIGHTENED_HULL = 0.7
-"""Fraction of a hull's excess that tightening usually leaves. Where the cage from the curve has more, the one from the
-hull itself had up to a fifth less: around rough outlines of over 10,000 vertices, which flow badly."""
 
 PAPER_PREFERENCE = 0.01
 """A cage from flow and reinflation is preferred to one that needed neither, unless the latter is tighter by more than
@@ -85,7 +79,7 @@ def methods_for(settings: LevelSettings, plan: Plan) -> LevelSettings:
     decimation = settings.decimation
     if plan.outline.per_loop:
         decimation = getattr(decimation, "outside", LineCycles(on_curve=False))
-        settings = replace(settings, decimation=decimation, fallback=OuterHull(), energy=Area())
+        settings = replace(settings, decimation=decimation, fallback=None, energy=Area())
     if plan.group is None:
         return settings
     contacts = contacts_for(settings)
@@ -94,7 +88,7 @@ def methods_for(settings: LevelSettings, plan: Plan) -> LevelSettings:
             f"Symmetric cages need contact=SequentialQP(), not {settings.contact!r}; leave it out.",
             code="setting.conflict",
         )
-    if not isinstance(decimation, KeepingStarts):
+    if not isinstance(decimation, Starts):
         raise NestingError(
             f"Symmetric cages need decimation=LineCycles(), not {decimation!r}.", code="setting.conflict"
         )
@@ -117,7 +111,7 @@ def attempts(
         decimation = settings.decimation
         may_fall_back = settings.fallback is not None
         if may_fall_back and _prefers_curve(decimation):
-            # hulls need no flow and lead to cages as tight: give up on it early
+            # starts outside need no flow and lead to cages as tight: give up on it early
             flow = getattr(flow, "quick", flow)
         last = Attempt(decimation, wanted, flow, contacts, clearances, may_fall_back=may_fall_back)
     last = replace(last, seeks_area=getattr(settings.energy, "is_area", False))
@@ -134,9 +128,8 @@ def attempts(
 def _attempts_inside(
     settings: LevelSettings, fine: Mesh, wanted: Count | Mesh, clearances: tuple[float, ...]
 ) -> Iterator[Attempt]:
-    """The same for a cage inside ``fine``: hulls rest inside it, so nothing flows."""
-    hull = OuterHull(side=-1)
-    first = hull if isinstance(wanted, Mesh) else getattr(settings.decimation, "inside", hull)
+    """The same for a cage inside ``fine``: starts rest inside it, so nothing flows."""
+    first = getattr(settings.decimation, "inside", LineCycles(on_curve=False, side=-1))
     count: Count = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
     last = Attempt(first, count, settings.flow, (), clearances)
     if isinstance(wanted, Mesh):
@@ -159,7 +152,7 @@ def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[
         if number == 0 and start.on_curve is not None:
             least = yield Start(start.on_curve, "on the curve")
             # a single start is tried itself where its own cage would probably be tighter than the one from the curve
-            usual = _excess(start, fine) * (TIGHTENED_HULL if start.source == HULL else 1.0)
+            usual = _excess(start, fine)
             if isfinite(least) and (len(starts) > 1 or not attempt.seeks_area or least <= usual):
                 continue
             if not attempt.may_fall_back:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,20 +11,23 @@ import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
-from ..decimation import Count, SeveralStarts, Start
-from ..decimation.base import NOTHING_KEPT, KeepingStarts, in_words
-from ..decimation.budget import shared_anew
-from ..decimation.hull.outer_hull import SOURCE as HULL
+from ..decimation import Count, Start, Starts
+from ..decimation.base import in_words, no_tick
+from ..decimation.given_mesh import GivenStart
+from ..decimation.offset import is_wide
+from ..decimation.problem import shared_anew
+from ..decimation.starts import AlongSequence, lacks_shapely
 from ..energies import signed_area
 from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError, note
 from ..flow import FlowResult
 from ..geometry.arrays import TINY, FloatArray
 from ..geometry.mesh import Mesh, Nesting
-from ..tasks import Stage
+from ..geometry.thinning import significance
+from ..tasks import Stage, ticking
 from .assembly import Assembly, CageInProgress, deviations
 from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn, methods_for
 from .gate import judged
-from .level_cache import coarse_meshes, flow_inside
+from .level_cache import flow_inside
 from .plan import Plan
 from .report import Level, LevelProgress, Progress
 from .settings import LevelSettings
@@ -41,11 +45,21 @@ MISSED = 1e6
 """Added to the rank of cages that miss a constraint, more than any excess: others are tried, and are better."""
 
 
+FEWER = (3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 36, 40, 48, 56, 64, 80, 96, 128, 192, 256, 384, 512)
+"""Numbers of vertices that are tried below the wanted one on a grid, where a vertex too many is moved outwards."""
+
+TRIES_WITH_FEWER = 4
+"""Of these, how many may be no better."""
+
+LOOSE_ON_GRID = 0.1
+"""Part of the excess that a grid may add before fewer vertices are tried."""
+
+
 class LevelBuilder:
     """Makes one level of a plan. All methods that take time are generators of `Progress`.
 
     The unbounded region around a cage inside serves as its solid. Walked backwards, its loops are the oriented boundary
-    of that region, so hull and solvers push it away from the fine mesh as they do with a cage outside.
+    of that region, so start and solvers push it away from the fine mesh as they do with a cage outside.
     """
 
     def __init__(
@@ -64,6 +78,11 @@ class LevelBuilder:
             self.settling = Settling(plan, settings, progress)
         self.starts: list[Start] = []
         """Starts of the last attempt."""
+        self.rivals: tuple[Start, ...] = ()
+        """Starts about as good as that."""
+        self.others: Iterator[Start] = iter(())
+        """Further starts along the sequence of outlines."""
+        self._listener: Callable[[float], None] = no_tick
         self.attempt: Attempt | None = None
         self.cages: list[CageInProgress] = []
         """The tight cages of it."""
@@ -78,10 +97,76 @@ class LevelBuilder:
         return level if inner is None else (yield from self.assembly.around(inner, level))
 
     def _on_numbers(self, wanted: int | Mesh) -> Stage[Progress, Level]:
-        """The level on the numbers of the plan, around what is solved for."""
+        """The level on the numbers of the plan, around what is solved for: of the first shape of the loop sequence
+        around which there is one."""
+        errors: list[NestedCagesError] = []
+        unsettled: list[Level] = []
+        try:
+            found = yield from self._settled(wanted, unsettled)
+            if found is not None:
+                return (yield from self._least(found, self.rivals))
+        except FAILURES as error:
+            errors.append(error)
+        chosen, others = self.settings, self.others
+        while (start := (yield from self._next(others))) is not None:
+            self.settings = replace(chosen, decimation=GivenStart(start), fallback=None)
+            try:
+                found = yield from self._settled(len(start.coarse.vertices), unsettled)
+                if found is not None:
+                    return found
+            except FAILURES as error:
+                logger.debug("no level from %s: %s", start.source, error)
+        self.settings = chosen
+        if unsettled and self.settling is not None:
+            raise (yield from self.settling.failure(unsettled[0]))
+        raise errors[0]
+
+    def _least(self, level: Level, rivals: Sequence[Start]) -> Stage[Progress, Level]:
+        """The level of least excess: one, or one from a rival of its start."""
+        for rival in rivals:
+            chosen, self.settings = self.settings, replace(self.settings, decimation=GivenStart(rival), fallback=None)
+            try:
+                other = yield from self._settled(len(rival.coarse.vertices), [])
+                level = level if other is None else min(level, other, key=lambda each: each.excess)
+            except FAILURES as error:
+                logger.debug("no level from %s: %s", rival.source, error)
+            self.settings = chosen
+        return level
+
+    def _settled(self, wanted: int | Mesh, unsettled: list[Level]) -> Stage[Progress, Level | None]:
+        """The level on the numbers of the plan; None where it has no place on them, which is then remembered."""
         level = yield from self._solved(wanted, self.clearances)
         if self.settling is None:
             return level
+        best = yield from self._with_room(wanted, level)
+        if best is None:
+            unsettled.append(level)
+        if isinstance(wanted, Mesh) or self.settling.numbers.grid is None:
+            return best
+        spacing, off_grid, tries = self.settling.numbers.spacing, level.excess, TRIES_WITH_FEWER
+        number = min(wanted, len(level.cage.vertices))
+        while tries and (best is None or best.excess > (1.0 + LOOSE_ON_GRID) * off_grid):
+            bends = int((significance(level.cage.rings, 0.0) > 0.5 * spacing).sum())
+            most = min(0.8 * number, 2 * bends + 4)
+            number = max((each for each in FEWER if each <= most), default=0)
+            if number == 0:
+                break
+            try:
+                level = yield from self._solved(number, self.clearances)
+            except FAILURES:
+                break
+            if best is not None and level.excess >= best.excess:
+                break  # on the grid it would have more
+            found = yield from (self.settling.settled(level) if best else self._with_room(number, level))
+            if found is not None and (best is None or found.excess < best.excess):
+                best = found
+            elif best is not None:
+                tries -= 1
+        return best
+
+    def _with_room(self, wanted: int | Mesh, level: Level) -> Stage[Progress, Level | None]:
+        """A level on the numbers, or one that was made with room for them; None if there is none."""
+        assert self.settling is not None
         found = yield from self.settling.settled(level)
         if found is not None:
             return found
@@ -96,7 +181,7 @@ class LevelBuilder:
             found = yield from self.settling.settled(roomy)
             if found is not None:
                 return found
-        raise (yield from self.settling.failure(level))
+        return None
 
     def _solved(self, wanted: int | Mesh, clearances: tuple[float, ...]) -> Stage[Progress, Level]:
         """The level on any numbers, of the first attempt that succeeds. Raises the error of line cycles that led
@@ -106,8 +191,11 @@ class LevelBuilder:
         clamping = self.plan.outline.notes
         source: Count | Mesh = wanted
         if not isinstance(wanted, Mesh):
-            source, replaced = self.plan.possible(wanted)
+            source, replaced = self.plan.possible(wanted, unlimited=self._may_have_more(wanted, clearances[0]))
             clamping += replaced
+            along = isinstance(self.settings.decimation, AlongSequence)
+            if along and lacks_shapely(self.outline, wanted, clearances[0]):
+                clamping += (note("note.library", library="shapely"),)
         notes = clamping
         for attempt in attempts(self.settings, self.outline, source, clearances, self.plan.side):
             try:
@@ -126,17 +214,23 @@ class LevelBuilder:
                 logger.debug("attempt from %s failed: %s", attempt.source, error)
                 failures.append(error)
                 started += [error] if self.starts and hasattr(attempt.source, "outside") else []
-        hulls_count = attempt.may_fall_back or all(start.on_curve is None for start in self.starts)
-        if hulls_count and not isinstance(attempt.source, Mesh):
+        starts_count = attempt.may_fall_back or all(start.on_curve is None for start in self.starts)
+        if starts_count and not isinstance(attempt.source, Mesh):
             standing = yield from self.assembly.untightened(self.starts, clearances, notes)
             if standing is not None:
                 return standing
-        if started or isinstance(wanted, Mesh) or not self.plan.is_free or self.plan.side < 0:
+        if started or isinstance(attempt.source, Mesh) or not self.plan.is_free:
             raise (started or failures)[-1]
         from .counts import with_least  # for the message
 
-        search = with_least(failures, self.settings, self.outline, clearances)
-        raise (yield from self.progress.follow(search, lambda done: (done, "decimation")))
+        raise with_least(failures[-1], attempt.source, self.outline, clearances, self.plan.side)
+
+    def _may_have_more(self, wanted: int, clearance: float) -> bool:
+        """Whether a cage may have more vertices than the outline: around the rounded offset."""
+        chosen = self.settings.decimation
+        return isinstance(chosen, GivenStart) or (
+            isinstance(chosen, AlongSequence) and is_wide(self.outline, wanted, clearance)
+        )
 
     def _tighter(self, level: Level, again: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """A level, or that of another attempt where it has less excess."""
@@ -178,8 +272,6 @@ class LevelBuilder:
             if errors and source != tried[0]:
                 on = "flow" if isinstance(errors[0], FlowError) else "reinflation"
                 notes = (*notes, note("note.start", on=on, source=source, first=tried[0]))
-            elif attempt.prefers_curve and source == HULL and self.starts[0].on_curve is None:
-                notes = (*notes, note("note.start", on="curve", source=source))
             try:
                 return (yield from self.certified(attempt, cage, notes))
             except NestingError as error:
@@ -199,11 +291,31 @@ class LevelBuilder:
             return [Start(source, "coarse mesh")]
         yield from self.progress.begin("decimation")
         clearance = attempt.clearances[0]
-        if isinstance(source, SeveralStarts):
-            kept = self.plan.kept() if isinstance(source, KeepingStarts) else NOTHING_KEPT
-            search = coarse_meshes(source, self.outline, attempt.count, kept, clearance=clearance)
-            return (yield from self.progress.follow(search, lambda done: (done, "decimation")))
+        if isinstance(source, Starts):
+            starts = source.starts(
+                self.outline, attempt.count, clearance=clearance, kept=self.plan.kept(), tick=self._tick
+            )
+            first = yield from self._next(starts)
+            if first is None:
+                raise NestingError("The decimation has no coarse mesh.", code="count.too_small")
+            if attempt.may_fall_back:
+                self.others = starts
+                if getattr(self.settings.energy, "is_area", False) and self.plan.importance is None:
+                    self.rivals = first.rivals
+            return [first]
         return [Start(source.decimate(self.outline, attempt.count, clearance=clearance), in_words(source))]
+
+    def _next(self, starts: Iterator[Start]) -> Stage[Progress, Start | None]:
+        """The next of some starts, which tell of their progress while they are made."""
+
+        def made(tick: Callable[[float], None]) -> Start | None:
+            self._listener = tick
+            return next(starts, None)
+
+        return (yield from self.progress.follow(ticking(made), lambda done: (done, "decimation")))
+
+    def _tick(self, fraction: float) -> None:
+        self._listener(fraction)
 
     def _reinflated(self, attempt: Attempt, start: Start) -> Stage[Progress, CageInProgress]:
         """Flow and reinflation from a coarse mesh."""

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from ..cache import Memory, key_of
-from ..decimation import Count, SeveralStarts, Start
-from ..decimation.base import KeepingStarts, Kept
 from ..flow import FlowMethod, FlowResult
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
@@ -20,7 +16,6 @@ LEVEL_CAPACITY = 64_000_000
 """Bytes of all levels that are remembered, with their steps."""
 
 _levels: Memory[Level] = Memory(LEVEL_CAPACITY)
-_starts: Memory[list[Start]] = Memory()
 _flows: Memory[FlowResult] = Memory()
 
 
@@ -43,26 +38,7 @@ def _level_size(level: Level) -> int:
     return sum(each.nbytes for each in steps) + BYTES_PER_VERTEX * vertices
 
 
-def coarse_meshes(
-    source: SeveralStarts, fine: Mesh, count: Count, kept: Kept, *, clearance: float
-) -> Stage[float, list[Start]]:
-    """The starts of a decimation, which depend neither on the energy nor on the flow."""
-    numbers = count if isinstance(count, int) else tuple(count)
-    key = key_of(source, fine, numbers, kept, clearance)
-    if isinstance(source, KeepingStarts):
-        search = source.starts_keeping(fine, count, kept, clearance=clearance)
-    else:
-        search = source.starts(fine, count, clearance=clearance)
-    return list((yield from _starts.stage(key, search, _bytes)))
-
-
 def flow_inside(method: FlowMethod, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
     """The flow, which depends neither on the energy nor on the clearance, but for its coarse mesh."""
     key = key_of(method, fine, coarse)
     return (yield from _flows.stage(key, method.run(fine, coarse), lambda flow: flow.steps.nbytes))
-
-
-def _bytes(starts: Sequence[Start]) -> int:
-    """Bytes of the meshes of starts."""
-    meshes = [mesh for start in starts for mesh in (start.coarse, start.on_curve) if mesh is not None]
-    return BYTES_PER_VERTEX * sum(len(mesh.vertices) for mesh in meshes)

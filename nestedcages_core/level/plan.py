@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from ..decimation import Count, Start
-from ..decimation.base import NOTHING_KEPT, Kept, Outline
-from ..decimation.budget import clamped
+from ..decimation.base import NOTHING_KEPT, Kept, LevelTarget
+from ..decimation.problem import clamped
 from ..energies import CageEnergy
 from ..errors import Fault, NestingError, note
 from ..geometry.arrays import FloatArray
@@ -34,7 +34,7 @@ class Plan:
     """What cages are solved around."""
     side: int
     """1 for cages around the fine mesh, -1 for cages inside it."""
-    outline: Outline
+    outline: LevelTarget
     constraints: tuple[Constraint, ...] = ()
     """What cages keep."""
     importance: Importance | None = None
@@ -50,7 +50,7 @@ class Plan:
         side: int = 1,
     ) -> Plan:
         """The plan of one level. Raises NestingError."""
-        outline = Outline(fine, fine)
+        outline = LevelTarget(fine, fine)
         for constraint in constraints:
             outline = constraint.outline(outline, side)
         kept = tuple(constraint.around(outline.mesh) for constraint in constraints)
@@ -93,10 +93,12 @@ class Plan:
         """The certificate of a cage of this plan; its excess is that of the outer mesh."""
         return verify(*by_side(cage, self.fine, self.side), clearance, same_loops=same_loops)
 
-    def possible(self, wanted: int) -> tuple[Count, tuple[Fault, ...]]:
+    def possible(self, wanted: int, *, unlimited: bool = False) -> tuple[Count, tuple[Fault, ...]]:
         """A number of vertices that the outline and all constraints allow, or one per loop; and notes, of the least
-        one."""
+        one. unlimited: whether it may be larger than that of the outline."""
         outline = self.outline.mesh
+        if unlimited and not self.outline.per_loop:
+            return self._agreed(outline, wanted, ())
         if not self.outline.per_loop:
             return self._agreed(outline, *clamped(wanted, outline))
         loops = [Mesh.from_loops([outline.vertices[loop]]) for loop in outline.loops]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 from ..contact.reinflation import Reinflation
 from ..errors import Fault
@@ -16,9 +16,6 @@ from ..geometry.mesh import Mesh
 from ..tasks import Result, Stage, Yielded, flat_mapped
 from ..verification import Certificate, LostLoops
 from ..verification.lost_loops import NONE_LOST
-
-if TYPE_CHECKING:
-    from ..decimation.loops import Tradeoff
 
 STAGES = {"decimation": 0.0, "flow": 0.2, "reinflation": 0.32, "tightening": 0.52, "verification": 0.96}
 """Approximate fraction of a level with one start at which each stage begins."""
@@ -53,7 +50,7 @@ class NestingReport:
     excess: float
     """area(cage) / area(fine) - 1; negative for inner cages."""
     start: str
-    """"flow", "line cycles" or "outer hull": how the fine mesh came to lie inside the coarse one."""
+    """"flow", "line cycles" or "box": how the fine mesh came to lie inside the coarse one."""
     iterations: Mapping[str, int]
     """Iterations per phase."""
     seconds: Mapping[str, float]
@@ -179,16 +176,6 @@ class Level(Drawable):
     def meshes(self) -> tuple[Mesh, ...]:
         """The fine mesh and the cage."""
         return self.fine, self.cage
-
-    @property
-    def tradeoff(self) -> Tradeoff:
-        """About the excess that each number of vertices would give, up to a few more than the cage has.
-
-        A mapping from counts to excesses that plots itself; `Tradeoff.of` takes other ranges. Of a cage around `fine`.
-        """
-        from ..decimation.loops import Tradeoff
-
-        return Tradeoff.of(self.fine, self.cage, self.report.wanted_clearance)
 
     def __repr__(self) -> str:
         report = self.report

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..contact import Contact
-from ..decimation import Decimation, LineCycles, OuterHull
+from ..decimation import Decimation, LineCycles
 from ..energies import Area, Energy
 from ..errors import NestedCagesError
 from ..flow import FlowMethod, TwoSidedFlow
@@ -19,8 +19,8 @@ DEFAULT_CLEARANCE = 1e-5
 """Clearance when none is given, as a fraction of the bounding-box diagonal of the fine mesh."""
 
 METHODS = {
-    "decimation": ("decimate", "OuterHull()"),
-    "fallback": ("decimate", "OuterHull()"),
+    "decimation": ("decimate", "LineCycles()"),
+    "fallback": ("decimate", "LineCycles()"),
     "flow": ("run", "TwoSidedFlow()"),
     "energy": ("at", "Area()"),
     "tightening": ("run", "Tightening()"),
@@ -34,7 +34,7 @@ class LevelSettings:
 
     clearance: float | None = None
     decimation: Decimation = field(default_factory=LineCycles)
-    fallback: Decimation | None = field(default_factory=OuterHull)
+    fallback: Decimation | None = field(default_factory=lambda: LineCycles(on_curve=False))
     flow: FlowMethod = field(default_factory=TwoSidedFlow)
     energy: Energy = field(default_factory=Area)
     contact: Contact | Sequence[Contact] | None = None

@@ -15,7 +15,7 @@ from ..contact.reinflation import Reinflation
 from ..energies import Energy
 from ..energies.base import EdgeCost
 from ..errors import Fault, NestingError, note
-from ..geometry.arrays import FloatArray
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.group import Orbits, orbits_of
 from ..geometry.mesh import Mesh
 from ..tasks import Stage, drain
@@ -54,7 +54,17 @@ class Settling:
     def rooms(self) -> list[float]:
         """Clearances that settling may take, to try in turn; a grid has points farther away only where it is too
         coarse."""
-        return [room * self.numbers.spacing for room in (ROOMS[:1] if self.numbers.grid is not None else ROOMS)]
+        numbers = self.numbers
+        spacing = (
+            numbers.spacing
+            if numbers.grid is None
+            else replace(numbers, lattice=None).spacing
+            if numbers.stored
+            else 0.0
+        )
+        if spacing > (numbers.grid or 0.0):  # numbers of the type are farther apart than those of the grid
+            return [room * spacing for room in ROOMS]
+        return [ROOMS[0] * numbers.spacing]
 
     def hasty(self) -> Settling:
         """The same, content with the first places."""
@@ -139,8 +149,15 @@ def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float) -> Stage[f
     assert numbers is not None
     units = SolverUnits.of(plan.fine)
     clearance = units.clearance(wanted) * units.scale
+    bounds = plan.bounds(units.from_input(cage), units)
+
+    def allowed(vertex: IntArray, start: FloatArray, end: FloatArray) -> BoolArray:
+        ends = units.points(start), units.points(end)
+        every = [np.ones(len(vertex), bool), *(bound.allowed(vertex, *ends) for bound in bounds)]
+        return np.asarray(np.all(every, axis=0))
+
     vertices = yield from numbers.settled(
-        cage, plan.outline.mesh, clearance, plan.side, _edge_cost(plan, energy, cage, units)
+        cage, plan.outline.mesh, clearance, plan.side, allowed, _edge_cost(plan, energy, cage, units)
     )
     if vertices is None or group is None:
         return [] if vertices is None else [vertices]

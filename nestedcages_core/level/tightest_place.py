@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from ..decimation.hull.small_holes import largest_circle
 from ..errors import Fault
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
-from ..geometry.precision import NEGLIGIBLE
-from ..geometry.signed_distance import EdgeSearch
+from ..geometry.precision import MOST_ROUNDS, NEGLIGIBLE
+from ..geometry.signed_distance import EdgeSearch, SignedDistance
 from ..geometry.vectors import place
 
 
@@ -29,7 +29,7 @@ class Bound:
 
     def message(self, wanted: float) -> Fault:
         """The message for a larger clearance."""
-        less = f"ask for less than {self.clearance:.6g}, or " if self.clearance > 0.0 else ""
+        less = f"ask for less than {self.clearance:.6g}, or " if 0.0 < self.clearance < wanted else ""
         return Fault(
             f"No cage {f'keeps the clearance of {wanted:.6g}' if wanted > 0.0 else 'fits'} {self.where}: {self.why}; "
             f"{less}{self.remedy}.",
@@ -101,3 +101,31 @@ def _widest_circle(fine: Mesh, hole: int) -> Bound:
         (hole,),
         (float(circle.centre[0]), float(circle.centre[1])),
     )
+
+
+GRID_SIZE, REFINED_POINTS = 32, 8
+"""Points along each side of grids that search for the widest place of a hole, and best ones that are refined."""
+
+
+class Circle(NamedTuple):
+    """A circle in a hole."""
+
+    centre: FloatArray
+    """(2,)."""
+    radius: float
+
+
+def largest_circle(fine: Mesh, hole: int) -> Circle:
+    """The largest circle inside a hole of a mesh, ignoring what lies in the hole, by refined grids."""
+    loop = fine.loops[hole]
+    distance = SignedDistance(fine.vertices[loop], fine.edge_ends[loop], outside=-1)
+    low, high = fine.vertices[loop].min(axis=0), fine.vertices[loop].max(axis=0)
+    width, middles = high - low, (0.5 * (low + high))[None]
+    steps = np.linspace(-0.5, 0.5, GRID_SIZE)
+    grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(1, -1, 2)
+    for _ in range(MOST_ROUNDS):
+        points: FloatArray = np.concatenate((middles, (middles[:, None] + width * grid).reshape(-1, 2)))
+        room = distance.at(points).distance
+        best = np.argsort(-room)[:REFINED_POINTS]
+        middles, width = points[best], 4.0 * width / GRID_SIZE  # two steps on either side
+    return Circle(middles[0], float(room[best[0]]))

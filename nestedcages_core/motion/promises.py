@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..decimation.budget import LEAST_PER_LOOP
+from ..decimation.base import MIN_PER_LOOP
 from ..errors import Fault
 from ..geometry.mesh import Mesh
 from ..geometry.signed_distance import ClosestEdge, EdgeSearch
@@ -33,7 +33,7 @@ class Promises:
 
         wanted: all loops are kept, unless there are not enough vertices.
         """
-        few = isinstance(wanted, int) and 0 < wanted < LEAST_PER_LOOP * len(first.loops)
+        few = isinstance(wanted, int) and 0 < wanted < MIN_PER_LOOP * len(first.loops)
         settings = settings if few else replace(settings, loops="keep")
         constraints, importance, notes = constraints_of(settings, first, 1)
         plan = Plan.of(first, constraints, importance)

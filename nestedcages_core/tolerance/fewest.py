@@ -11,8 +11,8 @@ from typing import cast
 import numpy as np
 
 from ..contact.pairs import Bodies
-from ..decimation import OuterHull
-from ..decimation.budget import LEAST_PER_LOOP
+from ..decimation import LineCycles
+from ..decimation.base import MIN_PER_LOOP
 from ..energies import CageEnergy
 from ..errors import InvalidMeshError, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
@@ -105,7 +105,7 @@ class _CountSearch:
     def __init__(self, need: Within, fine: Mesh, builder: LevelBuilder) -> None:
         self.need, self.fine, self.builder = need, fine, builder
         self.inner, self.side, self.number = builder.fine, builder.plan.side, builder.plan.number
-        self.bound = LEAST_PER_LOOP * (1 if builder.plan.outline.per_loop else len(fine.loops))
+        self.bound = MIN_PER_LOOP * (1 if builder.plan.outline.per_loop else len(fine.loops))
         self.best: Level | None = None
         self.taken = np.inf
         """What the best level takes; if there is none, the least of those tried."""
@@ -230,15 +230,15 @@ class _CountSearch:
         )
 
     def _filled(self, polygons: list[list[FloatArray]], bounds: list[int]) -> list[list[FloatArray]]:
-        """Polygons of an outer hull for loops that have none, such as holes smaller than the distance."""
+        """Polygons of line cycles for loops that have none, such as holes smaller than the distance."""
         if all(polygons) or not any(polygons):
             return polygons
         most = max(map(len, polygons))
         try:
-            hull = OuterHull().decimate(self.inner, bounds, clearance=self.builder.clearances[0])
+            start = LineCycles(on_curve=False).decimate(self.inner, bounds, clearance=self.builder.clearances[0])
         except NestedCagesError:
             return polygons
-        others = [hull.vertices[loop] for loop in hull.loops]
+        others = [start.vertices[loop] for loop in start.loops]
         return [found or [other] * most for found, other in zip(polygons, others, strict=True)]
 
     def _nested(self, loops: list[FloatArray]) -> Mesh | None:

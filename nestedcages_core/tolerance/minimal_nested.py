@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..decimation.budget import LEAST_PER_LOOP
+from ..decimation.base import MIN_PER_LOOP
 from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS, NEGLIGIBLE, ROUND_OFF
@@ -144,7 +144,7 @@ class Band:
         self.search = EdgeSearch.of(fine)
         self.boundary = _Boundary(fine, loop, distance)
         self._place(FIRST_GATES)
-        if len(self.places) >= LEAST_PER_LOOP:
+        if len(self.places) >= MIN_PER_LOOP:
             wanted = GATES_PER_LINK * self._counting(0.0).links_around(0)
             if wanted > FIRST_GATES:
                 self._place(min(wanted, MAX_GATES))
@@ -186,18 +186,18 @@ class Band:
 
         The larger of two bounds: by links that meet, from some gates, and by runs that need not, from every gate.
         """
-        if len(self.places) < LEAST_PER_LOOP:
-            return LEAST_PER_LOOP
+        if len(self.places) < MIN_PER_LOOP:
+            return MIN_PER_LOOP
         corridor = self._counting(clearance)
         meeting = max(corridor.links_around(start) for start in corridor.some(BOUND_STARTS)) - 1
-        return corridor.fewest_runs(max(LEAST_PER_LOOP, meeting))
+        return corridor.fewest_runs(max(MIN_PER_LOOP, meeting))
 
     def walks(self, clearance: float, *, share: float = 1.0, enough: int = 0) -> list[FloatArray]:
         """Polygons (k, 2) around the loop of few links each, fewest first; they are to be verified.
 
         share: part of the distance that they keep. enough: number of links with which only some of them are made.
         """
-        if len(self.places) < LEAST_PER_LOOP:
+        if len(self.places) < MIN_PER_LOOP:
             return []
         gates = self.boundary.at(self.places)
         low = clearance + _protruding(self.fine, self.loop, gates)
@@ -206,7 +206,7 @@ class Band:
             return []
         corridor = Corridor(*gates.ends(low, high), slack=0.0)
         polygons: list[FloatArray] = []
-        for start in corridor.some(MAX_LINKS // LEAST_PER_LOOP):
+        for start in corridor.some(MAX_LINKS // MIN_PER_LOOP):
             polygon = corridor.polygon(start)
             if polygon is not None:
                 polygons.append(polygon)

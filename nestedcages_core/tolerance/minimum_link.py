@@ -13,7 +13,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from ..decimation.budget import LEAST_PER_LOOP
+from ..decimation.base import MIN_PER_LOOP
 from ..geometry.arrays import FloatArray
 from ..geometry.precision import NEGLIGIBLE
 
@@ -293,7 +293,7 @@ def _midline(feet: ComplexArray, tips: ComplexArray) -> Line | None:
 
 def _corners(lines: list[Line]) -> FloatArray | None:
     """(k, 2) where lines meet that follow each other in a circle; None for fewer than three."""
-    if len(lines) < LEAST_PER_LOOP:
+    if len(lines) < MIN_PER_LOOP:
         return None
     corners = [one.meets(*other) for one, other in zip(lines, [*lines[1:], lines[0]], strict=True)]
     return np.array(corners).view(np.float64).reshape(-1, 2)

@@ -175,13 +175,13 @@ def test_edges_have_few_directions(directions: str, turns: float) -> None:
     assert np.abs((angle + 0.5 * turns) % turns - 0.5 * turns).max() < 1e-3
 
 
-def test_close_parts_are_merged() -> None:
+def test_parts_share_one_loop() -> None:
     poly_curve("Drawing", [circle(40), circle(40) + np.array([2.1, 0.0])])
-    generate("5", merge=0.5)
+    generate("5", loops="one")
     assert len(points(cages()[0])) == 5
     assert not certificate(cages()[0]).keeps_loops and certificate(cages()[0]).notes
     with refused():
-        generate("12", merge=0.5, symmetry="FOUND")
+        generate("12", loops="one", symmetry="FOUND")
 
 
 def test_a_group_that_is_not_there_is_named() -> None:

@@ -55,7 +55,7 @@ def test_what_is_exported_comes_back_the_same(cages, core, tmp_path, kind, flip_
     source, _, _ = cages
     source.matrix_world.identity()
     bpy.context.view_layer.update()
-    generate("24, 12")
+    generate("24, 12", loops="keep")
     both = [bpy.data.objects[f"Drawing Cage {number}"] for number in (1, 2)]
     choose(both[-1])
     path = tmp_path / {"SVG": "a.svg", "GEOJSON": "a.geojson", "ENGINE": "a.json"}[kind]

@@ -29,7 +29,7 @@ def letter():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("decimation", slow_after(1, ["ON_CURVE", "OUTER_HULL", "ARC_LENGTH"]))
+@pytest.mark.parametrize("decimation", slow_after(1, ["ON_CURVE", "OUTSIDE", "ARC_LENGTH"]))
 def test_no_cage_crosses_what_it_encloses_on_any_frame(decimation) -> None:
     poly_curve("Drawing", letter())
     generate("48, 20", decimation=decimation, frames_per_step=2)
@@ -287,7 +287,7 @@ def test_each_energy_gives_its_own_certified_cage_looser_than_the_tightest(energ
     assert more > least
 
 
-WAYS = [("decimation", key) for key in ("ON_CURVE", "OUTER_HULL", "ARC_LENGTH")] + [("fall_back", False)]
+WAYS = [("decimation", key) for key in ("ON_CURVE", "OUTSIDE", "ARC_LENGTH")] + [("fall_back", False)]
 
 
 @pytest.mark.parametrize(("name", "key"), [*WAYS, pytest.param("as_published", True, marks=pytest.mark.slow)])
@@ -299,7 +299,7 @@ def test_each_way_to_start_makes_the_core_s_certified_cage(core, name, key) -> N
     depsgraph = at_frame(end_of(cage))
     assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
     assert lines(cage, depsgraph).distance(lines(fine, depsgraph)) > 0.0
-    starts = {"ON_CURVE": core.LineCycles, "OUTER_HULL": core.OuterHull, "ARC_LENGTH": core.ArcLength}
+    starts = {"ON_CURVE": core.LineCycles, "OUTSIDE": core.LineCycles, "ARC_LENGTH": core.ArcLength}
     if key in starts:
         mesh = core.Mesh.from_loops([star(24).astype(np.float32).astype(float)])
         settings = core.Settings(decimation=starts[key]())

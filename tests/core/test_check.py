@@ -10,12 +10,12 @@ import pytest
 import shapely
 
 import nestedcages_core as core
-from nestedcages_core import Hierarchy, Level, LineCycles, Mesh, Mirror, OuterHull, Rotation, check, nested_cages
+from nestedcages_core import Hierarchy, Level, LineCycles, Mesh, Mirror, Rotation, check, nested_cages
 from support.marks import slow_after
 from support.shapes import comb, disc, islands, letter_a, letter_a_coarse, polygon, ring, square_with_hole, star
 
 SQUARE = np.array([[0, 0], [4, 0], [4, 4], [0, 4]], float)
-FAST = core.Settings(decimation=OuterHull(), fallback=OuterHull())
+FAST = core.Settings(decimation=LineCycles(on_curve=False), fallback=LineCycles(on_curve=False))
 
 
 def mesh(*loops: object) -> Mesh:

@@ -15,17 +15,14 @@ from support.marks import slow_after
 from support.shapes import letter_a, polygon, ring
 
 CLEARANCE, SPACING, DISTANCE = 0.004, 0.02, 0.15
-NEEDS = ("symmetry", "rotation", "grid", "float32", "weights", "convex", "merge", "inner", "within", "motion")
+NEEDS = ("symmetry", "rotation", "grid", "float32", "weights", "convex", "one", "inner", "within", "motion")
 IMPOSSIBLE = {
     frozenset({"symmetry", "rotation"}): None,  # one setting
     frozenset({"convex", "inner"}): "convex.impossible",
     frozenset({"convex", "motion"}): "setting.conflict",
     frozenset({"inner", "motion"}): None,  # no function for it
     frozenset({"within", "motion"}): "level.invalid",
-    **{
-        frozenset({need, "merge"}): "setting.conflict"
-        for need in ("symmetry", "rotation", "weights", "convex", "inner")
-    },
+    **{frozenset({need, "one"}): "setting.conflict" for need in ("symmetry", "rotation", "weights", "convex", "inner")},
 }
 """Pairs that cannot be made, each with the code that says so."""
 PAIRS = [tuple(dict.fromkeys(pair)) for pair in combinations_with_replacement(NEEDS, 2)]
@@ -51,14 +48,14 @@ def options(pair: tuple[str, ...], fine: Mesh) -> dict[str, Any]:
         "float32": {"stored": np.float32},
         "weights": {"weights": 1.0 + 9.0 * (np.abs(fine.vertices[:, 1]) > 0.6)},
         "convex": {"convex": True},
-        "merge": {"merge": 0.1},
+        "one": {"loops": "one"},
     }
     return {name: value for need in pair for name, value in of.get(need, {}).items()}
 
 
 def assert_kept(pair: tuple[str, ...], made: Any, cage: Mesh, fine: Mesh, symmetry: Any) -> None:
     """Every promise, judged anew by the checker, which reads grid and stored numbers from the levels."""
-    loops = False if {"convex", "merge"} & set(pair) else None
+    loops = False if {"convex", "one"} & set(pair) else None
     distance = DISTANCE if "within" in pair and "inner" not in pair else None
     verdict = check(fine, made, CLEARANCE, same_loops=loops, inside="inner" in pair, distance=distance, motions=4)
     assert verdict, verdict.problems[:3]

@@ -1,11 +1,13 @@
 """At most so many vertices, always: more than the drawing has, fewer than its loops need, shared between loops."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
-from nestedcages_core import Mesh, NestingError, Share, inner_cages, nested_cages, verify
+from nestedcages_core import Mesh, NestingError, Share, excess_by_count, inner_cages, nested_cages, verify
 from support.families import simple
-from support.judging import codes, note, rejected
+from support.judging import codes, never_rises, note, rejected
 from support.marks import slow_after
 from support.shapes import annulus, assert_nested, islands, letter_a, ring, star
 
@@ -80,3 +82,20 @@ def test_every_small_count_has_a_cage_that_is_no_looser_than_with_fewer_vertices
         assert len(level.cage.vertices) <= count and verify(level.cage, fine, level.report.wanted_clearance)
         areas.append(level.cage.area)
     assert all(after <= 1.005 * min(areas[:k]) for k, after in enumerate(areas) if k)
+
+
+@pytest.mark.parametrize("shape", slow_after(1, [star, islands, letter_a]), ids=lambda shape: shape.__name__)
+def test_the_excess_by_count_is_about_that_of_the_cages(shape: Callable[[], Mesh]) -> None:
+    fine = shape()
+    curve = excess_by_count(fine, 20)
+    assert set(curve) >= set(range(4, 21)) and never_rises(list(curve.values()), 0.0)
+    for count in (4, 9, 20):
+        assert curve[count] == pytest.approx(nested_cages(fine, count)[0].excess, rel=0.1)
+
+
+def test_the_excess_by_count_needs_a_triangle_and_keeps_a_clearance() -> None:
+    square = Mesh.from_loops([ring(4)])
+    assert excess_by_count(square, 4, clearance=0.1)[4] == pytest.approx(0.3, abs=0.02)
+    for most in (2, 4.0, True):
+        with rejected("setting.invalid", name="most"):
+            excess_by_count(square, most)  # type: ignore[arg-type]

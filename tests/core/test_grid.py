@@ -183,7 +183,7 @@ def test_random_outlines_have_cages_on_coarse_grids(seed: int) -> None:
 def test_every_step_is_stored_without_rounding(kind: str, inside: bool) -> None:
     """Far enough from the origin that rounding counts."""
     fine = letter_a().moved((letter_a().vertices + np.array([30.0, -7.0])).astype(kind).astype(float))
-    level = (core.inner_cages if inside else nested_cages)(fine, 20, stored=kind, clearance=0.05)[0]
+    level = (core.inner_cages if inside else nested_cages)(fine, 20, stored=kind, clearance=0.05, loops="keep")[0]
     assert level.report.stored == kind and len(level.cage.vertices) == 20
     steps = level.reinflation.cage_steps, level.reinflation.fine_steps
     for points in (level.cage.vertices, level.coarse.vertices, level.flow.steps, *steps):

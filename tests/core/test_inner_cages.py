@@ -60,11 +60,11 @@ def test_a_mesh_of_ones_own_is_the_start() -> None:
     assert_inside(level)
 
 
-def test_a_mesh_that_is_not_inside_gives_its_counts_to_the_hull() -> None:
+def test_a_mesh_that_is_not_inside_gives_its_counts_to_the_line_cycles() -> None:
     fine = annulus(40)
     mine = annulus(10, 0.4)
     level = inner_cages(fine, [mine]).levels[0]
-    assert level.report.start == "inner hull"
+    assert level.report.start == "line cycles"
     assert codes(level) == ["note.start"]
     assert [len(loop) for loop in level.cage.loops] == [10, 10]
     with rejected("coarse.not_nested", NestingError):

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import shapely
 
 import nestedcages_core as core
 from nestedcages_core import AxisAligned, Mesh, Mirror, NestedCagesError, Settings, Share, check, nested_cages, verify
@@ -83,8 +82,8 @@ def least_plate(count: int) -> float:
 @pytest.mark.parametrize("count", slow_after(2, [7, 11, 8, 12, 4, 6], thorough_after=4))
 def test_parts_are_joined_as_the_best_of_all_choices_joins_them(count: int) -> None:
     level = nested_cages(ROW, count, clearance=1e-6)[0]
-    assert level.cage.area == pytest.approx(least_row(count), rel=1e-4)
-    joined = {4: ((0, 1, 2),), 5: ((0, 1, 2),), 6: ((0, 1, 2),), 12: ()}.get(count, ((0, 1),))
+    assert 3.0 < level.cage.area <= (1.0 + 1e-4) * least_row(count)  # notches may be left at a join
+    joined = {12: ()}.get(count, ((0, 1, 2),) if count < 8 else ((0, 1),))
     assert level.report.lost.joined == joined and level.report.lost.filled == ()
     assert ("note.loops" in codes(level)) == bool(joined)
 
@@ -170,18 +169,6 @@ def test_the_same_loops_are_chosen_at_any_angle(angle: float) -> None:
         assert plain.cage.area == pytest.approx(turned.cage.area, rel=0.03)
 
 
-@pytest.mark.slow
-def test_where_a_few_more_vertices_halve_the_excess_a_note_says_so() -> None:
-    fine = Mesh.from_loops([ring(4, 1.0, angle=np.pi / 4) + 3.0 * at(x, y) for x, y in np.ndindex(2, 2)])
-    level = nested_cages(fine, 13)[0]
-    data, found = note(level, "note.knee").data, level.tradeoff
-    assert data["given"] == 13 < data["better"] and found[data["better"]] <= 0.5 * level.excess
-    assert list(found) == sorted(found) and all(np.diff(list(found.values())) <= 0.0)
-    better = nested_cages(fine, data["better"])[0]
-    assert better.excess == pytest.approx(found[data["better"]], abs=0.1 * level.excess)
-    assert "note.knee" not in codes(better)
-
-
 # All loops, or one
 
 
@@ -232,17 +219,11 @@ def test_one_is_a_silhouette() -> None:
     assert caught.value.code == "setting.conflict"
 
 
-def test_holes_are_filled_without_shapely_and_joining_parts_says_what_is_missing(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_without_shapely_holes_are_filled_and_parts_share_a_hull(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "shapely", None)
     assert nested_cages(PLATE, 8, clearance=1e-6)[0].cage.area == pytest.approx(91.0, rel=1e-4)
-    try:
-        level = nested_cages(bell(), 12)[0]
-    except NestedCagesError as error:
-        assert error.code == "dependency.missing"
-    else:
-        assert len(level.cage.vertices) <= 12
+    level = nested_cages(bell(), 12)[0]
+    assert len(level.cage.vertices) <= 12 and len(level.cage.loops) == 1 and check(bell(), level)
 
 
 @pytest.mark.slow
@@ -264,7 +245,7 @@ def test_the_checker_and_the_certificate_name_alike_what_is_lost_and_see_what_is
         assert not verify(cage, target(), same_loops=False) and not check(target(), cage, same_loops=False)
 
 
-# Merging
+# Specks
 
 
 def sprite() -> Mesh:
@@ -273,44 +254,17 @@ def sprite() -> Mesh:
     return Mesh.from_loops([ring(60), 0.05 * ring(12) + 0.3, *(ring(5, 0.02) + place for place in places)])
 
 
-THREE = Mesh.from_loops([
-    4.0 * SQUARE, 2.0 * SQUARE + at(1, 1), 0.3 * SQUARE + at(3.4, 3.4), ring(24) + at(5.4, 2.0), ring(24) + at(8.3, 2.0)
-])  # fmt: skip
-"""A square with a large and a small hole, a disc 0.4 away from it, and a disc 0.9 away from that."""
-
-
-@pytest.mark.parametrize(
-    ("distance", "outer", "holes"),
-    slow_after(2, [(0.45, 2, 1), (np.inf, 1, 0), (0.35, 3, 1), (0.95, 1, 1), (2.1, 1, 0)], thorough_after=4),
-)
-def test_parts_closer_than_a_distance_are_joined_and_holes_below_its_square_filled(
-    distance: float, outer: int, holes: int
-) -> None:
-    level = nested_cages(THREE, 14, merge=distance)[0]
-    assert ((level.cage.loop_signs > 0).sum(), (level.cage.loop_signs < 0).sum()) == (outer, holes)
-    assert polygon(level.cage).contains(polygon(THREE))
-    assert verify(level.cage, THREE, level.report.wanted_clearance, same_loops=False)
-    closed = polygon(THREE).buffer(0.5 * min(distance, 1.0)).buffer(-0.5 * min(distance, 1.0))
-    assert level.cage.area <= 1.03 * shapely.union_all([shapely.Polygon(each.exterior) for each in parts(closed)]).area
-
-
-def parts(solid: shapely.Geometry) -> list[shapely.Polygon]:
-    return list(getattr(solid, "geoms", [solid]))
-
-
 def test_a_sprite_with_specks_gets_one_outline() -> None:
     fine = sprite()
-    level = nested_cages(fine, 16, merge=0.3)[0]
+    level = nested_cages(fine, 16, loops="one")[0]
     assert (len(level.cage.loops), len(level.cage.vertices)) == (1, 16) and level.excess < 0.15
     assert verify(level.cage, fine, level.report.clearance, same_loops=False) and "note.loops" in codes(level)
     assert (level.reinflation.fine_steps[-1] == fine.vertices).all()
     with pytest.raises(NestedCagesError) as caught:
         nested_cages(fine, 16, loops="keep")
     assert caught.value.data["least"] == 30
-    few = nested_cages(islands(), Share(0.01), merge=1e-6)[0]
+    few = nested_cages(islands(), Share(0.01))[0]
     assert len(few.cage.vertices) == 3
-    close = nested_cages(Mesh.from_loops([ring(24), 0.9 * ring(24)]), 8, merge=np.inf)[0]
-    assert len(close.cage.loops) == 1
 
 
 # Details that are nearly nothing

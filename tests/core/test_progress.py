@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import nestedcages_core as core
-from nestedcages_core import AnimatedCagesRun, Mesh, NestedCagesError, NestedCagesRun, OnCurve, Progress, nested_cages
+from nestedcages_core import AnimatedCagesRun, Mesh, NestedCagesError, NestedCagesRun, Progress, nested_cages
 from support.marks import slow_after
 from support.shapes import letter_a, ring, star
 from support.sources import ROOT
@@ -113,12 +113,10 @@ def test_a_listener_that_raises_stops_the_work_at_once(work: Callable[..., Any],
 @pytest.mark.parametrize(
     ("decimation", "least"),
     [
-        (OnCurve(around=core.OuterHull()), {"decimation": 7, "tightening": 3}),
         (core.ArcLength(), {"reinflation": 4, "verification": 3}),
-        (core.LineCycles(), {"decimation": 6}),
-        (OnCurve(), {"decimation": 6}),
+        (core.LineCycles(), {"decimation": 3}),
     ],
-    ids=["hull", "a long way", "line cycles", "on the curve"],
+    ids=["a long way", "line cycles"],
 )
 def test_long_stages_can_be_cancelled_in_between(decimation: Any, least: dict[str, int]) -> None:
     turn = ring(1100)
@@ -240,7 +238,7 @@ def test_the_best_cage_by_then_is_kept(kind: str, options: dict[str, Any]) -> No
         (level,) = outcome["levels"]
         assert level["holds"]
         assert level["excess"] >= whole["levels"][0]["excess"] - 1e-6
-        assert level["notes"].count("note.time") == (last < len(stages) - 1)
+        assert "note.time" in level["notes"] or set(stages[last:]) == {"verification"}
         kept += level["notes"].count("note.time")
     assert kept
 

@@ -42,9 +42,9 @@ def test_help_describes_every_setting() -> None:
 REFUSED: list[dict[str, Any]] = [
     {"energy": "area"}, {"energy": Area}, {"decimation": "hull"}, {"fallback": 7}, {"flow": None},
     {"tightening": False}, {"contact": IPC}, {"contact": []}, {"contact": "IPC"}, {"symmetry": 3},
-    *({name: value} for name in ("clearance", "grid", "seconds", "min_edge", "merge")
-      for value in NO_LENGTHS if value is not None and (name, value) != ("merge", np.inf)),
-    {"grid": 0.0}, {"seconds": 0.0}, {"min_edge": 0.0}, {"merge": 0.0},
+    *({name: value} for name in ("clearance", "grid", "seconds", "min_edge")
+      for value in NO_LENGTHS if value is not None),
+    {"grid": 0.0}, {"seconds": 0.0}, {"min_edge": 0.0},
     {"min_angle": 0.0}, {"min_angle": 60.0}, {"min_angle": "1"}, {"min_angle": np.nan},
     {"stored": "int8"}, {"stored": "no type"}, {"about": 3}, {"convex": 1}, {"loops": "all"}, {"constraints": 3},
     {"constraints": [Box]}, {"constraints": ["box"]},
@@ -55,8 +55,8 @@ REFUSED: list[dict[str, Any]] = [
 ]  # fmt: skip
 CONFLICTS: list[dict[str, Any]] = [
     {"convex": True, "pins": [0]}, {"convex": True, "joints": [(0.0, 0.0)]}, {"convex": True, "min_edge": 0.1},
-    {"merge": 0.1, "convex": True}, {"loops": "one", "weights": [1.0]}, {"merge": 0.1, "min_angle": 20.0},
-    {"convex": True, "min_angle": 20.0}, {"merge": 1.0, "pins": [0]},
+    {"loops": "one", "convex": True}, {"loops": "one", "weights": [1.0]}, {"loops": "one", "min_angle": 20.0},
+    {"convex": True, "min_angle": 20.0}, {"loops": "one", "pins": [0]},
 ]  # fmt: skip
 
 
@@ -72,7 +72,7 @@ def test_settings_that_make_no_sense_are_refused_when_they_are_made(code: str, c
 @pytest.mark.parametrize(
     "choice",
     [
-        {"clearance": 0.0}, {"clearance": np.float32(1.0)}, {"merge": np.inf}, {"stored": np.float16},
+        {"clearance": 0.0}, {"clearance": np.float32(1.0)}, {"stored": np.float16},
         {"stored": "float64"}, {"stored": np.dtype("float32")}, {"pins": [np.int64(1), (0.0, 1.0)]},
         {"min_angle": 59.9}, {"contact": [IPC()]}, {"fallback": None}, {"weights": np.ones(3)},
     ],

@@ -82,7 +82,7 @@ def test_cages_around_extreme_loops() -> None:
             count = min(len(mesh.vertices), 3 * len(mesh.loops) + more)
             outcome(lambda: nested_cages(mesh, [count], Settings(decimation=decimation)))
 
-    decimations = st.sampled_from([core.OuterHull(), OnCurve(), ArcLength()])
+    decimations = st.sampled_from([core.LineCycles(on_curve=False), OnCurve(), ArcLength()])
     try_many(check, st.tuples(hostile.loops, st.integers(0, 4), decimations))
 
 

@@ -1,6 +1,5 @@
 """Random shapes with random settings: a cage that the checker accepts and that keeps what was asked, or a code."""
 
-from math import inf
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,6 @@ WISHES: dict[str, st.SearchStrategy[Any]] = {
     "grid": st.sampled_from([1e-9, 0.01, 0.1, 0.3]),
     "symmetry": st.sampled_from([Mirror(None), Mirror((0.0, 0.0), (1.0, 0.2)), Rotation(None, 2), Found()]),
     "convex": st.just(True),
-    "merge": st.sampled_from([1e-9, 0.1, 1.0, inf]),
     "min_edge": st.sampled_from([1e-6, 0.1, 1.0]),
     "min_angle": st.sampled_from([5.0, 40.0]),
     "pins": st.lists(st.integers(0, 11), min_size=1, max_size=3, unique=True),
@@ -74,7 +72,7 @@ def fulfilled(fine: Mesh, wanted: dict[str, Any], count: Any, inside: bool = Fal
         assert error.code not in NO_CAGE and str(error).strip(), (wanted, count, inside, error)
         return False
     cage, symmetry, distance = level.cage, wanted.get("symmetry"), getattr(count, "distance", None)
-    loops = False if {"convex", "merge", "loops"} & set(wanted) else None
+    loops = False if {"convex", "loops"} & set(wanted) else None
     placed = None if isinstance(symmetry, Found) or "stored" in wanted else symmetry  # exact on doubles alone
     verdict = core.check(fine, level, wanted.get("clearance"), same_loops=loops, grid=wanted.get("grid"),
                          symmetry=placed, distance=None if inside else distance, motions=4)  # fmt: skip

@@ -8,10 +8,9 @@ import pytest
 import shapely
 
 from nestedcages_core import LineCycles, Mesh, nested_cages
-from nestedcages_core.decimation.line_cycles.around import HULL_OFFSET, Around
-from nestedcages_core.decimation.line_cycles.turns import SLACK
-from nestedcages_core.decimation.request import Request
-from nestedcages_core.tasks import drain
+from nestedcages_core.decimation.cycle_search import OFFSET, CycleSearch
+from nestedcages_core.decimation.problem import Problem
+from nestedcages_core.decimation.turns import SLACK
 from support.marks import slow_after
 from support.shapes import annulus, assert_nested, comb, islands, jagged, letter_a, ring, star
 
@@ -52,9 +51,9 @@ class Searched(NamedTuple):
 @pytest.fixture(scope="module", params=SHAPES)
 def searches(request: pytest.FixtureRequest) -> list[Searched]:
     """Those around a small shape."""
-    wanted = Request.of(SHAPES[request.param], 5 * len(SHAPES[request.param].loops))
-    around = Around(wanted, wanted.outline, HULL_OFFSET)
-    drain(around.run(1.0))
+    problem = Problem.of(SHAPES[request.param], 5 * len(SHAPES[request.param].loops))
+    around = CycleSearch(problem, problem.outline, np.full(len(problem.outline.sizes), OFFSET))
+    around.search()
     found = []
     for search in around.searches.values():
         lines, turns = search.lines, search.turns
@@ -63,7 +62,7 @@ def searches(request: pytest.FixtureRequest) -> list[Searched]:
         turn = dict(zip(pairs, data, strict=True))
         found.append(
             Searched(
-                search.chain.vertices, lines.place, lines.point, lines.direction,
+                search.outline.vertices, lines.place, lines.point, lines.direction,
                 search.free, turn, search.totals, search.cycle, turns.within,
             )
         )  # fmt: skip

@@ -90,6 +90,59 @@ def drawing(seed: int) -> Mesh:
             continue
 
 
+def courtyard(random: Draw) -> Mesh:
+    """A block with one to three rectangular yards side by side."""
+    yards, width, height = int(random.integers(1, 4)), *random.uniform(3.0, 12.0, 2)
+    boxes, cell = [shapely.box(0.0, 0.0, width, height)], width / yards
+    for k in range(yards):
+        across, up = random.uniform(0.15, 0.8, 2)
+        x, y = (k + random.uniform(0.05, 0.95 - across)) * cell, random.uniform(0.05, 0.95 - up) * height
+        boxes.append(shapely.box(x, y, x + across * cell, y + up * height))
+    return Mesh.from_loops([np.array(box.exterior.coords)[:-1] for box in boxes])
+
+
+def plate(random: Draw) -> Mesh:
+    """A plate with a step, and bolt holes next to its corners."""
+    (w, h), s = random.uniform(8.0, 20.0, 2), random.uniform(0.1, 0.4)
+    step = [((1 - s) * w, h), ((1 - s) * w, h + 2), (s * w, h + 2), (s * w, h)]
+    radius = random.uniform(0.1, 0.8)
+    places = [(1.0, 1.0), (w - 1, 1.0), (1.0, h - 1), (w - 1, h - 1)][: random.integers(1, 5)]
+    holes = [ring(int(random.integers(6, 25)), radius, 0.0, place) for place in places]
+    return Mesh.from_loops([np.array([(0, 0), (w, 0), (w, h), *step, (0, h)]), *holes])
+
+
+def row(random: Draw) -> Mesh:
+    """Squares and discs in a row, with gaps of all sizes."""
+    loops, x = [], 0.0
+    for _ in range(random.integers(2, 6)):
+        radius = random.uniform(0.3, 1.0)
+        x += radius
+        loops.append(ring(int(random.choice([4, 16, 40])), radius, np.pi / 4, (x, random.uniform(-1.0, 1.0) * radius)))
+        x += radius + 10.0 ** random.uniform(-4.0, 0.3)
+    return Mesh.from_loops(loops)
+
+
+def scattered(random: Draw) -> Mesh:
+    """Discs on a grid, some with holes."""
+    loops, side = [], int(random.integers(2, 4))
+    for i, j in np.ndindex(side, side):
+        x, y = random.uniform(-0.2, 0.2, 2)
+        centre, radius = (2.5 * i + x, 2.5 * j + y), random.uniform(0.4, 1.0)
+        loops.append(ring(12, radius, 0.0, centre))
+        if random.random() < 0.4:
+            loops.append(ring(8, random.uniform(0.1, 0.8) * radius, 0.0, centre))
+    return Mesh.from_loops(loops)
+
+
+def rings(random: Draw) -> Mesh:
+    """Rings within rings, around the origin."""
+    radii = np.cumprod([1.0, *random.uniform(0.2, 0.65, random.integers(1, 4))])
+    return Mesh.from_loops([ring(int(random.integers(4, 40)), radius, random.uniform(0.0, 1.0)) for radius in radii])
+
+
+OF_SEVERAL_LOOPS: tuple[Callable[[Draw], Mesh], ...] = (courtyard, plate, row, scattered, rings)
+
+
 def smallest_around(corners: np.ndarray, count: int, directions: int = 720) -> float:
     """The least area of polygons with ``count`` edges around a convex polygon (h, 2): all but one lie along its edges.
 

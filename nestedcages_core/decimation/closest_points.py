@@ -1,0 +1,33 @@
+"""The vertices of a cage, moved to the closest points of the mesh inside it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import InvalidMeshError
+from ..geometry.group import Orbits, Symmetry
+from ..geometry.mesh import Mesh
+from ..geometry.signed_distance import EdgeSearch
+from .symmetric import SYMMETRY_TOLERANCE
+
+
+def closest_on_curve(cage: Mesh, fine: Mesh, symmetry: Symmetry | None = None) -> Mesh | None:
+    """The cage with its vertices moved to the closest points of the fine mesh, loop k to loop k.
+
+    symmetry: of the fine mesh, kept where the cage has it. None where the result crosses itself. Flow and reinflation
+    lead from it to nearly the same cage.
+    """
+    places = np.empty_like(cage.vertices)
+    for own, other in zip(cage.loops, fine.loops, strict=True):
+        starts, ends = fine.vertices[other], fine.vertices[fine.successor[other]]
+        places[own] = EdgeSearch(starts, ends).nearest(cage.vertices[own])
+    if symmetry is not None:
+        orbits = Orbits.of(cage.vertices, cage.successor, symmetry, SYMMETRY_TOLERANCE * cage.diagonal)
+        if orbits is not None:
+            places = orbits.symmetrised(places)
+    try:
+        coarse = Mesh.from_loops([places[own] for own in cage.loops])
+    except InvalidMeshError:
+        return None
+    same = (coarse.loop_signs == fine.loop_signs).all() and (coarse.component_of_loop == fine.component_of_loop).all()
+    return coarse if same else None

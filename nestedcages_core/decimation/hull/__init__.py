@@ -1,1 +1,0 @@
-"""Outer hull: the greedy search behind it, on loops as linked lists that only this folder sees."""

@@ -1,0 +1,210 @@
+"""Cages around the best of a sequence of outlines: what a box satisfies has one, more vertices are not looser."""
+
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from nestedcages_core import AxisAligned, Level, Mesh, Settings, check, collision_outline, nested_cages, verify
+from support.families import OF_SEVERAL_LOOPS, courtyard, drawing, plate, row, scattered
+from support.judging import is_along_the_axes, is_on_grid, lengths_of, sharpest
+from support.marks import slow_after
+from support.shapes import polygon, ring
+
+SLACK = 1.005
+"""Factor on the excess that a cage of more vertices may have."""
+
+
+def boxed(*corners: float) -> np.ndarray:
+    return np.array(shapely.box(*corners).exterior.coords)[:-1]
+
+
+def caged(shape: Any, count: int, *, has_shapely: bool = True, **options: Any) -> Level:
+    """A level. Without shapely the loops begin at other vertices, so that no result is remembered."""
+    if has_shapely:
+        return nested_cages(shape, count, **options)[0]
+    fine = Mesh.from_loops([np.roll(loop, 1, axis=0) for loop in Mesh.of(shape).rings])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, "shapely", None)
+        return nested_cages(fine, count, **options)[0]
+
+
+# More vertices
+
+
+def assert_never_looser(fine: Mesh, counts: Any, **options: Any) -> None:
+    """Each cage has about the least excess of those with as many vertices or fewer."""
+    best = np.inf
+    for count in counts:
+        level = nested_cages(fine, count, **options)[0]
+        assert len(level.cage.vertices) <= count
+        assert level.excess <= SLACK * best + 1e-6, (count, level.report.lost)
+        best = min(best, level.excess)
+
+
+STARS = [
+    [(3, 1), (1, 2), (2, 3), (1, 4), (3, 5), (5, 4), (4, 3), (5, 2)],
+    [(7, 1), (5, 2), (6, 3), (5, 4), (7, 5), (9, 4), (8, 3), (9, 2)],
+]
+LOOSER_ONCE: dict[str, tuple[Any, tuple[int, ...], dict[str, Any]]] = {
+    "a courtyard": (Mesh.from_loops([boxed(0, 0, 10, 6), boxed(4, 2, 6, 4)]), (5, 6), {}),
+    "stars that touch": (shapely.MultiPolygon([shapely.Polygon(star) for star in STARS]), (10, 12), {}),
+    "bolt holes": (
+        Mesh.from_loops(
+            [
+                np.array([(0, 0), (20, 0), (20, 8), (14, 8), (14, 10), (6, 10), (6, 8), (0, 8)]),
+                *(ring(24, 0.3, 0.0, place) for place in ((1, 1), (19, 1), (1, 7), (19, 7))),
+            ]
+        ),
+        (17, 19),
+        {},
+    ),
+    "a dotted square on a grid": (
+        shapely.box(0.0, 0.0, 8.0, 8.0).segmentize(2.0),
+        (4, 12),
+        {"grid": 1.0},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("shape", "counts", "options"), LOOSER_ONCE.values(), ids=LOOSER_ONCE.keys())
+def test_a_few_more_vertices_are_not_looser(shape: Any, counts: tuple[int, ...], options: dict[str, Any]) -> None:
+    assert_never_looser(shape, counts, **options)
+
+
+@pytest.mark.slow
+def test_more_vertices_around_a_sprite_on_whole_pixels_are_not_looser() -> None:
+    y, x = np.mgrid[:32, :32]
+    disc = (x - 15.5) ** 2 + (y - 15.5) ** 2 < 14**2
+    few, many = (collision_outline(disc, count, settings=Settings(grid=1.0)) for count in (16, 64))
+    assert many.area <= few.area
+
+
+@pytest.mark.thorough
+def test_two_hundred_loops_are_joined_to_some_not_to_one() -> None:
+    discs = [ring(20, 1.0, 0.0, (2.5 * (k % 20), 2.5 * (k // 20))) for k in range(200)]
+    assert nested_cages(discs, 600)[0].excess < 0.45
+
+
+COUNTS = (3, 4, 5, 6, 7, 8, 9, 10, 12, 14, 17, 20, 24, 30, 40)
+
+
+@pytest.mark.parametrize("seed", slow_after(1, range(12), thorough_after=2))
+@pytest.mark.parametrize("kind", [courtyard, plate, row, scattered], ids=lambda kind: kind.__name__)
+def test_more_vertices_are_never_looser(kind: Callable[..., Mesh], seed: int) -> None:
+    fine = kind(np.random.default_rng(seed))
+    assert_never_looser(fine, (8, 9) if seed == 0 else COUNTS)
+
+
+KEPT: dict[str, Callable[[Mesh], dict[str, Any]]] = {
+    "grid": lambda fine: {"grid": float(f"{fine.diagonal / 50.0:.2g}")},
+    "axes": lambda fine: {"constraints": [AxisAligned()]},
+    "clearance": lambda fine: {"clearance": fine.diagonal / 12.0},
+}
+
+
+@pytest.mark.parametrize("seed", slow_after(0, range(12), thorough_after=1))
+@pytest.mark.parametrize("kept", KEPT)
+@pytest.mark.parametrize("kind", OF_SEVERAL_LOOPS, ids=lambda kind: kind.__name__)
+def test_more_vertices_are_never_looser_with(kind: Callable[..., Mesh], kept: str, seed: int) -> None:
+    fine = kind(np.random.default_rng(seed))
+    assert_never_looser(fine, COUNTS[1::2], **KEPT[kept](fine))
+
+
+# What a box satisfies
+
+
+SQUARES = [boxed(0.0, 0.0, 1.0, 1.0), boxed(1.001, 0.0, 2.0, 1.0)]
+DISCS = [ring(16, 1.0, 0.0, centre) for centre in ((0.0, 0.0), (2.1, 0.0), (1.05, 1.9))]
+REFUSED_ONCE: list[tuple[Any, int, dict[str, Any]]] = [
+    (DISCS, 12, {"constraints": [AxisAligned()]}),
+    (SQUARES, 7, {"clearance": 0.01}),
+    ([ring(16), ring(16, 0.05)], 12, {"clearance": 0.1}),
+    *((DISCS, n, {"constraints": [AxisAligned()]}) for n in (13, 20, 30)),
+    *((SQUARES, n, {"clearance": 0.01}) for n in (8, 12)),
+    *((SQUARES, n, {"grid": grid}) for n in (7, 8, 12) for grid in (0.1, 0.01)),
+    *(([ring(16), ring(16, 0.05)], n, {"clearance": 0.1}) for n in (20, 30)),
+]
+
+
+@pytest.mark.parametrize(("shape", "count", "options"), slow_after(3, REFUSED_ONCE))
+def test_what_a_box_satisfies_has_a_cage(shape: Any, count: int, options: dict[str, Any]) -> None:
+    for has_shapely in (True, False):
+        level = caged(shape, count, has_shapely=has_shapely, **options)
+        assert len(level.cage.vertices) <= count and check(level.fine, level)
+
+
+def requested(random: np.random.Generator, fine: Mesh) -> tuple[int, dict[str, Any]]:
+    """A number of vertices and settings that an upright rectangle has, if large enough."""
+    size, options = fine.diagonal, dict[str, Any]()
+    if random.random() < 0.6:
+        options["clearance"] = size * 10.0 ** random.uniform(-4.0, 0.5)
+    numbers = random.random()
+    if numbers < 0.35:
+        options["grid"] = float(f"{size * 10.0 ** random.uniform(-3.0, -0.3):.2g}")
+    elif numbers < 0.5:
+        options["stored"] = np.float32
+    which = random.random()
+    if which < 0.3:
+        options["constraints"] = [AxisAligned()]
+    elif which < 0.5:
+        options["min_edge"] = size * 10.0 ** random.uniform(-2.0, 0.0)
+    elif which < 0.6:
+        options["min_angle"] = random.uniform(5.0, 50.0)
+    return int(random.choice([4, 5, 6, 7, 8, 10, 12, 16, 24, 40])), options
+
+
+QUICK = [(courtyard, 1), (plate, 0), (row, 1), (scattered, 1), (None, 0)]
+"""A kind, or any drawing, and a seed."""
+REQUESTS = [*QUICK, *((kind, seed) for seed in range(2, 60) for kind in (*OF_SEVERAL_LOOPS, None))]
+
+
+@pytest.mark.parametrize("has_shapely", [True, False], ids=["with shapely", "without"])
+@pytest.mark.parametrize(("kind", "seed"), slow_after(len(QUICK), REQUESTS, thorough_after=25))
+def test_random_requests_that_a_box_satisfies_have_cages(
+    kind: Callable[..., Mesh] | None, seed: int, has_shapely: bool
+) -> None:
+    random = np.random.default_rng(seed)
+    fine = drawing(int(random.integers(10_000))) if kind is None else kind(random)
+    count, options = requested(random, fine)
+    level = caged(fine, count, has_shapely=has_shapely, **options)
+    clearance = options.get("clearance", 0.0)
+    assert len(level.cage.vertices) <= count and verify(level.cage, fine, clearance, same_loops=False)
+    assert "constraints" not in options or is_along_the_axes(level.cage)
+    assert "grid" not in options or is_on_grid(level.cage, options["grid"])
+    side, grid = options.get("min_edge", 0.0), options.get("grid", 0.0)
+    assert lengths_of(level.cage).min() >= side
+    assert sharpest(level.cage) >= options.get("min_angle", 0.0)
+    sides = np.ptp(fine.vertices, axis=0) + 2.0 * (clearance or 1e-5 * fine.diagonal) + 2.0 * grid
+    assert level.cage.area <= 1.01 * np.maximum(sides, side + grid).prod()
+
+
+# Large clearances
+
+
+def round_buffer(fine: Mesh, distance: float) -> float:
+    """The area within a distance."""
+    return float(polygon(fine).buffer(distance, quad_segs=64).area)
+
+
+WIDE = {"square": boxed(0.0, 0.0, 1e4, 1e4), "reef": np.array([(0.0, 0.0), (1.0, 0.02), (1.0, -0.02)])}
+
+
+@pytest.mark.parametrize(("name", "clearance"), [("square", 5e4), ("reef", 0.05)])
+def test_a_cage_may_have_more_vertices_than_the_drawing(name: str, clearance: float) -> None:
+    level = nested_cages(WIDE[name], 16, clearance=clearance)[0]
+    assert len(level.cage.vertices) == 16 and level.cage.area <= 1.05 * round_buffer(level.fine, clearance)
+
+
+@pytest.mark.parametrize("seed", slow_after(1, range(40), thorough_after=3))
+@pytest.mark.parametrize("kind", OF_SEVERAL_LOOPS, ids=lambda kind: kind.__name__)
+def test_far_away_a_cage_is_as_tight_as_around_a_disc(kind: Callable[..., Mesh], seed: int) -> None:
+    random = np.random.default_rng(seed)
+    fine = kind(random)
+    clearance, count = fine.diagonal * 10.0 ** random.uniform(-0.5, 1.0), int(random.choice([12, 16, 24, 32]))
+    circumscribed = count / np.pi * np.tan(np.pi / count)
+    level = nested_cages(fine, count, clearance=clearance)[0]
+    assert level.cage.area <= 1.02 * circumscribed * round_buffer(fine, clearance)
