@@ -255,7 +255,7 @@ def test_strokes_and_layers_that_do_not_show_are_left_out(stroke, layer, reports
     STROKE[stroke](obj)
     assert apart(seen(obj), box(1.0)) < 1e-6 and apart(seen(obj, strokes=False), box(1.0)) < 1e-6
     generate("4")
-    (told,) = [line for line in reports.read("Info").splitlines() if f"'{obj.name}'" in line]
+    (told,) = {line for line in reports.read("Info").splitlines() if f"'{obj.name}'" in line}
     assert re.findall(r"\d+", told) == ["1"] * (1 + (layer == "opacity"))  # a stroke, and a layer with an open eye
 
 
