@@ -21,6 +21,7 @@ FEWEST, MOST = 12, 400  # vertices of the shapes
 ROUND_OFF = 1e-9  # distance in diagonals up to which cages are called equal
 FLOOR = 3e-4  # added to both excesses of a ratio: below that the clearance decides
 LOOSER = 1.01  # ratio of excesses from which a case is named
+SLOWER, SLACK = 1.5, 0.02  # how many times as long a case may take, and how many seconds longer, before it is named
 NAMED = 30  # most cases that are named
 
 
@@ -83,9 +84,9 @@ EACH = 7
 REQUESTS = {**PLAIN, **OTHERS}
 
 
-def cases(shapes: int) -> Iterator[tuple[str, str, list[np.ndarray], int]]:
+def cases(shapes: int, first: int = 0) -> Iterator[tuple[str, str, list[np.ndarray], int]]:
     """(shape, request, loops, count)."""
-    names, turn, seed, drawn = list(OTHERS), 0, FIRST_SEED, 0
+    names, turn, seed, drawn = list(OTHERS), 0, FIRST_SEED + first, 0
     while drawn < shapes:
         seed += 1
         found = random_shape(seed)
@@ -142,7 +143,7 @@ CLASSES = ("bit-equal", "equal cage", "within 1 %", "tighter", "looser", "same e
 
 
 def run(options: Options) -> str:
-    wanted = [case for case in cases(QUICK_SHAPES if options.quick else SHAPES) if options.wants(case[1])]
+    wanted = [case for case in cases(QUICK_SHAPES if options.quick else SHAPES, options.seed) if options.wants(case[1])]
     servers = {name: Server(tree, "golden:outcome") for name, tree in options.trees().items()}
     found: list[list[dict]] = []
     try:
@@ -174,13 +175,15 @@ def alone(wanted: list, found: list[list[dict]]) -> str:
 
 def compared(wanted: list, found: list[list[dict]], commit: str) -> str:
     counts: dict[str, Counter[str]] = {name: Counter() for name in REQUESTS}
-    excess, seconds, named, lost = [], [], [], False
+    excess, seconds, named, slow, lost = [], [], [], [], False
     for (shape, name, _, _), (before, now) in zip(wanted, found, strict=True):
         verdict, ratio = judged(now, before)
         counts[name][verdict] += 1
         if np.isfinite(ratio):
             excess.append(ratio)
             seconds.append(now["seconds"] / before["seconds"])
+            if now["seconds"] > SLOWER * before["seconds"] + SLACK:
+                slow.append((seconds[-1], shape, name, before["seconds"], now["seconds"]))
         if verdict in ("lost", "other error", "found"):
             named.append((np.inf if verdict == "lost" else 1.0, shape, name, verdict, before["code"], now["code"]))
         elif verdict in ("looser", "tighter"):
@@ -197,4 +200,6 @@ def compared(wanted: list, found: list[list[dict]], commit: str) -> str:
     parts += [f"excess   {ratios(excess, 4)}", f"CPU time {ratios(seconds)}"]
     parts += [f"{FAILED}: cages were lost"] if lost else []
     parts += [DETAILS, f"most changed\n{worst}{more}"] if named else []
+    slow.sort(reverse=True)
+    parts += [f"slower\n{table(('times', 'shape', 'request', commit, 'now'), slow)}"] if slow else []
     return "\n".join(parts)
