@@ -141,7 +141,7 @@ class RingSearch:
         open_ = np.isfinite(self.areas)
         onto, off = (np.bincount(ends[open_], minlength=self.count) for ends in (self.turns.target, self.turns.source))
         hull = outline.vertices[np.unique(np.floor(lines.place).astype(np.int64))]
-        hull = hull[convex_hull(hull)]
+        hull = hull[convex_hull(hull)] if len(hull) > 1 else hull
         above = (lines.right @ hull.T).max(axis=1) - (lines.right * lines.point).sum(axis=1)
         supports = (above <= ROUND_OFF * outline.length) & (not outline.is_hole)
         score = off * onto * np.where(supports, SUPPORTING, 1.0)

@@ -93,7 +93,7 @@ class AlongSequence:
             if box is not None and box.coarse.area < start.coarse.area and kept.importance is None:
                 yield box
                 box = None
-            yield start._replace(rivals=around.rivals(start))
+            yield start._replace(rivals=around.rivals(start, box))
         others = list(around.last_resorts())
         yield from others
         if box is not None:
@@ -171,10 +171,11 @@ class Outlines:
         except NestedCagesError:
             return np.full(1, np.inf)
 
-    def rivals(self, start: Start) -> tuple[Start, ...]:
-        """Other starts that were made and are about as good."""
+    def rivals(self, start: Start, box: Start | None) -> tuple[Start, ...]:
+        """Other starts that were made and are about as good, and a box where constraints may take more than that."""
         most = self.fine.area + RIVAL * (start.coarse.area - self.fine.area)
-        return tuple(each for each in self.made.values() if each is not start and each.coarse.area <= most)
+        others = [each for each in self.made.values() if each is not start and each.coarse.area <= most]
+        return (*others, box) if box is not None and self.kept.rules else tuple(others)
 
     def last_resorts(self) -> Iterator[Start]:
         """Starts around the convex hull."""

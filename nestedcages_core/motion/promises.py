@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from ..hierarchy import Settings
 from ..hierarchy.constraints import constraints_of
 from ..level.plan import Plan
 from ..level.settling import ROOMS
+
+Loops: TypeAlias = Literal["auto", "keep", "one"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,13 +31,13 @@ class Promises:
     notes: tuple[Fault, ...] = ()
 
     @classmethod
-    def of(cls, settings: Settings, first: Mesh, wanted: int | Mesh = 0) -> Promises:
+    def of(cls, settings: Settings, first: Mesh, wanted: int | Mesh = 0, loops: Loops = "keep") -> Promises:
         """The promises about a drawing, from its first pose. Raises NestingError.
 
-        wanted: all loops are kept, unless there are not enough vertices.
+        wanted: the loops that are asked for, unless there are not enough vertices for all.
         """
         few = isinstance(wanted, int) and 0 < wanted < MIN_PER_LOOP * len(first.loops)
-        settings = settings if few else replace(settings, loops="keep")
+        settings = settings if few else replace(settings, loops=loops)
         constraints, importance, notes = constraints_of(settings, first, 1)
         plan = Plan.of(first, constraints, importance)
         close = EdgeSearch.of(first).closest(np.empty((0, 2)) if importance is None else importance.pins)

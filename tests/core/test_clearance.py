@@ -64,7 +64,7 @@ def test_around_a_square_a_clearance_is_a_larger_square() -> None:
 
 
 @pytest.mark.parametrize("name", HOLES)
-@pytest.mark.parametrize("share", slow_after(0, [0.94, 0.7], thorough_after=1))
+@pytest.mark.parametrize("share", slow_after(0, [0.8, 0.6], thorough_after=1))
 def test_a_clearance_may_fill_a_hole_nearly(name: str, share: float) -> None:
     fine = HOLES[name]
     clearance = share * inradius(fine)
