@@ -20,7 +20,6 @@ from ..tasks import Run, Stage, listened
 from ..verification import verify, verify_motion
 from .level import Allowance, LevelMotion
 from .poses import Pose, read_poses
-from .promises import Loops
 from .results import MotionReport, MovingCages, MovingLevel
 
 if TYPE_CHECKING:
@@ -137,10 +136,6 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
             return replace(given, rooms=MANY_ROOMS)
         if self._settings.clearance is None and not given.reductions and error.code not in UNPOSED:
             return Allowance(reductions=1)
-        fewer: Loops | None = {"keep": "auto", "auto": "one"}.get(given.loops)  # type: ignore[assignment]
-        several = self._settings.loops == "auto" and len(self._fine.loops) > 1
-        if several and fewer is not None and error.code not in UNPOSED:
-            return Allowance(loops=fewer)
         return None
 
     def _progress(self, index: int, key: Key) -> Progress:

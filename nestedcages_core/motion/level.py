@@ -16,11 +16,10 @@ from ..hierarchy.settings import type_name
 from ..level.attempts import clearances_for
 from ..level.motion_gate import Key, MotionGate, Posed
 from ..level.units import SolverUnits
-from ..verification.certificate import loops_in_words
 from .between import Instant, Straightener, around
 from .following import Follower
 from .poses import LOOK_AHEAD, WINDOW, Pose, look_ahead
-from .promises import Loops, Promises
+from .promises import Promises
 from .starts import first_cage
 
 
@@ -32,8 +31,6 @@ class Allowance:
     """How often the default clearance is reduced."""
     rooms: float = 1.0
     """Multiples of what rounding takes, kept in reserve."""
-    loops: Loops = "keep"
-    """Which loops the cage has."""
 
 
 class LevelMotion:
@@ -63,7 +60,7 @@ class LevelMotion:
         first = self.fine.moved(ahead[0].vertices).validated()
         self.clearance = clearances_for(self.settings, first)[self.allowance.reductions]
         self.settings = replace(self.settings, clearance=self.clearance) if self.allowance.reductions else self.settings
-        self.promises = Promises.of(self.settings, first, self.wanted, self.allowance.loops)
+        self.promises = Promises.of(self.settings, first, self.wanted)
         self.notes += self.promises.notes
         self.units = SolverUnits.of(first, self._room(ahead))
 
@@ -72,9 +69,6 @@ class LevelMotion:
 
         meshes = [self.fine.moved(pose.vertices).validated() for pose in ahead]
         self.topology = first_cage(meshes, self.wanted, self.promises, follower)
-        if not self.topology.has_loops_like(first):
-            given, kept = loops_in_words(self.topology), loops_in_words(first)
-            self.notes.append(note("note.loops", given=given, wanted=kept, lost=""))
         self._follower = follower(self.topology, first)
         self._straightener = Straightener(self._follower, self._is_free)
         keys = self._ring([*ahead, *poses]) if self.cyclic else self._stream(chain(ahead, poses))

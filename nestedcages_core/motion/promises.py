@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -15,8 +14,6 @@ from ..hierarchy import Settings
 from ..hierarchy.constraints import constraints_of
 from ..level.plan import Plan
 from ..level.settling import ROOMS
-
-Loops: TypeAlias = Literal["auto", "keep", "one"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,13 +28,13 @@ class Promises:
     notes: tuple[Fault, ...] = ()
 
     @classmethod
-    def of(cls, settings: Settings, first: Mesh, wanted: int | Mesh = 0, loops: Loops = "keep") -> Promises:
+    def of(cls, settings: Settings, first: Mesh, wanted: int | Mesh = 0) -> Promises:
         """The promises about a drawing, from its first pose. Raises NestingError.
 
-        wanted: the loops that are asked for, unless there are not enough vertices for all.
+        wanted: all loops are kept, unless there are not enough vertices.
         """
         few = isinstance(wanted, int) and 0 < wanted < MIN_PER_LOOP * len(first.loops)
-        settings = settings if few else replace(settings, loops=loops)
+        settings = settings if few else replace(settings, loops="keep")
         constraints, importance, notes = constraints_of(settings, first, 1)
         plan = Plan.of(first, constraints, importance)
         close = EdgeSearch.of(first).closest(np.empty((0, 2)) if importance is None else importance.pins)
