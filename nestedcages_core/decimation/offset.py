@@ -23,13 +23,18 @@ def is_wide(fine: Mesh, count: int, clearance: float) -> bool:
     """Whether a clearance rounds corners that a number of vertices shows, or closes gaps."""
     if clearance <= WIDE * fine.diagonal:
         return False
-    if 2.0 * pi * clearance * count > float(fine.edge_lengths.sum()):
+    if is_round(fine, count, clearance):
         return True
     if len(fine.loops) == 1:
         return False
     problem = Problem.of(fine, MIN_PER_LOOP * len(fine.loops))
     narrow = is_narrow(problem.outline, problem.regions, 2.0 * clearance)
     return narrow or bool((fine.loop_signs < 0).any())
+
+
+def is_round(fine: Mesh, count: int, clearance: float) -> bool:
+    """Whether a number of vertices shows that a clearance rounds corners."""
+    return clearance > WIDE * fine.diagonal and 2.0 * pi * clearance * count > float(fine.edge_lengths.sum())
 
 
 def rounded_offset(fine: Mesh, distance: float) -> Mesh:

@@ -22,7 +22,7 @@ from .base import MIN_PER_LOOP, NOTHING_KEPT, Count, Kept, Start, Tick, no_tick
 from .cycle_search import Tables
 from .line_cycles import LineCycles, least_areas
 from .loop_sequence import LoopSequence
-from .offset import is_wide, rounded_offset
+from .offset import is_round, is_wide, rounded_offset
 from .problem import canonical_order
 from .sampling import NormalFrame
 
@@ -36,7 +36,7 @@ EVERY_PROBE = 100
 RIVAL = 1.15
 """Ratio of the areas beyond the drawing from which a start is no rival of the best one: tightening leaves bridges."""
 
-RESOLVED = 24
+RESOLVED = 12
 """Part of them up to which two outlines are alike."""
 
 BUILT = 2
@@ -107,7 +107,7 @@ WITHOUT_CURVE = LineCycles(on_curve=False)
 
 def lacks_shapely(fine: Mesh, count: int, clearance: float) -> bool:
     """Whether shapely is missing to join parts, or to round a large clearance."""
-    return ((fine.loop_signs > 0).sum() > 1 or is_wide(fine, count, clearance)) and not has_shapely()
+    return bool((fine.loop_signs > 0).sum() > 1 or is_round(fine, count, clearance)) and not has_shapely()
 
 
 class Outlines:
