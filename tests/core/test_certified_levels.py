@@ -14,6 +14,8 @@ from support.marks import slow_after
 from support.methods import Continued, Detouring, Elsewhere, GivingUp, Misleading, Moved, Offering, Pretending, Refusing
 from support.shapes import annulus, letter_a, letter_a_coarse, ring, star, turned
 
+pytestmark = pytest.mark.slow
+
 FINE = star(5, 40)
 OWN = Mesh.from_loops([ring(10, 1.2)])
 """A coarse mesh that the flow gets into."""

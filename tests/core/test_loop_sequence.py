@@ -14,6 +14,8 @@ from support.judging import is_along_the_axes, is_on_grid, lengths_of, sharpest
 from support.marks import slow_after
 from support.shapes import polygon, ring
 
+pytestmark = pytest.mark.slow
+
 SLACK = 1.005
 """Factor on the excess that a cage of more vertices may have."""
 

@@ -12,6 +12,8 @@ from support.judging import codes, is_mirrored, is_symmetric, note
 from support.marks import slow_after
 from support.shapes import letter_a, polygon, ring, star
 
+pytestmark = pytest.mark.slow
+
 AXES = (Mirror(), Mirror((0.25, 0.0)), Mirror((0.1, 3.0), (1.0, 0.0)), Mirror((0.3, -0.2), (1.0, 2.0)))
 
 

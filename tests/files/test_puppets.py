@@ -15,6 +15,8 @@ from support.documents import refusal, svg
 from support.figures import ball, front_figure, limb, side_figure, solid
 from support.marks import slow_after
 
+pytestmark = pytest.mark.slow
+
 FOX = Path(__file__).resolve().parents[2] / "examples/fox.svg"
 PARENTS = {
     "torso": None, "neck": "torso", "head": "neck", "thigh_l": "torso", "thigh_r": "torso", "shin_l": "thigh_l",
