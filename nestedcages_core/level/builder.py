@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -18,11 +19,11 @@ from ..decimation.offset import is_wide
 from ..decimation.problem import shared_anew
 from ..decimation.starts import AlongSequence, lacks_shapely
 from ..energies import signed_area
-from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError, note
+from ..errors import Fault, FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError, note
 from ..flow import FlowResult
 from ..geometry.arrays import TINY, FloatArray
 from ..geometry.mesh import Mesh, Nesting
-from ..geometry.thinning import significance
+from ..geometry.thinning import significance, thinned, tolerance_for
 from ..tasks import Stage, ticking
 from .assembly import Assembly, CageInProgress, deviations
 from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn, methods_for
@@ -40,6 +41,10 @@ logger = logging.getLogger(__name__)
 
 FAILURES = (FlowError, ReinflationError, NestingError)
 """Errors after which the next attempt is made; any other error ends the run."""
+
+MIN_POINTS, POINTS_PER_VERTEX, MANY = 1000, 30, 3
+"""Vertices of the mesh that tightening begins with: at least, and per vertex of the cage; how many times as many a mesh
+has for which there is one."""
 
 MISSED = 1e6
 """Added to the rank of cages that miss a constraint, more than any excess: others are tried, and are better."""
@@ -365,29 +370,41 @@ class LevelBuilder:
         assert cage.energy is not None
         steps: list[FloatArray] = []
         bounds, wide = self.plan.bounds(cage.unit_coarse, self.units), self.plan.clearances(self.units)
-        tightening = self.settings.tightening.run(
-            Bodies.of(cage.unit_coarse, self.unit_fine, side=self.plan.side, bounds=bounds, clearances=wide),
-            start,
-            self.unit_fine.vertices,
-            clearance=self.units.clearance(clearance),
-            energy=cage.energy,
-        )
         self.at_work = cage, steps
-        while True:
-            try:
-                steps.append(next(tightening))
-            except StopIteration as end:
-                outcome = end.value
-                break
-            fraction = 1.0 - 1.0 / (1.0 + 0.1 * len(steps))
-            yield from self.progress.show(fraction, f"tightening, step {len(steps)}")
+        counts = {"tightening": 0, "quadratic programs": 0}
+        for fine, away in self._coarse_to_fine(cage.unit_coarse):
+            tightening = self.settings.tightening.run(
+                Bodies.of(cage.unit_coarse, fine, side=self.plan.side, bounds=bounds, clearances=wide),
+                steps[-1] if steps else start,
+                fine.vertices,
+                clearance=self.units.clearance(clearance) + away,
+                energy=cage.energy,
+            )
+            while True:
+                try:
+                    steps.append(next(tightening))
+                except StopIteration as end:
+                    counts["tightening"] += end.value.iterations
+                    counts["quadratic programs"] += end.value.quadratic_programs
+                    break
+                fraction = 1.0 - 1.0 / (1.0 + 0.1 * len(steps))
+                yield from self.progress.show(fraction, f"tightening, step {len(steps)}")
         last = steps[-1] if steps else start
         return replace(
             cage,
             tightened=cage.untightened.with_tightening(steps),
             rank=self._rank(cage, last) + MISSED * any(bound.short(last).any() for bound in bounds),
-            counts={"tightening": outcome.iterations, "quadratic programs": outcome.quadratic_programs},
+            counts=counts,
         )
+
+    def _coarse_to_fine(self, cage: Mesh) -> Iterator[tuple[Mesh, float]]:
+        """Meshes to tighten around in turn, and how far from each: of a large one first one with fewer vertices."""
+        fine, points = self.unit_fine, MIN_POINTS + POINTS_PER_VERTEX * len(cage.vertices)
+        if self.plan.is_free and self.plan.side > 0 and len(fine.vertices) > MANY * points:
+            tolerance = tolerance_for(fine, points)
+            with suppress(InvalidMeshError):
+                yield thinned(fine, tolerance), tolerance
+        yield fine, 0.0
 
     def _rank(self, cage: CageInProgress, vertices: FloatArray) -> float:
         """The excess of a cage, lost area if inside, or the energy with further terms: smaller is better."""
