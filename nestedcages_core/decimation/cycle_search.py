@@ -262,7 +262,7 @@ class CycleSearch:
         """Area and mesh of cycles that do not cross. Raises NoCyclesError."""
         rings = [without_doubles(self.frame.out_of(ring)) for ring in choice.rings]
         if min(map(len, rings)) < 3:
-            raise NoCyclesError("A cycle is flat.")
+            raise NoCyclesError("A cycle is flat.", total=self.problem.total)
         loops, problem, importance = (
             Loops.of(np.concatenate(rings), list(map(len, rings))),
             self.problem,
@@ -276,9 +276,9 @@ class CycleSearch:
                     loops = importance.with_vertices(loops, problem.total)
                 mesh = problem.coarse(loops)
         except (InvalidMeshError, AsymmetricError) as error:
-            raise NoCyclesError(str(error)) from error
+            raise NoCyclesError(str(error), total=self.problem.total) from error
         if len(rings) > 1 and not problem.nests(mesh):  # the certificate says it of one loop
-            raise NoCyclesError("The cycles do not enclose the loops.")
+            raise NoCyclesError("The cycles do not enclose the loops.", total=self.problem.total)
         return loops.area, mesh
 
 
