@@ -52,7 +52,7 @@ def put_on_grid(
     cage: Mesh,
     fine: Mesh,
     grid: Grid,
-    allowed: Allowed,
+    allowed: Allowed | None,
     *,
     clearance: float,
     side: int,
@@ -61,8 +61,8 @@ def put_on_grid(
 ) -> Stage[float, FloatArray | None]:
     """(m, 2) grid points for the vertices of a cage around a fine mesh, or inside it; None if none were found.
 
-    allowed: tells which edges may be. clearance: smallest distance to keep from the fine mesh, above 0, as in the
-    coordinates of the meshes. edge_cost: what is minimised; None: the area. rounds: of improvements, at most. A
+    allowed: tells which edges may be; None: all. clearance: smallest distance to keep from the fine mesh, above 0, as
+    in the coordinates of the meshes. edge_cost: what is minimised; None: the area. rounds: of improvements, at most. A
     generator: yields a fraction after each. Raises NestingError if none were found within `MOST_TESTS`.
     """
     search = _CoordinateDescent(cage, fine, grid, allowed, clearance, side, edge_cost, rounds)
@@ -104,7 +104,7 @@ class _CoordinateDescent:
     cage: Mesh
     fine: Mesh
     grid: Grid
-    allowed: Allowed
+    allowed: Allowed | None
     clearance: float
     side: int
     """1 for a cage around the fine mesh, -1 for one inside it."""
@@ -242,7 +242,8 @@ class _CoordinateDescent:
         sizes = [len(i) for i, _ in pairs]
         segments = Segments(edges.repeat(sizes), self.grid.points(one).T.copy(), self.grid.points(other).T.copy())
         kept = np.flatnonzero((one != other).any(axis=1))
-        kept = kept[self.allowed(segments.edge[kept], self.grid.points(one[kept]), self.grid.points(other[kept]))]
+        if self.allowed is not None:
+            kept = kept[self.allowed(segments.edge[kept], segments.start.T[kept], segments.end.T[kept])]
         kept = self.free.kept(segments, kept, near)
         costs = np.full(len(one), np.inf)
         costs[kept] = self._costs(segments.edge[kept], one[kept], other[kept])

@@ -90,7 +90,7 @@ class Numbers(Constraint):
         return as_stored(self.exact(points), self.stored)
 
     def settled(
-        self, cage: Mesh, fine: Mesh, clearance: float, side: int, allowed: Allowed, cost: EdgeCost | None
+        self, cage: Mesh, fine: Mesh, clearance: float, side: int, allowed: Allowed | None, cost: EdgeCost | None
     ) -> Stage[float, FloatArray | None]:
         """(m, 2) multiples of least cost, searched around the cage; None if none are found. Else its vertices."""
         if self.lattice is None:

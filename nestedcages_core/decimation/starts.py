@@ -94,11 +94,13 @@ class AlongSequence:
                 yield box
                 box = None
             yield start._replace(rivals=around.rivals(start, box))
-        others = list(around.last_resorts())
-        yield from others
+        none = not around.made
+        for start in around.last_resorts():
+            none = False
+            yield start
         if box is not None:
             yield box
-        elif failures and not around.made and not others:
+        elif failures and none:
             raise failures[0]
 
 

@@ -17,7 +17,6 @@ NOTES: Mapping[str, str] = {
     "start fallback": "Started from the {source} instead of the coarse mesh: {text}",
     "start flow": "Started from the {source}: the mesh could not shrink into a coarse mesh {first}.",
     "start reinflation": "Started from the {source}: the mesh could not return from a coarse mesh {first}.",
-    "start curve": "Started from the {source}: with its vertices on the curve it would cross itself.",
     "start rest": "The cage stands still: moving to the coordinates asked for, it would meet the shape.",
     "clearance gaps": "The gaps of the shape leave {given:.3g} between it and the cage, not {wanted:.3g}.",
     "clearance inside": "The shape is narrow, and leaves {given:.3g} between it and the cage, not {wanted:.3g}.",

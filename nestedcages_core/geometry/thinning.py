@@ -16,19 +16,22 @@ from .precision import NEGLIGIBLE
 from .vectors import dot, norm
 
 
-def tolerance_for(fine: Mesh, points: int) -> float:
-    """The tolerance at which about so many vertices of a mesh are left."""
-    least = NEGLIGIBLE * fine.diagonal
-    of_vertices = significance(fine.rings, least)
-    return max(float(np.partition(of_vertices, -points)[-points]), least)
+class Thinning:
+    """A mesh, and how much each of its vertices tells."""
 
+    def __init__(self, fine: Mesh) -> None:
+        self.fine, self.least = fine, NEGLIGIBLE * fine.diagonal
+        self.significance = significance(fine.rings, self.least)
 
-def thinned(fine: Mesh, tolerance: float) -> Mesh:
-    """A mesh with the vertices of another that tell more than a tolerance. Raises InvalidMeshError."""
-    of_vertices = significance(fine.rings, NEGLIGIBLE * fine.diagonal)
-    parts = np.split(of_vertices, np.cumsum([len(ring) for ring in fine.rings])[:-1])
-    few = [ring[part > tolerance] for ring, part in zip(fine.rings, parts, strict=True)]
-    return Mesh.from_loops(few).validated()
+    def tolerance(self, points: int) -> float:
+        """The tolerance at which about so many vertices are left."""
+        return max(float(np.partition(self.significance, -points)[-points]), self.least)
+
+    def mesh(self, tolerance: float) -> Mesh:
+        """The mesh of the vertices that tell more than a tolerance. Raises InvalidMeshError."""
+        parts = np.split(self.significance, np.cumsum([len(ring) for ring in self.fine.rings])[:-1])
+        few = [ring[part > tolerance] for ring, part in zip(self.fine.rings, parts, strict=True)]
+        return Mesh.from_loops(few).validated()
 
 
 def significance(loops: Sequence[FloatArray], least: float) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -77,22 +77,21 @@ class Assembly:
         return replace(level, report=replace(level.report, seconds=dict(self.progress.seconds)))
 
     def untightened(
-        self, starts: Sequence[Start], clearances: tuple[float, ...], notes: tuple[Fault, ...]
+        self, start: Start, clearances: tuple[float, ...], notes: tuple[Fault, ...]
     ) -> Stage[Progress, Level | None]:
-        """The level of the first coarse mesh that already is a cage; None if none is.
+        """The level of a coarse mesh that already is a cage; None if it is none.
 
         Holes like round-off may be resolved in input units only, near the origin. See docs/ablation.md: untightened
         cage as last resort.
         """
         yield from self.progress.begin("verification")
-        for start in starts:
-            cage = judged(self.plan, start.coarse, 0.0, promised=self.is_final, same_loops=True)
-            clearance = min(clearances[0], cage.certificate.clearance) if len(clearances) > 1 else clearances[0]
-            if cage and cage.certificate.clearance >= clearance:
-                cage = judged(self.plan, start.coarse, clearance, promised=self.is_final)
-                way, every = Way.at_rest(self.fine, start.coarse), (note("note.untightened"), *notes)
-                return (yield from self.level(cage, way, start.source, {"flow": 0, "reinflation": 0}, every))
-        return None
+        cage = judged(self.plan, start.coarse, 0.0, promised=self.is_final, same_loops=True)
+        clearance = min(clearances[0], cage.certificate.clearance) if len(clearances) > 1 else clearances[0]
+        if not cage or cage.certificate.clearance < clearance:
+            return None
+        cage = judged(self.plan, start.coarse, clearance, promised=self.is_final)
+        way, every = Way.at_rest(self.fine, start.coarse), (note("note.untightened"), *notes)
+        return (yield from self.level(cage, way, start.source, {"flow": 0, "reinflation": 0}, every))
 
     def in_input_units(self, cage: CageInProgress) -> Way:
         """The steps in input units; input coordinates are restored exactly."""

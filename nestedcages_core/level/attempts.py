@@ -65,11 +65,6 @@ class Attempt:
             return None
         return replace(self, contacts=self.contacts[1:])
 
-    @property
-    def prefers_curve(self) -> bool:
-        """Whether it starts on the curve where it can."""
-        return _prefers_curve(self.source)
-
 
 def methods_for(settings: LevelSettings, plan: Plan) -> LevelSettings:
     """The settings with methods that can keep the constraints of a plan. Raises NestingError where none is allowed.
@@ -142,22 +137,17 @@ def _attempts_inside(
     yield last
 
 
-def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[Start, float, None]:
-    """The starts of an attempt that are worth trying; a generator that is sent the rank of each.
+def in_turn(start: Start, fine: Mesh, attempt: Attempt) -> Generator[Start, float, None]:
+    """The meshes of a start that are worth trying; a generator that is sent the rank of each.
 
-    A rank is smaller where a cage is better, and infinite where there is none. First the best start, on the curve, as
-    in the paper; then the others as they are, which is faster.
+    A rank is smaller where a cage is better, and infinite where there is none. First on the curve, as in the paper;
+    then as it is, where that led nowhere or its own cage would probably be tighter.
     """
-    for number, start in enumerate(starts):
-        if number == 0 and start.on_curve is not None:
-            least = yield Start(start.on_curve, "on the curve")
-            # a single start is tried itself where its own cage would probably be tighter than the one from the curve
-            usual = _excess(start, fine)
-            if isfinite(least) and (len(starts) > 1 or not attempt.seeks_area or least <= usual):
-                continue
-            if not attempt.may_fall_back:
-                return
-        yield start
+    if start.on_curve is not None:
+        least = yield Start(start.on_curve, "on the curve")
+        if not attempt.may_fall_back or (isfinite(least) and (not attempt.seeks_area or least <= _excess(start, fine))):
+            return
+    yield start
 
 
 def contacts_for(settings: LevelSettings, *, own: bool = False) -> tuple[Contact, ...]:

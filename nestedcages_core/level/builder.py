@@ -23,7 +23,7 @@ from ..errors import Fault, FlowError, InvalidMeshError, NestedCagesError, Nesti
 from ..flow import FlowResult
 from ..geometry.arrays import TINY, FloatArray
 from ..geometry.mesh import Mesh, Nesting
-from ..geometry.thinning import significance, thinned, tolerance_for
+from ..geometry.thinning import Thinning, significance
 from ..tasks import Stage, ticking
 from .assembly import Assembly, CageInProgress, deviations
 from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn, methods_for
@@ -81,8 +81,8 @@ class LevelBuilder:
             from .settling import Settling
 
             self.settling = Settling(plan, settings, progress)
-        self.starts: list[Start] = []
-        """Starts of the last attempt."""
+        self.start: Start | None = None
+        """The start of the last attempt, if it had one."""
         self.rivals: tuple[Start, ...] = ()
         """Starts about as good as that."""
         self.others: Iterator[Start] = iter(())
@@ -112,16 +112,11 @@ class LevelBuilder:
                 return (yield from self._least(found, self.rivals))
         except FAILURES as error:
             errors.append(error)
-        chosen, others = self.settings, self.others
+        others = self.others
         while (start := (yield from self._next(others))) is not None:
-            self.settings = replace(chosen, decimation=GivenStart(start), fallback=None)
-            try:
-                found = yield from self._settled(len(start.coarse.vertices), unsettled)
-                if found is not None:
-                    return found
-            except FAILURES as error:
-                logger.debug("no level from %s: %s", start.source, error)
-        self.settings = chosen
+            found = yield from self._settled_from(start, unsettled)
+            if found is not None:
+                return found
         if unsettled and self.settling is not None:
             raise (yield from self.settling.failure(unsettled[0]))
         raise errors[0]
@@ -129,14 +124,20 @@ class LevelBuilder:
     def _least(self, level: Level, rivals: Sequence[Start]) -> Stage[Progress, Level]:
         """The level of least excess: one, or one from a rival of its start."""
         for rival in rivals:
-            chosen, self.settings = self.settings, replace(self.settings, decimation=GivenStart(rival), fallback=None)
-            try:
-                other = yield from self._settled(len(rival.coarse.vertices), [])
-                level = level if other is None else min(level, other, key=lambda each: each.excess)
-            except FAILURES as error:
-                logger.debug("no level from %s: %s", rival.source, error)
-            self.settings = chosen
+            other = yield from self._settled_from(rival, [])
+            level = level if other is None else min(level, other, key=lambda each: each.excess)
         return level
+
+    def _settled_from(self, start: Start, unsettled: list[Level]) -> Stage[Progress, Level | None]:
+        """The level from a further start; None if there is none."""
+        chosen, self.settings = self.settings, replace(self.settings, decimation=GivenStart(start), fallback=None)
+        try:
+            return (yield from self._settled(len(start.coarse.vertices), unsettled))
+        except FAILURES as error:
+            logger.debug("no level from %s: %s", start.source, error)
+            return None
+        finally:
+            self.settings = chosen
 
     def _settled(self, wanted: int | Mesh, unsettled: list[Level]) -> Stage[Progress, Level | None]:
         """The level on the numbers of the plan; None where it has no place on them, which is then remembered."""
@@ -204,24 +205,22 @@ class LevelBuilder:
         notes = clamping
         for attempt in attempts(self.settings, self.outline, source, clearances, self.plan.side):
             try:
-                self.starts = []
-                starts = self.plan.started((yield from self._coarse_meshes(attempt)))
-                self.starts = starts
+                self.start = None
+                start = self.start = self.plan.started((yield from self._coarse_mesh(attempt)))
                 notes = clamping
                 if attempt.fallback:
-                    start = self.starts[0]
                     reason = note("note.start", on="fallback", source=start.source, text=str(failures[0]))
                     notes = (*notes, reason, *shared_anew(attempt.count, start.coarse))
-                level = yield from self._tightest(attempt, notes)
+                level = yield from self._tightest(attempt, start, notes)
                 again = attempt.again(level.report.excess)
-                return level if again is None else (yield from self._tighter(level, again, notes))
+                return level if again is None else (yield from self._tighter(level, again, start, notes))
             except FAILURES as error:
                 logger.debug("attempt from %s failed: %s", attempt.source, error)
                 failures.append(error)
-                started += [error] if self.starts and hasattr(attempt.source, "outside") else []
-        starts_count = attempt.may_fall_back or all(start.on_curve is None for start in self.starts)
-        if starts_count and not isinstance(attempt.source, Mesh):
-            standing = yield from self.assembly.untightened(self.starts, clearances, notes)
+                started += [error] if self.start is not None and hasattr(attempt.source, "outside") else []
+        may_stand = self.start is not None and (attempt.may_fall_back or self.start.on_curve is None)
+        if self.start is not None and may_stand and not isinstance(attempt.source, Mesh):
+            standing = yield from self.assembly.untightened(self.start, clearances, notes)
             if standing is not None:
                 return standing
         if started or isinstance(attempt.source, Mesh) or not self.plan.is_free:
@@ -237,26 +236,26 @@ class LevelBuilder:
             isinstance(chosen, AlongSequence) and is_wide(self.outline, wanted, clearance)
         )
 
-    def _tighter(self, level: Level, again: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
+    def _tighter(self, level: Level, again: Attempt, start: Start, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """A level, or that of another attempt where it has less excess."""
         try:
-            other = yield from self._tightest(again, notes)
+            other = yield from self._tightest(again, start, notes)
         except FAILURES as error:
             logger.debug("no other cage to compare: %s", error)
             return level
         return min(level, other, key=lambda each: each.report.excess)
 
-    def _tightest(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
-        """The tightest cage from any of the coarse meshes that can be certified."""
+    def _tightest(self, attempt: Attempt, first: Start, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
+        """The tightest cage from a start, or from its mesh on the curve, that can be certified."""
         errors: list[NestedCagesError] = []
         cages = self.cages = list[CageInProgress]()
         self.attempt, self.at_work = attempt, None
-        turn = in_turn(self.starts, self.outline, attempt)
+        turn = in_turn(first, self.outline, attempt)
         start: Start | None = next(turn)
         tried: list[str] = []
         while start is not None:
             tried.append(start.source)
-            self.progress.next_start(len(self.starts))
+            self.progress.next_start()
             rank = np.inf
             try:
                 cage = yield from self._reinflated(attempt, start)
@@ -266,7 +265,7 @@ class LevelBuilder:
             except FAILURES as error:
                 logger.debug("start from %s failed: %s", start.source, error)
                 errors.append(error)
-            logger.debug("start %s, %s: ranked %.9g", self.progress.starts_so_far, start.source, rank)
+            logger.debug("start %s, %s: ranked %.9g", self.progress.starts, start.source, rank)
             try:
                 start = turn.send(rank)
             except StopIteration:
@@ -283,8 +282,8 @@ class LevelBuilder:
                 refused.append(error)
         raise (refused or errors)[0]
 
-    def _coarse_meshes(self, attempt: Attempt) -> Stage[Progress, list[Start]]:
-        """The coarse meshes of an attempt, at least one."""
+    def _coarse_mesh(self, attempt: Attempt) -> Stage[Progress, Start]:
+        """The coarse mesh of an attempt. Raises NestingError."""
         source = attempt.source
         if isinstance(source, Mesh):
             if self.plan.side < 0 and not self.plan.verify(source, 0.0):
@@ -293,7 +292,7 @@ class LevelBuilder:
                     "a vertex count.",
                     code="coarse.not_nested",
                 )
-            return [Start(source, "coarse mesh")]
+            return Start(source, "coarse mesh")
         yield from self.progress.begin("decimation")
         clearance = attempt.clearances[0]
         if isinstance(source, Starts):
@@ -307,8 +306,8 @@ class LevelBuilder:
                 self.others = starts
                 if getattr(self.settings.energy, "is_area", False) and self.plan.importance is None:
                     self.rivals = first.rivals
-            return [first]
-        return [Start(source.decimate(self.outline, attempt.count, clearance=clearance), in_words(source))]
+            return first
+        return Start(source.decimate(self.outline, attempt.count, clearance=clearance), in_words(source))
 
     def _next(self, starts: Iterator[Start]) -> Stage[Progress, Start | None]:
         """The next of some starts, which tell of their progress while they are made."""
@@ -401,9 +400,10 @@ class LevelBuilder:
         """Meshes to tighten around in turn, and how far from each: of a large one first one with fewer vertices."""
         fine, points = self.unit_fine, MIN_POINTS + POINTS_PER_VERTEX * len(cage.vertices)
         if self.plan.is_free and self.plan.side > 0 and len(fine.vertices) > MANY * points:
-            tolerance = tolerance_for(fine, points)
+            thinning = Thinning(fine)
+            tolerance = thinning.tolerance(points)
             with suppress(InvalidMeshError):
-                yield thinned(fine, tolerance), tolerance
+                yield thinning.mesh(tolerance), tolerance
         yield fine, 0.0
 
     def _rank(self, cage: CageInProgress, vertices: FloatArray) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, cast
@@ -122,25 +122,14 @@ class Plan:
                     count = possible
         return count, notes
 
-    def started(self, starts: Sequence[Start]) -> list[Start]:
-        """The starts that constraints allow. Raises the error of the first one if there are none."""
-        allowed: list[Start] = []
-        errors: list[NestingError] = []
-        for start in starts:
-            try:
-                coarse = self._started(start.coarse)
-            except NestingError as error:
-                errors.append(error)
-                continue
-            on_curve = start.on_curve
-            if coarse is not start.coarse and on_curve is not None:
-                with suppress(NestingError):
-                    on_curve = self._started(on_curve)
-                on_curve = None if on_curve is start.on_curve else on_curve
-            allowed.append(Start(coarse, start.source, on_curve))
-        if errors and not allowed:
-            raise errors[0]
-        return allowed
+    def started(self, start: Start) -> Start:
+        """A start as constraints make it. Raises NestingError where they do not allow it."""
+        coarse, on_curve = self._started(start.coarse), start.on_curve
+        if coarse is not start.coarse and on_curve is not None:
+            with suppress(NestingError):
+                on_curve = self._started(on_curve)
+            on_curve = None if on_curve is start.on_curve else on_curve
+        return Start(coarse, start.source, on_curve)
 
     def _started(self, coarse: Mesh) -> Mesh:
         """The start from a coarse mesh. Raises NestingError."""

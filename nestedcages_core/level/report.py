@@ -235,18 +235,13 @@ class LevelProgress:
         self._level, self._levels = level, levels
         self._stage = "decimation"
         self._since = perf_counter()
-        self._start, self._starts = -1, 1
+        self.starts = 0
+        """Coarse meshes that were begun."""
         self._furthest = 0.0
 
-    def next_start(self, expected: int) -> None:
-        """Begin the next of ``expected`` coarse meshes."""
-        self._start += 1
-        self._starts = max(self._start + 1, expected)
-
-    @property
-    def starts_so_far(self) -> str:
-        """The current coarse mesh, in words."""
-        return f"{self._start + 1} of {self._starts}"
+    def next_start(self) -> None:
+        """Begin the next coarse mesh."""
+        self.starts += 1
 
     def begin(self, stage: str) -> Iterator[Progress]:
         """Begin the next stage."""
@@ -283,4 +278,5 @@ class LevelProgress:
         if self._stage == "decimation":
             return place
         first = STAGES["flow"]
-        return first + ((1.0 - first) * self._start + place - first) / self._starts
+        begun = max(self.starts, 1)
+        return first + ((1.0 - first) * (self.starts - 1) + place - first) / begun

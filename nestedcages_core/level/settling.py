@@ -149,15 +149,16 @@ def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float) -> Stage[f
     assert numbers is not None
     units = SolverUnits.of(plan.fine)
     clearance = units.clearance(wanted) * units.scale
-    bounds = plan.bounds(units.from_input(cage), units)
+    unit_cage = units.from_input(cage)
+    bounds = () if numbers.grid is None else plan.bounds(unit_cage, units)
 
     def allowed(vertex: IntArray, start: FloatArray, end: FloatArray) -> BoolArray:
         ends = units.points(start), units.points(end)
-        every = [np.ones(len(vertex), bool), *(bound.allowed(vertex, *ends) for bound in bounds)]
-        return np.asarray(np.all(every, axis=0))
+        return np.asarray(np.all([bound.allowed(vertex, *ends) for bound in bounds], axis=0))
 
+    cost = _edge_cost(plan, energy, unit_cage, units)
     vertices = yield from numbers.settled(
-        cage, plan.outline.mesh, clearance, plan.side, allowed, _edge_cost(plan, energy, cage, units)
+        cage, plan.outline.mesh, clearance, plan.side, allowed if bounds else None, cost
     )
     if vertices is None or group is None:
         return [] if vertices is None else [vertices]
@@ -167,9 +168,8 @@ def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float) -> Stage[f
     return [numbers.nearest(_from_sector(numbers.exact(vertices), orbits, k)) for k in range(group.order)]
 
 
-def _edge_cost(plan: Plan, energy: Energy, cage: Mesh, units: SolverUnits) -> EdgeCost | None:
+def _edge_cost(plan: Plan, energy: Energy, unit_cage: Mesh, units: SolverUnits) -> EdgeCost | None:
     """What edges add to the energy of a plan; None if that is the area."""
-    unit_cage = units.from_input(cage)
     bound, is_measure = plan.energy(energy.at(unit_cage), unit_cage, units)
     if not is_measure:
         return None

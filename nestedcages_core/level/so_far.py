@@ -36,8 +36,8 @@ def best_so_far(builder: LevelBuilder) -> Stage[Progress, Level | None]:
         except FAILURES:
             continue
     try:
-        if level is None:
-            level = yield from builder.assembly.untightened(builder.starts, attempt.clearances, plan.outline.notes)
+        if level is None and builder.start is not None:
+            level = yield from builder.assembly.untightened(builder.start, attempt.clearances, plan.outline.notes)
         if level is not None and builder.settling is not None:
             level = yield from builder.settling.hasty().settled(level)
         if level is not None and plan.outline.inner is not None:
