@@ -1,22 +1,19 @@
 """The package ``nestedcages_core``, imported on first use: Blender starts faster, and without scipy the add-on still
-registers and reports what is missing. Results of this session are kept for reuse when the same is asked for again: redo
-with other colours computes nothing.
+registers and reports what is missing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache
 from importlib import import_module
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 from .errors import UserError, told
 
 if TYPE_CHECKING:
     import nestedcages_core as core
-    from nestedcages_core import cache as memory
     from nestedcages_core import game, tasks
     from nestedcages_core.errors import notes as errors
     from nestedcages_core.exchange import layers, pictures
@@ -44,19 +41,14 @@ else:
             return getattr(module, name)
 
     core, broad_phase = map(_LazyModule, ("core", "geometry.broad_phase"))
-    distance, memory = map(_LazyModule, ("geometry.distance", "cache"))
+    distance = _LazyModule("geometry.distance")
     loops, pictures, predicates = map(_LazyModule, ("geometry.loops", "exchange.pictures", "geometry.predicates"))
     errors, gate, steps = map(_LazyModule, ("errors.notes", "level.gate", "level.steps"))
     tasks, triangulation = map(_LazyModule, ("tasks", "geometry.triangulation"))
     game, layers = map(_LazyModule, ("game", "exchange.layers"))
 
-__all__ = ["blamed", "broad_phase", "core", "distance", "errors", "game", "gate", "known", "layers", "loops"]
-__all__ += ["memory", "pictures", "predicates", "remembered", "steps", "tasks", "triangulation"]
-
-Result = TypeVar("Result")
-
-# Maximum size in bytes of the results kept.
-MOST_BYTES = 512 * 2**20
+__all__ = ["blamed", "broad_phase", "core", "distance", "errors", "game", "gate", "layers", "loops"]
+__all__ += ["pictures", "predicates", "steps", "tasks", "triangulation"]
 
 
 @contextmanager
@@ -66,14 +58,3 @@ def blamed(what: str) -> Iterator[None]:
         yield
     except (core.NestedCagesError, OSError) as error:
         raise UserError(f"{what}: {told(error)}") from error
-
-
-@cache
-def known() -> memory.Memory[Any]:
-    """What has been computed in this session, by the name of what it is and all that it depends on."""
-    return memory.Memory(MOST_BYTES, largest_share=1.0)
-
-
-def remembered(make: Callable[[], Result], size: int, name: str, *parts: object) -> Result:
-    """What `make` returns, computed once for the same parts; size: of it in bytes. Errors are not remembered."""
-    return known().value(memory.key_of(name, *parts), make, size)

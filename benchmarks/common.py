@@ -130,7 +130,7 @@ def serve(tree: str, function: str) -> None:
 
 
 def forget() -> None:
-    """Makes the package forget the results that it remembers, for times that do not depend on what was before."""
+    """Empties the memory of results that some commits have, for times that do not depend on what was before."""
     with suppress(ImportError):
         import_module("nestedcages_core.cache").forget()
 

@@ -15,8 +15,9 @@ from bpy.types import Mesh, Object
 from mathutils import Matrix
 
 from .. import keys, record
-from ..core import core, remembered
+from ..core import core
 from ..errors import FloatArray, UserError
+from ..memory import remembered
 from ..scene import display, filling, placement
 from ..scene.areas import instances_collection
 from ..scene.grease_pencil import KINDS, matrix_of

@@ -13,12 +13,13 @@ import bpy
 import numpy as np
 from bpy.types import Context, Object
 
-from ..core import core, known, memory, remembered
+from ..core import core
 from ..errors import FloatArray, UserError, counted
 from ..generation.generate import STORED, Generation, Options, Request
 from ..generation.job import Progress, Work
 from ..generation.levels import OWN, Level, Wanted, are_counts, wanted_levels
 from ..generation.verifying import same_frame
+from ..memory import key_of, known, remembered
 from ..scene.convert import Drawing, Outline, ReadingOptions, drawing_in, fine_drawing, read
 from ..scene.filling import mesh_of
 from ..scene.ownership import scene_of
@@ -143,8 +144,8 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
     inner, frames, points = fine, poses.frames, poses.points
     for number, each in enumerate(wanted):
         at = f"{name}, cage {number + 1}"
-        key = memory.key_of("moving", inner, frames, points, each.level, settings, cyclic)
-        made = known().get(key)
+        key = key_of("moving", inner, frames, points, each.level, settings, cyclic)
+        made = known.get(key)
         if made is None:
             assert isinstance(each.level, int)
             yield Progress(number / len(wanted), f"{at}: first cage")
@@ -157,7 +158,7 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
             finally:
                 run.close()
             (made,) = run.moving.levels
-            known().put(key, made, made.cage_steps.nbytes + made.fine_steps.nbytes)
+            known.put(key, made, made.cage_steps.nbytes + made.fine_steps.nbytes)
         cages.append(replace(made, report=replace(made.report, notes=(*each.notes, *made.report.notes))))
         inner, frames, points = made.cage, made.times, made.cage_steps
     return Moving(poses, tuple(cages))

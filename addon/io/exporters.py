@@ -15,8 +15,9 @@ from mathutils import Matrix
 
 from .. import keys, record
 from ..animation import shape_keys, visibility
-from ..core import blamed, core, remembered, triangulation
+from ..core import blamed, core, triangulation
 from ..errors import FloatArray, UserError
+from ..memory import remembered
 from ..record import CageSet
 from ..scene import convert, display, filling, placement, reading
 from ..scene.plane import PLANARITY, Frame, size

@@ -13,10 +13,11 @@ from bpy.types import Context, Mesh, Object
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from ..core import blamed, core, known, memory, pictures, tasks, triangulation
+from ..core import blamed, core, pictures, tasks, triangulation
 from ..errors import FloatArray, UserError
 from ..generation.generate import STAGES
 from ..generation.job import Progress, Work
+from ..memory import key_of, known
 from ..scene import display, filling, ownership, placement
 from ..scene.ownership import scene_of
 from ..scene.plane import PLANARITY, Frame, world_matrix
@@ -191,8 +192,8 @@ class Picture:
         if tile and bool((self.alpha > options["threshold"]).all()):
             width, height = self.size
             return core.Mesh.from_loops([[(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]])
-        key = memory.key_of("picture", self.alpha, vertices, tuple(sorted(options.items())))
-        traced: core.Mesh | None = known().get(key)
+        key = key_of("picture", self.alpha, vertices, tuple(sorted(options.items())))
+        traced: core.Mesh | None = known.get(key)
         if traced is not None:
             return traced
         yield Progress(0.0, f"'{self.name}': tracing pixels")
@@ -203,7 +204,7 @@ class Picture:
             )
             cage = made.cages[0]
             traced = core.Mesh(cage.vertices * (1.0, -1.0) + (0.0, self.size[1]), cage.edges)
-        known().put(key, traced, cage.vertices.nbytes)
+        known.put(key, traced, cage.vertices.nbytes)
         return traced
 
 

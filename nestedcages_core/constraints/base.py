@@ -91,10 +91,7 @@ class Bound:
 
 
 class Constraint:
-    """What cages keep, in the input's units. The base class asks for nothing.
-
-    Constraints that are frozen dataclasses of numbers, strings and tuples let results be remembered.
-    """
+    """What cages keep, in the input's units. The base class asks for nothing."""
 
     must: bool = True
     """Whether a cage that misses it is an error, a promise; or has a note, a wish."""

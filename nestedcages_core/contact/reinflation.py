@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..cache import Memory, key_of
 from ..energies.containment_energy import ContainmentEnergy
 from ..errors import ReinflationError
 from ..geometry.arrays import FloatArray
@@ -76,9 +75,6 @@ class Reinflation:
         return {name: value for name, value in vars(self).items() if name != "fine_steps"}
 
 
-_reinflations: Memory[Reinflation] = Memory()
-
-
 def reinflate(
     fine: Mesh,
     coarse: Mesh,
@@ -96,12 +92,11 @@ def reinflate(
     Raises ReinflationError when no contact succeeds, or when exact predicates find a contact in the result; its
     ``partial`` is the reinflation so far.
     """
-    bodies, plain = Bodies.of(coarse, fine, bounds=bounds), not bounds
+    bodies = Bodies.of(coarse, fine, bounds=bounds)
     failure = ReinflationError("No contact was given for reinflation.", code="setting.invalid")
     for contact in contacts:
-        key = key_of(contact, clearance, flow_steps, fine, coarse) if plain else None
         try:
-            return (yield from _reinflations.stage(key, _by(contact, bodies, flow_steps, clearance), _bytes_of))
+            return (yield from _by(contact, bodies, flow_steps, clearance))
         except ReinflationError as error:
             failure = error
     raise failure
@@ -131,10 +126,6 @@ def _by(contact: Contact, bodies: Bodies, flow_steps: FloatArray, clearance: flo
         reason = f"it ended in contact at {which}"
     sentence = f"Reinflation did not return the fine mesh to its position: {reason}; {REMEDY}."
     raise ReinflationError(sentence, partial=_recorded(steps, bodies.m, 0), code="reinflation.blocked")
-
-
-def _bytes_of(made: Reinflation) -> int:
-    return made.cage_steps.nbytes + made.moving_steps.nbytes
 
 
 def _recorded(steps: list[FloatArray], m: int, iterations: int) -> Reinflation:

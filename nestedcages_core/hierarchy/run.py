@@ -19,7 +19,6 @@ from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, by_side, is_mesh_like
 from ..level.attempts import clearances_for
 from ..level.builder import LevelBuilder
 from ..level.gate import passed
-from ..level.level_cache import whole_level
 from ..level.plan import Plan
 from ..level.report import Hierarchy, Level, LevelProgress, Progress
 from ..tasks import Run, Stage, limited, listened
@@ -137,10 +136,8 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
             most = MOST_STEPS + STEPS_OF_A_LOOP * len(inner.loops)
             work = limited(work, lambda: perf_counter() > deadline, partial(_over, seconds=seconds))
             work = limited(work, _after(most), partial(_over, steps=most))
-            number = int(level) if isinstance(level, Rising) else level
-            asked = replace(chosen, about=None, seconds=None), about, inner, number, clearances, side
             try:
-                done = passed((yield from whole_level(work, progress, *asked)), inner, chosen.clearance or 0.0)
+                done = passed((yield from work), inner, chosen.clearance or 0.0)
                 break
             except NestedCagesError as error:
                 if error.code in ("time.over", "work.over"):

@@ -123,7 +123,7 @@ class Settings(LevelSettings):
                 raise invalid_setting(f"{wanted} above 0, not {value!r}; {otherwise}.")
         if self.stored is not None and type_name(self.stored) not in (*STORED_TYPES, None):
             raise invalid_setting(f"stored must be float64, {' or '.join(STORED_TYPES)}, not {self.stored!r}.")
-        object.__setattr__(self, "stored", type_name(self.stored))  # a name, so that levels are remembered
+        object.__setattr__(self, "stored", type_name(self.stored))  # a name: settings are told apart by value
         check_flag(self, "convex")
         if not isinstance(self.about, Mesh | None):
             raise invalid_setting(f"about must be a Mesh, not {type(self.about).__name__}.")

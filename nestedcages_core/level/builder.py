@@ -28,7 +28,6 @@ from ..tasks import Stage, ticking
 from .assembly import Assembly, CageInProgress, deviations
 from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn, methods_for
 from .gate import judged
-from .level_cache import flow_inside
 from .plan import Plan
 from .report import Level, LevelProgress, Progress
 from .settings import LevelSettings
@@ -335,7 +334,7 @@ class LevelBuilder:
                 flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
             else:
                 flow = yield from self.progress.follow(
-                    flow_inside(self.units.method(attempt.flow), self.unit_fine, unit_coarse),
+                    self.units.method(attempt.flow).run(self.unit_fine, unit_coarse),
                     lambda done: (done, "flow"),
                 )
         except FlowError as error:

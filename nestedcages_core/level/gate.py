@@ -129,13 +129,6 @@ def standing(fine: Mesh, cage: Mesh, report: NestingReport, wanted: float, *, si
     return drain(admitted(verdict, Way.at_rest(fine, cage), report))
 
 
-def copied(level: Level) -> Level:
-    """A level with steps of its own, which may be written."""
-    flow = replace(level.flow, steps=level.flow.steps.copy())
-    moving, cage = (steps.copy() for steps in (level.reinflation.moving_steps, level.reinflation.cage_steps))
-    return replace(level, flow=flow, reinflation=replace(level.reinflation, moving_steps=moving, cage_steps=cage))
-
-
 def passed(level: Level, inner: Mesh, least: float = 0.0) -> Level:
     """The level around or inside a mesh, as it was judged, at a least clearance. Raises NestingError if it was not, or
     changed since."""

@@ -25,12 +25,11 @@ def boxed(*corners: float) -> np.ndarray:
 
 
 def caged(shape: Any, count: int, *, has_shapely: bool = True, **options: Any) -> Level:
-    """A level. Without shapely the loops begin at other vertices, so that no result is remembered."""
-    if has_shapely:
-        return nested_cages(shape, count, **options)[0]
-    fine = Mesh.from_loops([np.roll(loop, 1, axis=0) for loop in Mesh.of(shape).rings])
+    """A level, with shapely or without."""
+    fine = Mesh.of(shape)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(sys.modules, "shapely", None)
+        if not has_shapely:
+            patch.setitem(sys.modules, "shapely", None)
         return nested_cages(fine, count, **options)[0]
 
 

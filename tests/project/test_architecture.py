@@ -16,12 +16,12 @@ from support.sources import ROOT, nodes, sources
 # Each package or module imports only from those before it.
 LAYERS = {
     "nestedcages_core": """
-        checker_distance checker errors libraries tasks cache parameters lapack geometry decimation flow energies
+        checker_distance checker errors libraries tasks parameters lapack geometry decimation flow energies
         solver constraints contact tightening verification level tolerance hierarchy motion published coordinates
         character puppet exchange game batch command __main__ __init__
     """,
     "addon": """
-        errors core notes keys record scene animation rigging generation binding io following characters puppets
+        errors core memory notes keys record scene animation rigging generation binding io following characters puppets
         properties making operators ui api __init__ __main__
     """,
 }

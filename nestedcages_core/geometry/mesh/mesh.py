@@ -270,11 +270,6 @@ class Mesh(Drawable):
         return EXTENT_FACTOR * float(np.hypot(*(self.vertices - self.vertices.mean(axis=0)).T).max())
 
     @property
-    def defining_arrays(self) -> tuple[FloatArray | IntArray, ...]:
-        """All that two equal meshes have in common; the roles of loops too, as `moved` keeps them."""
-        return self.vertices, self.edges, self.loop_signs, self.parent_of_loop, self.component_of_loop
-
-    @property
     def loop_areas(self) -> FloatArray:
         """(L,) signed area of each loop: holes count negative."""
         return _frozen(self.loop_order.areas)
