@@ -13,8 +13,9 @@ from bpy.types import Context, Object
 
 from . import making
 from .animation import visibility
-from .core import core, tasks
+from .core import core
 from .errors import UserError
+from .generation.job import drain
 from .generation.levels import OWN, OWN_UNIT
 from .properties.schema import NestedCagesUsed
 from .properties.settings import NAMES
@@ -60,7 +61,7 @@ def cages(objects: Sequence[Object], levels: Levels = "20%, 8%", **settings: Any
             if obj.name not in context.view_layer.objects or not obj.visible_get():
                 raise ValueError(f"'{obj.name}' is not visible in the current view layer, so it cannot be caged")
         try:
-            made, _ = tasks.drain(making.make(context, drawings, own, values, _tell))
+            made, _ = drain(making.make(context, drawings, own, values, _tell))
         except UserError as error:
             raise ValueError(str(error)) from error
     known = [next((each for each in made if obj in each.parts), CageSet(obj)) for obj in drawings]

@@ -14,7 +14,7 @@ from .errors import UserError, told
 
 if TYPE_CHECKING:
     import nestedcages_core as core
-    from nestedcages_core import game, tasks
+    from nestedcages_core import game, progress
     from nestedcages_core.errors import notes as errors
     from nestedcages_core.exchange import layers, pictures
     from nestedcages_core.geometry import broad_phase, distance, loops, predicates, triangulation
@@ -44,11 +44,11 @@ else:
     distance = _LazyModule("geometry.distance")
     loops, pictures, predicates = map(_LazyModule, ("geometry.loops", "exchange.pictures", "geometry.predicates"))
     errors, gate, steps = map(_LazyModule, ("errors.notes", "level.gate", "level.steps"))
-    tasks, triangulation = map(_LazyModule, ("tasks", "geometry.triangulation"))
+    progress, triangulation = map(_LazyModule, ("progress", "geometry.triangulation"))
     game, layers = map(_LazyModule, ("game", "exchange.layers"))
 
 __all__ = ["blamed", "broad_phase", "core", "distance", "errors", "game", "gate", "layers", "loops"]
-__all__ += ["pictures", "predicates", "steps", "tasks", "triangulation"]
+__all__ += ["pictures", "predicates", "progress", "steps", "triangulation"]
 
 
 @contextmanager

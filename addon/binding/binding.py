@@ -17,9 +17,9 @@ from mathutils import Matrix
 
 from .. import keys, record
 from ..animation import shape_keys, visibility
-from ..core import blamed, core, tasks
+from ..core import blamed, core
 from ..errors import UserError, counted
-from ..generation.job import Progress, Work
+from ..generation.job import Progress, Work, drain
 from ..notes import BROKEN
 from ..record import CageSet
 from ..rigging.pose import unshaped
@@ -72,7 +72,7 @@ def bind(context: Context, cage_set: CageSet, method: str = "AUTO") -> str:
 
 
 def _alone(context: Context, work: Work[str]) -> str:
-    (made,) = tasks.drain(in_step(context, [work]))
+    (made,) = drain(in_step(context, [work]))
     if isinstance(made, UserError):
         raise made
     return made

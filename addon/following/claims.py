@@ -19,9 +19,9 @@ from mathutils import Matrix, Vector
 from .. import record
 from ..animation import shape_keys
 from ..binding import field
-from ..core import core, tasks
+from ..core import core
 from ..errors import UserError
-from ..generation.job import LOOK_INTERVAL, Job, Progress, Work, in_window
+from ..generation.job import LOOK_INTERVAL, Job, Progress, Work, drain, in_window
 from ..generation.verifying import Chain, Finding, Folding, check
 from ..io import silhouettes
 from ..keys import found_object
@@ -80,7 +80,7 @@ def _displayed(context: Context, obj: Object, frame: Frame) -> tuple[Outline, Dr
         outline = convert.read(context, obj)
     except UserError:
         shown = field.shown_by(obj)
-        loops, _ = tasks.drain(silhouettes.painted_loops(context, [shown], frame, closed=True))
+        loops, _ = drain(silhouettes.painted_loops(context, [shown], frame, closed=True))
         back = np.linalg.inv(world_matrix(shown)) @ frame.matrix
         own = tuple(transform(back, frame.points(loop)).astype(np.float32) for loop in loops)
         return Outline(obj.name, own, world_matrix(shown), obj.session_uid), Drawing(obj.name, frame, loops)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from time import perf_counter
 
@@ -13,10 +14,10 @@ import bpy
 import numpy as np
 from bpy.types import Context, Object
 
-from ..core import core
+from ..core import core, progress
 from ..errors import FloatArray, UserError, counted
 from ..generation.generate import STORED, Generation, Options, Request
-from ..generation.job import Progress, Work
+from ..generation.job import Progress, Work, mapped
 from ..generation.levels import OWN, Level, Wanted, are_counts, wanted_levels
 from ..generation.verifying import same_frame
 from ..memory import key_of, known, remembered
@@ -209,13 +210,12 @@ def stand_still(poses: Poses, options: Options) -> Work[Moving]:
         for step in generation:
             yield Progress(0.9 * step.fraction, step.message)
         first, *others = generation.results[0].levels
-        checking = core.motion.certified_still(first.cage, fine, poses.points, times=poses.frames)
-        while True:
-            try:
-                yield Progress(0.9 + 0.1 * next(checking), f"{name}: checking")
-            except StopIteration as done:
-                cages = [_with_report(done.value, first)]
-                break
+        checked = partial(core.motion.certified_still, first.cage, fine, poses.points, times=poses.frames)
+        still = yield from mapped(
+            progress.Run(lambda report: checked(tick=report)),
+            lambda done: Progress(0.9 + 0.1 * done, f"{name}: checking"),
+        )
+        cages = [_with_report(still, first)]
     except core.NestedCagesError as error:
         raise UserError(f"'{name}': {_said(error, poses.frames)}") from error
     if given.redrawn:

@@ -9,15 +9,13 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import bpy
 from bpy.types import Context
-
-from ..core import tasks
 
 # Seconds of work per slice of an operator's job, and seconds between slices: about ten redraws per second, with most of
 # the time spent on work.
@@ -26,6 +24,7 @@ SLICE, TICK = 0.08, 0.01
 BACKGROUND_SLICE, LOOK_INTERVAL = 0.03, 0.02
 
 Result = TypeVar("Result")
+Shown = TypeVar("Shown")
 
 
 @dataclass(frozen=True)
@@ -92,7 +91,29 @@ def share(work: Work[Result], number: int, count: int, begin: float = 0.0, end: 
     def scaled(step: Progress) -> Progress:
         return Progress(begin + (end - begin) * (number + step.fraction) / count, step.message)
 
-    return tasks.mapped(work, scaled)
+    return mapped(work, scaled)
+
+
+def mapped(steps: Iterator[Shown], show: Callable[[Shown], Progress]) -> Work[Any]:
+    """Work that shows the progress of a run, or of other work, and returns its result."""
+    try:
+        while True:
+            try:
+                step = next(steps)
+            except StopIteration as end:
+                return end.value
+            yield show(step)
+    finally:
+        steps.close()  # type: ignore[attr-defined]
+
+
+def drain(work: Work[Result]) -> Result:
+    """The result of work, done at once."""
+    while True:
+        try:
+            next(work)
+        except StopIteration as end:
+            return end.value  # type: ignore[no-any-return]
 
 
 _jobs: list[Job] = []

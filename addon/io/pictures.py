@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +14,10 @@ from bpy.types import Context, Mesh, Object
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from ..core import blamed, core, pictures, tasks, triangulation
+from ..core import blamed, core, pictures, progress, triangulation
 from ..errors import FloatArray, UserError
 from ..generation.generate import STAGES
-from ..generation.job import Progress, Work
+from ..generation.job import Progress, Work, mapped
 from ..memory import key_of, known
 from ..scene import display, filling, ownership, placement
 from ..scene.ownership import scene_of
@@ -198,8 +199,9 @@ class Picture:
             return traced
         yield Progress(0.0, f"'{self.name}': tracing pixels")
         with blamed(f"'{self.name}'"):
-            made = yield from tasks.mapped(
-                pictures.picture_cages_run(self.alpha, [vertices], **options),
+            tracing = partial(pictures.picture_cages, self.alpha, [vertices], **options)
+            made = yield from mapped(
+                progress.Run(lambda report: tracing(progress=report)),
                 lambda step: Progress(step.fraction, f"'{self.name}': {STAGES[step.stage]}"),
             )
             cage = made.cages[0]

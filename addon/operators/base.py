@@ -10,9 +10,8 @@ from bpy.types import Context, Object
 
 from .. import making
 from ..binding.copies import complete
-from ..core import tasks
 from ..errors import Fault, UserError, counted
-from ..generation.job import SLICE, Job, Work, running, share
+from ..generation.job import SLICE, Job, Work, drain, running, share
 from ..notes import sentence
 from ..properties.kinds import flag
 from ..record import CageSet
@@ -136,7 +135,7 @@ class JobOperator(Operator):
         raise NotImplementedError
 
     def run(self, context: Context) -> None:
-        tasks.drain(self.work(context))
+        drain(self.work(context))
 
     def prepare(self, context: Context) -> None:
         """Sets what was not given when a user invokes the operator, not a script."""

@@ -11,9 +11,9 @@ from .. import characters, record
 from ..binding import binding, field, handles
 from ..binding.copies import complete
 from ..binding.field import HARMONIC, LINEAR, NAMES
-from ..core import core, tasks
+from ..core import core
 from ..errors import UserError, counted
-from ..generation.job import Progress, Work
+from ..generation.job import Progress, Work, drain
 from ..keys import found_object
 from ..properties.kinds import choice, length, number, whole
 from ..record import CageSet
@@ -132,7 +132,7 @@ class OnParts(JobOperator):
         """The parts in their own shapes as one drawing, and why some were left out. Raises: UserError."""
         self.tell_hidden(context, parts)
         with field.unposed(map(field.shown_by, parts)):
-            return tasks.drain(characters.united_drawing(context, parts, self.gap))
+            return drain(characters.united_drawing(context, parts, self.gap))
 
 
 class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):

@@ -31,12 +31,7 @@ Test = tuple[str, bool]
 
 def flow() -> Iterator[Test]:
     fine, coarse = letter_a(), letter_a_coarse()
-    stage, result = SachtFlow().run(fine, coarse), None
-    while result is None:
-        try:
-            next(stage)
-        except StopIteration as end:
-            result = end.value
+    result = SachtFlow().run(fine, coarse, tick=lambda done: None)
     moved = np.hypot(*np.diff(result.steps, axis=0).transpose(2, 0, 1))
     side = float(np.ptp(np.concatenate([fine.vertices, coarse.vertices]), axis=0).max())
     yield (

@@ -14,7 +14,7 @@ mesh can move straight to its target, it is placed there exactly.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -25,6 +25,7 @@ import scipy.sparse.linalg
 from nestedcages_core import Area
 from nestedcages_core.contact import ContactOutcome
 from nestedcages_core.contact.barrier import BarrierTerms, barrier
+from nestedcages_core.contact.base import OnStep
 from nestedcages_core.contact.ccd import impacts
 from nestedcages_core.contact.pairs import Bodies, CandidateList, Pairs
 from nestedcages_core.geometry.distance import (
@@ -169,15 +170,15 @@ class OriginalIPC:
     iterations: int = 300  # maximum number of Newton steps per step of the flow; the original has 10,000
 
     def reinflate(
-        self, bodies: Bodies, x: Array, path: Sequence[Array], *, clearance: float
-    ) -> Generator[Array, None, ContactOutcome]:
+        self, bodies: Bodies, x: Array, path: Sequence[Array], *, clearance: float, on_step: OnStep
+    ) -> ContactOutcome:
         """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`. It has no clearance."""
         energy = self.energy.at(bodies.coarse)
         candidates = CandidateList(bodies)
         iterations = 0
         for target in path:
             step = _TimeStep(self, bodies, energy.after(x[: bodies.m]), candidates, target)
-            arrived = yield from step.run(x)
+            arrived = step.run(x, on_step)
             x = step.x
             iterations += step.iterations
             if not arrived:
@@ -202,13 +203,13 @@ class _TimeStep:
         self.iterations = 0
         self.x = np.zeros((0, 2))
 
-    def run(self, x: Array) -> Generator[Array, None, bool]:
+    def run(self, x: Array, on_step: OnStep) -> bool:
         """Newton steps from x (m + n, 2) until the fine mesh is at its target and the cage at rest."""
         m = self.bodies.m
         self.x = x
         whole = float(np.linalg.norm(self.target - x[m:]))
         if self._place():
-            yield self.x
+            on_step(self.x)
         barriers = self._barriers(self.x)
         self.kappa = self.bounds.first(self._cage_gradient(self.x), barriers.gradient())
         close = self._very_close(barriers)
@@ -221,9 +222,9 @@ class _TimeStep:
                 return True
             if not self._advance(direction, barriers):
                 return self.arrived
-            yield self.x
+            on_step(self.x)
             if self._place():
-                yield self.x
+                on_step(self.x)
             barriers = self._barriers(self.x)
             before, close = close, self._very_close(barriers)
             self.kappa = self.bounds.raised(self.kappa, before, close)

@@ -12,7 +12,7 @@ i s / w · n over Σ s² / w, with s = (1, -(1 - t), -t) and the masses w: 1 for
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from math import hypot, sqrt
@@ -22,6 +22,7 @@ import shapely
 
 from nestedcages_core import Area, FlowError, FlowResult, Mesh, NoEnergy
 from nestedcages_core.contact import ContactOutcome
+from nestedcages_core.contact.base import OnStep
 from nestedcages_core.contact.ccd import HIT_DISTANCE, impacts
 from nestedcages_core.contact.pairs import Bodies, CandidateList, Pairs
 
@@ -42,7 +43,7 @@ class SachtFlow:
     step: float = 1e-3  # length of a step, in longest sides of the box around both meshes
     limit: int = 1000  # maximum number of steps
 
-    def run(self, fine: Mesh, coarse: Mesh) -> Generator[float, None, FlowResult]:
+    def run(self, fine: Mesh, coarse: Mesh, *, tick: Callable[[float], None]) -> FlowResult:
         """All steps from the fine mesh to a position strictly inside the coarse one. Raises FlowError."""
         solid = shapely.geometry.shape(coarse.__geo_interface__)
         shapely.prepare(solid)
@@ -52,7 +53,7 @@ class SachtFlow:
             if len(steps) > self.limit:
                 result = FlowResult(np.array(steps), self.limit, "signed distance")
                 raise FlowError("The mesh is not inside after all steps.", partial=result, code="flow.stuck")
-            yield (len(steps) - 1) / self.limit
+            tick((len(steps) - 1) / self.limit)
             steps.append(steps[-1] - length * _gradient(fine, steps[-1], coarse, solid))
         return FlowResult(np.array(steps), len(steps) - 1, "signed distance")
 
@@ -346,22 +347,22 @@ class ElTopo:
     """Maximum number of descent steps per step of the flow and in the final pass; the original has none."""
 
     def reinflate(
-        self, bodies: Bodies, x: Array, path: Sequence[Array], *, clearance: float
-    ) -> Generator[Array, None, ContactOutcome]:
+        self, bodies: Bodies, x: Array, path: Sequence[Array], *, clearance: float, on_step: OnStep
+    ) -> ContactOutcome:
         """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`. It has no clearance."""
-        expansion = _Expansion(self, bodies, x)
+        expansion = _Expansion(self, bodies, x, on_step)
         energy, final_energy = self.energy.at(bodies.coarse), self.final_energy.at(bodies.coarse)
         idle = not energy.gradient(x[: bodies.m], bodies.cage.successor).any()
         expansion.proximity = self.room if idle else self.proximity
         for target in path:
-            reached = yield from expansion.step_to(target, energy)
+            reached = expansion.step_to(target, energy)
             if not reached:
                 worst = int(np.hypot(*(target - expansion.x[bodies.m :]).T).argmax())
                 reason = f"the filter finds no velocity that lets fine vertex {worst} pass"
                 return ContactOutcome(expansion.x, False, expansion.systems, reason)
         if final_energy.gradient(x[: bodies.m], bodies.cage.successor).any():
             expansion.proximity = self.final_proximity
-            yield from expansion.step_to(path[-1], final_energy)
+            expansion.step_to(path[-1], final_energy)
         return ContactOutcome(expansion.x, True, expansion.systems)
 
 
@@ -372,13 +373,13 @@ class _Expansion:
     descends alone: a step that raises the energy is undone and halved, one that lowers it makes the next one longer.
     """
 
-    def __init__(self, method: ElTopo, bodies: Bodies, x: Array) -> None:
-        self.method, self.bodies, self.x = method, bodies, x
+    def __init__(self, method: ElTopo, bodies: Bodies, x: Array, on_step: OnStep) -> None:
+        self.method, self.bodies, self.x, self.on_step = method, bodies, x, on_step
         self.proximity = method.proximity
         self.candidates = CandidateList(bodies)
         self.systems = 0
 
-    def step_to(self, target: Array, energy: object) -> Generator[Array, None, bool]:
+    def step_to(self, target: Array, energy: object) -> bool:
         """Go back one step of the flow, to ``target`` (n, 2), and let the cage descend; False if that is blocked."""
         method, m, successor = self.method, self.bodies.m, self.bodies.cage.successor
         energy = energy.after(self.x[:m])
@@ -391,7 +392,7 @@ class _Expansion:
             if iteration == 0 or after <= lowest:
                 motion = float(np.abs(states[-1][:m] - self.x[:m]).max()) if states else 0.0
                 for state in states:
-                    yield state
+                    self.on_step(state)
                     self.x = state
                 if not arrived:
                     return False

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 from ..errors import NestedCagesError
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings
-from ..tasks import Run, Stage, listened
+from ..progress import listened
 from .outcome import Keep, Outcome, Task
 
 Level: TypeAlias = int | Mesh
@@ -62,15 +62,14 @@ def nested_cages_many(
     tasks = list(_tasks(shapes, levels, settings if settings is not None else Settings(), keep))
     outcomes: dict[Hashable, Outcome] = {}
 
-    def work() -> Stage[BatchProgress, list[Outcome]]:
+    def work(report: Callable[[BatchProgress], None]) -> list[Outcome]:
         with closing((task.run() for task in tasks) if executor is None else _outcomes(tasks, executor)) as incoming:
             for outcome in incoming:
                 outcomes[outcome.key] = outcome
-                yield BatchProgress(len(outcomes), len(tasks), outcome)
+                report(BatchProgress(len(outcomes), len(tasks), outcome))
         return [outcomes[task.key] for task in tasks]
 
-    with closing(Run(work())) as run:
-        return listened(run, progress)
+    return listened(work, progress)
 
 
 def _outcomes(tasks: Sequence[Task], executor: Executor | Callable[[], Executor]) -> Generator[Outcome, None, None]:

@@ -26,7 +26,7 @@ from ..geometry.predicates.sweep import expanded
 from ..geometry.shortest_cycle import shortest_cycle
 from ..geometry.signed_distance import SignedDistance
 from ..geometry.vectors import cross, norm, rotated_right
-from ..tasks import Stage
+from ..progress import Tick, no_tick
 from .free_edges import FreeEdges, Near, Segments
 
 Allowed: TypeAlias = Callable[[IntArray, FloatArray, FloatArray], BoolArray]
@@ -58,19 +58,20 @@ def put_on_grid(
     side: int,
     edge_cost: EdgeCost | None = None,
     rounds: int = MOST_ROUNDS,
-) -> Stage[float, FloatArray | None]:
+    tick: Tick = no_tick,
+) -> FloatArray | None:
     """(m, 2) grid points for the vertices of a cage around a fine mesh, or inside it; None if none were found.
 
     allowed: tells which edges may be; None: all. clearance: smallest distance to keep from the fine mesh, above 0, as
-    in the coordinates of the meshes. edge_cost: what is minimised; None: the area. rounds: of improvements, at most. A
-    generator: yields a fraction after each. Raises NestingError if none were found within `MOST_TESTS`.
+    in the coordinates of the meshes. edge_cost: what is minimised; None: the area. rounds: of improvements, at most;
+    tick: called with a fraction after each. Raises NestingError if none were found within `MOST_TESTS`.
     """
     search = _CoordinateDescent(cage, fine, grid, allowed, clearance, side, edge_cost, rounds)
     found: IntArray | None = None
     reach = np.zeros(len(cage.vertices), np.int64)
     while found is None:
         found, stuck = search.chosen(search.first_layers(np.take(REACHES, reach)))
-        yield 0.25
+        tick(0.25)
         stuck &= reach < len(REACHES) - 1
         if found is None and not stuck.any():
             return None
@@ -81,7 +82,7 @@ def put_on_grid(
             better, _ = search.chosen(search.layers_around(found, reaches[0]))
         except NestingError:
             break
-        yield 1.0 - 0.75 / (2.0 + number)
+        tick(1.0 - 0.75 / (2.0 + number))
         if better is not None and search.cost(better) < search.cost(found):
             found = better
         elif not (reaches := reaches[1:]):

@@ -15,7 +15,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.lattice import Grid, as_stored
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS
-from ..tasks import Stage
+from ..progress import Tick, no_tick
 from .base import Constraint
 from .grid_search import Allowed, put_on_grid
 
@@ -90,14 +90,28 @@ class Numbers(Constraint):
         return as_stored(self.exact(points), self.stored)
 
     def settled(
-        self, cage: Mesh, fine: Mesh, clearance: float, side: int, allowed: Allowed | None, cost: EdgeCost | None
-    ) -> Stage[float, FloatArray | None]:
+        self,
+        cage: Mesh,
+        fine: Mesh,
+        clearance: float,
+        side: int,
+        allowed: Allowed | None,
+        cost: EdgeCost | None,
+        tick: Tick = no_tick,
+    ) -> FloatArray | None:
         """(m, 2) multiples of least cost, searched around the cage; None if none are found. Else its vertices."""
         if self.lattice is None:
-            yield 1.0
             return self.nearest(cage.vertices)
-        found = yield from put_on_grid(
-            cage, fine, self.lattice, allowed, clearance=clearance, side=side, edge_cost=cost, rounds=self.rounds
+        found = put_on_grid(
+            cage,
+            fine,
+            self.lattice,
+            allowed,
+            clearance=clearance,
+            side=side,
+            edge_cost=cost,
+            rounds=self.rounds,
+            tick=tick,
         )
         return None if found is None else as_stored(found, self.stored)
 

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
 from ..geometry.arrays import FloatArray
-from ..tasks import Stage
 from .pairs import Bodies
+
+OnStep: TypeAlias = Callable[[FloatArray], None]
+"""Called with every accepted state; the linear motion from the one before is free of collisions. The same array again
+adds no step: the work only goes on."""
+
+
+def no_step(x: FloatArray) -> None:
+    """An `OnStep` that does nothing."""
 
 
 class ContactOutcome(NamedTuple):
@@ -34,14 +41,12 @@ class Contact(Protocol):
     """Moves the fine mesh back along a path and pushes the cage away."""
 
     def reinflate(
-        self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float
-    ) -> Stage[FloatArray, ContactOutcome]:
+        self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float, on_step: OnStep = no_step
+    ) -> ContactOutcome:
         """Bring the fine vertices from x[m:] through the targets in ``path`` to exactly the last of them.
 
         bodies: what does not change; x: (m + n, 2) positions (cage, fine) free of contact; path: fine positions (n, 2)
-        to pass; clearance: wanted distance, for guidance only.
+        to pass; clearance: wanted distance, for guidance only; on_step: called with every accepted x.
 
-        A generator: yields every accepted x, the linear motion from the one before being free of collisions, and
-        returns the outcome. It may yield the same array again while it works, which adds no step. Failure is part of
-        the outcome, not an exception.
+        Failure is part of the outcome, not an exception.
         """

@@ -14,9 +14,8 @@ from ..geometry.arrays import FloatArray
 from ..geometry.precision import MOST_ROUNDS, PATIENCE, PROGRESS_RATIO
 from ..parameters import check_not_negative, check_part, check_positive
 from ..solver.newton import ProjectedNewton, Solver
-from ..tasks import Stage
 from .barrier import BarrierRanges
-from .base import ContactOutcome, farthest_vertex
+from .base import ContactOutcome, OnStep, farthest_vertex, no_step
 from .incremental_potential import IncrementalPotential, PotentialWeights
 from .pairs import Bodies, CandidateList
 
@@ -58,8 +57,8 @@ class IPC:
         check_part(self, "energy", "at", "Area()")
 
     def reinflate(
-        self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float
-    ) -> Stage[FloatArray, ContactOutcome]:
+        self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float, on_step: OnStep = no_step
+    ) -> ContactOutcome:
         """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`."""
         m = bodies.m
         energy = self.energy.at(bodies.coarse)
@@ -80,13 +79,13 @@ class IPC:
                     ranges,
                     candidates,
                 )
-                solution = yield from self.solver.minimise(objective, x)
+                solution = self.solver.minimise(objective, x, on_step)
                 x = solution.x
                 iterations += solution.iterations
                 logger.debug("IPC: %d iterations to a target, stiffness %.2e", solution.iterations, stiffness)
                 if objective.finished(x):
                     x = np.concatenate([x[:m], target])
-                    yield x
+                    on_step(x)
                     break
                 left = _distances(x[m:], target)
                 idle = 0 if (left < PROGRESS_RATIO * least).any() else idle + 1

@@ -15,7 +15,7 @@ from ..energies.containment_energy import ContainmentEnergy
 from ..errors import ReinflationError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..tasks import Stage, mapped
+from ..progress import Tick, no_tick
 from .base import Contact
 from .pairs import Bodies
 
@@ -83,11 +83,12 @@ def reinflate(
     contacts: Sequence[Contact],
     clearance: float,
     bounds: tuple[Bound, ...] = (),
-) -> Stage[float, Reinflation]:
+    tick: Tick = no_tick,
+) -> Reinflation:
     """Follow the flow's steps (J + 1, n, 2) back while the cage, starting as the coarse mesh, is pushed out.
 
     contacts: ways to resolve contact; each starts over where the one before is blocked. bounds: what the cage keeps,
-    which only sequential QPs know. A generator: yields the fraction done and returns the steps.
+    which only sequential QPs know. tick: called with the fraction done.
 
     Raises ReinflationError when no contact succeeds, or when exact predicates find a contact in the result; its
     ``partial`` is the reinflation so far.
@@ -96,25 +97,25 @@ def reinflate(
     failure = ReinflationError("No contact was given for reinflation.", code="setting.invalid")
     for contact in contacts:
         try:
-            return (yield from _by(contact, bodies, flow_steps, clearance))
+            return _by(contact, bodies, flow_steps, clearance, tick)
         except ReinflationError as error:
             failure = error
     raise failure
 
 
-def _by(contact: Contact, bodies: Bodies, flow_steps: FloatArray, clearance: float) -> Stage[float, Reinflation]:
+def _by(contact: Contact, bodies: Bodies, flow_steps: FloatArray, clearance: float, tick: Tick) -> Reinflation:
     """The reinflation by one contact. Raises ReinflationError."""
     steps, path = [np.concatenate([bodies.coarse.vertices, flow_steps[-1]])], list(flow_steps[-2::-1])
     distance = float(np.abs(flow_steps[-1] - flow_steps[0]).sum())
 
-    def fraction(x: FloatArray) -> float:
+    def on_step(x: FloatArray) -> None:
         if x is not steps[-1]:
             steps.append(x)
-        return 1.0 - float(np.abs(x[bodies.m :] - flow_steps[0]).sum()) / distance if distance > 0.0 else 1.0
+        tick(1.0 - float(np.abs(x[bodies.m :] - flow_steps[0]).sum()) / distance if distance > 0.0 else 1.0)
 
     iterations, reason = 0, ""
     if path:
-        outcome = yield from mapped(contact.reinflate(bodies, steps[0], path, clearance=clearance), fraction)
+        outcome = contact.reinflate(bodies, steps[0], path, clearance=clearance, on_step=on_step)
         iterations, reason = outcome.iterations, "" if outcome.reached_target else outcome.reason or "it was stopped"
         logger.debug("reinflation by %s: %d systems, %d steps: %s", contact, iterations, len(steps) - 1,
                      reason or "reached the fine mesh")  # fmt: skip

@@ -20,8 +20,7 @@ from ..geometry.precision import BACKTRACKING
 from ..geometry.vectors import inner
 from ..parameters import check_count, check_part, check_positive
 from ..solver.quadratic_program import InteriorPoint
-from ..tasks import Stage
-from .base import ContactOutcome, farthest_vertex
+from .base import ContactOutcome, OnStep, farthest_vertex, no_step
 from .contact_response import ContactResponse, Distances, FeasibilityRule
 from .pairs import Bodies
 
@@ -67,18 +66,18 @@ class SequentialQP:
         check_part(self, "quadratic_programs", "solve", "InteriorPoint()")
 
     def reinflate(
-        self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float
-    ) -> Stage[FloatArray, ContactOutcome]:
+        self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float, on_step: OnStep = no_step
+    ) -> ContactOutcome:
         """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`."""
-        motion = _Motion(self, bodies, x, clearance)
-        reached = yield from motion.step_to(path[-1])
+        motion = _Motion(self, bodies, x, clearance, on_step)
+        reached = motion.step_to(path[-1])
         if not reached:
             fine = motion.x[bodies.m :]
             nearest = int(np.argmin([float(np.abs(target - fine).sum()) for target in path]))
             logger.debug("the straight line is blocked: along the path from step %d of %d", nearest, len(path))
             for target in path[nearest:]:
                 before = motion.x
-                reached = yield from motion.step_to(target)
+                reached = motion.step_to(target)
                 if not reached and motion.x is before:  # nothing moves towards later targets either
                     break
         reason = "" if reached else farthest_vertex(motion.x[bodies.m :], path[-1])
@@ -88,8 +87,10 @@ class SequentialQP:
 class _Motion:
     """State of a motion along the path."""
 
-    def __init__(self, settings: SequentialQP, bodies: Bodies, x: FloatArray, clearance: float) -> None:
-        self.settings, self.bodies, self.x = settings, bodies, x
+    def __init__(
+        self, settings: SequentialQP, bodies: Bodies, x: FloatArray, clearance: float, on_step: OnStep
+    ) -> None:
+        self.settings, self.bodies, self.x, self.on_step = settings, bodies, x, on_step
         self.m = bodies.m
         self.unit = bodies.cage_edge_length
         self.gap = settings.gap * self.unit
@@ -98,7 +99,7 @@ class _Motion:
         self.rule = FeasibilityRule(bodies, clearance, self.gap)
         self.systems = 0
 
-    def step_to(self, target: FloatArray) -> Stage[FloatArray, bool]:
+    def step_to(self, target: FloatArray) -> bool:
         """Move the fine mesh to ``target`` (n, 2); whether it gets there exactly."""
         stride = self.settings.stride * self.unit
         stalled, left = 0, np.inf
@@ -119,7 +120,7 @@ class _Motion:
             longest = float((part * length).max())
             radius = max(REACH * longest, self.gap)
             prepared = self.response.prepared(part[:, None] * remaining, self.x, radius)
-            yield self.x  # each half of a large response takes a while
+            self.on_step(self.x)  # each half of a large response takes a while
             response = self.response.solved(prepared)
             self.systems += response.systems
             step = *self.rule.concerned(response.pairs, response.contacts, response.motion), self.x, response.motion
@@ -143,7 +144,7 @@ class _Motion:
                 x = self.x + self.bodies.scaled(response.motion, kept)
                 x[self.m :][arrived] = target[arrived]
                 self.x = x
-                yield x
+                self.on_step(x)
             else:  # a shorter motion seldom helps where a small part of this one is blocked
                 stride, stalled = min(stride, BACKTRACKING * longest), max(stalled, self.settings.patience - 1)
         return not bool((target - self.x[self.m :]).any())

@@ -8,7 +8,7 @@ from typing import Protocol
 from ..errors import Fault, FlowError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..tasks import Stage
+from ..progress import Tick, no_tick
 
 
 @dataclass(frozen=True)
@@ -53,10 +53,10 @@ class FlowResult:
 class FlowMethod(Protocol):
     """Brings the fine mesh strictly inside the coarse one, which stays in place."""
 
-    def run(self, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
+    def run(self, fine: Mesh, coarse: Mesh, *, tick: Tick = no_tick) -> FlowResult:
         """All steps from the fine mesh to a certified position inside.
 
-        A generator: yields the fraction done, in [0, 1], and returns the result.
+        tick: called with the fraction done while it works.
 
         Raises: FlowError with the loop, the place and the cause, and the FlowResult so far as `partial`.
         """

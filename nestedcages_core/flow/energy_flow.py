@@ -10,7 +10,7 @@ from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.precision import PATIENCE
 from ..lapack import dpbsv
-from ..tasks import Stage
+from ..progress import Tick
 from .base import Obstacle
 from .containment import Containment
 from .penetration import Penetration, PenetrationEnergy
@@ -52,10 +52,10 @@ class EnergyFlow(NamedTuple):
     longest_step: float
     """Cap on the change of a coordinate per step."""
 
-    def descend(self, start: FloatArray, limit: int) -> Stage[float, Descent]:
+    def descend(self, start: FloatArray, limit: int, tick: Tick) -> Descent:
         """At most ``limit`` steps from (n, 2) positions until certified inside.
 
-        A generator: yields the fraction of the limit before every step and returns the outcome.
+        tick: called with the fraction of the limit before every step.
         """
         vertices, penetration = start, self.energy.at(start)
         steps: list[FloatArray] = []
@@ -67,7 +67,7 @@ class EnergyFlow(NamedTuple):
             hopeless = len(energies) > PATIENCE and energies[-1] > SLOW_STEPS_LEAVE * energies[-1 - PATIENCE]
             if len(energies) > limit or hopeless or penetration.energy == 0.0:
                 break
-            yield (len(energies) - 1) / limit
+            tick((len(energies) - 1) / limit)
             found = self._step(vertices, penetration, smoothing)
             if found is not None:
                 vertices, penetration = found

@@ -15,7 +15,7 @@ import numpy as np
 from ..geometry.mesh import Mesh, Nesting
 from ..geometry.vectors import bounds
 from ..parameters import check_count, check_positive
-from ..tasks import Stage, mapped
+from ..progress import Tick, no_tick
 from .base import FlowResult, stuck
 from .containment import Containment
 from .energy_flow import EnergyFlow, StepSystem
@@ -52,10 +52,10 @@ class TwoSidedFlow:
         """The same with half of the steps, for use where hulls compete."""
         return replace(self, limit=self.limit // 2)
 
-    def run(self, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
+    def run(self, fine: Mesh, coarse: Mesh, *, tick: Tick = no_tick) -> FlowResult:
         """All steps from the fine mesh to a certified position strictly inside the coarse one.
 
-        A generator: yields the fraction done and returns the result.
+        tick: called with the fraction done.
 
         Raises: FlowError with the loop, the place and the cause, and the FlowResult so far as `partial`.
         """
@@ -63,16 +63,16 @@ class TwoSidedFlow:
         containment, system = Containment(matching), StepSystem(fine, self.spacing * unit)
         steps, iterations = [fine.vertices], 0
         (low, high), (fine_low, fine_high) = bounds(coarse.vertices), bounds(fine.vertices)
-        yield 0.0
+        tick(0.0)
         if (low < fine_low).all() and (fine_high < high).all() and Nesting(coarse, fine).encloses():
             return FlowResult(np.array(steps), 0, "inside")
         stages = ("vertices", np.inf, self.vertex_limit), ("boundary", self.spacing, self.limit)
         for tried, (stage, spacing, limit) in enumerate(stages):
             density = Spacing(spacing * unit, self.spacing * unit)
             energy = PenetrationEnergy(matching, self.margin * unit, density)
-            yield _fraction(tried, 0.0)  # many loops take long
+            _show(tick, tried, 0.0)  # many loops take long
             flow = EnergyFlow(energy, containment, system, self.smoothing * unit, self.longest_step * unit)
-            descent = yield from mapped(flow.descend(steps[-1], limit), partial(_fraction, tried))
+            descent = flow.descend(steps[-1], limit, partial(_show, tick, tried))
             steps, iterations = steps + descent.steps, iterations + descent.iterations
             logger.debug("flow by %s: %d steps, %d iterations so far", stage, len(steps) - 1, iterations)
             if descent.obstacle is None:
@@ -83,6 +83,6 @@ class TwoSidedFlow:
         return result
 
 
-def _fraction(tried: int, done: float) -> float:
-    """Fraction of the flow that is done, if every further stage takes half of the rest."""
-    return 1.0 - 0.5**tried * (1.0 - 0.5 * done)
+def _show(tick: Tick, tried: int, done: float) -> None:
+    """Call with the fraction of the flow that is done, if every further stage takes half of the rest."""
+    tick(1.0 - 0.5**tried * (1.0 - 0.5 * done))

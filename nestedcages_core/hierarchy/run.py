@@ -6,7 +6,6 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import count
 from math import inf
 from time import perf_counter
 from typing import TYPE_CHECKING, Unpack
@@ -21,7 +20,7 @@ from ..level.builder import LevelBuilder
 from ..level.gate import passed
 from ..level.plan import Plan
 from ..level.report import Hierarchy, Level, LevelProgress, Progress
-from ..tasks import Run, Stage, limited, listened
+from ..progress import Run, listened
 from ..tightening import Tightening
 from ..tolerance.within import Within
 from ..verification import verify
@@ -63,7 +62,7 @@ def nested_cages(
     Exact predicates certify every returned cage. Raises a NestedCagesError when a level cannot be made; its ``partial``
     is the Hierarchy of the finished ones.
     """
-    return listened(NestedCagesRun(fine, levels, settings, **options), progress)
+    return listened(NestedCagesRun.work(fine, levels, settings, **options), progress)
 
 
 def inner_cages(
@@ -80,7 +79,7 @@ def inner_cages(
     ``report.excess`` is negative. A user's own mesh, from which the cage starts, must lie inside. The settings `flow`
     and `contact` are not used, nor is a decimation other than `LineCycles`. Errors are those of `nested_cages`.
     """
-    return listened(InnerCagesRun(fine, levels, settings, **options), progress)
+    return listened(InnerCagesRun.work(fine, levels, settings, **options), progress)
 
 
 class NestedCagesRun(Run[Progress, Hierarchy]):
@@ -96,8 +95,18 @@ class NestedCagesRun(Run[Progress, Hierarchy]):
         settings: Settings | None = None,
         **options: Unpack[SettingsKeywords],
     ) -> None:
-        chosen = Settings.of(settings, **options)
-        super().__init__(_hierarchy(fine, listed_levels(levels), chosen, self.side))
+        super().__init__(self.work(fine, levels, settings, **options))
+
+    @classmethod
+    def work(
+        cls,
+        fine: MeshLike,
+        levels: Wanted | Sequence[Wanted],
+        settings: Settings | None = None,
+        **options: Unpack[SettingsKeywords],
+    ) -> Callable[[Callable[[Progress], None]], Hierarchy]:
+        """The work of a run as a function of what it reports to."""
+        return partial(_hierarchy, fine, listed_levels(levels), Settings.of(settings, **options), cls.side)
 
     @property
     def hierarchy(self) -> Hierarchy:
@@ -111,7 +120,9 @@ class InnerCagesRun(NestedCagesRun):
     side = -1
 
 
-def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, side: int) -> Stage[Progress, Hierarchy]:
+def _hierarchy(
+    fine: MeshLike, levels: Sequence[Wanted], settings: Settings, side: int, report: Callable[[Progress], None]
+) -> Hierarchy:
     """All levels."""
     seconds = inf if settings.seconds is None else settings.seconds
     deadline = perf_counter() + seconds
@@ -120,30 +131,30 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
     about = _about(settings, fine, side)
     constraints, importance, remarks = constraints_of(settings, about, side)
 
-    def made(index: int, level: int | Mesh | Within, inner: Mesh, chosen: Settings) -> Stage[Progress, Level]:
+    def made(index: int, level: int | Mesh | Within, inner: Mesh, chosen: Settings) -> Level:
         clearances, late = clearances_for(chosen, fine), tuple[Fault, ...]()
         if isinstance(level, int) and not keeps:
             chosen = with_loops(chosen)
         while True:
-            plan, progress = Plan.of(inner, constraints, importance, side=side), LevelProgress(index, len(wanted))
+            plan = Plan.of(inner, constraints, importance, side=side)
+            limits = _Limits(seconds, deadline, MOST_STEPS + STEPS_OF_A_LOOP * len(inner.loops), report)
+            progress = LevelProgress(index, len(wanted), limits.report)
             builder = LevelBuilder(plan, clearances, chosen, progress)
             if isinstance(level, Within):
                 from ..tolerance.fewest import fewest
 
-                work = fewest(level, about, builder, strictly=chosen.clearance or 0.0)
+                work = partial(fewest, level, about, builder, strictly=chosen.clearance or 0.0)
             else:
-                work = builder.build(level)
-            most = MOST_STEPS + STEPS_OF_A_LOOP * len(inner.loops)
-            work = limited(work, lambda: perf_counter() > deadline, partial(_over, seconds=seconds))
-            work = limited(work, _after(most), partial(_over, steps=most))
+                work = partial(builder.build, level)
             try:
-                done = passed((yield from work), inner, chosen.clearance or 0.0)
+                done = passed(work(), inner, chosen.clearance or 0.0)
                 break
             except NestedCagesError as error:
                 if error.code in ("time.over", "work.over"):
                     from ..level.so_far import best_so_far, note_on
 
-                    found = builder.best if isinstance(level, Within) else (yield from best_so_far(builder))
+                    limits.over = True
+                    found = builder.best if isinstance(level, Within) else best_so_far(builder)
                     if found is None:
                         raise
                     done = passed(found, inner, chosen.clearance or 0.0)
@@ -165,7 +176,7 @@ def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, sid
         try:
             for index, level in enumerate(wanted):
                 chosen = settings if failure is None else _with_room(settings, len(wanted) - 1 - index)
-                finished.append((yield from made(index, level, finished[-1].cage if finished else fine, chosen)))
+                finished.append(made(index, level, finished[-1].cage if finished else fine, chosen))
                 logger.debug("level %d: %s", index, finished[-1].report)
             return Hierarchy(fine, tuple(finished))
         except NestedCagesError as error:
@@ -182,17 +193,24 @@ def _with_room(settings: Settings, levels: int) -> Settings:
     return replace(settings, tightening=replace(settings.tightening, apart=ROOM_OF_A_LEVEL * levels))
 
 
-def _over(reached: Progress, *, seconds: float | None = None, steps: int = 0) -> NestedCagesError:
-    """The error where the seconds or the steps of a level are over."""
-    from ..level.so_far import over
+class _Limits:
+    """Passes on progress until the time or the steps of a level are over, which raises NestedCagesError once."""
 
-    return over(reached, seconds=seconds, steps=steps)
+    def __init__(self, seconds: float, deadline: float, steps: int, report: Callable[[Progress], None]) -> None:
+        self.seconds, self.deadline, self.steps, self._report = seconds, deadline, steps, report
+        self.over = False
+        """Whether what has been reached is brought to its end, without limit."""
+        self._reported = 0
 
+    def report(self, reached: Progress) -> None:
+        """Pass on progress."""
+        self._reported += 1
+        late = perf_counter() > self.deadline
+        if not self.over and (late or self._reported > self.steps):
+            from ..level.so_far import over
 
-def _after(most: int) -> Callable[[], bool]:
-    """Whether it was asked more often than that."""
-    asked = count(1)
-    return lambda: next(asked) > most
+            raise over(reached, seconds=self.seconds if late else None, steps=self.steps)
+        self._report(reached)
 
 
 def _about(settings: Settings, fine: Mesh, side: int) -> Mesh:

@@ -13,11 +13,10 @@ from ..energies import CageEnergy
 from ..errors import Fault, note
 from ..flow import FlowResult
 from ..geometry.mesh import Mesh
-from ..tasks import Stage
 from ..verification.certificate import loops_in_words
 from .gate import Way, admitted, judged
 from .plan import Plan
-from .report import JudgedCage, Level, LevelProgress, NestingReport, Progress
+from .report import JudgedCage, Level, LevelProgress, NestingReport
 from .units import SolverUnits
 
 
@@ -53,7 +52,7 @@ class Assembly:
         self.is_final = plan.numbers is None and plan.outline.inner is None
         """Whether its levels are handed out as they are, so that they keep all constraints."""
 
-    def around(self, inner: Mesh, level: Level) -> Stage[Progress, Level]:
+    def around(self, inner: Mesh, level: Level) -> Level:
         """The level of a mesh that rests in the one that was solved for. Raises NestingError."""
         way, report, cage = Way.of(level), level.report, level.cage
         mended = self.plan.mended(cage)
@@ -64,34 +63,32 @@ class Assembly:
         way = Way(way.coarse, FlowResult(rest, 0, "inside"), replace(way.reinflation, moving_steps=rest))
         certified = judged(replace(self.plan, fine=inner), cage, report.wanted_clearance)
         report = replace(report, notes=(*loops_note(certified), *report.notes))
-        work = admitted(certified, way, report, stored=report.stored)
-        return (yield from self.progress.follow(work, lambda done: (done, "verification")))
+        tick = self.progress.tick("verification")
+        return admitted(certified, way, report, stored=report.stored, tick=tick)
 
     def level(
         self, cage: JudgedCage, way: Way, start: str, iterations: Mapping[str, int], notes: tuple[Fault, ...]
-    ) -> Stage[Progress, Level]:
+    ) -> Level:
         """The level of a judged cage with its report, after its motion is judged. Raises NestingError."""
         draft = NestingReport(False, False, 0.0, cage.wanted, 0.0, start, iterations, {}, notes)
-        level = yield from self.progress.follow(admitted(cage, way, draft), lambda done: (done, "verification"))
+        level = admitted(cage, way, draft, tick=self.progress.tick("verification"))
         self.progress.stop_clock()
         return replace(level, report=replace(level.report, seconds=dict(self.progress.seconds)))
 
-    def untightened(
-        self, start: Start, clearances: tuple[float, ...], notes: tuple[Fault, ...]
-    ) -> Stage[Progress, Level | None]:
+    def untightened(self, start: Start, clearances: tuple[float, ...], notes: tuple[Fault, ...]) -> Level | None:
         """The level of a coarse mesh that already is a cage; None if it is none.
 
         Holes like round-off may be resolved in input units only, near the origin. See docs/ablation.md: untightened
         cage as last resort.
         """
-        yield from self.progress.begin("verification")
+        self.progress.begin("verification")
         cage = judged(self.plan, start.coarse, 0.0, promised=self.is_final, same_loops=True)
         clearance = min(clearances[0], cage.certificate.clearance) if len(clearances) > 1 else clearances[0]
         if not cage or cage.certificate.clearance < clearance:
             return None
         cage = judged(self.plan, start.coarse, clearance, promised=self.is_final)
         way, every = Way.at_rest(self.fine, start.coarse), (note("note.untightened"), *notes)
-        return (yield from self.level(cage, way, start.source, {"flow": 0, "reinflation": 0}, every))
+        return self.level(cage, way, start.source, {"flow": 0, "reinflation": 0}, every)
 
     def in_input_units(self, cage: CageInProgress) -> Way:
         """The steps in input units; input coordinates are restored exactly."""

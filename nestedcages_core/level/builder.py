@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ import numpy as np
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Count, Start, Starts
-from ..decimation.base import in_words, no_tick
+from ..decimation.base import in_words
 from ..decimation.given_mesh import GivenStart
 from ..decimation.offset import is_wide
 from ..decimation.problem import shared_anew
@@ -24,12 +24,11 @@ from ..flow import FlowResult
 from ..geometry.arrays import TINY, FloatArray
 from ..geometry.mesh import Mesh, Nesting
 from ..geometry.thinning import Thinning, significance
-from ..tasks import Stage, ticking
 from .assembly import Assembly, CageInProgress, deviations
 from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn, methods_for
 from .gate import judged
 from .plan import Plan
-from .report import Level, LevelProgress, Progress
+from .report import Level, LevelProgress
 from .settings import LevelSettings
 from .units import SolverUnits
 
@@ -60,7 +59,7 @@ LOOSE_ON_GRID = 0.1
 
 
 class LevelBuilder:
-    """Makes one level of a plan. All methods that take time are generators of `Progress`.
+    """Makes one level of a plan.
 
     The unbounded region around a cage inside serves as its solid. Walked backwards, its loops are the oriented boundary
     of that region, so start and solvers push it away from the fine mesh as they do with a cage outside.
@@ -86,7 +85,6 @@ class LevelBuilder:
         """Starts about as good as that."""
         self.others: Iterator[Start] = iter(())
         """Further starts along the sequence of outlines."""
-        self._listener: Callable[[float], None] = no_tick
         self.attempt: Attempt | None = None
         self.cages: list[CageInProgress] = []
         """The tight cages of it."""
@@ -94,56 +92,55 @@ class LevelBuilder:
         """The cage that is tightened, and the steps so far."""
         self.best: Level | None = None
 
-    def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
+    def build(self, wanted: int | Mesh) -> Level:
         """The level for a vertex count or the user's own coarse mesh. Raises NestedCagesError."""
-        level = yield from self._on_numbers(wanted)
+        level = self._on_numbers(wanted)
         inner = self.plan.outline.inner
-        return level if inner is None else (yield from self.assembly.around(inner, level))
+        return level if inner is None else self.assembly.around(inner, level)
 
-    def _on_numbers(self, wanted: int | Mesh) -> Stage[Progress, Level]:
+    def _on_numbers(self, wanted: int | Mesh) -> Level:
         """The level on the numbers of the plan, around what is solved for: of the first shape of the loop sequence
         around which there is one."""
         errors: list[NestedCagesError] = []
         unsettled: list[Level] = []
         try:
-            found = yield from self._settled(wanted, unsettled)
+            found = self._settled(wanted, unsettled)
             if found is not None:
-                return (yield from self._least(found, self.rivals))
+                return self._least(found, self.rivals)
         except FAILURES as error:
             errors.append(error)
-        others = self.others
-        while (start := (yield from self._next(others))) is not None:
-            found = yield from self._settled_from(start, unsettled)
+        for start in self.others:
+            found = self._settled_from(start, unsettled)
             if found is not None:
                 return found
         if unsettled and self.settling is not None:
-            raise (yield from self.settling.failure(unsettled[0]))
+            raise self.settling.failure(unsettled[0])
         raise errors[0]
 
-    def _least(self, level: Level, rivals: Sequence[Start]) -> Stage[Progress, Level]:
+    def _least(self, level: Level, rivals: Sequence[Start]) -> Level:
         """The level of least excess: one, or one from a rival of its start."""
         for rival in rivals:
-            other = yield from self._settled_from(rival, [])
+            other = self._settled_from(rival, [])
             level = level if other is None else min(level, other, key=lambda each: each.excess)
         return level
 
-    def _settled_from(self, start: Start, unsettled: list[Level]) -> Stage[Progress, Level | None]:
+    def _settled_from(self, start: Start, unsettled: list[Level]) -> Level | None:
         """The level from a further start; None if there is none."""
         chosen, self.settings = self.settings, replace(self.settings, decimation=GivenStart(start), fallback=None)
         try:
-            return (yield from self._settled(len(start.coarse.vertices), unsettled))
+            return self._settled(len(start.coarse.vertices), unsettled)
         except FAILURES as error:
             logger.debug("no level from %s: %s", start.source, error)
             return None
         finally:
             self.settings = chosen
 
-    def _settled(self, wanted: int | Mesh, unsettled: list[Level]) -> Stage[Progress, Level | None]:
+    def _settled(self, wanted: int | Mesh, unsettled: list[Level]) -> Level | None:
         """The level on the numbers of the plan; None where it has no place on them, which is then remembered."""
-        level = yield from self._solved(wanted, self.clearances)
+        level = self._solved(wanted, self.clearances)
         if self.settling is None:
             return level
-        best = yield from self._with_room(wanted, level)
+        best = self._with_room(wanted, level)
         if best is None:
             unsettled.append(level)
         if isinstance(wanted, Mesh) or self.settling.numbers.grid is None:
@@ -157,38 +154,38 @@ class LevelBuilder:
             if number == 0:
                 break
             try:
-                level = yield from self._solved(number, self.clearances)
+                level = self._solved(number, self.clearances)
             except FAILURES:
                 break
             if best is not None and level.excess >= best.excess:
                 break  # on the grid it would have more
-            found = yield from (self.settling.settled(level) if best else self._with_room(number, level))
+            found = self.settling.settled(level) if best else self._with_room(number, level)
             if found is not None and (best is None or found.excess < best.excess):
                 best = found
             elif best is not None:
                 tries -= 1
         return best
 
-    def _with_room(self, wanted: int | Mesh, level: Level) -> Stage[Progress, Level | None]:
+    def _with_room(self, wanted: int | Mesh, level: Level) -> Level | None:
         """A level on the numbers, or one that was made with room for them; None if there is none."""
         assert self.settling is not None
-        found = yield from self.settling.settled(level)
+        found = self.settling.settled(level)
         if found is not None:
             return found
         clearance = level.report.wanted_clearance
         for room in self.settling.rooms:
             try:
-                roomy = yield from self._solved(wanted, (clearance + room,))
+                roomy = self._solved(wanted, (clearance + room,))
             except NestingError as error:
                 logger.debug("no level with room to settle: %s", error)
                 break
             roomy = replace(roomy, report=replace(roomy.report, wanted_clearance=clearance))
-            found = yield from self.settling.settled(roomy)
+            found = self.settling.settled(roomy)
             if found is not None:
                 return found
         return None
 
-    def _solved(self, wanted: int | Mesh, clearances: tuple[float, ...]) -> Stage[Progress, Level]:
+    def _solved(self, wanted: int | Mesh, clearances: tuple[float, ...]) -> Level:
         """The level on any numbers, of the first attempt that succeeds. Raises the error of line cycles that led
         nowhere, since others need as many vertices, or of the last attempt."""
         started: list[NestedCagesError] = []
@@ -205,21 +202,21 @@ class LevelBuilder:
         for attempt in attempts(self.settings, self.outline, source, clearances, self.plan.side):
             try:
                 self.start = None
-                start = self.start = self.plan.started((yield from self._coarse_mesh(attempt)))
+                start = self.start = self.plan.started(self._coarse_mesh(attempt))
                 notes = clamping
                 if attempt.fallback:
                     reason = note("note.start", on="fallback", source=start.source, text=str(failures[0]))
                     notes = (*notes, reason, *shared_anew(attempt.count, start.coarse))
-                level = yield from self._tightest(attempt, start, notes)
+                level = self._tightest(attempt, start, notes)
                 again = attempt.again(level.report.excess)
-                return level if again is None else (yield from self._tighter(level, again, start, notes))
+                return level if again is None else self._tighter(level, again, start, notes)
             except FAILURES as error:
                 logger.debug("attempt from %s failed: %s", attempt.source, error)
                 failures.append(error)
                 started += [error] if self.start is not None and hasattr(attempt.source, "outside") else []
         may_stand = self.start is not None and (attempt.may_fall_back or self.start.on_curve is None)
         if self.start is not None and may_stand and not isinstance(attempt.source, Mesh):
-            standing = yield from self.assembly.untightened(self.start, clearances, notes)
+            standing = self.assembly.untightened(self.start, clearances, notes)
             if standing is not None:
                 return standing
         if started or isinstance(attempt.source, Mesh) or not self.plan.is_free:
@@ -235,16 +232,16 @@ class LevelBuilder:
             isinstance(chosen, AlongSequence) and is_wide(self.outline, wanted, clearance)
         )
 
-    def _tighter(self, level: Level, again: Attempt, start: Start, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
+    def _tighter(self, level: Level, again: Attempt, start: Start, notes: tuple[Fault, ...]) -> Level:
         """A level, or that of another attempt where it has less excess."""
         try:
-            other = yield from self._tightest(again, start, notes)
+            other = self._tightest(again, start, notes)
         except FAILURES as error:
             logger.debug("no other cage to compare: %s", error)
             return level
         return min(level, other, key=lambda each: each.report.excess)
 
-    def _tightest(self, attempt: Attempt, first: Start, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
+    def _tightest(self, attempt: Attempt, first: Start, notes: tuple[Fault, ...]) -> Level:
         """The tightest cage from a start, or from its mesh on the curve, that can be certified."""
         errors: list[NestedCagesError] = []
         cages = self.cages = list[CageInProgress]()
@@ -257,8 +254,8 @@ class LevelBuilder:
             self.progress.next_start()
             rank = np.inf
             try:
-                cage = yield from self._reinflated(attempt, start)
-                cage = yield from self._tightened(cage, attempt.clearances[0])
+                cage = self._reinflated(attempt, start)
+                cage = self._tightened(cage, attempt.clearances[0])
                 cages.append(cage)
                 rank = cage.rank
             except FAILURES as error:
@@ -276,12 +273,12 @@ class LevelBuilder:
                 on = "flow" if isinstance(errors[0], FlowError) else "reinflation"
                 notes = (*notes, note("note.start", on=on, source=source, first=tried[0]))
             try:
-                return (yield from self.certified(attempt, cage, notes))
+                return self.certified(attempt, cage, notes)
             except NestingError as error:
                 refused.append(error)
         raise (refused or errors)[0]
 
-    def _coarse_mesh(self, attempt: Attempt) -> Stage[Progress, Start]:
+    def _coarse_mesh(self, attempt: Attempt) -> Start:
         """The coarse mesh of an attempt. Raises NestingError."""
         source = attempt.source
         if isinstance(source, Mesh):
@@ -292,13 +289,12 @@ class LevelBuilder:
                     code="coarse.not_nested",
                 )
             return Start(source, "coarse mesh")
-        yield from self.progress.begin("decimation")
+        self.progress.begin("decimation")
         clearance = attempt.clearances[0]
         if isinstance(source, Starts):
-            starts = source.starts(
-                self.outline, attempt.count, clearance=clearance, kept=self.plan.kept(), tick=self._tick
-            )
-            first = yield from self._next(starts)
+            tick = self.progress.tick("decimation")
+            starts = source.starts(self.outline, attempt.count, clearance=clearance, kept=self.plan.kept(), tick=tick)
+            first = next(starts, None)
             if first is None:
                 raise NestingError("The decimation has no coarse mesh.", code="count.too_small")
             if attempt.may_fall_back:
@@ -308,51 +304,37 @@ class LevelBuilder:
             return first
         return Start(source.decimate(self.outline, attempt.count, clearance=clearance), in_words(source))
 
-    def _next(self, starts: Iterator[Start]) -> Stage[Progress, Start | None]:
-        """The next of some starts, which tell of their progress while they are made."""
-
-        def made(tick: Callable[[float], None]) -> Start | None:
-            self._listener = tick
-            return next(starts, None)
-
-        return (yield from self.progress.follow(ticking(made), lambda done: (done, "decimation")))
-
-    def _tick(self, fraction: float) -> None:
-        self._listener(fraction)
-
-    def _reinflated(self, attempt: Attempt, start: Start) -> Stage[Progress, CageInProgress]:
+    def _reinflated(self, attempt: Attempt, start: Start) -> CageInProgress:
         """Flow and reinflation from a coarse mesh."""
         unit_coarse = self.units.from_input(start.coarse)
         if self.plan.side < 0 or self.plan.outline.inner is not None:  # both rest: nothing flows
             flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
             resting = Reinflation(self.unit_fine.vertices[None], unit_coarse.vertices[None], 0)
             return self._bound(CageInProgress(start, unit_coarse, flow, resting))
-        yield from self.progress.begin("flow")
+        self.progress.begin("flow")
         try:
             if self.outline is not self.fine and Nesting(start.coarse, self.fine).encloses():
                 # the images may have loops of their own, which the flow does not know
                 flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
             else:
-                flow = yield from self.progress.follow(
-                    self.units.method(attempt.flow).run(self.unit_fine, unit_coarse),
-                    lambda done: (done, "flow"),
-                )
+                method = self.units.method(attempt.flow)
+                flow = method.run(self.unit_fine, unit_coarse, tick=self.progress.tick("flow"))
         except FlowError as error:
             partial = error.partial
             if isinstance(partial, FlowResult) and partial.obstacle is not None:
                 x, y = self.units.centre
                 raise FlowError(partial.obstacle.fault(self.units.scale, (float(x), float(y)))) from error
             raise
-        yield from self.progress.begin("reinflation")
-        expansion = reinflate(
+        self.progress.begin("reinflation")
+        reinflation = reinflate(
             self.unit_fine,
             unit_coarse,
             flow.steps,
             contacts=[self.units.method(contact) for contact in attempt.contacts],
             clearance=self.units.clearance(attempt.clearances[0]),
             bounds=self.plan.bounds(unit_coarse, self.units),
+            tick=self.progress.tick("reinflation"),
         )
-        reinflation = yield from self.progress.follow(expansion, lambda done: (done, "reinflation"))
         return self._bound(CageInProgress(start, unit_coarse, flow, reinflation))
 
     def _bound(self, cage: CageInProgress) -> CageInProgress:
@@ -361,32 +343,31 @@ class LevelBuilder:
         energy, is_measure = self.plan.energy(energy, cage.unit_coarse, self.units)
         return replace(cage, energy=energy, is_measure=is_measure)
 
-    def _tightened(self, cage: CageInProgress, clearance: float) -> Stage[Progress, CageInProgress]:
+    def _tightened(self, cage: CageInProgress, clearance: float) -> CageInProgress:
         """The cage tightened at a clearance in the input's units."""
-        yield from self.progress.begin("tightening")
+        self.progress.begin("tightening")
         start = cage.untightened.cage_steps[-1]
         assert cage.energy is not None
         steps: list[FloatArray] = []
         bounds, wide = self.plan.bounds(cage.unit_coarse, self.units), self.plan.clearances(self.units)
         self.at_work = cage, steps
         counts = {"tightening": 0, "quadratic programs": 0}
+
+        def on_step(vertices: FloatArray) -> None:
+            steps.append(vertices)
+            self.progress.show(1.0 - 1.0 / (1.0 + 0.1 * len(steps)), f"tightening, step {len(steps)}")
+
         for fine, away in self._coarse_to_fine(cage.unit_coarse):
-            tightening = self.settings.tightening.run(
+            outcome = self.settings.tightening.run(
                 Bodies.of(cage.unit_coarse, fine, side=self.plan.side, bounds=bounds, clearances=wide),
                 steps[-1] if steps else start,
                 fine.vertices,
                 clearance=self.units.clearance(clearance) + away,
                 energy=cage.energy,
+                on_step=on_step,
             )
-            while True:
-                try:
-                    steps.append(next(tightening))
-                except StopIteration as end:
-                    counts["tightening"] += end.value.iterations
-                    counts["quadratic programs"] += end.value.quadratic_programs
-                    break
-                fraction = 1.0 - 1.0 / (1.0 + 0.1 * len(steps))
-                yield from self.progress.show(fraction, f"tightening, step {len(steps)}")
+            counts["tightening"] += outcome.iterations
+            counts["quadratic programs"] += outcome.quadratic_programs
         last = steps[-1] if steps else start
         return replace(
             cage,
@@ -413,13 +394,13 @@ class LevelBuilder:
         excess = self.plan.side * (signed_area(vertices, successor) / area - 1.0)
         return excess if self.plan.side < 0 or len(cage.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
 
-    def certified(self, attempt: Attempt, cage: CageInProgress, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
+    def certified(self, attempt: Attempt, cage: CageInProgress, notes: tuple[Fault, ...]) -> Level:
         """The level of a cage, at the largest clearance of the attempt that can be certified."""
         wanted = attempt.clearances[0]
         for clearance in attempt.clearances:
             if clearance < wanted:
-                cage = yield from self._tightened(cage, clearance)
-            yield from self.progress.begin("verification")
+                cage = self._tightened(cage, clearance)
+            self.progress.begin("verification")
             way = self.assembly.in_input_units(cage)
             result = judged(self.plan, way.cage, clearance, promised=self.assembly.is_final)
             if not result.is_only_too_close:
@@ -433,4 +414,4 @@ class LevelBuilder:
             notes = (*notes, note("note.energy", energy=type(self.settings.energy).__name__))
         start = "flow" if len(way.flow.steps) > 1 else cage.start.source
         counts = {"flow": way.flow.iterations, "reinflation": way.reinflation.iterations, **cage.counts}
-        return (yield from self.assembly.level(result, way, start, counts, notes))
+        return self.assembly.level(result, way, start, counts, notes)

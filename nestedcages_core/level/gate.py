@@ -21,8 +21,8 @@ from ..errors import Fault, NestingError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..tasks import Stage, drain
-from ..verification.motion import certifying
+from ..progress import Tick, no_tick
+from ..verification.motion import certify_motion
 from .plan import Plan
 from .report import JudgedCage, Level, NestingReport, Seal
 
@@ -85,8 +85,14 @@ def judged(
 
 
 def admitted(
-    cage: JudgedCage, way: Way, report: NestingReport, before: Level | None = None, *, stored: str | None = None
-) -> Stage[float, Level]:
+    cage: JudgedCage,
+    way: Way,
+    report: NestingReport,
+    before: Level | None = None,
+    *,
+    stored: str | None = None,
+    tick: Tick = no_tick,
+) -> Level:
     """The level of a judged cage. before: a level whose steps it shares; stored: the type that holds the steps.
 
     Raises NestingError if the cage has a fault, or where its steps are no chain, collide or are not stored numbers.
@@ -102,7 +108,7 @@ def admitted(
     new = np.flatnonzero(np.diff([False, *(link not in known for link in links), False]))
     for first, last in new.reshape(-1, 2).tolist():
         steps = slice(first, last + 1)
-        motion = yield from certifying(Bodies.of(mesh, fine), list(cages[steps]), fines[steps])
+        motion = certify_motion(Bodies.of(mesh, fine), list(cages[steps]), fines[steps], tick=tick)
         if not motion:
             assert motion.step is not None
             raise NestingError(_collides(first + motion.step, cage.side))
@@ -117,7 +123,7 @@ def rerouted(level: Level, way: Way, stored: str | None = None) -> Level:
     if cage is None or cage.cage is not level.cage or cage.fine is not level.fine:
         plan = Plan.of(level.fine, side=level.side)
         cage = judged(plan, level.cage, level.report.wanted_clearance, promised=False)
-    return drain(admitted(cage, way, level.report, level, stored=stored))
+    return admitted(cage, way, level.report, level, stored=stored)
 
 
 def standing(fine: Mesh, cage: Mesh, report: NestingReport, wanted: float, *, side: int = 1) -> Level:
@@ -126,7 +132,7 @@ def standing(fine: Mesh, cage: Mesh, report: NestingReport, wanted: float, *, si
     Raises NestingError.
     """
     verdict = judged(Plan.of(fine, side=side), cage, wanted, same_loops=False)
-    return drain(admitted(verdict, Way.at_rest(fine, cage), report))
+    return admitted(verdict, Way.at_rest(fine, cage), report)
 
 
 def passed(level: Level, inner: Mesh, least: float = 0.0) -> Level:

@@ -13,7 +13,7 @@ from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh
-from ..tasks import Result, Stage, Yielded, flat_mapped
+from ..progress import Tick
 from ..verification import Certificate, LostLoops
 from ..verification.lost_loops import NONE_LOST
 
@@ -230,7 +230,8 @@ def _yes(truth: bool) -> str:
 class LevelProgress:
     """Converts the progress of a stage to that of the whole run, and times the stages of one level."""
 
-    def __init__(self, level: int, levels: int) -> None:
+    def __init__(self, level: int, levels: int, report: Callable[[Progress], None]) -> None:
+        self._report = report
         self.seconds = dict.fromkeys(STAGES, 0.0)
         self._level, self._levels = level, levels
         self._stage = "decimation"
@@ -243,11 +244,11 @@ class LevelProgress:
         """Begin the next coarse mesh."""
         self.starts += 1
 
-    def begin(self, stage: str) -> Iterator[Progress]:
+    def begin(self, stage: str) -> None:
         """Begin the next stage."""
         self.stop_clock()
         self._stage = stage
-        yield from self.show(0.0, stage)
+        self.show(0.0, stage)
 
     def stop_clock(self) -> None:
         """Add the time since the last call to the current stage."""
@@ -255,20 +256,18 @@ class LevelProgress:
         self.seconds[self._stage] += now - self._since
         self._since = now
 
-    def show(self, fraction: float, message: str) -> Iterator[Progress]:
+    def show(self, fraction: float, message: str) -> None:
         """Report progress of the current stage. Time spent by the caller is not counted."""
         self.stop_clock()
         # the bar never goes back, for instance when the fallback starts over
         self._furthest = max(self._furthest, self._within_level(min(max(fraction, 0.0), 1.0)))
         text = f"Level {self._level + 1} of {self._levels}: {message}"
-        yield Progress(self._level, self._stage, (self._level + self._furthest) / self._levels, text)
+        self._report(Progress(self._level, self._stage, (self._level + self._furthest) / self._levels, text))
         self._since = perf_counter()
 
-    def follow(
-        self, stage: Stage[Yielded, Result], describe: Callable[[Yielded], tuple[float, str]]
-    ) -> Stage[Progress, Result]:
-        """Run a stage, with its yields converted to fraction and message of the progress."""
-        return flat_mapped(stage, lambda yielded: self.show(*describe(yielded)))
+    def tick(self, message: str) -> Tick:
+        """Reports the fraction of the current stage, with a message."""
+        return lambda fraction: self.show(fraction, message)
 
     def _within_level(self, fraction: float) -> float:
         """From 0 to 1 within the level."""

@@ -18,11 +18,11 @@ from ..errors import Fault, NestingError, note
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.group import Orbits, orbits_of
 from ..geometry.mesh import Mesh
-from ..tasks import Stage, drain
+from ..progress import Tick, no_tick
 from ..tightening.reach_clearance import shift_edges
 from .gate import Way, admitted, judged
 from .plan import Plan
-from .report import JudgedCage, Level, LevelProgress, NestingReport, Progress
+from .report import JudgedCage, Level, LevelProgress, NestingReport
 from .settings import LevelSettings
 from .units import SolverUnits
 
@@ -70,10 +70,10 @@ class Settling:
         """The same, content with the first places."""
         return Settling(self.plan.on(self.numbers.hasty()), self.choices, self.progress)
 
-    def settled(self, level: Level) -> Stage[Progress, Level | None]:
+    def settled(self, level: Level) -> Level | None:
         """The level with its cage on the numbers, certified; None if there is none."""
-        yield from self.progress.begin("verification")
-        found = yield from self._moved(level, Way.of(level), level.report, self.numbers)
+        self.progress.begin("verification")
+        found = self._moved(level, Way.of(level), level.report, self.numbers)
         if found is None:
             return None
         self.progress.stop_clock()
@@ -84,12 +84,12 @@ class Settling:
             found = with_stored_steps(found, self.numbers.stored)
         return replace(found, report=replace(found.report, notes=notes, seconds=dict(self.progress.seconds)))
 
-    def failure(self, level: Level) -> Stage[Progress, NestingError]:
+    def failure(self, level: Level) -> NestingError:
         """The error for a level that has no cage on the numbers."""
         remedy, works, missed = "ask for a finer one", None, self.missed
         with suppress(NestingError):  # of the work that a search may take
             for finer in self.numbers.hasty().finer():
-                if (yield from self._moved(level, Way.of(level), level.report, finer)) is not None:
+                if self._moved(level, Way.of(level), level.report, finer) is not None:
                     remedy, works = f"a grid of {finer.spacing:.6g} works", finer.spacing
                     break
         count, clearance = len(level.cage.vertices), level.report.wanted_clearance
@@ -111,18 +111,17 @@ class Settling:
         before, after = (self.plan.notes(each.cage) for each in (level, found))
         return (*(each for each in found.report.notes if each not in before), *after)
 
-    def _moved(self, level: Level, way: Way, report: NestingReport, numbers: Numbers) -> Stage[Progress, Level | None]:
+    def _moved(self, level: Level, way: Way, report: NestingReport, numbers: Numbers) -> Level | None:
         """The level with a cage near that of a way on some numbers, certified; None if there is none."""
         plan, wanted = self.plan.on(numbers), report.wanted_clearance
-        search = placements(plan, self.choices.energy, way.cage, wanted)
-        found = yield from self.progress.follow(search, lambda done: (done, "grid"))
+        found = placements(plan, self.choices.energy, way.cage, wanted, tick=self.progress.tick("grid"))
         resting: JudgedCage | None = None
         for points in found:
             moved = way.coarse.moved(points)
             mended = plan.mended(moved)
             if mended is not None:
                 hull, said = Way.at_rest(plan.fine, mended[0]), mended[1]
-                return (yield from self._moved(level, hull, report.with_count(said), numbers))
+                return self._moved(level, hull, report.with_count(said), numbers)
             cage = judged(plan, moved, wanted)
             if not cage:
                 self.missed = cage.fault if cage.certificate else None
@@ -130,17 +129,17 @@ class Settling:
                 continue
             for path in _paths(way, points, Bodies.of(way.cage, plan.fine, side=plan.side), numbers.spacing):
                 try:
-                    return drain(admitted(cage, way._replace(reinflation=path), report, level))
+                    return admitted(cage, way._replace(reinflation=path), report, level)
                 except NestingError as error:
                     logger.debug("numbers %g apart: %s", numbers.spacing, error)
             resting = resting or cage
         if resting is None:
             return None
         report = replace(report, notes=(*report.notes, note("note.start", on="rest", source=report.start)))
-        return drain(admitted(resting, Way.at_rest(plan.fine, resting.cage), report))
+        return admitted(resting, Way.at_rest(plan.fine, resting.cage), report)
 
 
-def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float) -> Stage[float, list[FloatArray]]:
+def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float, *, tick: Tick = no_tick) -> list[FloatArray]:
     """Vertices (m, 2) on the numbers of a plan for a cage, of least energy, at a clearance that they may miss.
 
     With a symmetry, those of each sector with their images: one to verify after the other.
@@ -157,9 +156,7 @@ def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float) -> Stage[f
         return np.asarray(np.all([bound.allowed(vertex, *ends) for bound in bounds], axis=0))
 
     cost = _edge_cost(plan, energy, unit_cage, units)
-    vertices = yield from numbers.settled(
-        cage, plan.outline.mesh, clearance, plan.side, allowed if bounds else None, cost
-    )
+    vertices = numbers.settled(cage, plan.outline.mesh, clearance, plan.side, allowed if bounds else None, cost, tick)
     if vertices is None or group is None:
         return [] if vertices is None else [vertices]
     orbits = orbits_of(cage, group)

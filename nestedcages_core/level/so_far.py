@@ -6,13 +6,12 @@ from dataclasses import replace
 
 from ..energies import signed_area
 from ..errors import Fault, NestedCagesError, note
-from ..tasks import Stage
 from .assembly import CageInProgress
 from .builder import FAILURES, LevelBuilder
 from .report import Level, Progress
 
 
-def best_so_far(builder: LevelBuilder) -> Stage[Progress, Level | None]:
+def best_so_far(builder: LevelBuilder) -> Level | None:
     """The best cage that a builder has by now, as a certified level; None if there is none.
 
     The tightening is taken as far as it is; without any, a start that is a cage. On a grid the first places do.
@@ -31,17 +30,17 @@ def best_so_far(builder: LevelBuilder) -> Stage[Progress, Level | None]:
     at_once = replace(attempt, clearances=attempt.clearances[:1])
     for cage in sorted(cages, key=size):
         try:
-            level = yield from builder.certified(at_once, cage, plan.outline.notes)
+            level = builder.certified(at_once, cage, plan.outline.notes)
             break
         except FAILURES:
             continue
     try:
         if level is None and builder.start is not None:
-            level = yield from builder.assembly.untightened(builder.start, attempt.clearances, plan.outline.notes)
+            level = builder.assembly.untightened(builder.start, attempt.clearances, plan.outline.notes)
         if level is not None and builder.settling is not None:
-            level = yield from builder.settling.hasty().settled(level)
+            level = builder.settling.hasty().settled(level)
         if level is not None and plan.outline.inner is not None:
-            level = yield from builder.assembly.around(plan.outline.inner, level)
+            level = builder.assembly.around(plan.outline.inner, level)
     except NestedCagesError:
         return None
     return level

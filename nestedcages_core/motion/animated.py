@@ -16,7 +16,7 @@ from ..geometry.mesh import Mesh, MeshLike
 from ..hierarchy import Progress, Settings, Wanted, in_order, listed_levels, wanted_levels
 from ..hierarchy.settings import type_name
 from ..level.motion_gate import Key
-from ..tasks import Run, Stage, listened
+from ..progress import Run, Tick, listened, no_tick
 from ..verification import verify, verify_motion
 from .level import Allowance, LevelMotion
 from .poses import Pose, read_poses
@@ -57,7 +57,8 @@ def animated_cages(
     Every key is certified by `verify`, and the straight motion between keys by `verify_motion`. Raises a
     NestedCagesError that names the pose; its ``partial`` is the MovingCages up to there.
     """
-    return listened(AnimatedCagesRun(fine, poses, levels, settings, times=times, cyclic=cyclic, **options), progress)
+    following = _Following(fine, poses, levels, Settings.of(settings, **options), times, cyclic)
+    return listened(following.cages, progress)
 
 
 class AnimatedCagesRun(Run[Progress, MovingCages]):
@@ -74,28 +75,43 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
         cyclic: bool = False,
         **options: Unpack[SettingsKeywords],
     ) -> None:
-        self._fine, self._cyclic = Mesh.of(fine, strict=True), cyclic
-        self._levels: list[Any] = in_order(wanted_levels(listed_levels(levels), self._fine))
-        if not self._levels:
-            raise NestingError(
-                "There are no levels: give at least one vertex count or coarse mesh.", code="level.invalid"
-            )
-        self._settings = Settings.of(settings, **options)
-        self._read = partial(read_poses, self._fine, poses, times)
-        self._count = len(poses) if isinstance(poses, Sized) else None
-        self._again = isinstance(poses, Sequence | np.ndarray)
-        super().__init__(self._run())
+        super().__init__(_Following(fine, poses, levels, Settings.of(settings, **options), times, cyclic).cages)
 
     @property
     def moving(self) -> MovingCages:
         """The result; RuntimeError before the run is over."""
         return self.result
 
-    def _run(self) -> Stage[Progress, MovingCages]:
+
+class _Following:
+    """What is asked for, and what is known of it while the levels are made."""
+
+    def __init__(
+        self,
+        fine: MeshLike,
+        poses: ArrayLike | Iterable[ArrayLike],
+        levels: Wanted | Sequence[Wanted],
+        settings: Settings,
+        times: ArrayLike | None,
+        cyclic: bool,
+    ) -> None:
+        self._fine, self._cyclic = Mesh.of(fine, strict=True), cyclic
+        self._levels: list[Any] = in_order(wanted_levels(listed_levels(levels), self._fine))
+        if not self._levels:
+            raise NestingError(
+                "There are no levels: give at least one vertex count or coarse mesh.", code="level.invalid"
+            )
+        self._settings = settings
+        self._read = partial(read_poses, self._fine, poses, times)
+        self._count = len(poses) if isinstance(poses, Sized) else None
+        self._again = isinstance(poses, Sequence | np.ndarray)
+
+    def cages(self, report: Callable[[Progress], None]) -> MovingCages:
+        """All levels; report: called at every key."""
         finished: list[MovingLevel] = []
         inner, read, settings = self._fine, self._read, self._settings
         for index, wanted in enumerate(self._levels):
-            level, keys, seconds = yield from self._level(index, inner, wanted, settings, read, finished)
+            level, keys, seconds = self._level(index, inner, wanted, settings, read, finished, report)
             finished.append(_finished(level, keys, seconds))
             poses = [Pose(key.number, key.time, key.cage, key.given) for key in keys]
             inner, read, settings = level.topology, partial(iter, poses), level.promises.of_next_level(level.topology)
@@ -110,7 +126,8 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
         settings: Settings,
         read: Callable[[], Iterator[Pose]],
         finished: list[MovingLevel],
-    ) -> Stage[Progress, tuple[LevelMotion, list[Key], float]]:
+        report: Callable[[Progress], None],
+    ) -> tuple[LevelMotion, list[Key], float]:
         """One level with its keys and seconds, with as little allowance as possible. Raises the first error."""
         first: NestedCagesError | None = None
         allowance: Allowance | None = Allowance()
@@ -120,7 +137,7 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
             try:
                 for key in level.keys(read()):
                     keys.append(key)
-                    yield self._progress(index, key)
+                    report(self._progress(index, key))
                 return level, keys, perf_counter() - began
             except NestedCagesError as error:
                 made = [_finished(level, keys, perf_counter() - began)] if keys else []
@@ -171,17 +188,23 @@ def _finished(level: LevelMotion, keys: list[Key], seconds: float) -> MovingLeve
 
 
 def certified_still(
-    cage: Mesh, fine: Mesh, poses: ArrayLike, *, times: ArrayLike | None = None, clearance: float = 0.0
-) -> Stage[float, MovingLevel]:
+    cage: Mesh,
+    fine: Mesh,
+    poses: ArrayLike,
+    *,
+    times: ArrayLike | None = None,
+    clearance: float = 0.0,
+    tick: Tick = no_tick,
+) -> MovingLevel:
     """A level with one key: a cage that encloses all poses (T, n, 2) of a drawing, and the motion between them.
 
-    A generator: yields the fraction done. Its certificates are those of the poses. Raises NestingError with the pose.
+    tick: called with the fraction done. Its certificates are those of the poses. Raises NestingError with the pose.
     """
     began, given = perf_counter(), list(read_poses(fine, poses, times))
     certificates = []
     same_loops = cage.has_loops_like(fine)
     for number, pose in enumerate(given):
-        yield number / len(given)
+        tick(number / len(given))
         certificate = verify(cage, fine.moved(pose.vertices), clearance, same_loops=same_loops)
         way = np.stack([given[max(number - 1, 0)].vertices, pose.vertices])
         if not certificate or not verify_motion(cage, fine, np.stack([cage.vertices] * 2), way):

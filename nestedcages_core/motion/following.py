@@ -24,7 +24,6 @@ from ..hierarchy import Settings
 from ..level.gate import judged
 from ..level.settling import placements
 from ..level.units import SolverUnits
-from ..tasks import drain
 from ..tightening.reach_clearance import restore
 from ..verification import verify
 from .promises import Promises
@@ -109,7 +108,8 @@ class Follower:
     def tightened(self, cage: FloatArray, fine: FloatArray) -> list[FloatArray]:
         """The cage (m, 2), which must enclose a pose (n, 2), and those after each step to its optimum."""
         energy, tightening = self._energy(cage, fine), self.promises.settings.tightening
-        cages = [cage, *tightening.run(self.bodies, cage, fine, clearance=self.clearance, energy=energy)]
+        cages = [cage]
+        tightening.run(self.bodies, cage, fine, clearance=self.clearance, energy=energy, on_step=cages.append)
         return cages if self.promises.settings.grid is None else [*cages, *self._on_grid(cages[-1], fine)]
 
     def restored(self, cage: FloatArray, before: FloatArray, guess: FloatArray, after: FloatArray) -> FloatArray | None:
@@ -154,7 +154,7 @@ class Follower:
         """The first cage (m, 2) searched on the grid that keeps the clearance; where there is none, rounding does."""
         plan, mesh = self.promises.plan_at(self._pose(fine)), self.topology.moved(self.units.to_input(cage))
         wanted = self.clearance * self.units.scale - self.promises.room
-        for points in drain(placements(plan, self.promises.settings.energy, mesh, wanted)):
+        for points in placements(plan, self.promises.settings.energy, mesh, wanted):
             if judged(plan, mesh.moved(points), wanted):
                 return [self.units.points(points)]
         return []
@@ -174,7 +174,7 @@ class Follower:
     def _pushed(self, cage: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray | None:
         """The cage pushed by the drawing on its straight motion."""
         start = np.concatenate([cage, before])
-        outcome = drain(self.contact.reinflate(self.bodies, start, [after], clearance=self.clearance))
+        outcome = self.contact.reinflate(self.bodies, start, [after], clearance=self.clearance)
         return outcome.x[: self.bodies.m] if outcome.reached_target else None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -10,7 +11,6 @@ import numpy as np
 from ..geometry.arrays import FloatArray
 from ..geometry.precision import BACKTRACKING, INPUT_ROUND_OFF, MOST_STEPS, SUFFICIENT_DECREASE
 from ..parameters import check_count, check_not_negative
-from ..tasks import Stage
 
 __all__ = ["ProjectedNewton"]
 
@@ -34,7 +34,7 @@ class ProjectedNewton:
         check_not_negative(self, "tolerance")
         check_count(self, "max_iterations", least=0)
 
-    def minimise(self, objective: Objective, x: FloatArray) -> Stage[FloatArray, SolverResult]:
+    def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> SolverResult:
         """Minimise from x; see :class:`nestedcages_core.solver.newton.Solver`."""
         first_decrement = 0.0
         values: list[float] = []
@@ -54,7 +54,7 @@ class ProjectedNewton:
             if step.fraction == 0.0:
                 return SolverResult(x, iteration + 1, False)
             x = step.x
-            yield x
+            on_step(x)
         return SolverResult(x, self.max_iterations, objective.finished(x))
 
 
@@ -100,8 +100,8 @@ class SolverResult:
 class Solver(Protocol):
     """Lowers an objective step by step."""
 
-    def minimise(self, objective: Objective, x: FloatArray) -> Stage[FloatArray, SolverResult]:
-        """Minimise from the valid state x; yields every accepted state."""
+    def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> SolverResult:
+        """Minimise from the valid state x; on_step: called with every accepted state."""
 
 
 class Step(NamedTuple):

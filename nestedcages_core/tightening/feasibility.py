@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..constraints.base import Bound, short_of
+from ..contact.base import OnStep
 from ..contact.pairs import Bodies, CandidateList, WantedDistances
 from ..energies import Blocks, CageEnergy
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.precision import MOST_STEPS, NEGLIGIBLE
 from ..solver.quadratic_program import InteriorPoint
-from ..tasks import Stage
 from .quadratic_model import EdgeLoads, model_at
 from .trust_region import STEP_REDUCTION, find_trial
 
@@ -50,11 +50,16 @@ class Lack(CageEnergy):
 
 
 def feasible(
-    bodies: Bodies, x: FloatArray, candidates: CandidateList, wanted: WantedDistances, solver: InteriorPoint
-) -> Stage[FloatArray, FloatArray]:
+    bodies: Bodies,
+    x: FloatArray,
+    candidates: CandidateList,
+    wanted: WantedDistances,
+    solver: InteriorPoint,
+    on_step: OnStep,
+) -> FloatArray:
     """Positions (m + n, 2) at which the cage keeps its bounds, or as many as small steps reach, and its distances.
 
-    Yields every intermediate x; the linear motion from the one before is free of collisions.
+    on_step: called with every intermediate x.
     """
     m, unit, lack, still = bodies.m, bodies.cage_edge_length, Lack(bodies.bounds), EdgeLoads.none(bodies.m)
     lacking, radius = lack.value(x[:m], bodies.coarse.successor), LONGEST_STEP * unit
@@ -67,7 +72,7 @@ def feasible(
         trial = find_trial(bodies, model.around, x, step, value=lacking, decrease=0.0, energy=lack)
         if trial.accepted:
             x = trial.x
-            yield x
+            on_step(x)
         if trial.value > (1.0 - LEAST_GAIN) * lacking:
             radius *= STEP_REDUCTION
         lacking = trial.value

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..contact.base import OnStep
 from ..contact.ccd import impacts
 from ..contact.contact_response import ContactResponse, Distances, FeasibilityRule
 from ..contact.linearisation import OVERSHOOT, Contacts, measure
@@ -19,7 +20,6 @@ from ..contact.pairs import Bodies, CandidateList, Pairs, WantedDistances
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.precision import MOST_ROUNDS, MOST_STEPS, NEGLIGIBLE, PROGRESS_RATIO, ROUND_OFF
 from ..solver.quadratic_program import InteriorPoint
-from ..tasks import Stage
 
 TARGET_DISTANCE = 2.0
 """Distance that small steps aim at, and their longest motion of a vertex, in clearances: beyond 1, so that they reach
@@ -61,13 +61,14 @@ def widen(
     clearance: float,
     candidates: CandidateList,
     solver: InteriorPoint,
+    on_step: OnStep,
     apart: float = 0.0,
-) -> Stage[FloatArray, Widened]:
+) -> Widened:
     """Move the cage from x (m + n, 2), free of contact, until its distance to the fine mesh is ``clearance``.
 
     apart: a distance that its loops then have from each other.
 
-    Yields every intermediate x; the linear motion from the one before is free of collisions.
+    on_step: called with every intermediate x.
     """
     largest = clearance if bodies.clearances is None else max(clearance, float(bodies.clearances.max()))
     reach = max(2.0 * TARGET_DISTANCE, 1.0 / OWN_DISTANCE_KEPT) * largest + apart
@@ -80,7 +81,7 @@ def widen(
         return Widened(x, wanted, 0, -1)
     moved = _restored(bodies, pairs, contacts, x, wanted, reach)
     if moved is not None:
-        yield moved
+        on_step(moved)
         return Widened(moved, wanted, 0, -1)
 
     aim = TARGET_DISTANCE * clearance
@@ -98,14 +99,14 @@ def widen(
         if fraction <= SHORTEST_STEP:
             break
         x = x + fraction * found.motion
-        yield x
+        on_step(x)
         pairs, contacts = _measured(candidates, x, reach)
         short = _short(pairs, contacts, wanted)
         if len(short) == 0:
             return Widened(x, wanted, systems, -1)
         moved = _restored(bodies, pairs, contacts, x, wanted, reach)
         if moved is not None:
-            yield moved
+            on_step(moved)
             return Widened(moved, wanted, systems, -1)
         missing = float((wanted.of(pairs) - contacts.distance)[short].sum())
         idle = idle + 1 if missing > PROGRESS_RATIO * least else 0

@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..contact.base import OnStep, no_step
 from ..contact.pairs import Bodies, CandidateList
 from ..energies import CageEnergy, signed_area
 from ..geometry.arrays import TINY, FloatArray
@@ -26,7 +27,6 @@ from ..geometry.precision import MOST_STEPS, NEGLIGIBLE, PATIENCE
 from ..parameters import check_count, check_not_negative, check_part, check_positive
 from ..solver.negative_curvature import negative_curvature
 from ..solver.quadratic_program import InteriorPoint, QPSolution
-from ..tasks import Stage, mapped
 from .quadratic_model import EdgeLoads, QuadraticModel, model_at
 from .reach_clearance import widen
 from .trust_region import Trial, TrustRegion, find_trial
@@ -88,13 +88,20 @@ class Tightening:
         check_part(self, "solver", "solve", "InteriorPoint()")
 
     def run(
-        self, bodies: Bodies, cage: FloatArray, fine: FloatArray, *, clearance: float, energy: CageEnergy
-    ) -> Stage[FloatArray, TighteningOutcome]:
+        self,
+        bodies: Bodies,
+        cage: FloatArray,
+        fine: FloatArray,
+        *,
+        clearance: float,
+        energy: CageEnergy,
+        on_step: OnStep = no_step,
+    ) -> TighteningOutcome:
         """Tighten ``cage`` (m, 2), which is free of contact with ``fine`` (n, 2), to the clearance (a length).
 
-        Yields the cage after every accepted step; the linear motion from the one before is free of collisions.
+        on_step: called with the cage after every accepted step.
         """
-        return _Run(self, bodies, np.concatenate([cage, fine]), clearance, energy.after(cage)).minimise()
+        return _Run(self, bodies, np.concatenate([cage, fine]), clearance, energy.after(cage), on_step).minimise()
 
 
 class _Run:
@@ -107,8 +114,9 @@ class _Run:
         x: FloatArray,
         clearance: float,
         energy: CageEnergy,
+        on_step: OnStep,
     ) -> None:
-        self.settings, self.bodies, self.energy = settings, bodies, energy
+        self.settings, self.bodies, self.energy, self.on_step = settings, bodies, energy, on_step
         self.x = x
         self.clearance = clearance * (1.0 + CLEARANCE_MARGIN)
         self.m = bodies.m
@@ -116,10 +124,10 @@ class _Run:
         self.order = bodies.order
         self.systems = 0
 
-    def minimise(self) -> Stage[FloatArray, TighteningOutcome]:
+    def minimise(self) -> TighteningOutcome:
         apart = self.settings.apart * self.clearance
-        widening = widen(self.bodies, self.x, self.clearance, self.candidates, self.settings.solver, apart)
-        widened = yield from mapped(widening, lambda x: x[: self.m].copy())
+        solver = self.settings.solver
+        widened = widen(self.bodies, self.x, self.clearance, self.candidates, solver, self._moved, apart)
         self.x, self.wanted = widened.x, widened.wanted
         self.systems += widened.systems
         if widened.closest >= 0:
@@ -127,8 +135,7 @@ class _Run:
         if self.bodies.bounds:
             from .feasibility import feasible
 
-            steps = feasible(self.bodies, self.x, self.candidates, self.wanted, self.settings.solver)
-            self.x = yield from mapped(steps, lambda x: x[: self.m].copy())
+            self.x = feasible(self.bodies, self.x, self.candidates, self.wanted, solver, self._moved)
         settings, energy, successor = self.settings, self.energy, self.bodies.coarse.successor
         unit = self.bodies.cage_edge_length
         first = settings.first_radius * unit
@@ -161,13 +168,13 @@ class _Run:
             still = quiet > 0 and trial.accepted and further < settings.solver.complementarity * threshold
             previous = solution.decrease
             region.update(solution, trial, value)
-            value = yield from self._accept(trial)
+            value = self._accept(trial)
             if still or quiet >= settings.patience:
                 escape = self._escape(model, solution, value)
                 if escape is None or value - escape.value < negligible:
                     return self._outcome(iteration, "The model predicts no further decrease of the energy.")
                 logger.debug("tightening %d: off a saddle, actual %.2e", iteration, value - escape.value)
-                value = yield from self._accept(escape)
+                value = self._accept(escape)
                 region.reset()
                 quiet = 0
             elif region.collapsed:
@@ -177,12 +184,15 @@ class _Run:
     def _try(self, model: QuadraticModel, step: FloatArray, value: float, decrease: float) -> Trial:
         return find_trial(self.bodies, model.around, self.x, step, value=value, decrease=decrease, energy=self.energy)
 
-    def _accept(self, trial: Trial) -> Stage[FloatArray, float]:
+    def _accept(self, trial: Trial) -> float:
         """Move to the result of the trial, if it was accepted; returns the energy there."""
         if trial.accepted:
             self.x = trial.x
-            yield self.x[: self.m].copy()
+            self._moved(self.x)
         return trial.value
+
+    def _moved(self, x: FloatArray) -> None:
+        self.on_step(x[: self.m].copy())
 
     def _escape(self, model: QuadraticModel, solution: QPSolution, value: float) -> Trial | None:
         """A step off a saddle that lowers the energy; None at a local minimum (docs/ablation.md: escapes from saddles).

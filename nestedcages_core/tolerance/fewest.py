@@ -10,6 +10,7 @@ from typing import cast
 
 import numpy as np
 
+from ..contact.base import OnStep
 from ..contact.pairs import Bodies
 from ..decimation import LineCycles
 from ..decimation.base import MIN_PER_LOOP
@@ -19,8 +20,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh, Nesting
 from ..geometry.vectors import norm
 from ..level.builder import LevelBuilder
-from ..level.report import Level, Progress
-from ..tasks import Stage
+from ..level.report import Level
 from ..tightening import Tightening, TighteningOutcome
 from .minimal_nested import Band
 from .reach import REACH_PRECISION, beyond, reach
@@ -41,14 +41,11 @@ CLOSE_TO_BOUND = 2
 """Vertices of each loop above the bound up to which no fewer are tried: a greedy polygon has one too many at most, and
 the bound may lose one."""
 
-LARGEST_GUESS = 64
-"""Vertices per loop up to which a search for an excess looks for a first guess."""
-
 LARGEST_GROWTH = 2.0
 """Largest factor on the number of vertices from one trial to the next."""
 
 
-def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) -> Stage[Progress, Level]:
+def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) -> Level:
     """The level of the fewest vertices found. ``fine``: what the need is about, the input of the hierarchy.
 
     fine: the mesh that the tolerance refers to, the input of the hierarchy.
@@ -56,8 +53,8 @@ def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) 
     mesh inside is enough.
     """
     search = _CountSearch(need, fine, builder)
-    yield from search.try_walks(strictly)
-    yield from search.try_counts()
+    search.try_walks(strictly)
+    search.try_counts()
     level = search.best
     if level is None:
         raise search.failure()
@@ -76,27 +73,48 @@ class _Kept:
     """Whether a cage, in the units of the solvers, is within it."""
 
     def run(
-        self, bodies: Bodies, cage: FloatArray, fine: FloatArray, *, clearance: float, energy: CageEnergy
-    ) -> Stage[FloatArray, TighteningOutcome]:
+        self,
+        bodies: Bodies,
+        cage: FloatArray,
+        fine: FloatArray,
+        *,
+        clearance: float,
+        energy: CageEnergy,
+        on_step: OnStep,
+    ) -> TighteningOutcome:
         """As that of the tightening, looked at after the first steps, and whenever there are twice as many."""
-        steps = self.tightening.run(bodies, cage, fine, clearance=clearance, energy=energy)
         held, number, look = list[FloatArray](), 0, FIRST_LOOK
-        outcome: TighteningOutcome | None = None
-        while outcome is None:
-            try:
-                held.append(next(steps))
-                number += 1
-            except StopIteration as end:
-                outcome = end.value
-            if number < look and outcome is None:
-                continue
-            look = 2 * number
+        left = TighteningOutcome(cage, 0, 0, "The cage would leave the tolerance.")
+
+        def pass_on() -> bool:
+            """Hand on what is held as far as it is within the tolerance; whether all of it is."""
+            many = len(held)
             while held and not self.is_met(bodies.coarse.moved(held[-1])):
                 del held[len(held) // 2 :]
-                outcome = TighteningOutcome(cage, number, 0, "The cage would leave the tolerance.")
-            yield from held
+            whole = len(held) == many
+            for step in held:
+                on_step(step)
             held.clear()
-        return outcome
+            return whole
+
+        def hold(step: FloatArray) -> None:
+            nonlocal number, look
+            held.append(step)
+            number += 1
+            if number >= look:
+                look = 2 * number
+                if not pass_on():
+                    raise _LeftTolerance
+
+        try:
+            outcome = self.tightening.run(bodies, cage, fine, clearance=clearance, energy=energy, on_step=hold)
+        except _LeftTolerance:
+            return left._replace(iterations=number)
+        return outcome if pass_on() else left._replace(iterations=number)
+
+
+class _LeftTolerance(Exception):  # noqa: N818 - no error
+    """Ends a tightening whose cage would leave the tolerance."""
 
 
 class _CountSearch:
@@ -118,23 +136,23 @@ class _CountSearch:
         """Vertices of the best level; one more than allowed if there is none."""
         return self.number(self.inner) + 1 if self.best is None else self.number(self.best.cage)
 
-    def try_walks(self, strictly: float) -> Stage[Progress, None]:
+    def try_walks(self, strictly: float) -> None:
         """Compute the bound, and try polygons of longest edges as starts."""
         distance = self.need.distance
         if distance is None or self.side < 0 or self.builder.plan.outline.per_loop:
             return
-        yield from self.builder.progress.begin("decimation")
+        self.builder.progress.begin("decimation")
         bands = [Band(self.fine, k, distance) for k in range(len(self.fine.loops))]
         bounds = [band.fewest_links(strictly) for band in bands]
         self.bound = sum(bounds)
-        yield from self._try_walks_in(bands, bounds)
+        self._try_walks_in(bands, bounds)
         if self.inner is not self.fine and self.inner.has_loops_like(self.fine):
             rest = distance - reach(self.inner, self.fine)
             if rest > 0.0 and not self._is_close():
                 bands = [Band(self.inner, k, rest) for k in range(len(self.inner.loops))]
-                yield from self._try_walks_in(bands, bounds)
+                self._try_walks_in(bands, bounds)
 
-    def _try_walks_in(self, bands: list[Band], bounds: list[int]) -> Stage[Progress, None]:
+    def _try_walks_in(self, bands: list[Band], bounds: list[int]) -> None:
         """Polygons of longest links in a band around each loop; bounds: of their links."""
         enough = bounds
         for number in range(MAX_ROUNDS):
@@ -155,25 +173,25 @@ class _CountSearch:
             for band in bands:
                 band.add(places)
         # the tightening may correct what goes a little too far
-        yield from self._try(mesh, within=len(places) == 0)
+        self._try(mesh, within=len(places) == 0)
 
-    def try_counts(self) -> Stage[Progress, None]:
+    def try_counts(self) -> None:
         """Try vertex counts below the best one; if there is none yet, upwards from the bound, then by bisection."""
         least, most = self.bound, self.number(self.inner)
         low = least - 1
         if self.best is None or self.inner is not self.fine:
-            count = min((yield from self._guess()) or least, most)
-            while count < self.count and not (yield from self._try(count)):
+            count = min(least, most)
+            while count < self.count and not self._try(count):
                 low = count
                 if count == most:
                     return
                 grown = min(LARGEST_GROWTH, max(1.0, sqrt(self.taken / self.need.limit)))
                 count = min(most, max(count + 1, ceil(grown * count)))
-        elif self._is_close() or not (yield from self._try(self.count - 1)):
+        elif self._is_close() or not self._try(self.count - 1):
             return
         while self.count - low > 1:
             aim = self._aim(low)
-            if not (yield from self._try(aim)):
+            if not self._try(aim):
                 low = aim
 
     def _aim(self, low: int) -> int:
@@ -184,16 +202,6 @@ class _CountSearch:
             return middle
         aim = ceil(self.count * sqrt(self.taken / self.need.limit))
         return min(max(middle, aim), self.count - 1)
-
-    def _guess(self) -> Stage[Progress, int | None]:
-        """About how many vertices an excess takes, by searches that know all numbers of them."""
-        plan, knowing = self.builder.plan, getattr(self.builder.settings.decimation, "fewest", None)
-        if self.need.excess is None or plan.side < 0 or not plan.is_free or knowing is None:
-            return None
-        area, most = (1.0 + self.need.limit) * self.fine.area, LARGEST_GUESS * len(self.inner.loops)
-        search = knowing(self.inner, min(most, len(self.inner.vertices)), area)
-        guess: int | None = yield from self.builder.progress.follow(search, lambda done: (done, "decimation"))
-        return guess
 
     def _is_close(self) -> bool:
         """Whether the best level has few vertices above the bound."""
@@ -251,7 +259,7 @@ class _CountSearch:
             return None
         return mesh if Nesting(mesh, self.inner).encloses_loop_by_loop() else None
 
-    def _try(self, wanted: int | Mesh, *, within: bool = False) -> Stage[Progress, bool]:
+    def _try(self, wanted: int | Mesh, *, within: bool = False) -> bool:
         """Build a level; returns whether it is within the tolerance and the new best. within: a mesh that is, too."""
         builder = self.builder
         if within:
@@ -261,7 +269,7 @@ class _CountSearch:
             )
             builder.settings = replace(builder.settings, tightening=cast(Tightening, kept))
         try:
-            level = yield from builder.build(wanted)
+            level = builder.build(wanted)
         except NestedCagesError as error:
             self.error = error
             return False

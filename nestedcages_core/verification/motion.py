@@ -21,7 +21,7 @@ from ..geometry.broad_phase import CHUNK_PAIRS
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.precision import MOST_HALVINGS
-from ..tasks import Stage, drain
+from ..progress import Tick, no_tick
 
 Number = TypeVar("Number", float, FloatArray)
 
@@ -76,20 +76,16 @@ def verify_motion(cage: MeshLike, fine: MeshLike, cage_steps: ArrayLike, fine_st
 
 
 def certify_motion(
-    bodies: Bodies, cage_steps: Sequence[FloatArray], fine_steps: Sequence[FloatArray]
+    bodies: Bodies, cage_steps: Sequence[FloatArray], fine_steps: Sequence[FloatArray], *, tick: Tick = no_tick
 ) -> MotionCertificate:
-    """`verify_motion` for steps, (m, 2) and (n, 2) each, that need no check or copy."""
-    return drain(certifying(bodies, cage_steps, fine_steps))
+    """`verify_motion` for steps, (m, 2) and (n, 2) each, that need no check or copy.
 
-
-def certifying(
-    bodies: Bodies, cage_steps: Sequence[FloatArray], fine_steps: Sequence[FloatArray]
-) -> Stage[float, MotionCertificate]:
-    """`certify_motion` as a generator: yields the fraction done before every block and returns the certificate."""
+    tick: called with the fraction done before every block.
+    """
     last = len(cage_steps) - 1
     step = 0
     while step < last:
-        yield step / last
+        tick(step / last)
         block = _Block(bodies, cage_steps[step:], fine_steps[step:])
         for number, vertex in block.may_meet():
             return MotionCertificate(False, step + number, vertex)

@@ -1,6 +1,6 @@
 """Reinflation by each contact: the fine mesh returns to the last bit, by motions that meet nothing."""
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -24,10 +24,10 @@ class Recorded:
 
     places: tuple[tuple[float, float], ...]
 
-    def run(self, fine: Mesh, coarse: Mesh) -> Iterator[float]:
-        yield 0.5
+    def run(self, fine: Mesh, coarse: Mesh, *, tick: Callable[[float], None]) -> FlowResult:
+        tick(0.5)
         steps = fine.vertices + fine.diagonal * np.array(self.places)[:, None]
-        return FlowResult(steps, len(steps) - 1, "recorded")  # type: ignore[return-value]
+        return FlowResult(steps, len(steps) - 1, "recorded")
 
 
 def assert_returns(fine: Mesh, coarse: Mesh, settings: Settings) -> Level:

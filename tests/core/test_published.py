@@ -1,6 +1,6 @@
 """The paper as written: the excess of its compiled program, its flow, its descent, its rules; and its repairs."""
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -76,9 +76,9 @@ def test_descent_ends_at_a_target_or_at_a_maximum() -> None:
 class Shrinking:
     """A flow of one step."""
 
-    def run(self, fine: Mesh, coarse: Mesh) -> Iterator[float]:
-        yield 0.5
-        return core.FlowResult(np.stack([fine.vertices, 0.9 * fine.vertices]), 1, "shrinking")  # type: ignore[return-value]
+    def run(self, fine: Mesh, coarse: Mesh, *, tick: Callable[[float], None]) -> core.FlowResult:
+        tick(0.5)
+        return core.FlowResult(np.stack([fine.vertices, 0.9 * fine.vertices]), 1, "shrinking")
 
 
 @pytest.mark.parametrize("over_length", [True, False])

@@ -16,7 +16,6 @@ from nestedcages_core.solver.elimination import Elimination
 from nestedcages_core.solver.negative_curvature import negative_curvature
 from nestedcages_core.solver.newton import NewtonModel, ProjectedNewton
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
-from nestedcages_core.tasks import drain
 from support.marks import slow_after
 
 EXACT = InteriorPoint(iterations=80, complementarity=1e-10, primal=1e-10, dual=1e-10)
@@ -415,7 +414,7 @@ class Valley:
 def test_newton_steps_end_where_those_of_scipy_do() -> None:
     start = np.array([[-1.2, 1.0], [0.5, 2.0], [2.0, -1.0]])
     valley = Valley(1.0)
-    found = drain(ProjectedNewton(max_iterations=200, tolerance=1e-10).minimise(valley, start))
+    found = ProjectedNewton(max_iterations=200, tolerance=1e-10).minimise(valley, start, lambda x: None)
     assert found.converged
     expected = minimize(lambda x: valley.value(x.reshape(-1, 2)), start.ravel(), method="BFGS", options={"gtol": 1e-9})
     assert found.x.ravel() == pytest.approx(expected.x, abs=1e-5)
@@ -423,6 +422,6 @@ def test_newton_steps_end_where_those_of_scipy_do() -> None:
 
 
 def test_steps_that_walls_cut_short_come_to_an_end() -> None:
-    solution = drain(ProjectedNewton(max_iterations=500).minimise(Valley(1e-6), np.full((3, 2), -1.0)))
+    solution = ProjectedNewton(max_iterations=500).minimise(Valley(1e-6), np.full((3, 2), -1.0), lambda x: None)
     assert not solution.converged
     assert solution.iterations < 50

@@ -16,7 +16,7 @@ from support.sources import ROOT, nodes, sources
 # Each package or module imports only from those before it.
 LAYERS = {
     "nestedcages_core": """
-        checker_distance checker errors libraries tasks parameters lapack geometry decimation flow energies
+        checker_distance checker errors libraries progress parameters lapack geometry decimation flow energies
         solver constraints contact tightening verification level tolerance hierarchy motion published coordinates
         character puppet exchange game batch command __main__ __init__
     """,

@@ -1,6 +1,6 @@
 """A user's own methods: they work as those of the package, and then do something wrong."""
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -28,13 +28,21 @@ class Continued(Tightening):
     """Runs that go well before."""
     asked: list[float] = field(default_factory=list, compare=False)
 
-    def run(self, bodies: Any, cage: np.ndarray, fine: np.ndarray, *, clearance: float, energy: Any) -> Any:
+    def run(
+        self, bodies: Any, cage: np.ndarray, fine: np.ndarray, *, clearance: float, energy: Any, on_step: Any
+    ) -> Any:
         self.asked.append(clearance)
         works = len(self.asked) <= self.first
         share = 1.0 if works else self.share
-        stage = super().run(bodies, cage, fine, clearance=share * clearance, energy=energy)
-        last, outcome = yield from _noting(stage, cage)
-        yield from [] if works else self.further(last)
+        steps = [cage]
+
+        def noting(step: np.ndarray) -> None:
+            steps.append(step)
+            on_step(step)
+
+        outcome = super().run(bodies, cage, fine, clearance=share * clearance, energy=energy, on_step=noting)
+        for step in [] if works else self.further(steps[-1]):
+            on_step(step)
         return outcome
 
 
@@ -42,10 +50,10 @@ class Continued(Tightening):
 class Detouring(Tightening):
     """A tightening that turns the cage over and back again before it does its work."""
 
-    def run(self, bodies: Any, cage: np.ndarray, fine: np.ndarray, **options: Any) -> Any:
-        yield cage * np.array([-1.0, 1.0])
-        yield cage
-        return (yield from super().run(bodies, cage, fine, **options))
+    def run(self, bodies: Any, cage: np.ndarray, fine: np.ndarray, *, on_step: Any, **options: Any) -> Any:
+        on_step(cage * np.array([-1.0, 1.0]))
+        on_step(cage)
+        return super().run(bodies, cage, fine, on_step=on_step, **options)
 
 
 @dataclass(frozen=True)
@@ -54,10 +62,10 @@ class Elsewhere(SequentialQP):
 
     change: Callable[[np.ndarray, int], np.ndarray] = lambda x, m: x
 
-    def reinflate(self, bodies: Any, x: np.ndarray, path: Any, **options: Any) -> Any:
-        _, outcome = yield from _noting(super().reinflate(bodies, x, path, **options), x)
+    def reinflate(self, bodies: Any, x: np.ndarray, path: Any, *, on_step: Any, **options: Any) -> Any:
+        outcome = super().reinflate(bodies, x, path, on_step=on_step, **options)
         ended = self.change(outcome.x.copy(), bodies.m)
-        yield ended
+        on_step(ended)
         return outcome._replace(x=ended, reached_target=True)
 
 
@@ -66,7 +74,7 @@ class GivingUp(SequentialQP):
     """A contact that takes one step and stops."""
 
     def reinflate(self, bodies: Any, x: np.ndarray, path: Any, **options: Any) -> Any:
-        _, outcome = yield from _noting(super().reinflate(bodies, x, path, **options), x)
+        outcome = super().reinflate(bodies, x, path, **options)
         return outcome._replace(reached_target=False, reason="it had enough")
 
 
@@ -76,8 +84,8 @@ class Pretending(TwoSidedFlow):
 
     change: Callable[[np.ndarray], np.ndarray] = lambda steps: steps
 
-    def run(self, fine: Mesh, coarse: Mesh) -> Any:
-        found = yield from super().run(fine, coarse)
+    def run(self, fine: Mesh, coarse: Mesh, **options: Any) -> Any:
+        found = super().run(fine, coarse, **options)
         return FlowResult(self.change(found.steps), found.iterations, found.stage)
 
 
@@ -118,14 +126,3 @@ class Moved(Constraint):
         moved = steps.copy()
         moved[1:, 0] *= 1.0 + 1e-10
         return moved
-
-
-def _noting(stage: Generator[np.ndarray, None, Any], first: np.ndarray) -> Iterator[Any]:
-    """The same stage; returns what it yielded last and its outcome."""
-    last = first
-    try:
-        while True:
-            last = next(stage)
-            yield last
-    except StopIteration as end:
-        return last, end.value

@@ -7,7 +7,6 @@ from .collision import (
     collision_outline,
     corresponding,
     picture_cages,
-    picture_cages_run,
 )
 from .png import decode_png, encode_png, read_png
 
@@ -20,6 +19,5 @@ __all__ = [
     "decode_png",
     "encode_png",
     "picture_cages",
-    "picture_cages_run",
     "read_png",
 ]

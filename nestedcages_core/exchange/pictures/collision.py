@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,8 +13,7 @@ from ...errors import NestedCagesError, invalid_file, no_outline
 from ...geometry.arrays import AnyArray, BoolArray, FloatArray
 from ...geometry.loops import trace_loops
 from ...geometry.mesh import Mesh
-from ...hierarchy import Hierarchy, NestedCagesRun, Progress, Settings, Within
-from ...tasks import drain
+from ...hierarchy import Hierarchy, Progress, Settings, Within, nested_cages
 from ..limits import Limits
 
 Levels = Sequence[int | Mesh | Within] | Callable[[Mesh], Sequence[int | Mesh | Within]]
@@ -57,8 +56,12 @@ def picture_cages(
     picture: AnyArray,
     levels: Levels,
     *,
-    progress: Callable[[Progress], None] | None = None,
-    **options: Any,
+    padding: float = 0.0,
+    threshold: float = HALF,
+    holes: bool = False,
+    settings: Settings | None = None,
+    limits: Limits | None = None,
+    progress: Callable[[Progress], None] | bool | None = None,
 ) -> Hierarchy:
     """Cages around all opaque pixels, with the given numbers of vertices, or fewer if the pixels have fewer corners.
 
@@ -70,20 +73,6 @@ def picture_cages(
 
     Raises NestedCagesError if nothing is opaque or the vertices are too few.
     """
-    return drain(picture_cages_run(picture, levels, **options), progress)
-
-
-def picture_cages_run(
-    picture: AnyArray,
-    levels: Levels,
-    *,
-    padding: float = 0.0,
-    threshold: float = HALF,
-    holes: bool = False,
-    settings: Settings | None = None,
-    limits: Limits | None = None,
-) -> Generator[Progress, None, Hierarchy]:
-    """`picture_cages` as a generator of its progress that returns the cages; closing it cancels."""
     if not padding >= 0.0 or not np.isfinite(padding):
         raise invalid_file(f"The padding must be a length of at least 0 pixels, not {padding!r}.")
     opaque = alpha_channel(picture) > threshold
@@ -91,26 +80,21 @@ def picture_cages_run(
     if holes and chosen.loops == "auto":
         chosen = replace(chosen, loops="keep")
 
-    def around(fine: Mesh, with_settings: Settings) -> Generator[Progress, None, Hierarchy]:
+    def around(fine: Mesh, with_settings: Settings) -> Hierarchy:
         wanted = levels(fine) if callable(levels) else levels
         fitting = [min(k, len(fine.vertices)) if isinstance(k, int | np.integer) else k for k in wanted]
-        run = NestedCagesRun(fine, fitting, with_settings)
-        try:
-            yield from run
-        finally:
-            run.close()
-        return run.hierarchy
+        return nested_cages(fine, fitting, with_settings, progress=progress)
 
     fine = boundary_of_pixels(_without_holes(opaque, holes), limits=limits)
     if padding == 0.0:
-        return (yield from around(fine, chosen))
+        return around(fine, chosen)
     try:
-        return (yield from around(fine, replace(chosen, clearance=padding)))
+        return around(fine, replace(chosen, clearance=padding))
     except NestedCagesError:
         grown = _grown(opaque, padding, holes, limits)
         if len(grown.loops) == len(fine.loops):
             raise
-        return (yield from around(grown, chosen))
+        return around(grown, chosen)
 
 
 def _without_holes(opaque: BoolArray, holes: bool) -> BoolArray:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...contact.base import ContactOutcome
+from ...contact.base import ContactOutcome, OnStep, no_step
 from ...contact.ipc import STIFFENING
 from ...contact.pairs import Bodies
 from ...energies import Area, Energy
@@ -19,7 +19,6 @@ from ...geometry.arrays import FloatArray
 from ...geometry.precision import MOST_ROUNDS
 from ...parameters import check_flag, check_part, check_positive
 from ...solver.newton import Solver
-from ...tasks import Stage
 from .flow import PAPER_DIAGONAL
 from .gradient_descent import GradientDescent
 from .pair_search import AllPairs, BroadPhase
@@ -88,8 +87,8 @@ class PaperContact:
         return replace(self, d_hat=self.d_hat * factor, arrival=arrival)
 
     def reinflate(
-        self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float
-    ) -> Stage[FloatArray, ContactOutcome]:
+        self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float, on_step: OnStep = no_step
+    ) -> ContactOutcome:
         """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`. It has no clearance.
 
         Unless a step filter is safe, the linear motion between steps may pass through a contact.
@@ -107,7 +106,7 @@ class PaperContact:
         iterations = 0
         for place, target in enumerate(path):
             objective = potential(target, self.weights, False)
-            solution = yield from self.solver.minimise(objective, x)
+            solution = self.solver.minimise(objective, x, on_step)
             x = solution.x
             iterations += solution.iterations
             with np.errstate(over="ignore", invalid="ignore"):
@@ -121,9 +120,9 @@ class PaperContact:
                 objective = potential(path[-1], weights, True)
                 if objective.finished(x):
                     x = np.concatenate([x[: bodies.m], path[-1]])
-                    yield x
+                    on_step(x)
                     return ContactOutcome(x, True, iterations)
-                solution = yield from self.solver.minimise(objective, x)
+                solution = self.solver.minimise(objective, x, on_step)
                 x = solution.x
                 iterations += solution.iterations
                 weights = PaperWeights(STIFFENING * weights.restoring, weights.cages, weights.barrier)

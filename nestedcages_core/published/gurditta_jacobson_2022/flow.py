@@ -22,7 +22,7 @@ from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
 from ...geometry.signed_distance import SignedDistance
 from ...parameters import check_count, check_flag, check_positive
-from ...tasks import Stage
+from ...progress import Tick, no_tick
 from .ray_parity import contained_by_parity, inside_by_parity
 
 PAPER_DIAGONAL = float(np.sqrt(8.0))
@@ -60,7 +60,7 @@ class PaperFlow:
         """The same flow for meshes scaled by a factor."""
         return replace(self, step=self.step * factor) if self.absolute else self
 
-    def run(self, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
+    def run(self, fine: Mesh, coarse: Mesh, *, tick: Tick = no_tick) -> FlowResult:
         """All steps of the fine mesh, until the method's own test finds it inside.
 
         Raises: FlowError after ``limit`` steps with the cause, and the FlowResult so far as `partial`.
@@ -73,7 +73,7 @@ class PaperFlow:
             if len(steps) > self.limit:
                 obstacle = containment.obstacle(steps[-1]) or Obstacle("A ray through a vertex deceives the parity")
                 raise stuck(FlowResult(np.array(steps), self.limit, "paper", obstacle))
-            yield (len(steps) - 1) / self.limit
+            tick((len(steps) - 1) / self.limit)
             gradient = self._averaged_gradient(fine.moved(steps[-1]), coarse)
             outside = self._sign(steps[-1], coarse, distance)
             steps.append(steps[-1] - length * outside[:, None] * gradient)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ...parameters import check_count, check_flag, check_positive, check_reduction
 from ...solver.newton import Objective, SolverResult
-from ...tasks import Stage
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class GradientDescent:
         check_reduction(self, "contraction", "sufficient_decrease")
         check_flag(self, "refuse_infinite")
 
-    def minimise(self, objective: Objective, x: FloatArray) -> Stage[FloatArray, SolverResult]:
+    def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> SolverResult:
         """Minimise from x; see :class:`nestedcages_core.solver.newton.Solver`."""
         for iteration in range(self.steps):
             if objective.finished(x):
@@ -49,7 +49,7 @@ class GradientDescent:
             if step is None:
                 return SolverResult(x, iteration + 1, False)
             x = step
-            yield x
+            on_step(x)
         return SolverResult(x, self.steps, objective.finished(x))
 
     def _step(self, objective: Objective, x: FloatArray) -> FloatArray | None:

@@ -14,7 +14,6 @@ import numpy as np
 from ...contact.pairs import Bodies
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
-from ...tasks import drain
 from .settings import PROGRAM_CONTACT, PROGRAM_FLOW
 
 
@@ -40,14 +39,10 @@ def as_published(fine: Mesh, coarse: Mesh) -> ProgramResult:
     Raises: FlowError after 100 steps of the flow, where the program goes on from an infinite energy.
     """
     began = time.process_time()
-    steps = drain(PROGRAM_FLOW.run(fine, coarse)).steps
+    steps = PROGRAM_FLOW.run(fine, coarse).steps
     flowed = time.process_time()
     bodies, start = Bodies.of(coarse, fine), np.concatenate([coarse.vertices, steps[-1]])
-    x = (
-        drain(PROGRAM_CONTACT.reinflate(bodies, start, list(steps[-2::-1]), clearance=0.0)).x
-        if len(steps) > 1
-        else start
-    )
+    x = PROGRAM_CONTACT.reinflate(bodies, start, list(steps[-2::-1]), clearance=0.0).x if len(steps) > 1 else start
     ended = time.process_time()
     cage, returned = x[: bodies.m], x[bodies.m :]
     short = float(np.hypot(*(returned - fine.vertices).T).max())

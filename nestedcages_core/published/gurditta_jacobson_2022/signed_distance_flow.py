@@ -13,7 +13,7 @@ from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
 from ...geometry.signed_distance import SignedDistance
 from ...parameters import check_count, check_part, check_positive
-from ...tasks import Stage
+from ...progress import Tick, no_tick
 from .quadrature import QuadraticFallOff, Quadrature, at_step, vertex_samples
 
 
@@ -33,7 +33,7 @@ class SignedDistanceFlow:
         check_count(self, "limit")
         check_part(self, "quadrature", "rule", "Midpoint()")
 
-    def run(self, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
+    def run(self, fine: Mesh, coarse: Mesh, *, tick: Tick = no_tick) -> FlowResult:
         """All steps from the fine mesh to a certified position strictly inside the coarse one.
 
         Raises: FlowError with the loop, the place and the cause, and the FlowResult so far as `partial`.
@@ -45,7 +45,7 @@ class SignedDistanceFlow:
         while (obstacle := containment.obstacle(steps[-1])) is not None:
             if len(steps) > self.limit:
                 raise stuck(FlowResult(np.array(steps), self.limit, "signed distance", obstacle))
-            yield (len(steps) - 1) / self.limit
+            tick((len(steps) - 1) / self.limit)
             quadrature = at_step(self.quadrature, len(steps))
             gradient = averaged_gradient(fine.moved(steps[-1]), distance, quadrature)
             steps.append(steps[-1] - length * gradient)
