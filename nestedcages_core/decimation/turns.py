@@ -31,6 +31,10 @@ FAR_PART = 0.5
 """Part of the usual width, in lines, from which a line over a pocket may follow any line."""
 
 
+BLOCK_PAIRS = 2**15
+"""Pairs tested together: their arrays stay in the processor's cache (measured)."""
+
+
 class Turns(NamedTuple):
     """P pairs of lines that meet, sorted by the second line."""
 
@@ -122,24 +126,28 @@ def _meeting(lines: Lines, free: FloatArray, seconds: IntArray, width: int) -> t
     count = len(lines)
     values = np.stack((*lines.point.T, *lines.direction.T, *free)).astype(np.float32)
     around = sliding_window_view(np.concatenate((values[:, count - width :], values[:, :-1]), axis=1), width, axis=1)
-    x, y, u, v, _, back_free = values[:, seconds, None]
-    x_before, y_before, u_before, v_before, forth_free, _ = around if len(seconds) == count else around[:, seconds]
-    wx, wy = x - x_before, y - y_before
-    sine = u_before * v - v_before * u
-    forth, back = wx * v - wy * u, u_before * wy - v_before * wx
-    np.copysign(np.float32(1.0), sine, out=wx)
-    forth *= wx
-    back *= wx
-    np.abs(sine, out=sine)
-    margin = np.float32(NEGLIGIBLE)
-    np.multiply(sine, np.float32(-SLACK), out=wx)
-    wx -= margin
-    meet = forth >= wx
-    meet &= back >= wx
-    forth -= margin
-    back -= margin
-    meet &= forth <= np.multiply(forth_free, sine, out=wx)
-    meet &= back <= np.multiply(back_free, sine, out=wx)
-    row, k = np.divmod(np.flatnonzero(meet), width)
+    onto, before = values[:, seconds, None], around if len(seconds) == count else around[:, seconds]
+    margin, found = np.float32(NEGLIGIBLE), [np.zeros(0, np.int64)]
+    rows = max(1, BLOCK_PAIRS // width)
+    for first in range(0, len(seconds), rows):
+        x, y, u, v, _, back_free = onto[:, first : first + rows]
+        x_before, y_before, u_before, v_before, forth_free, _ = before[:, first : first + rows]
+        wx, wy = x - x_before, y - y_before
+        sine = u_before * v - v_before * u
+        forth, back = wx * v - wy * u, u_before * wy - v_before * wx
+        np.copysign(np.float32(1.0), sine, out=wx)
+        forth *= wx
+        back *= wx
+        np.abs(sine, out=sine)
+        np.multiply(sine, np.float32(-SLACK), out=wx)
+        wx -= margin
+        meet = forth >= wx
+        meet &= back >= wx
+        forth -= margin
+        back -= margin
+        meet &= forth <= np.multiply(forth_free, sine, out=wx)
+        meet &= back <= np.multiply(back_free, sine, out=wx)
+        found.append(np.flatnonzero(meet) + first * width)
+    row, k = np.divmod(np.concatenate(found), width)
     second = seconds[row]
     return (second + k - width) % count, second
