@@ -26,8 +26,7 @@ from nestedcages_core import (
     puppet_parts,
     with_joints,
 )
-from nestedcages_core.character import Linear, PreserveVolume, skinned
-from nestedcages_core.coordinates import Field, field_of, folded, holding
+from nestedcages_core.character import Field, Linear, PreserveVolume, field_of, folded, holding, skinned
 from nestedcages_core.geometry.predicates import winding_number
 from nestedcages_core.geometry.triangulation import Triangulation
 from nestedcages_core.puppet import BendField, Cap, Hold, Link

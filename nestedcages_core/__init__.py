@@ -22,7 +22,7 @@ from .errors import Fault as Fault
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
 from .flow import FlowResult
 from .flow import TwoSidedFlow as TwoSidedFlow
-from .geometry.arrays import FloatArray as _FloatArray
+from .geometry.drawable import Drawable
 from .geometry.mesh import Mesh
 from .hierarchy import (
     Hierarchy,
@@ -36,6 +36,7 @@ from .hierarchy import (
     nested_cages,
 )
 from .hierarchy import InnerCagesRun as InnerCagesRun
+from .libraries import imported_later
 from .tightening import Tightening as Tightening
 from .tolerance import Within
 from .verification import Certificate, MotionCertificate, verify, verify_motion
@@ -84,6 +85,7 @@ if TYPE_CHECKING:
     from .exchange import Feature as Feature
     from .exchange import Limits as Limits
     from .exchange import character_to_engine_json as character_to_engine_json
+    from .exchange import convex_pieces as convex_pieces
     from .exchange import coverage_cages as coverage_cages
     from .exchange import (
         features_from_geojson,
@@ -91,7 +93,6 @@ if TYPE_CHECKING:
         from_svg,
         read_geojson,
         read_svg,
-        swept,
         to_engine_json,
         to_geojson,
         to_svg,
@@ -103,17 +104,17 @@ if TYPE_CHECKING:
     from .exchange import from_engine_json as from_engine_json
     from .exchange import is_engine_json as is_engine_json
     from .exchange import joined as joined
-    from .exchange import puppet_parts as puppet_parts
     from .exchange import read_map as read_map
     from .exchange import read_svg_drawing as read_svg_drawing
     from .exchange import svg_drawing as svg_drawing
     from .exchange.pictures import alpha_channel as alpha_channel
     from .exchange.pictures import boundary_of_pixels as boundary_of_pixels
     from .exchange.pictures import collision_outline, read_png
+    from .exchange.puppet_parts import puppet_parts as puppet_parts
+    from .exchange.swept import swept
     from .geometry.symmetry import Found as Found
     from .geometry.symmetry import Mirror as Mirror
     from .geometry.symmetry import Rotation as Rotation
-    from .geometry.triangulation import convex_pieces as convex_pieces
     from .hierarchy.check_decimation import check_decimation as check_decimation
     from .hierarchy.excess_by_count import ExcessByCount as ExcessByCount
     from .hierarchy.excess_by_count import excess_by_count as excess_by_count
@@ -216,7 +217,6 @@ _LATER = {
     "contact.ipc": "IPC",
     "decimation": "OnCurve ArcLength OwnDecimation",
     "energies.choices": "BoundaryARAP ElementEnergy InitialDisplacement InteriorARAP ShapeKeeping StepDisplacement",
-    "geometry.triangulation": "convex_pieces",
     "geometry.symmetry": "Found Mirror Rotation",
     "solver.newton": "ProjectedNewton",
     "solver.quadratic_program": "InteriorPoint",
@@ -226,10 +226,13 @@ _LATER = {
     "constraints": "AxisAligned Bound Box Constraint LeastAngle LeastEdge LoopClearance Outside Rows Terms",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
-        "Coverage Feature Limits coverage_cages character_to_engine_json features_from_geojson frames_to_engine_json "
-        "from_engine_json from_geojson from_svg is_engine_json joined puppet_parts read_geojson read_map read_svg "
-        "read_svg_drawing svg_drawing swept to_engine_json to_geojson to_svg write_engine_json write_geojson write_svg"
+        "Coverage Feature Limits character_to_engine_json convex_pieces coverage_cages features_from_geojson "
+        "frames_to_engine_json from_engine_json from_geojson from_svg is_engine_json joined read_geojson "
+        "read_map read_svg read_svg_drawing svg_drawing to_engine_json to_geojson to_svg write_engine_json "
+        "write_geojson write_svg"
     ),
+    "exchange.puppet_parts": "puppet_parts",
+    "exchange.swept": "swept",
     "exchange.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
     "hierarchy.check_decimation": "check_decimation",
     "hierarchy.excess_by_count": "ExcessByCount excess_by_count",
@@ -243,27 +246,10 @@ _LATER = {
 }
 """Rooms that making a cage does not need, and the names that the face passes on from them: imported when asked for."""
 
-_ROOM_OF = {name: room for room, names in _LATER.items() for name in (*names.split(), room.partition(".")[0])}
+if not TYPE_CHECKING:  # a type checker would then take any name for one of the package
+    __getattr__ = imported_later(__name__, _LATER)
 
-
-def _repaired(polygons: list[list[_FloatArray]]) -> tuple[Mesh, list[str]] | None:
-    from .exchange.repair import repaired_geometry
-
-    return repaired_geometry(polygons)
-
-
-Mesh.repair = _repaired  # meshes are repaired by what is made of meshes
-
-if not TYPE_CHECKING:  # a type checker would then take any name for one of the face
-
-    def __getattr__(name: str) -> object:
-        """A name of a room that is not imported yet, or such a room itself."""
-        if name not in _ROOM_OF:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        room = import_module(f".{_ROOM_OF[name]}", __name__)
-        if name not in globals():  # importing a room has set its own name
-            globals()[name] = getattr(room, name)
-        return globals()[name]
+Drawable.exchange = staticmethod(lambda name: import_module(f".exchange.{name}", __name__))
 
 
 def __dir__() -> list[str]:

@@ -55,7 +55,7 @@ class Folding:
         places = np.column_stack([outline.vertices, np.zeros(len(outline.vertices))])
         shape = outline.moved(transform(space_to_space(shows, inner), places)[:, :2])
         triangles = corners.astype(np.int64)
-        triangles = triangles[core.coordinates.holding(rest[:, :2], triangles, shape)]
+        triangles = triangles[core.character.holding(rest[:, :2], triangles, shape)]
         areas = 0.5 * np.abs(np.linalg.det(np.diff(rest[triangles][:, :, :2], axis=1)))
         return cls(cage, inner, shows, rest, _stored_weights(data), triangles, areas)
 
@@ -76,7 +76,7 @@ class Folding:
         if len(corners) != self.weights.shape[1]:
             return None
         posed = self.weights @ transform(space_to_space(shows, cage), corners)
-        folded = core.coordinates.folded(posed[:, :2], self.triangles)
+        folded = core.character.folded(posed[:, :2], self.triangles)
         share = float(self.areas[folded].sum() / self.areas.sum())
         if share < SMALLEST:
             return None

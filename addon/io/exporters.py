@@ -194,7 +194,7 @@ def make_pieces(
         drawing = convert.fine_drawing(convert.read(context, obj))
         mesh = drawing.mesh()
         with blamed(f"'{drawing.name}'"):
-            made_of = partial(triangulation.piece_vertices, mesh, most)
+            made_of = partial(core.exchange.piece_vertices, mesh, most)
             tiles.append((drawing, mesh, remembered(made_of, mesh.vertices.nbytes, "pieces", mesh, most)))
     made = [_write(context, obj, each, height, body) for obj, each in zip(objects, tiles, strict=True)]
     for obj, group in zip(objects, made, strict=True) if body else ():

@@ -1,37 +1,78 @@
 """Shapes in and out: SVG, GeoJSON and collision outlines for game engines."""
 
-from .character_json import character_to_engine_json
-from .coverage import Coverage, coverage_cages
-from .engine_json import (
-    frames_to_engine_json,
-    from_engine_json,
-    is_engine_json,
-    outlines_from_engine_json,
-    to_engine_json,
-    write_engine_json,
-)
-from .files import read_whole, write_whole
-from .fill import Painted, clipped, joined, solid
-from .geojson import (
-    Feature,
-    Map,
-    features_from_geojson,
-    from_geojson,
-    read_geojson,
-    read_map,
-    to_geojson,
-    write_geojson,
-)
-from .gis_files import FILES, map_document
-from .limits import Limits
-from .puppet_parts import puppet_parts
-from .svg.document import Frame
-from .svg.levels import levels_in_svg
-from .svg.options import DRAWING_LIMITS, SvgOptions
-from .svg.parts import SvgPart, svg_parts
-from .svg.reading import SvgDrawing, from_svg, is_written_svg, read_svg, read_svg_drawing, svg_drawing
-from .svg.writing import to_svg, write_svg
-from .swept import swept
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..libraries import imported_later
+
+if TYPE_CHECKING:
+    from .character_json import character_to_engine_json as character_to_engine_json
+    from .coverage import Coverage as Coverage
+    from .coverage import coverage_cages as coverage_cages
+    from .engine_json import frames_to_engine_json as frames_to_engine_json
+    from .engine_json import from_engine_json as from_engine_json
+    from .engine_json import is_engine_json as is_engine_json
+    from .engine_json import outlines_from_engine_json as outlines_from_engine_json
+    from .engine_json import to_engine_json as to_engine_json
+    from .engine_json import write_engine_json as write_engine_json
+    from .files import read_whole as read_whole
+    from .files import write_whole as write_whole
+    from .fill import Painted as Painted
+    from .fill import clipped as clipped
+    from .fill import joined as joined
+    from .fill import solid as solid
+    from .geojson import Feature as Feature
+    from .geojson import Map as Map
+    from .geojson import features_from_geojson as features_from_geojson
+    from .geojson import from_geojson as from_geojson
+    from .geojson import read_geojson as read_geojson
+    from .geojson import read_map as read_map
+    from .geojson import to_geojson as to_geojson
+    from .geojson import write_geojson as write_geojson
+    from .gis_files import FILES as FILES
+    from .gis_files import map_document as map_document
+    from .limits import Limits as Limits
+    from .pieces import convex_pieces as convex_pieces
+    from .pieces import piece_vertices as piece_vertices
+    from .svg.document import Frame as Frame
+    from .svg.levels import levels_in_svg as levels_in_svg
+    from .svg.options import DRAWING_LIMITS as DRAWING_LIMITS
+    from .svg.options import SvgOptions as SvgOptions
+    from .svg.parts import SvgPart as SvgPart
+    from .svg.parts import svg_parts as svg_parts
+    from .svg.reading import SvgDrawing as SvgDrawing
+    from .svg.reading import from_svg as from_svg
+    from .svg.reading import is_written_svg as is_written_svg
+    from .svg.reading import read_svg as read_svg
+    from .svg.reading import read_svg_drawing as read_svg_drawing
+    from .svg.reading import svg_drawing as svg_drawing
+    from .svg.writing import to_svg as to_svg
+    from .svg.writing import write_svg as write_svg
+else:  # each name from its module: to read a map loads no SVG
+    __getattr__ = imported_later(
+        __name__,
+        {
+            "character_json": "character_to_engine_json",
+            "coverage": "Coverage coverage_cages",
+            "engine_json": (
+                "frames_to_engine_json from_engine_json is_engine_json outlines_from_engine_json to_engine_json "
+                "write_engine_json"
+            ),
+            "files": "read_whole write_whole",
+            "fill": "Painted clipped joined solid",
+            "geojson": "Feature Map features_from_geojson from_geojson read_geojson read_map to_geojson write_geojson",
+            "gis_files": "FILES map_document",
+            "limits": "Limits",
+            "pieces": "convex_pieces piece_vertices",
+            "svg.document": "Frame",
+            "svg.levels": "levels_in_svg",
+            "svg.options": "DRAWING_LIMITS SvgOptions",
+            "svg.parts": "SvgPart svg_parts",
+            "svg.reading": "SvgDrawing from_svg is_written_svg read_svg read_svg_drawing svg_drawing",
+            "svg.writing": "to_svg write_svg",
+        },
+    )
 
 __all__ = [
     "DRAWING_LIMITS",
@@ -47,6 +88,7 @@ __all__ = [
     "SvgPart",
     "character_to_engine_json",
     "clipped",
+    "convex_pieces",
     "coverage_cages",
     "features_from_geojson",
     "frames_to_engine_json",
@@ -59,7 +101,7 @@ __all__ = [
     "levels_in_svg",
     "map_document",
     "outlines_from_engine_json",
-    "puppet_parts",
+    "piece_vertices",
     "read_geojson",
     "read_map",
     "read_svg",
@@ -68,7 +110,6 @@ __all__ = [
     "solid",
     "svg_drawing",
     "svg_parts",
-    "swept",
     "to_engine_json",
     "to_geojson",
     "to_svg",

@@ -15,14 +15,15 @@ from ..errors import invalid_file
 from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh, MeshLike
-from ..geometry.mesh.geo_interface import polygons_of, shown
 from ..geometry.predicates import orientation
-from ..geometry.triangulation import piece_vertices, triangulate
+from ..geometry.triangulation import triangulate
 from .decimals import check_decimals, subtracted
 from .files import write_whole
 from .geojson import loaded_json
+from .geometries import polygons_of, shown
 from .limits import Limits, Quota
 from .meshes import meshes_of
+from .pieces import piece_vertices
 
 FORMAT = "nested-cages outline"
 FRAMES = "nested-cages frames"

@@ -15,9 +15,9 @@ import numpy as np
 from ..errors import InvalidMeshError, NestedCagesError, NestedCagesWarning, invalid_file, no_outline
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh, MeshLike
-from ..geometry.mesh.geo_interface import polygons_of, shown
 from .decimals import check_decimals
 from .files import write_whole
+from .geometries import polygons_of, shown
 from .gis_files import map_document
 from .limits import LimitError, Limits, Quota
 from .meridian import across

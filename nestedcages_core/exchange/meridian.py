@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.arrays import FloatArray
-from ..geometry.mesh.geo_interface import Polygon
+from .geometries import Polygon
 
 TURN, HALF_TURN, POLE = 360.0, 180.0, 90.0
 """Degrees."""

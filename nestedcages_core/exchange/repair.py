@@ -10,12 +10,12 @@ import numpy as np
 from ..errors import InvalidMeshError, no_outline
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..geometry.mesh.geo_interface import Polygon
 from ..geometry.predicates import orientation
 from ..geometry.vectors import place
 from ..libraries import load_shapely
 from .crossings import edges_in, spend_crossings
 from .fill import united
+from .geometries import Polygon
 from .hairlines import has_hairlines
 from .limits import Quota
 

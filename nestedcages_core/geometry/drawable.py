@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, ClassVar
 
 
 class Drawable:
     """A result that notebooks show, that plots itself, and that every writer of files takes."""
+
+    exchange: ClassVar[Callable[[str], Any]]
+    """Imports a module of `exchange` by its name. The package sets it: formats know meshes, which know no format."""
 
     @property
     def meshes(self) -> tuple[Any, ...]:
@@ -15,20 +19,30 @@ class Drawable:
 
     @property
     def frames(self) -> tuple[tuple[Any, ...], ...]:
-        """The meshes of each frame of a picture; frames stand side by side."""
+        """The meshes of each frame of a picture; frames are next to each other."""
         return (self.meshes,)
 
     def _repr_svg_(self) -> str:
         """The picture that a notebook shows, with y pointing up."""
-        from .picture import svg_picture
-
-        return svg_picture(self.frames)
+        picture: str = self.exchange("figures").svg_picture(self.frames)
+        return picture
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the meshes with matplotlib, and return the axes; ``ax``: the axes to draw on, by default new ones.
+        """Draw the meshes with matplotlib.
 
-        Raises NestedCagesError if matplotlib is missing.
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            The axes to draw on. Default: new ones.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        NestedCagesError
+            If matplotlib is missing.
         """
-        from .picture import plotted
-
-        return plotted(self.meshes, ax)
+        return self.exchange("figures").plotted(self.meshes, ax)

@@ -12,6 +12,7 @@ from ..decimation.starts import Outlines
 from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh, MeshLike
+from ..libraries import load_pyplot
 from .settings import Settings
 
 OUTLINES = 12
@@ -54,9 +55,11 @@ class ExcessByCount(Mapping[int, float]):
         NestedCagesError
             If matplotlib is missing.
         """
-        from ..geometry.picture import plotted_curve
-
-        return plotted_curve(self, ("vertices", "excess"), ax)
+        axes = load_pyplot().subplots()[1] if ax is None else ax
+        axes.step(list(self), list(self.values()), where="post")
+        axes.set_xlabel("vertices")
+        axes.set_ylabel("excess")
+        return axes
 
 
 def excess_by_count(shape: MeshLike, most: int, *, clearance: float = 0.0) -> ExcessByCount:

@@ -255,5 +255,5 @@ def test_a_type_checker_sees_the_names_that_there_are() -> None:
     imports = [node for node in ast.walk(source) if isinstance(node, ast.ImportFrom) and node.level == 1]
     names = {alias.asname or alias.name for node in imports for alias in node.names}
     assert set(core.__all__) <= names
-    public = [name for name in sorted(names) if not name.startswith("_") and name != "repaired_geometry"]
+    public = [name for name in sorted(names) if not name.startswith("_")]
     assert [name for name in public if not hasattr(core, name)] == []

@@ -15,8 +15,8 @@ import numpy as np
 from ...errors import invalid_file
 from ...geometry.drawable import Drawable
 from ...geometry.mesh import Mesh, MeshLike
-from ...geometry.picture import CAGE_OPACITY, COLOURS, DRAWING_OPACITY, path_data
 from ..decimals import check_decimals
+from ..figures import CAGE_OPACITY, COLOURS, DRAWING_OPACITY, path_data
 from ..files import write_whole
 from ..meshes import meshes_of
 from .document import DECORATION, OUTLINES, Frame

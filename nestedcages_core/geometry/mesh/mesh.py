@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, ClassVar, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...errors import InvalidMeshError, NestedCagesWarning, outside, unreadable
+from ...errors import InvalidMeshError, unreadable
 from ..arrays import FloatArray, IntArray
 from ..drawable import Drawable
 from ..loops import Loops, enclosing_pairs, extreme_places, parents, trace_loops, turning_senses
@@ -24,9 +23,6 @@ Number = TypeVar("Number", bound=np.generic)
 
 EXTENT_FACTOR = 2.4
 """The extent of a mesh in units of the largest distance of a vertex from their mean."""
-
-NO_SHAPE = "mesh.empty", "mesh.out_of_range", "mesh.not_finite", "mesh.unreadable"
-"""Faults of geometries that no repair mends."""
 
 TOPOLOGY = {"edges", "successor", "predecessor", "loops", "loop_signs"}
 TOPOLOGY |= {"loop_of_vertex", "parent_of_loop", "component_of_loop"}
@@ -60,9 +56,6 @@ class Mesh(Drawable):
     """Whether these vertices have been validated; False for a mesh made by `moved`."""
     loop_order: Loops = field(init=False)
     """The loops one after the other, for all that walks along them."""
-    repair: ClassVar[Callable[[list[list[FloatArray]]], tuple[Mesh, list[str]] | None]]
-    """Unites polygons that touch or overlap, and names each repair; None for those that cross themselves. The package
-    sets it, since a later room does that."""
 
     def __init__(self, vertices: ArrayLike, edges: ArrayLike) -> None:
         checked = as_vertices(vertices)
@@ -119,19 +112,7 @@ class Mesh(Drawable):
 
         Raises InvalidMeshError also where a polygon lies inside another one, or a hole outside its polygon.
         """
-        from .geo_interface import polygons_of
-
-        return cls._of_polygons(polygons_of(geometry))
-
-    @classmethod
-    def _of_polygons(cls, polygons: list[list[FloatArray]]) -> Mesh:
-        from .geo_interface import check_roles
-
-        polygons = [polygon for polygon in polygons if any(map(len, polygon))]
-        if not polygons:
-            raise InvalidMeshError("The geometry is empty; give at least one polygon.", code="mesh.empty")
-        mesh = cls.from_loops([ring for polygon in polygons for ring in polygon])
-        check_roles(polygons, mesh.loop_signs, mesh.component_of_loop)
+        mesh: Mesh = cls.exchange("meshes").mesh_of(geometry, strict=True)
         return mesh
 
     @classmethod
@@ -152,34 +133,19 @@ class Mesh(Drawable):
             if has_edges(shape):
                 return cls(*shape)
             return cls.from_loops([shape] if is_loop(shape) else shape)
-        if strict:
-            return cls.from_geometry(shape)
-        from .geo_interface import polygons_of
-
-        left_out: list[str] = []
-        polygons = polygons_of(shape, left_out=left_out)
-        try:
-            mesh = cls._of_polygons(polygons)
-        except InvalidMeshError as error:
-            repaired = None if error.code in NO_SHAPE else cls.repair(polygons)
-            if repaired is None:
-                raise
-            mesh = repaired[0]
-            left_out += repaired[1]
-        if left_out:
-            said = f"The geometry was repaired: {'; '.join(left_out)}."
-            warnings.warn(said, NestedCagesWarning, stacklevel=outside())
+        mesh: Mesh = cls.exchange("meshes").mesh_of(shape, strict=strict)
         return mesh
 
     @property
     def __geo_interface__(self) -> dict[str, Any]:
         """A Polygon, or a MultiPolygon if there are several components."""
-        from .geo_interface import to_geo_interface
-
-        polygons: list[list[Any]] = [[] for _ in range(int(self.component_of_loop.max()) + 1)]
+        polygons: list[Any] = [()] * (int(self.component_of_loop.max()) + 1)
         for k in np.argsort(-self.loop_signs, kind="stable"):
-            polygons[self.component_of_loop[k]].append(self.vertices[self.loops[k]].tolist())
-        return to_geo_interface(polygons)
+            ring = tuple(map(tuple, self.vertices[self.loops[k]].tolist()))
+            polygons[self.component_of_loop[k]] += ((*ring, ring[0]),)
+        if len(polygons) == 1:
+            return {"type": "Polygon", "coordinates": polygons[0]}
+        return {"type": "MultiPolygon", "coordinates": tuple(polygons)}
 
     def __repr__(self) -> str:
         return f"Mesh({len(self.vertices)} vertices, {len(self.loops)} loop{'s' if len(self.loops) > 1 else ''})"

@@ -1,4 +1,4 @@
-"""Geometries in the `__geo_interface__` form (GeoJSON, RFC 7946) as rings of coordinates, and back."""
+"""Geometries in the `__geo_interface__` form (GeoJSON, RFC 7946) as rings of coordinates."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InvalidMeshError, unreadable
-from ..arrays import FloatArray, IntArray
-from ..vectors import place
-from .validation import MAX_COORDINATE
+from ..errors import InvalidMeshError, unreadable
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.mesh.validation import MAX_COORDINATE
+from ..geometry.vectors import place
 
 Polygon = list[FloatArray]
 """An outer ring and its holes, each (k, 2)."""
@@ -130,16 +130,6 @@ def shown(value: Any) -> str:
         return f"a {type(value).__name__}"
     text = ascii(text)[1:-1] if not text.isascii() else text
     return text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}…"
-
-
-def to_geo_interface(polygons: Sequence[Sequence[Sequence[Sequence[float]]]]) -> dict[str, Any]:
-    """A Polygon or MultiPolygon mapping from polygons of open rings; the rings are closed here."""
-    closed = tuple(
-        tuple(tuple((float(x), float(y)) for x, y in (*ring, ring[0])) for ring in polygon) for polygon in polygons
-    )
-    if len(closed) == 1:
-        return {"type": "Polygon", "coordinates": closed[0]}
-    return {"type": "MultiPolygon", "coordinates": closed}
 
 
 def check_roles(polygons: Sequence[Polygon], signs: IntArray, components: IntArray) -> None:

@@ -6,11 +6,11 @@ import random
 
 import numpy as np
 
-from ...errors import invalid_setting
-from ..arrays import FloatArray
-from ..mesh import Mesh
-from ..predicates.orientation import orientation_sign
-from .solid import triangulate
+from ..errors import invalid_setting
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..geometry.predicates import orientation_sign
+from ..geometry.triangulation import triangulate
 
 ORDERS = 24
 """Maximum number of orders of the diagonals: by length, then random ones; the result with fewest pieces is kept."""

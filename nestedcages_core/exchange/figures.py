@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from ..errors import NestedCagesError
-from .arrays import FloatArray
+from ..geometry.arrays import FloatArray
+from ..libraries import load_pyplot
 
 COLOURS = ("#27364b", "#0072b2", "#009e73", "#d55e00", "#cc79a7", "#e69f00", "#56b4e9")
 """Colours of levels, in turn: dark for drawings, then the colour-blind safe palette of Okabe and Ito."""
@@ -53,7 +53,7 @@ def svg_picture(frames: Sequence[Sequence[Any]]) -> str:
 
 def plotted(meshes: Sequence[Any], ax: Any = None) -> Any:
     """Draw meshes with matplotlib on axes, by default new ones; returns the axes. Raises NestedCagesError."""
-    axes = _axes(ax)
+    axes = load_pyplot().subplots()[1] if ax is None else ax
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
@@ -64,29 +64,6 @@ def plotted(meshes: Sequence[Any], ax: Any = None) -> Any:
         axes.add_patch(PathPatch(outline, facecolor=colour, edgecolor="none", alpha=opacity))
     axes.set_aspect("equal")
     axes.autoscale_view()
-    return axes
-
-
-def _axes(ax: Any) -> Any:
-    """Axes of matplotlib, by default new ones. Raises NestedCagesError where it is missing."""
-    try:
-        from matplotlib import pyplot as plt
-    except ImportError as error:
-        raise NestedCagesError(
-            "Plots need matplotlib: pip install matplotlib.", code="dependency.missing", library="matplotlib"
-        ) from error
-    return plt.subplots()[1] if ax is None else ax
-
-
-def plotted_curve(values: Mapping[int, float], names: tuple[str, str], ax: Any = None) -> Any:
-    """Draw values by number with matplotlib, and return the axes.
-
-    Raises NestedCagesError if matplotlib is missing.
-    """
-    axes = _axes(ax)
-    axes.step(list(values), list(values.values()), where="post", color=COLOURS[0])
-    axes.set_xlabel(names[0])
-    axes.set_ylabel(names[1])
     return axes
 
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
+from ..coordinates.harmonic import from_values
+from ..coordinates.precision import corrected
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import BoxTree, crossing_pairs, orientation, winding_number
 from ..geometry.triangulation import Sampling, Triangulation, triangulate
-from .harmonic import from_values
-from .precision import corrected
 
 INSIDE = Sampling(1.0 / 64.0, at_corners=1.0 / 4.0)
 """Spacing of the triangles in the cage, in cage diagonals: some 1,000 vertices, 0.1 % of error in a bent limb."""
