@@ -126,25 +126,14 @@ if TYPE_CHECKING:
     from .motion import animated_cages
     from .motion import followed as followed
     from .motion import stream_cages as stream_cages
-    from .published.gurditta_jacobson_2022 import AUGMENTED_2022 as AUGMENTED_2022
-    from .published.gurditta_jacobson_2022 import AUGMENTED_2022_REPAIRED as AUGMENTED_2022_REPAIRED
-    from .published.gurditta_jacobson_2022 import AllPairs as AllPairs
-    from .published.gurditta_jacobson_2022 import EvenSamples as EvenSamples
-    from .published.gurditta_jacobson_2022 import GaussLegendre as GaussLegendre
-    from .published.gurditta_jacobson_2022 import GradientDescent as GradientDescent
-    from .published.gurditta_jacobson_2022 import Midpoint as Midpoint
-    from .published.gurditta_jacobson_2022 import NoFilter as NoFilter
-    from .published.gurditta_jacobson_2022 import PaperContact as PaperContact
-    from .published.gurditta_jacobson_2022 import PaperFlow as PaperFlow
-    from .published.gurditta_jacobson_2022 import PaperWeights as PaperWeights
-    from .published.gurditta_jacobson_2022 import QuadraticFallOff as QuadraticFallOff
-    from .published.gurditta_jacobson_2022 import RandomSamples as RandomSamples
-    from .published.gurditta_jacobson_2022 import Repairs as Repairs
-    from .published.gurditta_jacobson_2022 import SignedDistanceFlow as SignedDistanceFlow
-    from .published.gurditta_jacobson_2022 import SmallestDistance as SmallestDistance
-    from .published.gurditta_jacobson_2022 import TimeOfImpact as TimeOfImpact
-    from .published.gurditta_jacobson_2022 import UniformGrid as UniformGrid
-    from .published.gurditta_jacobson_2022 import as_published as as_published
+    from .published import AUGMENTED_2022 as AUGMENTED_2022
+    from .published import AUGMENTED_2022_REPAIRED as AUGMENTED_2022_REPAIRED
+    from .published import GradientDescent as GradientDescent
+    from .published import PaperContact as PaperContact
+    from .published import PaperFlow as PaperFlow
+    from .published import PaperWeights as PaperWeights
+    from .published import Repairs as Repairs
+    from .published import as_published as as_published
     from .puppet import PartChoice as PartChoice
     from .puppet import Puppet as Puppet
     from .puppet import PuppetDraft as PuppetDraft
@@ -238,10 +227,9 @@ _LATER = {
     "hierarchy.excess_by_count": "ExcessByCount excess_by_count",
     "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",
     "puppet": "PartChoice Puppet PuppetDraft PuppetPart draft_puppet idle puppet_of walk wave",
-    "published.gurditta_jacobson_2022": (
-        "AUGMENTED_2022 AUGMENTED_2022_REPAIRED AllPairs EvenSamples GaussLegendre GradientDescent Midpoint NoFilter "
-        "PaperContact PaperFlow PaperWeights QuadraticFallOff RandomSamples Repairs SignedDistanceFlow "
-        "SmallestDistance TimeOfImpact UniformGrid as_published"
+    "published": (
+        "AUGMENTED_2022 AUGMENTED_2022_REPAIRED GradientDescent PaperContact PaperFlow PaperWeights Repairs "
+        "as_published"
     ),
 }
 """Rooms that making a cage does not need, and the names that the face passes on from them: imported when asked for."""

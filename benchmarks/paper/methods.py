@@ -27,14 +27,13 @@ from nestedcages_core import (
     SequentialQP,
     Settings,
     Tightening,
-    TimeOfImpact,
     TwoSidedFlow,
-    UniformGrid,
     nested_cages,
     verify,
     verify_motion,
 )
 from paper.li_2020 import OriginalIPC
+from paper.newton_2022 import ContactByNewton
 from paper.sacht_2015 import ElTopo, SachtFlow
 from paper.sellan_2022 import Decimation, edge_collapse, level_set
 from shapes import ring
@@ -42,15 +41,10 @@ from shapes import ring
 STARTS = {"edge collapse": Decimation(edge_collapse), "arc length": ArcLength(), "line cycles": OnCurve()}
 """Coarse meshes that methods start from: that of 2015, evenly spaced vertices, and ours put on the curve."""
 
-BY_NEWTON = PaperContact(
-    repairs=Repairs(parity=True, exact_home=True), step_filter=TimeOfImpact(), broad_phase=UniformGrid(),
-    solver=ProjectedNewton(),
-)  # fmt: skip
+REPAIRS = Repairs(parity=True, exact_home=True)
+BY_NEWTON = ContactByNewton(repairs=REPAIRS, solver=ProjectedNewton())
 """The energy of 2022 with its faults repaired, by projected Newton, its further work."""
-DESCENT = replace(
-    BY_NEWTON, step_filter=PaperContact().step_filter, broad_phase=PaperContact().broad_phase,
-    solver=GradientDescent(refuse_infinite=True),
-)  # fmt: skip
+DESCENT = PaperContact(repairs=REPAIRS, solver=GradientDescent(refuse_infinite=True))
 RANGES = (1e-3, 1e-2, PaperContact().d_hat)  # d̂ in diagonals: the default of IPC (2020), and up to that of 2022
 OURS = Settings(fallback=None, flow=TwoSidedFlow(), contact=IPC(), tightening=Tightening())
 """Ours with IPC, from one coarse mesh and without a fallback."""

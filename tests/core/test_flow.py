@@ -8,14 +8,14 @@ import pytest
 import shapely
 
 import nestedcages_core as core
-from nestedcages_core import FlowError, Mesh, Settings, SignedDistanceFlow, TwoSidedFlow, nested_cages
+from nestedcages_core import FlowError, Mesh, PaperFlow, Settings, TwoSidedFlow, nested_cages
 from support import shapes
 from support.judging import codes, rejected
 from support.marks import slow_after
 from support.shapes import annulus, comb, disc, islands, letter_a, letter_a_coarse, lines, resampled, ring, star
 
 ONLY_THE_FLOW = Settings(fallback=None, tightening=core.Tightening(iterations=0))
-METHODS = {"two-sided": TwoSidedFlow(), "signed distance": SignedDistanceFlow()}
+METHODS = {"two-sided": TwoSidedFlow(), "paper": PaperFlow(exact_parity=True, limit=300)}
 BY_METHOD = pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
 
 
@@ -203,9 +203,10 @@ STUCK = {
     "a triangle in a winding corridor": (
         Mesh.from_loops([[(0.0, 0.2), (2.9, 0.2), (1.2, 2.9)]]), CORRIDOR, TwoSidedFlow(limit=1, vertex_limit=1),
     ),
-    "too few steps": (annulus(64), annulus(3), SignedDistanceFlow(limit=2)),
+    "too few steps": (annulus(64), annulus(3), PaperFlow(exact_parity=True, limit=2)),
     "holes apart": (
-        Mesh.from_loops([ring(9, 0.8), disc(9, 0.05, 0.5, 0.0)]), annulus(16, 0.05), SignedDistanceFlow(limit=1),
+        Mesh.from_loops([ring(9, 0.8), disc(9, 0.05, 0.5, 0.0)]), annulus(16, 0.05),
+        PaperFlow(exact_parity=True, limit=1),
     ),
     **{f"slits of {w}": (comb(2, w), resampled(comb(2, w), 24, 0.37), TwoSidedFlow()) for w in (1e-2, 1e-5, 1e-8)},
 }  # fmt: skip

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import nestedcages_core as core
-from nestedcages_core import IPC, Area, ElementEnergy, PaperContact, SequentialQP, SignedDistanceFlow, Tightening
+from nestedcages_core import IPC, Area, ElementEnergy, PaperContact, SequentialQP, Tightening
 from support.judging import rejected
 
 NO_NUMBERS = [np.nan, np.inf, "1", None, True]
@@ -51,8 +51,6 @@ RULES: dict[type, dict[str, tuple[list[Any], Any]]] = {  # of each parameter, wh
         **dict.fromkeys(("exact_parity", "over_length", "absolute"), FLAG),
     },
     core.PaperWeights: dict.fromkeys(("restoring", "cages", "barrier"), NOT_NEGATIVE),
-    SignedDistanceFlow: {"step": POSITIVE, "limit": count(1)},
-    core.RandomSamples: {"samples": count(1), "seed": count(0), "step": count(0)},
     core.Repairs: {"parity": FLAG, "exact_home": FLAG},
     core.Harmonic: dict.fromkeys(("spacing", "at_corners"), ([0.0, 2.0, -1.0, np.nan], 1.0)),
 }
@@ -68,8 +66,8 @@ def test_parameters_are_checked(method: type, name: str, wrong: list[Any], right
 
 
 PARTS: list[tuple[type, str]] = [
-    (IPC, "solver"), (IPC, "energy"), (SequentialQP, "quadratic_programs"), (SignedDistanceFlow, "quadrature"),
-    *((PaperContact, name) for name in ("solver", "energy", "step_filter", "broad_phase")), (Tightening, "solver"),
+    (IPC, "solver"), (IPC, "energy"), (SequentialQP, "quadratic_programs"), (Tightening, "solver"),
+    (PaperContact, "solver"), (PaperContact, "energy"),
 ]  # fmt: skip
 OTHERS: list[Callable[[Any], object]] = [
     lambda part: core.OnCurve(around=part),

@@ -22,7 +22,7 @@ from nestedcages_core.geometry.predicates import (
     winding_around,
     winding_number,
 )
-from nestedcages_core.published.gurditta_jacobson_2022.ray_parity import edges_meet, inside_by_parity
+from nestedcages_core.published.ray_parity import edges_meet, inside_by_parity
 from support.marks import slow_after, slowly
 from support.shapes import as_set
 

@@ -11,19 +11,17 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...contact.base import ContactOutcome, OnStep, no_step
-from ...contact.ipc import STIFFENING
-from ...contact.pairs import Bodies
-from ...energies import Area, Energy
-from ...geometry.arrays import FloatArray
-from ...geometry.precision import MOST_ROUNDS
-from ...parameters import check_flag, check_part, check_positive
-from ...solver.newton import Solver
+from ..contact.base import ContactOutcome, OnStep, no_step
+from ..contact.ipc import STIFFENING
+from ..contact.pairs import Bodies
+from ..energies import Area, CageEnergy, Energy
+from ..geometry.arrays import FloatArray
+from ..geometry.precision import MOST_ROUNDS
+from ..parameters import check_flag, check_part, check_positive
+from ..solver.newton import Solver
 from .flow import PAPER_DIAGONAL
 from .gradient_descent import GradientDescent
-from .pair_search import AllPairs, BroadPhase
 from .potential import PaperPotential, PaperWeights
-from .step_filter import NoFilter, StepFilter
 
 PROGRAM_RANGE = 0.1
 """d̂ of the program, whatever the size of the meshes."""
@@ -60,52 +58,35 @@ class PaperContact:
     """Weights of the terms of the energy."""
     repairs: Repairs = field(default_factory=Repairs)
     """Fixes to apply."""
-    step_filter: StepFilter = field(default_factory=NoFilter)
-    """Bounds each step before the line search."""
-    broad_phase: BroadPhase = field(default_factory=AllPairs)
-    """Finds the candidate pairs."""
-    arrival: float | None = None
-    """Distance of the fine mesh from a target up to which it has arrived, and the next one is set; a length as
-    `d_hat`. None: all steps of the solver, as in the program. The paper proposes this (section 5), with those as a
-    maximum."""
     absolute: bool = False
-    """Whether `d_hat` and `arrival` are lengths in units of the input, as in the program."""
+    """Whether `d_hat` is a length in units of the input, as in the program."""
 
     def __post_init__(self) -> None:
-        check_positive(self, "d_hat", *(["arrival"] if self.arrival is not None else []))
+        check_positive(self, "d_hat")
         check_flag(self, "absolute")
         check_part(self, "solver", "minimise", "ProjectedNewton()")
         check_part(self, "energy", "at", "Area()")
-        check_part(self, "step_filter", "fraction", "TimeOfImpact()")
-        check_part(self, "broad_phase", "candidates", "UniformGrid()")
 
     def scaled(self, factor: float) -> PaperContact:
         """The same contact for meshes scaled by a factor."""
-        if not self.absolute:
-            return self
-        arrival = None if self.arrival is None else self.arrival * factor
-        return replace(self, d_hat=self.d_hat * factor, arrival=arrival)
+        return replace(self, d_hat=self.d_hat * factor) if self.absolute else self
+
+    def potential(self, bodies: Bodies, energy: CageEnergy) -> PaperPotential:
+        """The energy, which `reinflate` gives one target after the other."""
+        return PaperPotential(bodies, energy, self.weights, self.d_hat, exact=self.repairs.parity)
 
     def reinflate(
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float, on_step: OnStep = no_step
     ) -> ContactOutcome:
         """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`. It has no clearance.
 
-        Unless a step filter is safe, the linear motion between steps may pass through a contact.
+        The linear motion between steps may pass through a contact.
         """
         energy = self.energy.at(bodies.coarse)
-        candidates = self.broad_phase.candidates(bodies)
-
-        def potential(target: FloatArray, weights: PaperWeights, last: bool) -> PaperPotential:
-            return PaperPotential(
-                bodies, energy.after(x[: bodies.m]), target, weights, self.d_hat,
-                candidates=candidates, step_filter=self.step_filter,
-                exact_containment=self.repairs.parity, ends_at_target=last, arrival=self.arrival,
-            )  # fmt: skip
-
+        objective = self.potential(bodies, energy)
         iterations = 0
         for place, target in enumerate(path):
-            objective = potential(target, self.weights, False)
+            objective.energy, objective.target = energy.after(x[: bodies.m]), target
             solution = self.solver.minimise(objective, x, on_step)
             x = solution.x
             iterations += solution.iterations
@@ -115,9 +96,9 @@ class PaperContact:
                 reason = f"the energy of flow step {len(path) - 1 - place} is infinite, and so is every step from there"
                 return ContactOutcome(x, False, iterations, reason)
         if self.repairs.exact_home:
-            weights = self.weights
+            objective.ends_at_target = True
             for _ in range(MOST_ROUNDS):
-                objective = potential(path[-1], weights, True)
+                objective.energy = energy.after(x[: bodies.m])
                 if objective.finished(x):
                     x = np.concatenate([x[: bodies.m], path[-1]])
                     on_step(x)
@@ -125,7 +106,7 @@ class PaperContact:
                 solution = self.solver.minimise(objective, x, on_step)
                 x = solution.x
                 iterations += solution.iterations
-                weights = PaperWeights(STIFFENING * weights.restoring, weights.cages, weights.barrier)
+                objective.weights = replace(objective.weights, restoring=STIFFENING * objective.weights.restoring)
         short = np.hypot(*(path[-1] - x[bodies.m :]).T)
         worst = int(short.argmax())
         reached = not bool(short.any())

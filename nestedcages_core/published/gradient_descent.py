@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry.arrays import FloatArray
-from ...parameters import check_count, check_flag, check_positive, check_reduction
-from ...solver.newton import Objective, SolverResult
+from ..geometry.arrays import FloatArray
+from ..parameters import check_count, check_flag, check_positive, check_reduction
+from ..solver.newton import Objective, SolverResult
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,11 @@
 """The flow as the paper's program runs it (Gurditta & Jacobson 2022, section 3.1, Algorithms 1 and 2).
 
-Ray parity decides what is inside, and hence the sign of the gradient. :class:`SignedDistanceFlow` is the same method
-with exact signs.
+Ray parity decides what is inside, and hence the sign of the gradient.
 
 Text and program weigh the samples of Algorithm 2 differently. In the text a sample at t weighs (1 - t)² on either edge,
 and the sum is normalised, so that both edges count alike whatever their lengths. The program divides each weight by the
 length of its edge, which lets the shorter edge decide. Neither is an integral along the edges: in that, longer edges
-weigh more, as in :class:`QuadraticFallOff`, which does not normalise either.
+weigh more.
 """
 
 from __future__ import annotations
@@ -15,14 +14,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...flow.base import FlowResult, Obstacle, stuck
-from ...flow.containment import Containment
-from ...flow.loop_matching import match_loops
-from ...geometry.arrays import FloatArray
-from ...geometry.mesh import Mesh
-from ...geometry.signed_distance import SignedDistance
-from ...parameters import check_count, check_flag, check_positive
-from ...progress import Tick, no_tick
+from ..flow.base import FlowResult, Obstacle, stuck
+from ..flow.containment import Containment
+from ..flow.loop_matching import match_loops
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..geometry.signed_distance import SignedDistance
+from ..parameters import check_count, check_flag, check_positive
+from ..progress import Tick, no_tick
 from .ray_parity import contained_by_parity, inside_by_parity
 
 PAPER_DIAGONAL = float(np.sqrt(8.0))

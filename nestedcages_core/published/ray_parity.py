@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
 
 
 def inside_by_parity(points: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:

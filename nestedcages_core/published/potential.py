@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ...contact.barrier import BarrierSum
-from ...contact.ccd import impacts
-from ...contact.incremental_potential import DIRECT_STEP_MARGIN
-from ...contact.pairs import Bodies, Pairs
-from ...energies import Blocks, CageEnergy
-from ...energies.containment_energy import ContainmentEnergy
-from ...geometry.arrays import FloatArray
-from ...geometry.distance import PointEdge
-from ...parameters import check_not_negative
-from ...solver.newton import NewtonModel
-from .pair_search import PairSource
+from ..contact.barrier import BarrierSum
+from ..contact.ccd import impacts
+from ..contact.incremental_potential import DIRECT_STEP_MARGIN
+from ..contact.pairs import Bodies, Pairs, find_pairs
+from ..energies import Blocks, CageEnergy
+from ..energies.containment_energy import ContainmentEnergy
+from ..errors import invalid_setting
+from ..geometry.arrays import FloatArray
+from ..parameters import check_not_negative
+from ..solver.newton import NewtonModel
 from .ray_parity import contained_by_parity
-from .step_filter import StepFilter
 
 SMALLEST_DISTANCE = 1e-15
 """Distance in bounding-box diagonals below which the program has no barrier, to skip a vertex and its own edges."""
+
+MAX_PAIRS = 20_000_000
+"""Maximum number of pairs stored: more would not fit into the memory of a small machine."""
 
 
 @dataclass(frozen=True)
@@ -46,64 +48,70 @@ class PaperPotential:
     gradient and acts through the line search only.
     """
 
-    def __init__(
-        self,
-        bodies: Bodies,
-        energy: CageEnergy,
-        target: FloatArray,
-        weights: PaperWeights,
-        d_hat: float,
-        *,
-        candidates: PairSource,
-        step_filter: StepFilter,
-        exact_containment: bool,
-        ends_at_target: bool = False,
-        arrival: float | None = None,
-    ) -> None:
-        self.bodies, self.energy, self.target = bodies, energy, target
-        self.weights, self.d_hat = weights, d_hat
-        self.candidates, self.step_filter = candidates, step_filter
-        self.ends_at_target, self.arrival = ends_at_target, arrival
+    target: FloatArray
+    """(n, 2) where R draws the fine mesh to."""
+    ends_at_target: bool
+    """Whether the minimisation ends where the fine mesh can go straight to its target; False as published."""
+
+    def __init__(self, bodies: Bodies, energy: CageEnergy, weights: PaperWeights, d_hat: float, *, exact: bool) -> None:
+        """exact: whether E_cont is decided by exact predicates, not by parity."""
+        self.bodies, self.energy, self.weights, self.d_hat = bodies, energy, weights, d_hat
+        self.target, self.ends_at_target = bodies.fine.vertices, False
         self._ceiling = np.inf
-        self._exact = ContainmentEnergy(bodies.cage.successor, bodies.fine.successor) if exact_containment else None
+        self._exact = ContainmentEnergy(bodies.cage.successor, bodies.fine.successor) if exact else None
+
+    @cached_property
+    def _all_pairs(self) -> Pairs:
+        count = self.bodies.m * (2 * self.bodies.n + self.bodies.m)
+        if count > MAX_PAIRS:
+            raise invalid_setting(f"The paper's method cannot hold {count} pairs; use IPC() for meshes of this size.")
+        return find_pairs(self.bodies, np.zeros((self.bodies.m + self.bodies.n, 2)), np.inf)
+
+    def near(self, x: FloatArray, motion: float = 0.0) -> Pairs:
+        """All pairs that may come closer than d̂ when no vertex moves farther than a length: every one."""
+        return self._all_pairs
 
     def value(self, x: FloatArray) -> float:
         """E at x (m + n, 2)."""
-        return self._value(x, self._barriers(x))
+        return self._value(x, self.barriers(x))
 
     def slope(self, x: FloatArray) -> tuple[float, FloatArray]:
         """E and the gradient of its finite terms."""
-        return self._slope(x, self._barriers(x))
+        return self._slope(x, self.barriers(x))
 
     def newton(self, x: FloatArray) -> NewtonModel:
         """E, its gradient and its projected Newton direction, named as further work by the paper."""
-        barriers = self._barriers(x)
+        barriers = self.barriers(x)
         value, gradient = self._slope(x, barriers)
         hessian = self.energy.projected_hessian(x[: self.bodies.m], self.bodies.cage.successor)
-        own = Blocks.sum([(self.weights.cages, hessian)])
         stiffness = np.full(self.bodies.n, self.weights.restoring)
+        own = Blocks.sum([(self.weights.cages, hessian)])
         return NewtonModel(value, gradient, barriers.newton_direction(gradient, stiffness, own))
 
     def largest_step(self, x: FloatArray, direction: FloatArray) -> float:
-        """Fraction of ``direction`` that the step filter allows."""
-        pairs, pair = self._near(x, direction)
-        return self.step_filter.fraction(pairs, x, direction, pair.distance)
+        """1: only the infinite energy of a crossing rejects a step afterwards."""
+        return 1.0
 
     def finished(self, x: FloatArray) -> bool:
-        """Whether the fine mesh can go straight to its target, if ``ends_at_target``; else whether it has arrived.
-
-        Always False as published.
-        """
+        """Whether the fine mesh can go straight to its target, if it ends there."""
         if not self.ends_at_target:
-            far = np.hypot(*(x[self.bodies.m :] - self.target).T).max()
-            return self.arrival is not None and bool(far <= self.arrival)
+            return False
         motion = np.zeros_like(x)
         motion[self.bodies.m :] = self.target - x[self.bodies.m :]
-        pairs, pair = self._near(x, motion)
-        if len(impacts(pairs, x, motion, pair.distance)[0]):
+        pairs = self.near(x, float(np.sqrt((motion * motion).sum(axis=1).max())))
+        distance = pairs.measure(x).distance
+        if len(impacts(pairs, x, motion, distance)[0]):
             return False
         after = pairs.measure(x + motion).distance
-        return bool((after > DIRECT_STEP_MARGIN * np.minimum(pair.distance, self.d_hat)).all())
+        return bool((after > DIRECT_STEP_MARGIN * np.minimum(distance, self.d_hat)).all())
+
+    def barriers(self, x: FloatArray) -> BarrierSum:
+        """The barriers of the pairs within range."""
+        pairs = self.near(x)
+        pair = pairs.measure(x)
+        active = (pair.distance < self.d_hat) & (pair.distance >= SMALLEST_DISTANCE)
+        pairs, pair = pairs.take(active), pair.take(active)
+        return BarrierSum.at(x, pairs, pair, weight=self.weights.barrier, d_hat=self.d_hat)
 
     def _slope(self, x: FloatArray, barriers: BarrierSum) -> tuple[float, FloatArray]:
         self._ceiling = np.inf
@@ -129,22 +137,8 @@ class PaperPotential:
         return np.inf
 
     def _contained(self, x: FloatArray) -> bool:
-        """Whether E_cont is 0, by parity as published or by exact predicates."""
+        """Whether E_cont is 0."""
         if self._exact is not None:
             return self._exact.value(x) == 0.0
         m = self.bodies.m
         return contained_by_parity(x[:m], self.bodies.cage.successor, x[m:], self.bodies.fine.successor)
-
-    def _barriers(self, x: FloatArray) -> BarrierSum:
-        """The barriers of the pairs within range."""
-        pairs = self.candidates.within(x, self.d_hat, self.d_hat)
-        pair = pairs.measure(x)
-        active = (pair.distance < self.d_hat) & (pair.distance >= SMALLEST_DISTANCE)
-        pairs, pair = pairs.take(active), pair.take(active)
-        return BarrierSum.at(x, pairs, pair, weight=self.weights.barrier, d_hat=self.d_hat)
-
-    def _near(self, x: FloatArray, motion: FloatArray) -> tuple[Pairs, PointEdge]:
-        """A superset of the pairs that can meet in a motion."""
-        longest = float(np.sqrt((motion * motion).sum(axis=1).max()))
-        pairs = self.candidates.within(x, self.d_hat + 2.0 * longest, self.d_hat)
-        return pairs, pairs.measure(x)
