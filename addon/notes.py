@@ -32,6 +32,15 @@ SENTENCES: Mapping[str, str] = {
 }
 """Of the add-on's own codes: a format for their data; those of the core are in its `notes`."""
 
+LENGTHS: Mapping[str, tuple[str, ...]] = {
+    "note.clearance": ("wanted", "given"),
+    "note.symmetry": ("difference",),
+    "note.pin": ("distance",),
+    "note.edge": ("wanted", "given"),
+    "note.tolerance": ("limit", "taken"),
+}
+"""Data of the core's notes that are lengths in the drawing's unit; the limit of an excess is none."""
+
 
 # Codes of notes on loops that a cage lacks, and on how a cage was made, which are in the report alone.
 LOOPS = "note.loops"
@@ -75,7 +84,8 @@ def is_told(code: str, data: Mapping[str, Any]) -> bool:
 
 def in_scene(given: core.Fault, scale: float) -> core.Fault:
     """A note of the core in units of the scene; scale: the scene's length of the drawing's unit."""
-    return note(given.code, **errors.in_units(given.data, given.code, scale))
+    names = () if given.data.get("on") == "excess" else LENGTHS.get(given.code, ())
+    return note(given.code, **{name: scale * value if name in names else value for name, value in given.data.items()})
 
 
 def sentence(code: str, data: Mapping[str, Any]) -> str:

@@ -15,11 +15,6 @@ def check_positive(method: object, *names: str) -> None:
     _check(method, names, lambda value: 0.0 < value < math.inf, "must be positive and finite")
 
 
-def check_limit(method: object, *names: str) -> None:
-    """NestedCagesError unless the named parameters are numbers above 0, infinity included."""
-    _check(method, names, lambda value: value > 0.0, "must be positive")
-
-
 def check_not_negative(method: object, *names: str) -> None:
     """NestedCagesError unless the named parameters are finite numbers of at least 0."""
     _check(method, names, lambda value: 0.0 <= value < math.inf, "must be finite and at least 0")

@@ -46,15 +46,6 @@ NOTES: Mapping[str, str] = {
 """Sentences of notes, by the code without `note.`, and by what it is `on` where it has several: formats for their data.
 `…_percent` is 100 times a value."""
 
-LENGTHS: Mapping[str, tuple[str, ...]] = {
-    "note.clearance": ("wanted", "given"),
-    "note.symmetry": ("difference",),
-    "note.pin": ("distance",),
-    "note.edge": ("wanted", "given"),
-    "note.tolerance": ("limit", "taken"),
-}
-"""Data that are lengths in the input's units; the limit of an excess is none."""
-
 
 def sentence(code: str, data: Mapping[str, Any], formats: Mapping[str, str] = NOTES) -> str:
     """What a note says, by `formats` of other programs first; the plain text, if there is any, for unknown ones."""
@@ -65,9 +56,3 @@ def sentence(code: str, data: Mapping[str, Any], formats: Mapping[str, str] = NO
         return known.format(**data, **percent)
     except (KeyError, IndexError, ValueError, TypeError):
         return str(data.get("text", ""))
-
-
-def in_units(data: Mapping[str, Any], code: str, scale: float) -> dict[str, Any]:
-    """The data of a note with lengths in other units, of which an input unit has so many."""
-    names = () if data.get("on") == "excess" else LENGTHS.get(code, ())
-    return {name: scale * value if name in names else value for name, value in data.items()}

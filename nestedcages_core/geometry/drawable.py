@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, ClassVar
 
 
 class Drawable:
     """A result that notebooks show, that plots itself, and that every writer of files takes."""
 
-    exchange: ClassVar[Callable[[str], Any]]
+    exchange: ClassVar[Any]
     """Imports a module of `exchange` by its name. The package sets it: formats know meshes, which know no format."""
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,45 +47,60 @@ class Certificate:
 def verify(cage: MeshLike, fine: MeshLike, clearance: float = 0.0, *, same_loops: bool = True) -> Certificate:
     """The certificate of a cage around a fine mesh, for any pair; every verdict but the distance is exact.
 
-    cage, fine: meshes, or anything that `Mesh.of` reads: objects with `__geo_interface__`, lists of loops (k, 2).
-    clearance: the distance between the two boundaries to ask for, in input units.
-    same_loops: whether the cage must keep the loops of the fine mesh; without it, a cage may cover holes, and one loop
-    may wrap several components.
+    Parameters
+    ----------
+    cage, fine : MeshLike
+        What `Mesh.of` reads: meshes, objects with `__geo_interface__`, lists of loops (k, 2).
+    clearance : float, optional
+        Smallest distance between the two boundaries that is required, in input units. Default: they must not meet.
+    same_loops : bool, optional
+        Whether the cage must keep the loops of the fine mesh; without it, a cage may cover holes, and one loop may
+        wrap several components.
 
-    Raises InvalidMeshError for input that is not a shape; for an invalid shape, the certificate says so.
+    Returns
+    -------
+    Certificate
+        True if all requirements are met; ``problems`` has the others, also for an invalid shape.
+
+    Raises
+    ------
+    InvalidMeshError
+        For input that is no shape.
+
+    Examples
+    --------
+    >>> from nestedcages_core import verify
+    >>> bool(verify([(-1, -1), (9, -1), (4, 9)], [(2, 1), (6, 1), (4, 5)], clearance=0.5))
+    True
     """
     problems: list[Fault] = []
-    judged, judged_fine = (_at_the_door(mesh, name, problems) for mesh, name in ((cage, "cage"), (fine, "fine mesh")))
-    if judged is None or judged_fine is None:
-        return Certificate(judged is not None, False, False, float("nan"), float("nan"), tuple(problems))
-    pair = _Pair(judged, judged_fine)
-    turned = _turned_loops(cage, judged) if isinstance(cage, Mesh) else np.zeros(0, np.int64)
+    outer, inner = (_read(shape, name, problems) for shape, name in ((cage, "cage"), (fine, "fine mesh")))
+    if outer is None or inner is None:
+        return Certificate(outer is not None, False, False, float("nan"), float("nan"), tuple(problems))
+    nesting = Nesting(outer, inner)
+    turned = _turned_loops(cage, outer) if isinstance(cage, Mesh) else np.zeros(0, np.int64)
     problems += [
-        pair.fault(f"Loop {k} of the cage near {{}} is turned inside out.", "cage.turned", judged, int(k))
-        for k in turned
+        _on_loop(f"Loop {k} of the cage near {{}} is turned inside out.", "cage.turned", outer, k) for k in turned
     ]
-    contact = pair.contact()
-    problems += contact
-    strict, loops_kept, lost = False, False, NONE_LOST
-    if not contact:
-        outside = pair.outside()
+    strict, loops_kept, lost, measured = False, False, NONE_LOST, 0.0
+    if nesting.contact is not None:
+        problems.append(_contact(nesting, *nesting.contact))
+    else:
+        outside, misplaced = list(_outside(nesting)), list(_misplaced_loops(nesting))
         problems += outside
-        strict = not outside
-        misplaced = pair.misplaced_loops()
-        loops_kept = not misplaced and len(turned) == 0
+        strict, loops_kept = not outside, not misplaced and len(turned) == 0
         if same_loops and strict:
             problems += misplaced
         elif strict and misplaced:
-            lost = LostLoops.of(judged, judged_fine, pair.nesting)
-    measured = 0.0 if contact else pair.gap()
-    if not contact and not measured >= clearance * (1.0 - ROUND_OFF):  # nor is a clearance of nan kept
-        said = f"The cage comes as near as {measured:.6g} to the fine mesh; {clearance:.6g} is asked for."
-        problems.append(Fault(said, "cage.too_close", clearance=measured, wanted=clearance))
-    excess = judged.area / judged_fine.area - 1.0
-    return Certificate(True, loops_kept, strict, measured, excess, tuple(problems), lost)
+            lost = LostLoops.of(outer, inner, nesting)
+        measured = smallest_gap(outer.edge_tree, inner.edge_tree)
+        if not measured >= clearance * (1.0 - ROUND_OFF):  # nor is a clearance of nan kept
+            said = f"The cage comes as near as {measured:.6g} to the fine mesh; {clearance:.6g} is required."
+            problems.append(Fault(said, "cage.too_close", clearance=measured, wanted=clearance))
+    return Certificate(True, loops_kept, strict, measured, outer.area / inner.area - 1.0, tuple(problems), lost)
 
 
-def _at_the_door(shape: MeshLike, name: str, problems: list[Fault]) -> Mesh | None:
+def _read(shape: MeshLike, name: str, problems: list[Fault]) -> Mesh | None:
     """The validated mesh, or None and a sentence."""
     if not is_mesh_like(shape):
         raise InvalidMeshError(f"The {name} must be {MESH_LIKE}, not {type(shape).__name__}.", code="mesh.unreadable")
@@ -110,71 +126,57 @@ def loops_in_words(mesh: Mesh) -> str:
     return f"{outer} outer loop{'s' * (outer != 1)} and {holes or 'no'} hole{'s' * (holes != 1)}"
 
 
-class _Pair:
-    """A valid cage and a valid fine mesh, and the sentences about them."""
+def _on_loop(sentence: str, code: str, mesh: Mesh, loop: int) -> Fault:
+    """A fault of a loop; {} in the sentence is its place."""
+    at = mesh.vertices[mesh.loops[loop][0]]
+    return Fault(sentence.format(place(at)), code, loops=[loop], place=at)
 
-    def __init__(self, cage: Mesh, fine: Mesh) -> None:
-        self.cage, self.fine = cage, fine
-        self.nesting = Nesting(cage, fine)
 
-    def fault(self, sentence: str, code: str, mesh: Mesh, loop: int) -> Fault:
-        """A fault of a loop; {} in the sentence is its place."""
-        at = mesh.vertices[mesh.loops[loop][0]]
-        return Fault(sentence.format(place(at)), code, loops=[loop], place=at)
+def _contact(nesting: Nesting, u: int, v: int) -> Fault:
+    """Where the edges that start at vertex u of the cage and v of the fine mesh meet."""
+    cage, fine = nesting.outer, nesting.inner
+    corners = [u, int(cage.successor[u]), v, int(fine.successor[v])]
+    point = crossing_point(*cage.vertices[corners[:2]], *fine.vertices[corners[2:]])
+    said = (
+        f"The cage meets the fine mesh near {place(point)}: edge {corners[0]}-{corners[1]} of the cage touches edge "
+        f"{corners[2]}-{corners[3]} of the fine mesh."
+    )
+    return Fault(said, "cage.meets", vertices=corners, place=point)
 
-    def contact(self) -> list[Fault]:
-        """A sentence if the boundaries touch or cross."""
-        if self.nesting.contact is None:
-            return []
-        u, v = self.nesting.contact
-        ends = self.cage.successor[u], self.fine.successor[v]
-        corners = self.cage.vertices[[u, ends[0]]], self.fine.vertices[[v, ends[1]]]
-        point = crossing_point(*corners[0], *corners[1])
-        said = (
-            f"The cage meets the fine mesh near {place(point)}: edge {u}-{ends[0]} of the cage touches edge "
-            f"{v}-{ends[1]} of the fine mesh."
-        )
-        return [Fault(said, "cage.meets", vertices=[u, ends[0], v, ends[1]], place=point)]
 
-    def outside(self) -> list[Fault]:
-        """A sentence for each part of the fine solid that the cage's solid does not cover."""
-        outside, inside = self.nesting.uncovered
-        code, uncovered = "cage.leaves_out", "lies inside the fine mesh and leaves a part of it uncovered."
-        leaks = [
-            self.fault(f"Loop {k} of the fine mesh near {{}} lies outside the cage.", code, self.fine, int(k))
-            for k in outside
-        ]
-        gaps = [self.fault(f"Loop {k} of the cage near {{}} {uncovered}", code, self.cage, int(k)) for k in inside]
-        return leaks + gaps
+def _outside(nesting: Nesting) -> Iterator[Fault]:
+    """A sentence for each part of the fine solid that the cage's solid does not cover."""
+    outside, inside = nesting.uncovered
+    for k in outside.tolist():
+        said = f"Loop {k} of the fine mesh near {{}} lies outside the cage."
+        yield _on_loop(said, "cage.leaves_out", nesting.inner, k)
+    for k in inside.tolist():
+        said = f"Loop {k} of the cage near {{}} lies inside the fine mesh and leaves a part of it uncovered."
+        yield _on_loop(said, "cage.leaves_out", nesting.outer, k)
 
-    def misplaced_loops(self) -> list[Fault]:
-        """A sentence if the loops of the two meshes do not correspond one to one.
 
-        In the forest of all loops, an outer fine loop must be the only child of an outer cage loop, and a hole of the
-        cage the only child of a hole of the fine mesh.
-        """
-        kept = len(self.cage.loops)
-        ours, theirs = loops_in_words(self.cage), loops_in_words(self.fine)
-        if ours != theirs:
-            return [Fault(f"The cage has {ours}, but the fine mesh has {theirs}.", "cage.loops_differ")]
-        signs = np.concatenate((self.cage.loop_signs, self.fine.loop_signs))
-        is_cage = np.arange(2 * kept) < kept
-        parent = self.nesting.parents
-        children = np.bincount(parent[parent >= 0], minlength=2 * kept)
-        lower = np.flatnonzero(is_cage != (signs > 0))
-        partner = parent[lower]
-        alone = (partner >= 0) & (children[partner] == 1)
-        alone &= (signs[partner] == signs[lower]) & (is_cage[partner] != is_cage[lower])
-        if alone.all():
-            return []
-        k = int(lower[~alone][0])
-        if k >= kept:
-            k -= kept
-            said = f"Loop {k} of the fine mesh near {{}} matches no loop of the cage."
-            return [self.fault(said, "cage.loops_differ", self.fine, k)]
-        said = f"Loop {k} of the cage near {{}} matches no loop of the fine mesh."
-        return [self.fault(said, "cage.loops_differ", self.cage, k)]
+def _misplaced_loops(nesting: Nesting) -> Iterator[Fault]:
+    """A sentence if the loops of the two meshes do not correspond one to one.
 
-    def gap(self) -> float:
-        """Smallest distance between the two boundaries."""
-        return smallest_gap(self.cage.edge_tree, self.fine.edge_tree)
+    In the forest of all loops, an outer fine loop must be the only child of an outer cage loop, and a hole of the cage
+    the only child of a hole of the fine mesh.
+    """
+    meshes = nesting.outer, nesting.inner
+    ours, theirs = map(loops_in_words, meshes)
+    if ours != theirs:
+        yield Fault(f"The cage has {ours}, but the fine mesh has {theirs}.", "cage.loops_differ")
+        return
+    kept = len(nesting.outer.loops)
+    signs = np.concatenate([mesh.loop_signs for mesh in meshes])
+    is_cage = np.arange(2 * kept) < kept
+    parent = nesting.parents
+    children = np.bincount(parent[parent >= 0], minlength=2 * kept)
+    lower = np.flatnonzero(is_cage != (signs > 0))
+    partner = parent[lower]
+    alone = (partner >= 0) & (children[partner] == 1)
+    alone &= (signs[partner] == signs[lower]) & (is_cage[partner] != is_cage[lower])
+    if not alone.all():
+        names = ("cage", "fine mesh")
+        which, k = divmod(int(lower[~alone][0]), kept)
+        said = f"Loop {k} of the {names[which]} near {{}} matches no loop of the {names[1 - which]}."
+        yield _on_loop(said, "cage.loops_differ", meshes[which], k)

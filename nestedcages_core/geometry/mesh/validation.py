@@ -1,4 +1,4 @@
-"""Validation of plain arrays, done once; each fault gets one sentence with its place and its remedy."""
+"""Validation of plain arrays, done once; each fault has one sentence with its place and its remedy."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...errors import InvalidMeshError, unreadable
 from ..arrays import AnyArray, FloatArray, IntArray
 from ..loops import Loops
 from ..predicates import orientation, segments_intersect
-from ..vectors import place
+from ..vectors import crossing_point, place
 
 MAX_COORDINATE, MIN_EXTENT = 1e150, 1e-150
 """Largest coordinate and smallest bounding box, in input units, whose squares stay within the range of a double."""
@@ -20,64 +20,29 @@ MAX_COORDINATE, MIN_EXTENT = 1e150, 1e-150
 
 def as_vertices(data: Any) -> FloatArray:
     """A read-only copy as (n, 2) float64, finite and of a workable size. Raises InvalidMeshError."""
-    given = as_array(data, "vertices")
+    given = _as_array(data, "vertices")
     if given.size == 0:
-        raise InvalidMeshError(
-            "The mesh is empty: it has no vertices; give at least one loop of three vertices.", code="mesh.empty"
-        )
+        said = "The mesh is empty: it has no vertices; give at least one loop of three vertices."
+        raise InvalidMeshError(said, code="mesh.empty")
     if given.ndim != 2 or given.shape[1] != 2:
-        raise unreadable(
-            f"The vertices have shape {given.shape}, but (n, 2) is needed; give two coordinates per vertex."
-        )
-    vertices = converted(given, np.float64, "vertices")
+        raise unreadable(f"The vertices have shape {given.shape}, but (n, 2) is needed; give two numbers per vertex.")
+    vertices = _as_floats(given, "vertices")
     if not np.isfinite(vertices).all():
-        bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
-        raise InvalidMeshError(
-            f"Vertex {bad[0]} has the coordinates {place(vertices[bad[0]])}; give finite numbers, or remove the "
-            "vertex.",
-            code="mesh.not_finite",
-            vertex=bad[0],
-        )
-    extent = float(np.abs(vertices).max())
-    if extent > MAX_COORDINATE:
+        bad = int(np.isfinite(vertices).all(axis=1).argmin())
+        said = f"Vertex {bad} has the coordinates {place(vertices[bad])}; give finite numbers, or remove the vertex."
+        raise InvalidMeshError(said, code="mesh.not_finite", vertex=bad)
+    if np.abs(vertices).max() > MAX_COORDINATE:
         far = int(np.abs(vertices).max(axis=1).argmax())
-        raise InvalidMeshError(
-            f"Vertex {far} at {place(vertices[far])} is farther out than {MAX_COORDINATE:g}, where areas leave the "
-            "range of floating-point numbers; scale the shape down.",
-            code="mesh.out_of_range",
-            vertex=far,
-            place=vertices[far],
-        )
-    size = max(np.ptp(vertices[:, 0]), np.ptp(vertices[:, 1]))
-    if len(vertices) > 1 and 0.0 < size < MIN_EXTENT:
-        raise InvalidMeshError(
-            f"The whole shape around {place(vertices[0])} is smaller than {MIN_EXTENT:g}, where areas leave the "
-            "range of floating-point numbers; scale it up.",
-            code="mesh.out_of_range",
-            place=vertices[0],
-        )
+        said = f"Vertex {far} at {place(vertices[far])} is farther out than {MAX_COORDINATE:g}, {_OUT_OF_RANGE} down."
+        raise InvalidMeshError(said, code="mesh.out_of_range", vertex=far, place=vertices[far])
+    if len(vertices) > 1 and 0.0 < np.ptp(vertices, axis=0).max() < MIN_EXTENT:
+        said = f"The shape around {place(vertices[0])} is smaller than {MIN_EXTENT:g}, {_OUT_OF_RANGE} up."
+        raise InvalidMeshError(said, code="mesh.out_of_range", place=vertices[0])
     vertices.flags.writeable = False
     return vertices
 
 
-def as_array(data: Any, what: str) -> AnyArray:
-    try:
-        return np.asarray(data)
-    except Exception as error:
-        raise unreadable(
-            f"The {what} cannot be read as an array ({error}); give one row of two numbers each."
-        ) from error
-
-
-def converted(given: AnyArray, dtype: type[np.float64], what: str) -> FloatArray:
-    """A float64 copy of an array of real numbers."""
-    try:
-        if given.dtype.kind not in "iufO":
-            raise TypeError(f"they are of type {given.dtype}")
-        with np.errstate(all="ignore"):
-            return np.array(given, dtype=dtype, order="C", subok=False)
-    except Exception as error:
-        raise unreadable(f"The {what} are not all real numbers ({error}); give numbers only.") from error
+_OUT_OF_RANGE = "where areas leave the range of floating-point numbers; scale it"
 
 
 def as_rings(loops: Iterable[ArrayLike]) -> tuple[FloatArray, list[int]]:
@@ -88,26 +53,20 @@ def as_rings(loops: Iterable[ArrayLike]) -> tuple[FloatArray, list[int]]:
     try:
         given = [np.asarray(loop) for loop in loops]
     except Exception as error:
-        raise unreadable(
-            f"The loops cannot be read as arrays ({error}); give a list of loops, each with rows (x, y)."
-        ) from error
+        said = f"The loops cannot be read as arrays ({error}); give a list of loops, each with rows (x, y)."
+        raise unreadable(said) from error
     if not given:
-        raise InvalidMeshError(
-            "The mesh is empty: there are no loops; give at least one loop of three points.", code="mesh.empty"
-        )
+        said = "The mesh is empty: there are no loops; give at least one loop of three points."
+        raise InvalidMeshError(said, code="mesh.empty")
     rings = []
     for k, points in enumerate(given):
         if points.ndim != 2 or points.shape[1] != 2:
-            raise unreadable(
-                f"Loop {k} has shape {points.shape}, but (k, 2) is needed; give a list of loops, each with rows (x, y)."
-            )
+            raise unreadable(f"Loop {k} has shape {points.shape}, but (k, 2) is needed; give rows (x, y).")
         ring = points[:-1] if len(points) > 1 and bool(np.all(points[0] == points[-1])) else points
         if len(ring) < 3:
             at = f" at {place(as_vertices(ring)[0])}" if len(ring) else ""
-            raise InvalidMeshError(
-                f"Loop {k}{at} has {len(ring)} of the three vertices that a loop needs; add some, or remove it.",
-                code="mesh.open",
-            )
+            said = f"Loop {k}{at} has {len(ring)} of the three vertices that a loop needs; add some, or remove it."
+            raise InvalidMeshError(said, code="mesh.open")
         rings.append(ring)
     try:
         together = np.concatenate(rings)
@@ -117,20 +76,82 @@ def as_rings(loops: Iterable[ArrayLike]) -> tuple[FloatArray, list[int]]:
     return as_vertices(together), [len(ring) for ring in rings]
 
 
+def as_edges(data: Any, count: int) -> IntArray:
+    """A copy as (m, 2) int64 that joins `count` vertices into closed loops. Raises InvalidMeshError."""
+    given = _as_array(data, "edges")
+    if given.size == 0:
+        raise InvalidMeshError("The mesh has no edges; join the vertices into closed loops.", code="mesh.empty")
+    if given.ndim != 2 or given.shape[1] != 2:
+        raise unreadable(f"The edges have shape {given.shape}, but (m, 2) is needed; give two vertex indices per edge.")
+    if given.dtype.kind not in "iu":
+        given = _as_floats(given, "edges")
+    wrong = ((given < 0) | (given >= count) | (np.floor(given) != given)).any(axis=1)
+    if wrong.any():
+        k = int(wrong.argmax())
+        said = (
+            f"Edge {k} joins {' and '.join(map(str, given[k].tolist()))}, but the {count} vertices are numbered from 0 "
+            f"to {count - 1}, in whole numbers; correct the index."
+        )
+        raise InvalidMeshError(said, code="mesh.edge_index", edges=[k])
+    edges: IntArray = given.astype(np.int64)
+    _check_degrees(edges, count)
+    return edges
+
+
+def _as_array(data: Any, what: str) -> AnyArray:
+    try:
+        return np.asarray(data)
+    except Exception as error:
+        said = f"The {what} cannot be read as an array ({error}); give one row of two numbers each."
+        raise unreadable(said) from error
+
+
+def _as_floats(given: AnyArray, what: str) -> FloatArray:
+    """A float64 copy of an array of real numbers."""
+    try:
+        if given.dtype.kind not in "iufO":
+            raise TypeError(f"they are of type {given.dtype}")
+        with np.errstate(all="ignore"):
+            return np.array(given, dtype=np.float64, order="C", subok=False)
+    except Exception as error:
+        raise unreadable(f"The {what} are not all real numbers ({error}); give numbers only.") from error
+
+
+def _check_degrees(edges: IntArray, count: int) -> None:
+    """Raise unless every vertex is the end of exactly two different edges."""
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    if (low == high).any():
+        k = int((low == high).argmax())
+        said = f"Edge {k} joins vertex {low[k]} to itself; remove the edge."
+        raise InvalidMeshError(said, code="mesh.edge_index", edges=[k])
+    key = low * count + high
+    order = key.argsort(kind="stable")
+    same = np.flatnonzero(np.diff(key[order]) == 0)
+    if len(same):
+        i, j = order[same[0] : same[0] + 2]
+        said = (
+            f"Edges {i} and {j} both join vertices {low[i]} and {high[i]}; remove one: a loop has each edge once "
+            "and at least three vertices."
+        )
+        raise InvalidMeshError(said, code="mesh.edge_index", edges=[i, j])
+    degree = np.bincount(edges.ravel(), minlength=count)
+    if (degree != 2).any():
+        vertex = int((degree != 2).argmax())
+        said = f"At vertex {vertex} meet {degree[vertex]} edges, but loops pass each vertex once; split or remove it."
+        if degree[vertex] < 2:
+            said = f"Loops are open at vertex {vertex}, the end of {degree[vertex]} edges; close them, or remove it."
+        raise InvalidMeshError(said, code="mesh.open", vertices=[vertex])
+
+
 def check_simple(order: Loops) -> None:
     """Check that loops neither cross nor touch each other or themselves. Raises InvalidMeshError with a place."""
     points, vertex, loop, ahead, ends = order.vertices, order.numbers, order.loop, order.ahead, order.ends
     flat = np.flatnonzero((points[:, 0] == ends[:, 0]) & (points[:, 1] == ends[:, 1]))
     if len(flat):
         k = flat[0]
-        raise InvalidMeshError(
-            f"Vertices {vertex[k]} and {vertex[ahead[k]]} follow each other in loop {loop[k]} and both lie at "
-            f"{place(points[k])}; remove one of them.",
-            code="mesh.repeated_vertex",
-            loops=[loop[k]],
-            vertices=[vertex[k], vertex[ahead[k]]],
-            place=points[k],
-        )
+        pair, where = [vertex[k], vertex[ahead[k]]], f"in loop {loop[k]} and both lie at {place(points[k])}"
+        said = f"Vertices {pair[0]} and {pair[1]} follow each other {where}; remove one of them."
+        raise InvalidMeshError(said, code="mesh.repeated_vertex", loops=[loop[k]], vertices=pair, place=points[k])
     _check_fold_back(order)
     tree = order.tree
     for i, j in tree.blocks(slim=True):
@@ -138,9 +159,7 @@ def check_simple(order: Loops) -> None:
         i, j = i[apart], j[apart]
         hit = segments_intersect(*tree.segments(i), *tree.segments(j))
         if hit.any():
-            from .meeting_edges import raise_contact  # for the message
-
-            raise_contact(order, i[hit], j[hit])
+            _raise_contact(order, i[hit], j[hit])
 
 
 def _check_fold_back(order: Loops) -> None:
@@ -153,99 +172,41 @@ def _check_fold_back(order: Loops) -> None:
     back = (np.sign(corner - before) != np.sign(after - corner)).any(axis=1)
     if back.any():
         k = ahead[straight[back.argmax()]]
-        raise InvalidMeshError(
-            f"Loop {order.loop[k]} turns back over its own edge at vertex {order.numbers[k]}, {place(points[k])}; "
-            "move or remove the vertex.",
-            code="mesh.spike",
-            loops=[order.loop[k]],
-            vertices=[order.numbers[k]],
-            place=points[k],
-        )
+        loop, vertex = order.loop[k], order.numbers[k]
+        said = f"Loop {loop} turns back over its own edge at vertex {vertex}, {place(points[k])}; move or remove it."
+        raise InvalidMeshError(said, code="mesh.spike", loops=[loop], vertices=[vertex], place=points[k])
 
 
-def as_edges(data: Any, count: int) -> IntArray:
-    """A copy as (m, 2) int64 that joins `count` vertices into closed loops. Raises InvalidMeshError."""
-    given = as_array(data, "edges")
-    if given.size == 0:
-        raise InvalidMeshError("The mesh has no edges; join the vertices into closed loops.", code="mesh.empty")
-    if given.ndim != 2 or given.shape[1] != 2:
-        raise unreadable(f"The edges have shape {given.shape}, but (m, 2) is needed; give two vertex indices per edge.")
-    if given.dtype.kind not in "iu":
-        numbers = converted(given, np.float64, "edges")
-        bad = np.flatnonzero(~(np.floor(numbers) == numbers).all(axis=1))
-        if len(bad):
-            raise InvalidMeshError(
-                f"Edge {bad[0]} joins {place(numbers[bad[0]])}, but vertex indices are whole numbers; "
-                "give an array of integers.",
-                code="mesh.edge_index",
-                edges=[bad[0]],
+def _raise_contact(order: Loops, i: IntArray, j: IntArray) -> None:
+    """Raise for the first of the pairs (i, j) of edges in contact: a shared point, a touch or a crossing."""
+    points, vertex, loop, ahead, ends = order.vertices, order.numbers, order.loop, order.ahead, order.ends
+
+    def edge(k: int) -> str:
+        return f"edge {vertex[k]}-{vertex[ahead[k]]} of loop {loop[k]}"
+
+    for here, there in ((i, j), (ahead[i], j), (i, ahead[j]), (ahead[i], ahead[j])):
+        same = (points[here] == points[there]).all(axis=1)
+        if same.any():
+            k, m = here[same.argmax()], there[same.argmax()]
+            said = (
+                f"Vertices {vertex[k]} of loop {loop[k]} and {vertex[m]} of loop {loop[m]} both lie at "
+                f"{place(points[k])}; move one of them, so that the boundary does not touch itself."
             )
-        given = numbers
-    if given.min() < 0 or given.max() >= count:
-        outside = np.flatnonzero(((given < 0) | (given >= count)).any(axis=1))
-        i, j = (f"{k:.17g}" if given.dtype.kind == "f" else str(k) for k in given[outside[0]].tolist())
-        raise InvalidMeshError(
-            f"Edge {outside[0]} joins vertices {i} and {j}, but the {count} vertices are numbered from 0 to "
-            f"{count - 1}; correct the index.",
-            code="mesh.edge_index",
-            edges=[outside[0]],
-        )
-    edges: IntArray = given.astype(np.int64)
-    _check_degrees(edges, count)
-    return edges
-
-
-def _check_degrees(edges: IntArray, count: int) -> None:
-    """Raise unless every vertex is the end of exactly two different edges."""
-    selfish = np.flatnonzero(edges[:, 0] == edges[:, 1])
-    if len(selfish):
-        raise InvalidMeshError(
-            f"Edge {selfish[0]} joins vertex {edges[selfish[0], 0]} to itself; remove the edge.",
-            code="mesh.edge_index",
-            edges=[selfish[0]],
-        )
-    degree = np.bincount(edges.ravel(), minlength=count)
-    wrong = np.flatnonzero(degree != 2)
-    if len(wrong) or _has_two_gon(edges, count):
-        low, high = edges.min(axis=1), edges.max(axis=1)
-        order = np.lexsort((high, low))
-        same = np.flatnonzero((low[order][1:] == low[order][:-1]) & (high[order][1:] == high[order][:-1]))
-        if len(same):
-            i, j = sorted(order[same[0] : same[0] + 2])
+            pair = [vertex[k], vertex[m]]
             raise InvalidMeshError(
-                f"Edges {i} and {j} both join vertices {low[i]} and {high[i]}; remove one: a loop has each edge once "
-                "and at least three vertices.",
-                code="mesh.edge_index",
-                edges=[i, j],
+                said, code="mesh.repeated_vertex", loops=[loop[k], loop[m]], vertices=pair, place=points[k]
             )
-    if not len(wrong):
-        return
-    vertex, found = wrong[0], degree[wrong[0]]
-    if found == 0:
-        raise InvalidMeshError(
-            f"Vertex {vertex} belongs to no edge; remove it, or join it into a loop.",
-            code="mesh.open",
-            vertices=[vertex],
-        )
-    if found == 1:
-        raise InvalidMeshError(
-            f"The loop is open at vertex {vertex}, where only one edge ends; close it with an edge.",
-            code="mesh.open",
-            vertices=[vertex],
-        )
-    raise InvalidMeshError(
-        f"At vertex {vertex} meet {found} edges, but loops pass each vertex once; split the vertex or remove an edge.",
-        code="mesh.open",
-        vertices=[vertex],
-    )
-
-
-def _has_two_gon(edges: IntArray, count: int) -> bool:
-    """Whether two edges join the same two vertices, given that every degree is two."""
-    ends = edges.ravel()
-    total = np.bincount(ends, weights=ends[np.arange(len(ends)) ^ 1], minlength=count)
-    suspects = np.flatnonzero(total[edges[:, 0]] == 2.0 * edges[:, 1])
-    if len(suspects) < 2:
-        return False
-    pairs = np.sort(edges[suspects], axis=1)
-    return len(np.unique(pairs, axis=0)) < len(pairs)
+    first = np.lexsort((j, i))[0]
+    k, m = i[first], j[first]
+    loops, at = list(dict.fromkeys([loop[k], loop[m]])), crossing_point(points[k], ends[k], points[m], ends[m])
+    corners = [vertex[k], vertex[ahead[k]], vertex[m], vertex[ahead[m]]]
+    for a, b in ((k, m), (ahead[k], m), (m, k), (ahead[m], k)):
+        if segments_intersect(points[[a]], points[[a]], points[[b]], ends[[b]])[0]:
+            loops, at, corners = [loop[a], loop[b]], points[a], [vertex[a], vertex[b], vertex[ahead[b]]]
+            said = f"Vertex {vertex[a]} of loop {loop[a]} lies on {edge(b)} at {place(at)}; move it off the edge."
+            break
+    else:
+        what = f"Loop {loop[k]} crosses itself" if len(loops) == 1 else f"Loops {loop[k]} and {loop[m]} cross"
+        remedy = "move their vertices apart" if len(loops) == 1 else "move them apart, or unite them"
+        said = f"{what} near {place(at)}: {edge(k)} meets {edge(m)}; {remedy}."
+    raise InvalidMeshError(said, code="mesh.crossing", loops=loops, vertices=corners, place=at)
