@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
-from heapq import heapify, heapreplace
+from heapq import heapify, heappop, heapreplace
 
 import numpy as np
 
@@ -82,14 +82,16 @@ class Problem:
         return np.asarray((outside if self.side > 0 else fine.component_of_loop)[self.loop_order])
 
     def coarse(self, outline: Loops) -> Mesh:
-        """The coarse mesh of an outline with at most `target` vertices: edges are divided until there are enough.
+        """The coarse mesh of an outline with at most `target` vertices: edges are divided until there are enough or
+        constraints allow no more.
 
         Raises InvalidMeshError where loops cross.
         """
         enough = outline.sizes.sum() == self.total if self.per_loop is None else (outline.sizes == self.per_loop).all()
         if enough:
             return self.mesh(outline.split())
-        return self.mesh(padded(outline, self.total, self.per_loop))
+        spacing = max((short for short, _ in (rule.turn_limits for rule in self.kept.rules)), default=0.0)
+        return self.mesh(padded(outline, self.total, self.per_loop, (1.0 + ROUND_OFF) * spacing))
 
     def mesh(self, loops: Sequence[FloatArray]) -> Mesh:
         """A mesh of loops (k, 2) in the order of the outline; its loop k stands for loop k of the fine mesh."""
@@ -145,31 +147,38 @@ def canonical_order(fine: Mesh) -> tuple[Loops, IntArray]:
     return Loops.of(fine.vertices[np.concatenate(ordered)], [len(ring) for ring in ordered]), order
 
 
-def apportioned(total: int, lengths: FloatArray, least: int) -> IntArray:
+def apportioned(total: int, lengths: FloatArray, least: int, spacing: float = 0.0) -> IntArray:
     """Numbers (K,) in proportion to lengths (K,), at least `least` each, whose sum is `total` or the least possible.
 
     Each vertex in turn goes where the spacing is longest (D'Hondt's method), which minimises the longest spacing. Ties
-    go to the first.
+    go to the first. The sum is smaller where none is left whose spacing would stay above the given one.
     """
     numbers = np.full(len(lengths), least, dtype=np.int64)
-    queue = [(-length / least, k) for k, length in enumerate(lengths.tolist())]
+    most = np.maximum(least, lengths / spacing) if spacing > 0.0 else np.full(len(lengths), np.inf)
+    queue = [(-length / least, k) for k, length in enumerate(lengths.tolist()) if most[k] >= least + 1]
     heapify(queue)
     for _ in range(total - least * len(lengths)):
+        if not queue:
+            break
         k = queue[0][1]
         numbers[k] += 1
-        heapreplace(queue, (-float(lengths[k]) / int(numbers[k]), k))
+        if most[k] >= numbers[k] + 1:
+            heapreplace(queue, (-float(lengths[k]) / int(numbers[k]), k))
+        else:
+            heappop(queue)
     return numbers
 
 
-def padded(outline: Loops, total: int, per_loop: IntArray | None) -> list[FloatArray]:
+def padded(outline: Loops, total: int, per_loop: IntArray | None, spacing: float = 0.0) -> list[FloatArray]:
     """The loops (k, 2) of an outline with edges divided evenly until there are enough vertices.
 
-    total: wanted number of vertices. per_loop: (L,) wanted number for each loop, instead of the total.
+    total: wanted number of vertices. per_loop: (L,) wanted number for each loop, instead of the total. spacing: the
+    least length of parts of edges.
     """
     steps = outline.vertices[outline.successor] - outline.vertices
     lengths = norm(steps)
     if per_loop is None:
-        pieces = apportioned(total, lengths, 1)
+        pieces = apportioned(total, lengths, 1, spacing)
     else:
         of_loop = np.split(lengths, outline.begins[1:])
         pieces = np.concatenate([apportioned(k, edges, 1) for k, edges in zip(per_loop.tolist(), of_loop, strict=True)])

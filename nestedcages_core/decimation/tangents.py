@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.convex_hull import convex_hull
 from ..geometry.precision import INPUT_ROUND_OFF, ROUND_OFF
@@ -20,6 +20,12 @@ EVERY_STRETCH = np.array((*range(1, 15), *STRETCHES[7:]))
 
 LONG_EDGE = 0.3
 """Length, in mean distances of samples, from which an edge is a candidate itself."""
+
+DEEP_EDGE = 0.7
+"""The same of edges in pockets, which neighbours may meet anywhere."""
+
+FORWARD = 8.0
+"""Distance of their contacts from reflex ends, in shifts, so that neighbours there can meet before them."""
 
 TILTS = 0.5 * 9.0 ** -np.arange(5)
 """Turns of lines about tips, in turns of the corner: down to what a needle of a ten-thousandth needs."""
@@ -41,7 +47,7 @@ def tangents(outline: Outline, at: IntArray, longest: float, shift: float, *, co
     longest: of the stretches, in samples. shift: distance that lines will keep from the outline.
     corners: whether the outline is convex, and lines through its corners are wanted.
     """
-    parts = [*_along_edges(outline, len(at)), *_over_pockets(outline, at), _about_tips(outline, at, shift)]
+    parts = [*_along_edges(outline, len(at), shift), *_over_pockets(outline, at), _about_tips(outline, at, shift)]
     if corners:
         parts.append(_at_corners(outline, at))
     if len(outline.pins):
@@ -79,16 +85,25 @@ def supporting_lines(outline: Outline, first: IntArray, last: IntArray, directio
     return Lines.of(middle, 0.5 * (vertex.take(one) + vertex.take(two)), direction)
 
 
-def _along_edges(outline: Outline, count: int) -> list[Lines]:
-    """Lines of long edges, at their middles and at their convex ends, beyond which neighbours may meet them."""
+def _along_edges(outline: Outline, count: int, shift: float) -> list[Lines]:
+    """Lines of long edges, at their middles and at their convex ends, beyond which neighbours may meet them; and next
+    to the reflex ends of longer ones, since in pockets neighbours may meet them before."""
     edge = np.flatnonzero(outline.lengths > LONG_EDGE * outline.length / count)
     if len(edge) > 2 * count:
         edge = np.argsort(-np.round(outline.lengths, DECIMALS), kind="stable")[: 2 * count]
     convex = cross(np.roll(outline.edges, 1, axis=0), outline.edges) > 0.0
     start, ahead, length = outline.vertices[edge], outline.edges[edge], outline.lengths[edge]
     direction = ahead / length[:, None]
-    lines = [Lines.of(start + part * ahead, edge + part, direction, length) for part in (0.0, 0.5, 1.0)]
-    return [lines[1], lines[0].take(convex[edge]), lines[2].take(convex[(edge + 1) % outline.size])]
+    deep = length > DEEP_EDGE * outline.length / count
+    inwards = np.minimum(FORWARD * shift / length, 0.25)
+
+    def at(part: FloatArray, which: BoolArray) -> Lines:
+        return Lines.of(start + part[:, None] * ahead, edge + part, direction, length).take(which)
+
+    lines = [at(np.full(len(edge), 0.5), np.ones(len(edge), bool))]
+    for end, is_convex in ((0.0, convex[edge]), (1.0, convex[(edge + 1) % outline.size])):
+        lines.append(at(np.where(is_convex, end, np.abs(end - inwards)), is_convex | deep))
+    return lines
 
 
 def _over_pockets(outline: Outline, at: IntArray) -> list[Lines]:

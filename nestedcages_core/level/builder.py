@@ -23,7 +23,7 @@ from ..errors import Fault, FlowError, InvalidMeshError, NestedCagesError, Nesti
 from ..flow import FlowResult
 from ..geometry.arrays import TINY, FloatArray
 from ..geometry.mesh import Mesh, Nesting
-from ..geometry.thinning import Thinning, significance
+from ..geometry.thinning import Thinning
 from .assembly import Assembly, CageInProgress, deviations
 from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn, methods_for
 from .gate import judged
@@ -51,8 +51,9 @@ MISSED = 1e6
 FEWER = (3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 36, 40, 48, 56, 64, 80, 96, 128, 192, 256, 384, 512)
 """Numbers of vertices that are tried below the wanted one on a grid, where a vertex too many is moved outwards."""
 
-TRIES_WITH_FEWER = 4
-"""Of these, how many may be no better."""
+CLEARLY_FEWER, STRIDE, TRIES_WITH_FEWER, NEAR = 0.8, 3, 3, 1.2
+"""Up to which part of the number of vertices, and every which of these, is tried; how many of them may be no better;
+excess of the best of them, relative to the least one, up to which those next to it are tried too."""
 
 LOOSE_ON_GRID = 0.1
 """Part of the excess that a grid may add before fewer vertices are tried."""
@@ -140,31 +141,53 @@ class LevelBuilder:
         level = self._solved(wanted, self.clearances)
         if self.settling is None:
             return level
+        further = self.rivals, self.others
         best = self._with_room(wanted, level)
         if best is None:
             unsettled.append(level)
-        if isinstance(wanted, Mesh) or self.settling.numbers.grid is None:
-            return best
-        spacing, off_grid, tries = self.settling.numbers.spacing, level.excess, TRIES_WITH_FEWER
-        number = min(wanted, len(level.cage.vertices))
-        while tries and (best is None or best.excess > (1.0 + LOOSE_ON_GRID) * off_grid):
-            bends = int((significance(level.cage.rings, 0.0) > 0.5 * spacing).sum())
-            most = min(0.8 * number, 2 * bends + 4)
-            number = max((each for each in FEWER if each <= most), default=0)
-            if number == 0:
-                break
-            try:
-                level = self._solved(number, self.clearances)
-            except FAILURES:
-                break
-            if best is not None and level.excess >= best.excess:
-                break  # on the grid it would have more
-            found = self.settling.settled(level) if best else self._with_room(number, level)
-            if found is not None and (best is None or found.excess < best.excess):
-                best = found
-            elif best is not None:
-                tries -= 1
+        if isinstance(wanted, int) and self.settling.numbers.grid is not None and not self._goes_on:
+            best = self._with_fewer(min(wanted, len(level.cage.vertices)), best, level.excess)
+        self.rivals, self.others = further
         return best
+
+    def _with_fewer(self, number: int, best: Level | None, off_grid: float) -> Level | None:
+        """A level on the grid, or a tighter one of fewer vertices.
+
+        off_grid: excess of a cage on any numbers. With ever fewer vertices, the excess on a grid falls, then rises.
+        """
+        fewer = [each for each in FEWER if each < number]
+        near, tries = dict[int, float](), TRIES_WITH_FEWER
+        first = sum(each <= CLEARLY_FEWER * number for each in fewer) - 1
+        for k in range(first, -1, -STRIDE):
+            if tries == 0 or (best is not None and best.excess <= (1.0 + LOOSE_ON_GRID) * off_grid):
+                return best
+            found, least = self._on_grid(fewer[k], best)
+            if found is not None:
+                near[k] = found.excess
+                tries -= best is not None and found.excess >= best.excess
+                best = min(found, best or found, key=lambda each: each.excess)
+            elif best is not None and least >= best.excess:
+                break
+        if best is None or not near or min(near.values()) > NEAR * best.excess:
+            return best
+        k = min(near, key=lambda k: near[k])
+        below = fewer[max(0, k - STRIDE + 1) : k] if near[k] <= best.excess else []
+        for number in (*below, *fewer[k + 1 : k + STRIDE]):
+            found, _ = self._on_grid(number, best)
+            best = min(found or best, best, key=lambda each: each.excess)
+        return best
+
+    def _on_grid(self, number: int, best: Level | None) -> tuple[Level | None, float]:
+        """A level of a number of vertices on the grid, if it may be tighter than the best one; and the excess of one on
+        any numbers."""
+        assert self.settling is not None
+        try:
+            level = self._solved(number, self.clearances)
+        except FAILURES:
+            return None, np.inf
+        if best is None:
+            return self._with_room(number, level), level.excess
+        return None if level.excess >= best.excess else self.settling.settled(level), level.excess
 
     def _with_room(self, wanted: int | Mesh, level: Level) -> Level | None:
         """A level on the numbers, or one that was made with room for them; None if there is none."""
@@ -225,12 +248,15 @@ class LevelBuilder:
 
         raise with_least(failures[-1], attempt.source, self.outline, clearances, self.plan.side)
 
+    @property
+    def _goes_on(self) -> bool:
+        """Whether this goes on from a further start, whatever the number of vertices."""
+        return isinstance(self.settings.decimation, GivenStart)
+
     def _may_have_more(self, wanted: int, clearance: float) -> bool:
         """Whether a cage may have more vertices than the outline: around the rounded offset."""
-        chosen = self.settings.decimation
-        return isinstance(chosen, GivenStart) or (
-            isinstance(chosen, AlongSequence) and is_wide(self.outline, wanted, clearance)
-        )
+        along = isinstance(self.settings.decimation, AlongSequence)
+        return self._goes_on or (along and is_wide(self.outline, wanted, clearance))
 
     def _tighter(self, level: Level, again: Attempt, start: Start, notes: tuple[Fault, ...]) -> Level:
         """A level, or that of another attempt where it has less excess."""

@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from nestedcages_core import AxisAligned, Level, Mesh, Settings, check, collision_outline, nested_cages, verify
-from support.families import OF_SEVERAL_LOOPS, courtyard, drawing, plate, row, scattered
+from support.families import OF_SEVERAL_LOOPS, courtyard, drawing, plate, rings, row, scattered
 from support.judging import is_along_the_axes, is_on_grid, lengths_of, sharpest
 from support.marks import slow_after
 from support.shapes import polygon, ring
@@ -113,6 +113,35 @@ KEPT: dict[str, Callable[[Mesh], dict[str, Any]]] = {
 def test_more_vertices_are_never_looser_with(kind: Callable[..., Mesh], kept: str, seed: int) -> None:
     fine = kind(np.random.default_rng(seed))
     assert_never_looser(fine, COUNTS[1::2], **KEPT[kept](fine))
+
+
+VALLEYS = {
+    "plate-5": (plate, 5, "grid", (8, 17, 40, 100)),
+    "row-1": (row, 1, "grid", (30, 40, 100)),
+    "rings-8": (rings, 8, "grid", (40, 55, 100)),
+    "rings-6": (rings, 6, "edge", (40, 55, 75)),
+    "rings-7": (rings, 7, "edge", (55, 75)),
+}
+"""More vertices than a grid or a least edge has a use for."""
+
+
+@pytest.mark.parametrize(("kind", "seed", "kept", "counts"), VALLEYS.values(), ids=VALLEYS.keys())
+def test_more_vertices_than_are_of_use_are_not_looser(
+    kind: Callable[..., Mesh], seed: int, kept: str, counts: tuple[int, ...]
+) -> None:
+    fine = kind(np.random.default_rng(seed))
+    options = {"min_edge": fine.diagonal / 20.0} if kept == "edge" else KEPT[kept](fine)
+    assert_never_looser(fine, counts, **options)
+
+
+BAY = np.array([(9, 1), (9, 9), (5, 9), (6, 7), (3, 4), (4, 3), (7, 5), (4, 2), (2, 4), (4, 6), (1, 9), (1, 1)])
+"""A square with a crooked bay."""
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_edges_may_meet_anywhere_on_the_walls_of_a_bay(seed: int) -> None:
+    sheared = np.random.default_rng(seed).uniform(-0.4, 0.4, (2, 2)) * (seed > 0)
+    assert nested_cages(BAY @ (np.eye(2) + sheared), 7)[0].excess < 0.096  # areas keep their ratios
 
 
 # What a box satisfies
