@@ -48,16 +48,35 @@ def nested_cages_many(
     progress: Callable[[BatchProgress], None] | bool | None = None,
     keep: Keep | None = None,
 ) -> list[Outcome]:
-    """Cages around many shapes, in input order; the outcome of a shape that fails holds the error.
+    """Cages around many shapes.
 
-    shapes: meshes or anything with `__geo_interface__`, in a sequence or by key.
-    levels: as in `nested_cages`; the same for all shapes, by key, or a function of the mesh.
-    executor: where the work runs; default: this process, one shape after the other. May be a function that makes an
-    executor, which is shut down at the end. If a worker process dies, the shapes without a result have an error.
-    progress: called for every outcome; it may raise to cancel, and then no further shape is started. True: a bar, if
-    tqdm is installed.
-    keep: the part of a Hierarchy to keep, such as `lambda made: made.cages[-1]`; default: all of it. With processes,
-    this function and that of the levels must be defined in a module.
+    Parameters
+    ----------
+    shapes : iterable or mapping
+        What `Mesh.of` reads, in a sequence or by key.
+    levels : sequence, mapping or callable
+        As in `nested_cages`; the same for all shapes, by key, or a function of the mesh.
+    settings : Settings, optional
+        Of all shapes.
+    executor : concurrent.futures.Executor or callable, optional
+        Where the work runs, or a function that makes an executor, which is shut down at the end. If a worker process
+        dies, the shapes without a result have an error. Default: this process, one shape after the other.
+    progress : callable or bool, optional
+        Called with a `BatchProgress` for every outcome; it may raise to cancel, and then no further shape is started.
+        True: a bar, if tqdm is installed.
+    keep : callable, optional
+        The part of a Hierarchy to keep, such as ``lambda made: made.cages[-1]``. With processes, this function and
+        that of the levels must be defined in a module. Default: all of it.
+
+    Returns
+    -------
+    list of Outcome
+        In the order of the input; the outcome of a shape that fails holds the error.
+
+    Raises
+    ------
+    NestedCagesError
+        If the levels name no entry for a shape.
     """
     tasks = list(_tasks(shapes, levels, settings if settings is not None else Settings(), keep))
     outcomes: dict[Hashable, Outcome] = {}

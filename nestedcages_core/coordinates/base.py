@@ -25,12 +25,34 @@ class CageCoordinates(Protocol):
 
 
 def cage_coordinates(fine: Mesh | ArrayLike, cage: Mesh, coordinates: CageCoordinates | None = None) -> Weights:
-    """W (n, m) that moves `fine` with its cage: deform(W, posed) follows the cage's vertices.
+    """Weights that move a shape with its cage: ``deform(weights, posed)`` follows the cage's vertices.
 
-    fine: a mesh, or (n, 2) points inside the cage; coordinates: Harmonic() unless given.
+    Parameters
+    ----------
+    fine : Mesh or (n, 2) array_like
+        The shape, or points inside the cage, in the cage's unit.
+    cage : Mesh
+        A cage of m vertices.
+    coordinates : CageCoordinates, optional
+        Default: `Harmonic`.
 
-    Rows sum to 1 and W @ cage.vertices gives the points, so every affine motion of the cage moves them alike. Raises
-    NestedCagesError for points outside the cage if the coordinates need them inside.
+    Returns
+    -------
+    (n, m) array or sparse array
+        Rows sum to 1, and W @ cage.vertices gives the points, so every affine motion of the cage moves them alike.
+
+    Raises
+    ------
+    NestedCagesError
+        For points that are not finite, and for points outside the cage if the coordinates need them inside.
+
+    Examples
+    --------
+    >>> from nestedcages_core import Mesh, cage_coordinates, deform
+    >>> cage = Mesh.from_loops([[(0, 0), (4, 0), (4, 4), (0, 4)]])
+    >>> weights = cage_coordinates([(1.0, 2.0)], cage)
+    >>> deform(weights, cage.vertices + (10, 0)).round(6)
+    array([[11.,  2.]])
     """
     points = fine.vertices if isinstance(fine, Mesh) else np.asarray(fine, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
@@ -41,10 +63,24 @@ def cage_coordinates(fine: Mesh | ArrayLike, cage: Mesh, coordinates: CageCoordi
 
 
 def deform(weights: Weights, posed_cage: Mesh | ArrayLike) -> FloatArray:
-    """(n, d) positions of the points under a pose of the cage: W @ posed_cage.
+    """The points under a pose of the cage: W @ posed_cage.
 
-    weights: W (n, m) from `cage_coordinates`; posed_cage: a mesh, or (m, d) positions of its vertices; several poses
-    (..., m, d) give (..., n, d). The posed cage may cross itself.
+    Parameters
+    ----------
+    weights : (n, m) array or sparse array
+        From `cage_coordinates`.
+    posed_cage : Mesh or (..., m, d) array_like
+        Positions of the cage's vertices in their order, of one pose or several. A posed cage may cross itself.
+
+    Returns
+    -------
+    (..., n, d) array
+        Positions of the points, for each pose.
+
+    Raises
+    ------
+    NestedCagesError
+        For another number of vertices.
     """
     given = posed_cage.vertices if isinstance(posed_cage, Mesh) else posed_cage
     posed = np.asarray(given, dtype=np.float64)

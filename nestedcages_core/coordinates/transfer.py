@@ -26,9 +26,22 @@ class Grids:
     """steps[k]: (N_k, N_{k+1}) prolongation from grid k + 1 to grid k."""
 
     def prolongation(self, finer: int, coarser: int) -> scipy.sparse.csr_array:
-        """(N_finer, N_coarser) values on a coarse grid, linear on its triangles, to values on a finer one.
+        """From values on a coarse grid, linear on its triangles, to values on a finer one.
 
-        Rows sum to 1, no entry is negative, and linear functions are reproduced.
+        Parameters
+        ----------
+        finer, coarser : int
+            Numbers of grids, 0 for the finest.
+
+        Returns
+        -------
+        (N_finer, N_coarser) sparse array
+            Rows sum to 1, no entry is negative, and linear functions are reproduced.
+
+        Raises
+        ------
+        NestedCagesError
+            For grids that do not exist, or in the other order.
         """
         if not 0 <= finer <= coarser < len(self.grids):
             raise invalid_setting(
@@ -48,8 +61,22 @@ class Grids:
 def grids(hierarchy: Hierarchy, spacing: float | Sequence[float] | None = None) -> Grids:
     """Grids on all levels, with prolongations as in the multigrid use of Sacht, Vouga & Jacobson (2015, section 5).
 
-    spacing: distance between the points of the finest grid, each further one twice as coarse; or one per grid; None
-    takes the vertices of fine mesh and cages alone. Unit: the input's.
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+        A fine mesh and its cages.
+    spacing : float or sequence of float, optional
+        Distance between the points of the finest grid, each further one twice as coarse; or one per grid. Unit: the
+        input's. Default: the vertices of fine mesh and cages alone.
+
+    Returns
+    -------
+    Grids
+
+    Raises
+    ------
+    NestedCagesError
+        For another number of spacings.
     """
     solids: list[Mesh] = [hierarchy.fine, *hierarchy.cages]
     if spacing is None:

@@ -22,13 +22,28 @@ Piece = list[int]
 
 
 def convex_pieces(mesh: Mesh, most: int = 8) -> list[FloatArray]:
-    """Convex polygons (k, 2), counter-clockwise, of at most ``most`` vertices each, that tile a mesh exactly.
+    """Convex polygons that tile a mesh exactly.
 
-    Their vertices are those of the mesh; no others are added. The constrained Delaunay triangles are joined across
-    diagonals while pieces stay convex, by exact predicates, after Hertel & Mehlhorn (1983): without a limit, at most
-    four times as many pieces as necessary are left. The best of several orders is kept.
+    The constrained Delaunay triangles are joined across diagonals while pieces stay convex, by exact predicates, after
+    Hertel & Mehlhorn (1983): without a limit, at most four times as many pieces as necessary are left. The best of
+    several orders is kept.
 
-    Raises NestedCagesError if ``most`` is less than 3.
+    Parameters
+    ----------
+    mesh : Mesh
+        The solid.
+    most : int, optional
+        Maximum number of vertices of a piece, at least 3. Default: 8, the limit of Box2D.
+
+    Returns
+    -------
+    list of (k, 2) array
+        The pieces, counter-clockwise; their vertices are those of the mesh.
+
+    Raises
+    ------
+    NestedCagesError
+        If ``most`` is less than 3.
     """
     return [mesh.vertices[piece] for piece in piece_vertices(mesh, most)]
 

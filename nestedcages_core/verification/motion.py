@@ -57,13 +57,29 @@ class MotionCertificate:
 
 
 def verify_motion(cage: MeshLike, fine: MeshLike, cage_steps: ArrayLike, fine_steps: ArrayLike) -> MotionCertificate:
-    """Certify the linear motion between consecutive steps of a cage (K + 1, m, 2) and a fine mesh (K + 1, n, 2).
+    """Certify the linear motion between consecutive steps of a cage and a fine mesh.
 
-    The meshes give the edges only; the fine mesh may cross itself as it moves. What is certified is that no contact
-    comes or goes: all instants are nested if one is, for which `verify` has a certificate. cage and fine may be
-    anything that `verify` accepts.
+    What is certified is that no contact comes or goes: all instants are nested if one is, for which `verify` has a
+    certificate. The fine mesh may cross itself as it moves.
 
-    Raises NestedCagesError if the steps have another shape or are not finite.
+    Parameters
+    ----------
+    cage, fine : MeshLike
+        As in `verify`; they give the edges only.
+    cage_steps : (K + 1, m, 2) array_like
+        Positions of the vertices of the cage, in any unit.
+    fine_steps : (K + 1, n, 2) array_like
+        Those of the fine mesh.
+
+    Returns
+    -------
+    MotionCertificate
+        True if all motion is free of collisions; else the first step whose motion may not be.
+
+    Raises
+    ------
+    NestedCagesError
+        If the steps have another shape or are not finite.
     """
     cage, fine = Mesh.of(cage, strict=True), Mesh.of(fine, strict=True)
     cage_steps, fine_steps = _checked_steps(cage, cage_steps, "cage"), _checked_steps(fine, fine_steps, "fine")

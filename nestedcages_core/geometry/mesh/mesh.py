@@ -33,11 +33,33 @@ TOPOLOGY |= {"loop_of_vertex", "parent_of_loop", "component_of_loop"}
 class Mesh(Drawable):
     """Closed loops that bound a planar solid with holes and components; normals point out.
 
-    vertices: (n, 2) float64, read-only: the exact input values, in their order.
-    edges: (n, 2) int64, read-only, in input order; directions are turned where needed, so that outer
-    loops run counter-clockwise and holes clockwise, by nesting depth.
+    Parameters
+    ----------
+    vertices : (n, 2) array_like
+        Coordinates, in any unit of length.
+    edges : (n, 2) array_like of int
+        Indices of the two vertices of each edge, in any direction.
 
-    Raises InvalidMeshError unless the loops are closed, have at least three vertices and neither cross nor touch.
+    Attributes
+    ----------
+    vertices : (n, 2) array of float64
+        The exact input values, in their order; read-only, as are all arrays.
+    edges : (n, 2) array of int64
+        In the order of the input; turned where needed, so that outer loops run counter-clockwise and holes clockwise,
+        by nesting depth.
+
+    Raises
+    ------
+    InvalidMeshError
+        Unless the loops are closed, have at least three vertices and neither cross nor touch. ``code`` and ``data``
+        name the vertices, the loops and the place.
+
+    Examples
+    --------
+    >>> from nestedcages_core import Mesh
+    >>> square = Mesh([(0, 0), (4, 0), (4, 4), (0, 4)], [(0, 1), (1, 2), (2, 3), (3, 0)])
+    >>> square.area
+    16.0
     """
 
     vertices: FloatArray
@@ -100,7 +122,23 @@ class Mesh(Drawable):
 
     @classmethod
     def from_loops(cls, loops: Iterable[ArrayLike]) -> Mesh:
-        """A mesh from closed loops of points, each (k, 2), in any direction; a repeated closing point is dropped."""
+        """A mesh from closed loops of points.
+
+        Parameters
+        ----------
+        loops : iterable of (k, 2) array_like
+            Each in any direction; a repeated closing point is dropped.
+
+        Returns
+        -------
+        Mesh
+            With the vertices loop after loop.
+
+        Raises
+        ------
+        InvalidMeshError
+            As for `Mesh`.
+        """
         checked, sizes = as_rings(loops)
         mesh, order = object.__new__(cls), Loops.of(checked, sizes)
         mesh._build(checked, np.stack((order.numbers, order.ahead), axis=1), order)
@@ -108,22 +146,48 @@ class Mesh(Drawable):
 
     @classmethod
     def from_geometry(cls, geometry: Any) -> Mesh:
-        """A mesh from anything with `__geo_interface__`: polygons, multipolygons, features and collections of these.
+        """A mesh from polygons, multipolygons, features and collections of these.
 
-        Raises InvalidMeshError also where a polygon lies inside another one, or a hole outside its polygon.
+        Parameters
+        ----------
+        geometry : Any
+            An object with `__geo_interface__`, or such a mapping.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InvalidMeshError
+            As for `Mesh`, and where a polygon lies inside another one, or a hole outside its polygon.
         """
         mesh: Mesh = cls.exchange("meshes").mesh_of(geometry, strict=True)
         return mesh
 
     @classmethod
     def of(cls, shape: MeshLike, *, strict: bool = False) -> Mesh:
-        """A mesh as it is, or read from an object with `__geo_interface__`, such a mapping, a loop (k, 2), or loops.
+        """A mesh as it is, or read from what describes one.
 
-        Geometries may be all that shapely holds for valid: repeated points are left out, parts that touch in a point
-        are joined by a very narrow neck, and members of collections are united; a NestedCagesWarning names each
-        repair. strict: reject these too. A tuple (V, E) is vertices and edges.
+        Geometries may be all that is valid for shapely: repeated points are left out, parts that touch in a point are
+        joined by a very narrow neck, and members of collections are united; a NestedCagesWarning names each repair.
 
-        Raises InvalidMeshError.
+        Parameters
+        ----------
+        shape : MeshLike
+            A mesh, an object with `__geo_interface__`, such a mapping, a loop (k, 2), a list of loops, or a tuple
+            (V, E) of vertices and edges.
+        strict : bool, optional
+            Reject geometries that need a repair.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InvalidMeshError
+            For what is none of these or cannot be repaired.
         """
         if isinstance(shape, cls):
             return shape
@@ -175,7 +239,23 @@ class Mesh(Drawable):
         return (*self.vertices.min(axis=0).tolist(), *self.vertices.max(axis=0).tolist())
 
     def moved(self, vertices: ArrayLike) -> Mesh:
-        """The same edges and roles with other vertices (n, 2); not validated and not re-oriented."""
+        """The same edges and roles with other vertices.
+
+        Parameters
+        ----------
+        vertices : (n, 2) array_like
+            As many as before.
+
+        Returns
+        -------
+        Mesh
+            Not validated and not re-oriented; see `validated`.
+
+        Raises
+        ------
+        InvalidMeshError
+            For another shape of the array.
+        """
         moved = np.array(vertices, dtype=np.float64)
         if moved.shape != self.vertices.shape:
             raise unreadable(
@@ -188,7 +268,17 @@ class Mesh(Drawable):
         return mesh
 
     def validated(self) -> Mesh:
-        """This mesh if it is validated, else a validated copy. Raises InvalidMeshError."""
+        """This mesh if it is validated, else a validated copy.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InvalidMeshError
+            As for `Mesh`.
+        """
         return self if self.is_validated else Mesh(self.vertices, self.edges)
 
     def has_loops_like(self, other: Mesh) -> bool:
