@@ -50,18 +50,42 @@ def check(
     distance: float | None = None,
     motions: int | None = None,
 ) -> Verdict:
-    """Check a cage, several from the finest to the coarsest, a hierarchy or moving cages, from their numbers alone.
+    """Check cages, or the levels of a hierarchy, from their numbers alone.
 
-    fine: of moving cages the topology, as they were given; its places are then those at their keys.
-    fine, cages: objects with vertices (n, 2) and directed edges (n, 2), rings of points (k, 2), or GeoJSON geometries.
-    clearance: smallest distance, in input units; default: what a level was asked for, else anything above 0.
-    same_loops: whether cages, or each of them, keep the loops of what they enclose; default: yes, unless a level's
-    coarse mesh did not or a moving cage has fewer than three vertices for each.
-    Where they need not, it must lie in them all the same, and `Verdict.lost` names filled holes and joined loops.
-    inside: whether these are inner cages. grid: coordinates are multiples of this length; default: the level's.
-    symmetry: a `Mirror` or `Rotation`; without a place, about the mean of the cage's vertices.
-    distance: no point of a cage's solid is farther from the solid of ``fine``.
-    motions: number of motions between steps to check per level, spread evenly; default: all.
+    Parameters
+    ----------
+    fine : Any
+        The drawing: an object with vertices (n, 2) and directed edges (n, 2), rings of points (k, 2), or a GeoJSON
+        geometry. For moving cages its edges count; its vertices are then those at their keys.
+    cage_or_levels : Any
+        A cage, several from the finest to the coarsest, a hierarchy or moving cages.
+    clearance : float, optional
+        Smallest distance, in input units. Default: what a level was asked for, else anything above 0.
+    same_loops : bool or sequence of bool, optional
+        Whether cages, or each of them, keep the loops of what they enclose. Where they need not, it must lie in them
+        all the same, and `Verdict.lost` names filled holes and joined loops. Default: yes, unless a level's coarse mesh
+        did not or a moving cage has fewer than three vertices for each.
+    inside : bool, optional
+        Whether these are inner cages.
+    grid : float, optional
+        Coordinates are multiples of this length. Default: the level's.
+    symmetry : Mirror or Rotation, optional
+        What cages are mapped onto themselves by; without a place, about the mean of the cage's vertices.
+    distance : float, optional
+        No point of a cage's solid is farther from the solid of ``fine``, in input units.
+    motions : int, optional
+        Number of motions between steps to check per level, spread evenly. Default: all.
+
+    Returns
+    -------
+    Verdict
+        True if nothing is wrong.
+
+    Examples
+    --------
+    >>> from nestedcages_core import check
+    >>> bool(check([(2, 1), (6, 1), (4, 5)], [(-1, -1), (9, -1), (4, 9)], clearance=0.5))
+    True
     """
     given = getattr(cage_or_levels, "levels", cage_or_levels)
     problems, lost, levels = [], list[str](), list(given) if _depth(given) > 3 else [given]

@@ -36,7 +36,24 @@ class Harmonic:
         check_fraction(self, "spacing", "at_corners")
 
     def weights(self, points: FloatArray, cage: Mesh) -> FloatArray:
-        """W (P, m), never negative. Raises NestedCagesError for a point outside the cage."""
+        """Coordinates of points, never negative.
+
+        Parameters
+        ----------
+        points : (P, 2) array
+            In the cage or on it.
+        cage : Mesh
+            A cage of m vertices.
+
+        Returns
+        -------
+        (P, m) array
+
+        Raises
+        ------
+        NestedCagesError
+            For a point outside the cage.
+        """
         require_inside(points, cage)
         cage, points = _centred(cage, points)
         grid = triangulate(cage, Sampling(self.spacing * cage.diagonal, self.at_corners))
@@ -83,7 +100,7 @@ class PiecewiseLinear:
     """Barycentric coordinates in the constrained Delaunay triangulation of the cage's own vertices."""
 
     def weights(self, points: FloatArray, cage: Mesh) -> scipy.sparse.csr_array:
-        """W (P, m), sparse. Raises NestedCagesError for a point outside the cage."""
+        """Coordinates of points, three per point; see `Harmonic.weights`."""
         require_inside(points, cage)
         return triangulate(cage).interpolation(points)
 

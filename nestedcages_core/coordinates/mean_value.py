@@ -16,7 +16,19 @@ class MeanValue:
     """w_i = (tan(α_{i-1}/2) + tan(α_i/2)) / r_i over the edges of all loops (Hormann & Floater 2006, section 4)."""
 
     def weights(self, points: FloatArray, cage: Mesh) -> FloatArray:
-        """W (P, m); points may lie on the cage, where the coordinates are linear along each edge, or outside."""
+        """Coordinates of points.
+
+        Parameters
+        ----------
+        points : (P, 2) array
+            Anywhere; on the cage, the coordinates are linear along each edge.
+        cage : Mesh
+            A cage of m vertices.
+
+        Returns
+        -------
+        (P, m) array
+        """
         corners = cage.vertices
         chunk = max(CHUNK_ENTRIES // len(corners), 1)
         parts = [np.zeros((0, len(corners)))]
