@@ -1,4 +1,4 @@
-"""What is imported when it is needed: optional libraries of geometry and file formats, and parts of packages."""
+"""What is imported when it is needed: optional libraries, and parts of packages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ pictures itself."""
 
 
 @contextmanager
-def _needed(name: str, purpose: str, install: str = INSTALL) -> Iterator[None]:
+def needed(name: str, purpose: str, install: str = INSTALL) -> Iterator[None]:
     """Raises NestedCagesError where the library is missing; purpose: the subject, such as "Merging parts"."""
     try:
         yield
@@ -27,7 +27,7 @@ def _needed(name: str, purpose: str, install: str = INSTALL) -> Iterator[None]:
 
 def load_shapely(purpose: str) -> Any:
     """shapely (GEOS), for the subject of a sentence. Raises NestedCagesError where it is missing."""
-    with _needed("shapely", purpose):
+    with needed("shapely", purpose):
         import shapely
     return shapely
 
@@ -41,33 +41,11 @@ def has_shapely() -> bool:
     return True
 
 
-def load_css() -> tuple[Any, Any]:
-    """tinycss2, with its colours, and cssselect2."""
-    with _needed("tinycss2 and cssselect2", "Reading styles and colours by function or in masks"):
-        import cssselect2
-        import tinycss2.color4
-    return tinycss2, cssselect2
-
-
-def load_pyogrio(purpose: str) -> Any:
-    """pyogrio (GDAL), for the subject of a sentence. Raises NestedCagesError where it is missing."""
-    with _needed("pyogrio", purpose, "install it with 'pip install nested-cages[maps]'"):
-        import pyogrio
-    return pyogrio
-
-
 def load_pyplot() -> Any:
     """The plots of matplotlib. Raises NestedCagesError where it is missing."""
-    with _needed("matplotlib", "A plot", "install it with 'pip install matplotlib'"):
+    with needed("matplotlib", "A plot", "install it with 'pip install matplotlib'"):
         from matplotlib import pyplot as plt
     return plt
-
-
-def load_pictures() -> Any:
-    """The pictures of Pillow."""
-    with _needed("Pillow", "Reading PNG"):
-        from PIL import Image
-    return Image
 
 
 def imported_later(package: str, names: Mapping[str, str]) -> Callable[[str], object]:

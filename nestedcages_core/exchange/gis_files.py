@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import invalid_file
-from ..libraries import load_pyogrio, load_shapely
+from ..libraries import load_shapely
 from .files import read_whole
+from .libraries import load_pyogrio
 from .limits import Limits
 
 FILES = (".shp", ".gpkg", ".topojson")

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import invalid_file
-from ...libraries import load_pictures
 from ..files import read_whole
+from ..libraries import load_pictures
 from ..limits import Limits
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"

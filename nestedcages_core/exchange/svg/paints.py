@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from ...geometry.arrays import FloatArray
-from ...libraries import load_css
+from ..libraries import load_css
 from .document import Document
 from .elements import link_of, name_of
 from .lengths import parse_length, share

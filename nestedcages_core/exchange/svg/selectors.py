@@ -8,7 +8,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from ...errors import NestedCagesError
-from ...libraries import load_css
+from ..libraries import load_css
 
 CONDITIONS = ("media", "supports", "layer")
 """Rules around others; what is asked of the program is taken to be supported."""

@@ -8,7 +8,7 @@ from functools import lru_cache
 from xml.etree import ElementTree as ET
 
 from ...errors import NestedCagesError
-from ...libraries import load_css
+from ..libraries import load_css
 from .document import Document
 from .elements import name_of
 from .selectors import matched

@@ -28,9 +28,6 @@ MIN_PRODUCT, MAX_PRODUCT = 1e-240, 1e240
 MANTISSA_BITS = 53
 """Bits of the significand of a double."""
 
-INTEGER_SCALE = 2.0**160
-"""Makes integers of most doubles, of all from 2**-108 = 3e-33 on."""
-
 SPLITTER = 2.0**27 + 1.0
 """Splits a double into two halves of 26 bits (Dekker 1971)."""
 
@@ -69,13 +66,9 @@ def orientation_sign(ax: float, ay: float, bx: float, by: float, cx: float, cy: 
         return -1
     if (ax == cx or by == cy) and (ay == cy or bx == cx):
         return 0
-    scaled = [number * INTEGER_SCALE for number in (ax, ay, bx, by, cx, cy)]
-    if all(map(float.is_integer, scaled)):
-        px, py, qx, qy, rx, ry = map(int, scaled)
-    else:
-        ratios = [number.as_integer_ratio() for number in (ax, ay, bx, by, cx, cy)]
-        scale = max(denominator for _, denominator in ratios)  # powers of two, so the others divide it
-        px, py, qx, qy, rx, ry = (numerator * (scale // denominator) for numerator, denominator in ratios)
+    ratios = [number.as_integer_ratio() for number in (ax, ay, bx, by, cx, cy)]
+    scale = max(denominator for _, denominator in ratios)  # powers of two, so the others divide it
+    px, py, qx, qy, rx, ry = (numerator * (scale // denominator) for numerator, denominator in ratios)
     exact = (px - rx) * (qy - ry) - (py - ry) * (qx - rx)
     return (exact > 0) - (exact < 0)
 

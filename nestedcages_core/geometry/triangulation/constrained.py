@@ -86,9 +86,9 @@ def _is_valid(triangles: IntArray, count: int, turn: Signs) -> bool:
     """
     if len(triangles) != 2 * (count - 1) - len(FRAME_CORNERS) or not turn.all() or len(np.unique(triangles)) != count:
         return False
-    starts, ends = _directed_edges(triangles)
-    keys, back = starts * count + ends, ends * count + starts
-    return len(np.unique(keys)) == len(keys) and int((~np.isin(keys, back)).sum()) == len(FRAME_CORNERS)
+    starts, ends = directed_edges(triangles)
+    distinct = len(np.unique(starts * count + ends)) == len(starts)
+    return distinct and int((opposite_edges(triangles, count) < 0).sum()) == len(FRAME_CORNERS)
 
 
 def _sweep_line_triangles(points: FloatArray) -> IntArray:
@@ -113,42 +113,49 @@ def _sweep_line_triangles(points: FloatArray) -> IntArray:
     return np.array(triangles, dtype=np.int64)
 
 
-def _directed_edges(triangles: IntArray) -> tuple[IntArray, IntArray]:
-    """Starts and ends, (3T,) each, of the edges, first those opposite to corner 2."""
+def directed_edges(triangles: IntArray) -> tuple[IntArray, IntArray]:
+    """Starts and ends, (3T,) each, of the edges of triangles (T, 3); edge k T + t starts at corner k of triangle t."""
     return triangles.T.ravel(), triangles[:, [1, 2, 0]].T.ravel()
+
+
+def opposite_edges(triangles: IntArray, count: int) -> IntArray:
+    """(3T,) the same edge of the neighbour, for each of the `directed_edges`, -1 at the boundary; count: of points."""
+    starts, ends = directed_edges(triangles)
+    keys, back = starts * count + ends, ends * count + starts
+    order = np.argsort(keys)
+    across = order[np.searchsorted(keys, back, sorter=order).clip(max=len(keys) - 1)]
+    return np.where(keys[across] == back, across, -1)
 
 
 def _missing_segments(triangles: IntArray, segments: IntArray, count: int) -> BoolArray:
     """(S,) whether a segment is no edge."""
-    starts, ends = _directed_edges(triangles)
+    starts, ends = directed_edges(triangles)
     return ~np.isin(segments[:, 0] * count + segments[:, 1], starts * count + ends)
 
 
 def _suspects(points: FloatArray, triangles: IntArray, segments: IntArray) -> IntArray:
     """Inner edges (K, 2) that may fail the in-circle test, judged by their opposite angles in floating point."""
-    starts, ends = _directed_edges(triangles)
+    starts, ends = directed_edges(triangles)
+    across = opposite_edges(triangles, len(points))
     apexes = triangles[:, [2, 0, 1]].T.ravel()
     to_start, to_end = points[starts] - points[apexes], points[ends] - points[apexes]
     angle = np.arctan2(cross(to_start, to_end), (to_start * to_end).sum(axis=1))
-    low, high = np.minimum(starts, ends), np.maximum(starts, ends)
-    keys, place_of = np.unique(low * len(points) + high, return_inverse=True)
-    total = np.bincount(place_of, weights=angle)
-    wide = total > np.pi + DOUBTFUL_ANGLE
-    fixed = np.sort(segments, axis=1)
-    wide &= ~np.isin(keys, fixed[:, 0] * len(points) + fixed[:, 1])
-    return np.stack(np.divmod(keys[wide], len(points)), axis=1)
+    wide = (starts < ends) & (across >= 0) & (angle + angle[across] > np.pi + DOUBTFUL_ANGLE)
+    wide &= ~np.isin(starts * len(points) + ends, _both_ways(segments, len(points)))
+    return np.stack((starts[wide], ends[wide]), axis=1)
+
+
+def _both_ways(segments: IntArray, count: int) -> IntArray:
+    """(2 S,) keys of segments in their direction, then in the other one."""
+    return np.concatenate((segments[:, 0] * count + segments[:, 1], segments[:, 1] * count + segments[:, 0]))
 
 
 def _left_of(triangles: IntArray, segments: IntArray, count: int) -> IntArray:
     """The triangles that can be reached from the left side of a segment without crossing one."""
-    starts, ends = _directed_edges(triangles)
-    owner = np.tile(np.arange(len(triangles)), 3)
-    keys, back = starts * count + ends, ends * count + starts
-    order = np.argsort(keys)
-    place_of = np.searchsorted(keys, back, sorter=order).clip(max=len(keys) - 1)
-    across = order[place_of]
-    fixed = np.concatenate((segments[:, 0] * count + segments[:, 1], segments[:, 1] * count + segments[:, 0]))
-    joined = (keys[across] == back) & ~np.isin(keys, fixed)
+    starts, ends = directed_edges(triangles)
+    owner, across = np.tile(np.arange(len(triangles)), 3), opposite_edges(triangles, count)
+    keys, fixed = starts * count + ends, _both_ways(segments, count)
+    joined = (across >= 0) & ~np.isin(keys, fixed)
     links = scipy.sparse.coo_array(
         (np.ones(joined.sum()), (owner[joined], owner[across[joined]])), shape=(len(triangles),) * 2
     )

@@ -10,6 +10,7 @@ import scipy
 
 from ..arrays import FloatArray, IntArray
 from ..vectors import cross
+from .constrained import opposite_edges
 
 INSIDE_TOLERANCE = -1e-12
 """Smallest barycentric coordinate of a point inside a triangle, negative to allow for rounding."""
@@ -135,12 +136,8 @@ class Triangulation:
     @cached_property
     def neighbours(self) -> IntArray:
         """(T, 3) the triangle across the edge opposite to each corner, -1 at the boundary."""
-        starts = self.triangles[:, [1, 2, 0]].ravel()
-        ends = self.triangles[:, [2, 0, 1]].ravel()
-        keys, back = starts * len(self.vertices) + ends, ends * len(self.vertices) + starts
-        order = np.argsort(keys)
-        across = order[np.searchsorted(keys, back, sorter=order).clip(max=len(keys) - 1)]
-        return np.where(keys[across] == back, across // 3, -1).reshape(-1, 3)
+        across = opposite_edges(self.triangles, len(self.vertices)).reshape(3, -1)[[1, 2, 0]].T
+        return np.where(across >= 0, across % len(self.triangles), -1)
 
     @cached_property
     def _centres(self) -> scipy.spatial.cKDTree:
