@@ -96,7 +96,11 @@ def _outcomes(tasks: Sequence[Task], executor: Executor | Callable[[], Executor]
     pool = executor if isinstance(executor, Executor) else executor()
     futures: dict[Future[Outcome], Task] = {}
     try:
-        futures.update((_submitted(pool, task), task) for task in tasks)
+        for task in tasks:
+            try:
+                futures[pool.submit(task.run)] = task
+            except BrokenExecutor as error:  # a worker has died already
+                yield _failed(task, error)
         for future in as_completed(futures):
             error = future.exception()
             yield future.result() if error is None else _failed(futures[future], error)
@@ -105,15 +109,6 @@ def _outcomes(tasks: Sequence[Task], executor: Executor | Callable[[], Executor]
             future.cancel()
         if pool is not executor:
             pool.shutdown(wait=all(future.done() for future in futures), cancel_futures=True)
-
-
-def _submitted(pool: Executor, task: Task) -> Future[Outcome]:
-    try:
-        return pool.submit(task.run)
-    except BrokenExecutor as error:  # a worker has died already
-        broken: Future[Outcome] = Future()
-        broken.set_exception(error)
-        return broken
 
 
 def _failed(task: Task, error: BaseException) -> Outcome:

@@ -1,7 +1,7 @@
 """Reinflation as published (Gurditta & Jacobson 2022, section 3.2), with repairs as switches.
 
-For each step of the flow, from the last to the first, a fixed number of descent steps lowers the energy. Nothing
-ensures that the fine mesh reaches its target before the next one is set, or its original position in the end.
+For each step of the flow, from the last to the first, a fixed number of descent steps lowers the energy. The fine mesh
+may miss its target before the next one is set, and its original position in the end.
 """
 
 from __future__ import annotations

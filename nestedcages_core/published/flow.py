@@ -1,11 +1,8 @@
 """The flow as the paper's program runs it (Gurditta & Jacobson 2022, section 3.1, Algorithms 1 and 2).
 
-Ray parity decides what is inside, and hence the sign of the gradient.
-
-Text and program weigh the samples of Algorithm 2 differently. In the text a sample at t weighs (1 - t)² on either edge,
-and the sum is normalised, so that both edges count alike whatever their lengths. The program divides each weight by the
-length of its edge, which lets the shorter edge decide. Neither is an integral along the edges: in that, longer edges
-weigh more.
+Ray parity decides what is inside, and hence the sign of the gradient. The text weighs a sample of Algorithm 2 at t by
+(1 - t)², so that both edges count alike whatever their lengths. The program divides this by the length of the edge, so
+that the shorter edge decides. In an integral along the edges, longer edges would weigh more.
 """
 
 from __future__ import annotations
@@ -19,7 +16,7 @@ from ..flow.containment import Containment
 from ..flow.loop_matching import match_loops
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..geometry.signed_distance import SignedDistance
+from ..geometry.predicates import winding_number
 from ..parameters import check_count, check_flag, check_positive
 from ..progress import Tick, no_tick
 from .ray_parity import contained_by_parity, inside_by_parity
@@ -64,7 +61,6 @@ class PaperFlow:
 
         Raises: FlowError after ``limit`` steps with the cause, and the FlowResult so far as `partial`.
         """
-        distance = SignedDistance.of(coarse)
         containment = Containment(match_loops(fine, coarse))
         length = self.step * (1.0 if self.absolute else fine.diagonal)
         steps = [fine.vertices]
@@ -74,7 +70,7 @@ class PaperFlow:
                 raise stuck(FlowResult(np.array(steps), self.limit, "paper", obstacle))
             tick((len(steps) - 1) / self.limit)
             gradient = self._averaged_gradient(fine.moved(steps[-1]), coarse)
-            outside = self._sign(steps[-1], coarse, distance)
+            outside = self._sign(steps[-1], coarse)
             steps.append(steps[-1] - length * outside[:, None] * gradient)
         return FlowResult(np.array(steps), len(steps) - 1, "paper")
 
@@ -83,12 +79,11 @@ class PaperFlow:
             return containment.obstacle(vertices) is None
         return contained_by_parity(coarse.vertices, coarse.successor, vertices, fine.successor)
 
-    def _sign(self, vertices: FloatArray, coarse: Mesh, distance: SignedDistance) -> FloatArray:
+    def _sign(self, vertices: FloatArray, coarse: Mesh) -> FloatArray:
         """(n,) 1 outside the coarse mesh, -1 inside."""
         if self.exact_parity:
-            return np.where(distance.winding(vertices) == distance.outside, 1.0, -1.0)
-        ends = coarse.vertices[coarse.successor]
-        return np.where(inside_by_parity(vertices, coarse.vertices, ends), -1.0, 1.0)
+            return np.where(winding_number(vertices, coarse.vertices, coarse.edge_ends) == 0, 1.0, -1.0)
+        return np.where(inside_by_parity(vertices, coarse.vertices, coarse.edge_ends), -1.0, 1.0)
 
     def _averaged_gradient(self, mesh: Mesh, coarse: Mesh) -> FloatArray:
         """(n, 2) mean direction from the closest points on the coarse mesh, of unit length (Algorithm 2)."""

@@ -24,8 +24,7 @@ FLOW, CONTACT = PaperFlow(step=PROGRAM_STEP, absolute=True), PaperContact(d_hat=
 """The parts of the program, with its absolute lengths."""
 
 AUGMENTED_2022 = Settings(fallback=None, flow=FLOW, contact=CONTACT, tightening=Tightening(iterations=0))
-"""Gurditta & Jacobson (2022) as written: its program's flow, barriers and gradient descent, with the program's absolute
-lengths, so that the result depends on the units of the drawing."""
+"""The flow, barriers and gradient descent of the program; with its lengths, results depend on the drawing's units."""
 
 AUGMENTED_2022_REPAIRED = replace(
     AUGMENTED_2022,
@@ -34,8 +33,7 @@ AUGMENTED_2022_REPAIRED = replace(
         CONTACT, solver=GradientDescent(refuse_infinite=True), repairs=Repairs(parity=True, exact_home=True)
     ),
 )
-"""The same with fixes of its program, without which the fine mesh never fully returns: exact tests, finite energies and
-exact return. Lengths stay those of the program."""
+"""The same with fixes, without which the fine mesh never fully returns: exact tests, finite energies, exact return."""
 
 
 @dataclass(frozen=True, eq=False)

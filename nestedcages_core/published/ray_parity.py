@@ -1,7 +1,7 @@
-"""Containment as the paper's program tests it: parity along a ray, and crossing edges.
+"""Containment as the paper's program tests it, for comparison: parity along a ray, and crossing edges.
 
-For comparison only, in the order of operations of the program, whose roundings decide rays through a vertex: that is
-the inverse of a 2 x 2 matrix times a vector. Certificates use :func:`winding_number` and :func:`crossing_pairs`.
+In the order of operations of the program, whose roundings decide rays through a vertex: an inverse 2 x 2 matrix times a
+vector.
 """
 
 from __future__ import annotations
@@ -14,8 +14,7 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 def inside_by_parity(points: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:
     """(P,) whether a ray from each point (P, 2) along +x crosses an odd number of edges (E, 2) between their ends.
 
-    A ray through a vertex crosses neither of its edges between their ends and is not counted, so the result is wrong,
-    for instance for every vertex of a regular polygon at the height of a coarse vertex.
+    A ray through a vertex is not counted, so the result is wrong for every point at the height of a vertex.
     """
     edge, away = ends - starts, points[:, None] - starts
     with np.errstate(divide="ignore", invalid="ignore"):
