@@ -3,7 +3,7 @@
 Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) in numpy and scipy. The main entry is `nested_cages`.
 
 ``__all__`` lists what most programs need. Method objects, such as contacts, energies and decimations, can be imported
-from here as well; each room (`contact`, `energies`, `decimation`, ...) documents its own.
+from here as well; each package (`contact`, `energies`, `decimation`, ...) documents its own.
 """
 
 from __future__ import annotations
@@ -232,7 +232,7 @@ _LATER = {
         "as_published"
     ),
 }
-"""Rooms that making a cage does not need, and the names that the face passes on from them: imported when asked for."""
+"""Modules that making a cage does not need, and their public names, which are imported on first use."""
 
 if not TYPE_CHECKING:  # a type checker would then take any name for one of the package
     __getattr__ = imported_later(__name__, _LATER)

@@ -100,7 +100,7 @@ def check(
             inner, loops = level.inside, [sorted(Loops(mesh).is_hole) for mesh in (level.coarse, level.fine)]
             alike = loops[0] == loops[1] if asked is None else asked
         elif hasattr(level, "cage_steps") and asked is None:
-            with suppress(ValueError):  # what is no shape is told below
+            with suppress(ValueError):  # what is no shape is reported below
                 alike = len(cage.vertices) >= 3 * len(rings_of(within))
         found = faults_of_cage(*((within, cage) if inner else (cage, within)), wanted, alike is not False)
         if not found:

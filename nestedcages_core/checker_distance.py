@@ -1,6 +1,6 @@
 """Distances for `checker`: exact ones, and the largest of a cage from what it encloses, which exact ones bound.
 
-The largest distance is sought among points in float64, which are complex numbers here; what is found is judged exactly.
+The largest distance is sought among points in float64, which are complex numbers here; the result is verified exactly.
 """
 
 from __future__ import annotations

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import sys
 from collections.abc import Mapping
 from typing import Any
 
@@ -101,7 +100,17 @@ UNKNOWN = "unknown"
 
 
 class Fault(str):
-    """A sentence with a code and data."""
+    """A sentence with a code and data.
+
+    Parameters
+    ----------
+    sentence : str
+        What is wrong, where, and what to change.
+    code : str
+        One of `CODES`.
+    **data
+        What the sentence refers to; see `CODES`.
+    """
 
     __slots__ = ("code", "data")
     code: str
@@ -136,7 +145,17 @@ def _plain(value: Any) -> Any:
 
 
 class NestedCagesError(Exception):
-    """Base class of all errors of this package; `partial` is what was finished before it."""
+    """Base class of all errors of this package.
+
+    Parameters
+    ----------
+    message : str
+        A sentence for people, or a `Fault`.
+    partial : Any, optional
+        What was finished before the error, such as the levels of a `Hierarchy`.
+    code, **data
+        For programs; see `CODES`.
+    """
 
     fault: Fault
     """The message, with its code and data."""
@@ -180,14 +199,6 @@ class NestingError(NestedCagesError):
 
 class NestedCagesWarning(UserWarning):
     """Something was repaired or left out; the message says what and where."""
-
-
-def outside() -> int:
-    """The level of the stack, as `warnings.warn` counts it for its caller, of the first frame that is not ours."""
-    package, frame, level = f"{__name__.rpartition('.')[0]}.", sys._getframe(1), 1
-    while frame.f_back is not None and f"{frame.f_globals.get('__name__')}.".startswith(package):
-        frame, level = frame.f_back, level + 1
-    return level
 
 
 invalid_setting = functools.partial(NestedCagesError, code="setting.invalid")

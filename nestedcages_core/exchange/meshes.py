@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidMeshError, NestedCagesWarning, outside
+from ..errors import InvalidMeshError, NestedCagesWarning
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh
 from .geometries import Polygon, check_roles, polygons_of
@@ -53,7 +54,7 @@ def mesh_of(geometry: Any, *, strict: bool = False) -> Mesh:
         left_out += repaired[1]
     if left_out:
         said = f"The geometry was repaired: {'; '.join(left_out)}."
-        warnings.warn(said, NestedCagesWarning, stacklevel=outside())
+        warnings.warn(said, NestedCagesWarning, stacklevel=_outside())
     return mesh
 
 
@@ -64,6 +65,14 @@ def _of_polygons(polygons: list[Polygon]) -> Mesh:
     mesh = Mesh.from_loops([ring for polygon in polygons for ring in polygon])
     check_roles(polygons, mesh.loop_signs, mesh.component_of_loop)
     return mesh
+
+
+def _outside() -> int:
+    """The level of the stack, as `warnings.warn` counts it for its caller, of the first frame that is not ours."""
+    package, frame, level = f"{__name__.rsplit('.', 2)[0]}.", sys._getframe(1), 1
+    while frame.f_back is not None and f"{frame.f_globals.get('__name__')}.".startswith(package):
+        frame, level = frame.f_back, level + 1
+    return level
 
 
 def meshes_of(shapes: Any) -> list[Mesh]:

@@ -1,4 +1,4 @@
-"""Array types that the signatures of every room share."""
+"""Array types of all signatures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers for all rooms: what counts as nothing, how often loops are run at most, and what steps must gain."""
+"""Numbers of all packages: what is negligible, how often loops run at most, and what steps must gain."""
 
 INPUT_ROUND_OFF = 1e-12
 """Relative difference of coordinates that were rounded when they were written, above the 1e-16 of float64."""

@@ -113,10 +113,10 @@ def _read(shape: MeshLike, name: str, problems: list[Fault]) -> Mesh | None:
         return None
 
 
-def _turned_loops(cage: Mesh, judged: Mesh) -> IntArray:
+def _turned_loops(cage: Mesh, validated: Mesh) -> IntArray:
     """Loops whose direction or role has changed since the cage's edges were oriented."""
-    opposed = cage.loop_of_vertex[cage.edges[cage.edges[:, 0] != judged.edges[:, 0], 0]]
-    return np.union1d(opposed, np.flatnonzero(judged.loop_signs != cage.loop_signs))
+    opposed = cage.loop_of_vertex[cage.edges[cage.edges[:, 0] != validated.edges[:, 0], 0]]
+    return np.union1d(opposed, np.flatnonzero(validated.loop_signs != cage.loop_signs))
 
 
 def loops_in_words(mesh: Mesh) -> str:

@@ -233,7 +233,7 @@ def never_meet(before: FloatArray, after: FloatArray) -> BoolArray:
             rounding = HALVING_ROUNDING * np.abs(np.concatenate([first, last])).max(axis=(0, 1))
         side, errors = side[::2].take(left, axis=1), errors[::2].take(left, axis=1)
         passes = (np.abs(side) > errors).all(axis=0) & (side[0] * side[1] < 0.0)
-        never, always = _beside(first, last, margin)
+        never, always = _next_to_edge(first, last, margin)
         left = (~never).nonzero()[0]
         if len(left) == 0:
             break
@@ -259,7 +259,7 @@ def _differences(corners: FloatArray) -> FloatArray:
     return differences
 
 
-def _beside(first: FloatArray, last: FloatArray, margin: FloatArray) -> tuple[BoolArray, BoolArray]:
+def _next_to_edge(first: FloatArray, last: FloatArray, margin: FloatArray) -> tuple[BoolArray, BoolArray]:
     """(K,) whether the point certainly never lies next to the edge, and whether it certainly always does.
 
     Never: before its start, after its end, or beyond both along an axis. Differences (3, 2, K), errors (K,).

@@ -32,7 +32,7 @@ def constrained_delaunay(points: FloatArray, segments: IntArray) -> IntArray:
     """Triangles (T, 3), counter-clockwise, of the region to the left of the segments; valid for any input.
 
     points: (N, 2), all different; segments: (S, 2) indices, closed loops that neither cross nor pass through a point.
-    Points outside the region are left unused. Corners are judged by exact predicates; an edge is Delaunay to within
+    Points outside the region are left unused. Exact predicates decide on corners; an edge is Delaunay to within
     DOUBTFUL_ANGLE. Raises InvalidMeshError where points coincide or segments cross.
     """
     _check_different(points)
@@ -134,7 +134,7 @@ def _missing_segments(triangles: IntArray, segments: IntArray, count: int) -> Bo
 
 
 def _suspects(points: FloatArray, triangles: IntArray, segments: IntArray) -> IntArray:
-    """Inner edges (K, 2) that may fail the in-circle test, judged by their opposite angles in floating point."""
+    """Inner edges (K, 2) that may fail the in-circle test, by their opposite angles in floating point."""
     starts, ends = directed_edges(triangles)
     across = opposite_edges(triangles, len(points))
     apexes = triangles[:, [2, 0, 1]].T.ravel()
