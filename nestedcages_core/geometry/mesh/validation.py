@@ -85,9 +85,11 @@ def as_edges(data: Any, count: int) -> IntArray:
         raise unreadable(f"The edges have shape {given.shape}, but (m, 2) is needed; give two vertex indices per edge.")
     if given.dtype.kind not in "iu":
         given = _as_floats(given, "edges")
-    wrong = ((given < 0) | (given >= count) | (np.floor(given) != given)).any(axis=1)
+    wrong = (given < 0) | (given >= count)
+    if given.dtype.kind == "f":
+        wrong |= np.floor(given) != given
     if wrong.any():
-        k = int(wrong.argmax())
+        k = int(wrong.any(axis=1).argmax())
         said = (
             f"Edge {k} joins {' and '.join(map(str, given[k].tolist()))}, but the {count} vertices are numbered from 0 "
             f"to {count - 1}, in whole numbers; correct the index."
@@ -119,7 +121,7 @@ def _as_floats(given: AnyArray, what: str) -> FloatArray:
 
 def _check_degrees(edges: IntArray, count: int) -> None:
     """Raise unless every vertex is the end of exactly two different edges."""
-    low, high = edges.min(axis=1), edges.max(axis=1)
+    low, high = np.minimum(*edges.T), np.maximum(*edges.T)
     if (low == high).any():
         k = int((low == high).argmax())
         said = f"Edge {k} joins vertex {low[k]} to itself; remove the edge."
