@@ -99,8 +99,8 @@ def _outcomes(tasks: Sequence[Task], executor: Executor | Callable[[], Executor]
         for task in tasks:
             try:
                 futures[pool.submit(task.run)] = task
-            except BrokenExecutor as error:  # a worker has died already
-                yield _failed(task, error)
+            except BrokenExecutor as died:  # before this one was sent
+                yield _failed(task, died)
         for future in as_completed(futures):
             error = future.exception()
             yield future.result() if error is None else _failed(futures[future], error)
