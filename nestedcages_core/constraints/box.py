@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import Fault, NestingError, invalid_setting
-from ..geometry.arrays import FloatArray
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..solver.banded import Rows
 from .base import Bound, Constraint, Terms, Units
@@ -118,6 +118,10 @@ class BoundBox(Bound):
             direction = np.zeros((2, len(near)))
             direction[axis] = sign
             yield Terms(Rows(near[None], np.ones((1, len(near))), direction), room[near])
+
+    def allowed(self, vertex: IntArray, start: FloatArray, end: FloatArray) -> BoolArray:
+        """Edges within."""
+        return np.asarray(np.minimum(self.rooms(start), self.rooms(end)).min(axis=0, initial=np.inf) >= 0.0)
 
     def short(self, cage: FloatArray) -> FloatArray:
         """How far each vertex lies outside."""

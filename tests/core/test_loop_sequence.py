@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import AxisAligned, Level, Mesh, Settings, check, collision_outline, nested_cages, verify
+from nestedcages_core import AxisAligned, Box, Level, Mesh, Settings, check, collision_outline, nested_cages, verify
 from support.families import OF_SEVERAL_LOOPS, courtyard, drawing, plate, rings, row, scattered
 from support.judging import is_along_the_axes, is_on_grid, lengths_of, sharpest
 from support.marks import slow_after
@@ -165,6 +165,17 @@ def test_what_a_box_satisfies_has_a_cage(shape: Any, count: int, options: dict[s
     for has_shapely in (True, False):
         level = caged(shape, count, has_shapely=has_shapely, **options)
         assert len(level.cage.vertices) <= count and check(level.fine, level)
+
+
+@pytest.mark.parametrize("seed", slow_after(1, range(12), thorough_after=2))
+@pytest.mark.parametrize("kind", OF_SEVERAL_LOOPS, ids=lambda kind: kind.__name__)
+def test_a_grid_has_cages_in_a_box_of_two_steps_more_than_the_drawing(kind: Callable[..., Mesh], seed: int) -> None:
+    fine = kind(np.random.default_rng(seed))
+    step = float(f"{fine.diagonal / 50.0:.2g}")
+    low, high = fine.vertices.min(axis=0) - 2.0 * step, fine.vertices.max(axis=0) + 2.0 * step
+    for count in (4, 8):
+        cage = nested_cages(fine, count, grid=step, constraints=[Box(tuple(low), tuple(high))])[0].cage
+        assert (cage.vertices >= low).all() and (cage.vertices <= high).all()
 
 
 def requested(random: np.random.Generator, fine: Mesh) -> tuple[int, dict[str, Any]]:
