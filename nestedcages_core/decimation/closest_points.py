@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import InvalidMeshError
-from ..geometry.group import Orbits, Symmetry
+from ..geometry.group import Symmetry, orbits_of
 from ..geometry.mesh import Mesh
 from ..geometry.signed_distance import EdgeSearch
-from .symmetric import SYMMETRY_TOLERANCE
 
 
 def closest_on_curve(cage: Mesh, fine: Mesh, symmetry: Symmetry | None = None) -> Mesh | None:
@@ -22,7 +21,7 @@ def closest_on_curve(cage: Mesh, fine: Mesh, symmetry: Symmetry | None = None) -
         starts, ends = fine.vertices[other], fine.vertices[fine.successor[other]]
         places[own] = EdgeSearch(starts, ends).nearest(cage.vertices[own])
     if symmetry is not None:
-        orbits = Orbits.of(cage.vertices, cage.successor, symmetry, SYMMETRY_TOLERANCE * cage.diagonal)
+        orbits = orbits_of(cage, symmetry)
         if orbits is not None:
             places = orbits.symmetrised(places)
     try:

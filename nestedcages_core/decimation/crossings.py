@@ -40,13 +40,14 @@ class Choice(NamedTuple):
         edges: list[tuple[FloatArray, ...]] = []
         for loop, element in [(k, 0) for k in searches] if images is None else images.loops:
             cycle = searches[loop].cycle(numbers[loop])
+            if images is not None and images.reverses(element):
+                cycle = cycle[::-1]
             lines = searches[loop].lines.take(cycle)
-            start = lines.meeting()
-            edge: tuple[FloatArray, ...] = lines.point, lines.direction, start, np.roll(start, -1, axis=0)
             if images is not None and element:
-                cycle, edge = images.edges(cycle, edge, element)
+                lines = images.lines(lines, element)
+            start = lines.meeting()
             cycles.append(cycle)
-            edges.append(edge)
+            edges.append((lines.point, lines.direction, start, np.roll(start, -1, axis=0)))
         point, direction, start, end = (np.concatenate(each) for each in zip(*edges, strict=True))
         loop_of = np.repeat(np.arange(len(cycles)), [len(cycle) for cycle in cycles])
         return cls([each[2] for each in edges], loop_of, np.concatenate(cycles), point, direction, start, end, images)
@@ -80,7 +81,7 @@ class Choice(NamedTuple):
             loop, element = (int(self.loop[b]), 0) if self.images is None else self.images.loops[self.loop[b]]
             blocking = np.stack((self.point[a], self.end[a] if s > 0.0 else self.start[a]))
             if self.images is not None and element:
-                blocking = self.images.points(blocking, self.images.symmetry.order - element)
+                blocking = self.images.points(blocking, -element)
             _end_at(searches[loop], self._bundle(searches[loop], a, b), *blocking)
             searches[loop].symmetrise()
             changed.add(loop)

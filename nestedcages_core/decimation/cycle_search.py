@@ -20,7 +20,7 @@ from .outline import Lines, Outline, without_doubles
 from .problem import Problem
 from .ring_search import RingSearch, allocate, least_sums, run_together
 from .sampling import NormalFrame, samples, weights
-from .symmetric import AsymmetricError, Images, MirrorSearch, padded_alike
+from .symmetric import Images, MirrorSearch, padded_alike
 from .tangents import tangents
 from .turns import SLACK
 from .visibility import Obstacles
@@ -197,12 +197,8 @@ class CycleSearch:
         """A search around a loop, for symmetric cycles if there are images. Raises NoCyclesError."""
         outline, shift, images = self.outlines[k], float(self.shift[k]), self.images
         lines, at, expected, deserved = self._candidates(k)
-        halves, parts = None, 1
-        if images is not None and images.is_halved(k):
-            lines, halves = images.mirrored(k, outline, lines, at, shift)
-        elif images is not None and len(images.own[k]) > 1:
-            parts = len(images.own[k])
-            lines = images.turned(k, outline, lines)
+        if images is not None:
+            lines = images.first_part(k, outline, lines, at, shift)
         # a little less than the shift from what lines touch
         distance = (1.0 - NEGLIGIBLE) * shift if shift > OFFSET else 0.0
         longest = REACH * min(1.0, outline.diameter)
@@ -215,13 +211,11 @@ class CycleSearch:
             free = np.minimum(free, np.minimum(rule.free(lines, self.frame), rule.reach(outline, lines, shift)))
             usable &= (free > 0.0).all(axis=0)
         free += SLACK if shift < OFFSET else 0.0
-        if images is not None and halves is not None:
-            free = np.minimum(free, images.to_axis(lines, halves) + SLACK)
-            usable &= usable[halves.image]
-            halves = halves.take(usable)
-        elif parts > 1:
-            usable = np.tile(usable.reshape(parts, -1).all(axis=0), parts)
         lines, free = lines.take(usable), free[:, usable]
+        if images is not None:
+            lines, free = images.all_parts(k, outline, lines, free)
+        halved = images is not None and images.is_halved(k)
+        parts = 1 if images is None else images.parts(k)
         count, thorough = len(lines), self._is_thorough(k)
         sizes = self._sizes(k, deserved, count, parts)
         if count < 3 or not sizes:  # a symmetry of more parts than there are vertices
@@ -231,8 +225,8 @@ class CycleSearch:
             around = outline.vertices[at]
             depth = _perimeter(around) / _perimeter(around[convex_hull(around)])  # of pockets, which cycles skip
             width = min(width, int(FOLLOWING * min(depth, MAX_DEPTH) * count / expected) + SPARE_FOLLOWING)
-        if halves is not None:
-            return MirrorSearch(outline, lines, free, width=width, sizes=sizes, halves=halves)
+        if halved:
+            return MirrorSearch(outline, lines, free, width=width, sizes=sizes)
         known = self.problem.per_loop is not None or len(self.outlines) == 1
         likely = (self.problem.target if len(self.outlines) == 1 else expected) / parts
         return RingSearch(
@@ -275,7 +269,7 @@ class CycleSearch:
                 if importance is not None and problem.per_loop is None:  # straight sides have pins too
                     loops = importance.with_vertices(loops, problem.total)
                 mesh = problem.coarse(loops)
-        except (InvalidMeshError, AsymmetricError) as error:
+        except (InvalidMeshError, NestingError) as error:
             raise NoCyclesError(str(error), total=self.problem.total) from error
         if len(rings) > 1 and not problem.nests(mesh):  # the certificate says it of one loop
             raise NoCyclesError("The cycles do not enclose the loops.", total=self.problem.total)

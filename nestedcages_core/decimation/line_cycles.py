@@ -22,15 +22,14 @@ from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
-from ..geometry.precision import NEGLIGIBLE, ROUND_OFF
+from ..geometry.precision import ROUND_OFF
 from ..geometry.thinning import Thinning
-from ..geometry.vectors import norm
 from ..parameters import check_flag, check_side
 from .base import NOTHING_KEPT, Count, Kept, Start, Tick, no_tick
 from .closest_points import closest_on_curve
 from .cycle_search import OFFSET, CycleSearch, NoCyclesError, Tables
 from .problem import Problem
-from .symmetric import AsymmetricError, symmetrised
+from .symmetric import symmetrised
 
 SOURCE = "line cycles"
 """Name of its meshes in reports."""
@@ -148,7 +147,7 @@ def _least_mesh(problem: Problem, clearance: float, tick: Tick, least: float = 0
     kept = problem.kept
     loops = symmetrised(problem.outline, kept.symmetry)
     if kept.importance is not None:
-        with suppress(AsymmetricError):  # pins next to an axis hold the closest vertices that are there
+        with suppress(NestingError):  # pins next to an axis hold the closest vertices that are there
             loops = symmetrised(kept.importance.with_vertices(loops), kept.symmetry)
     failure = NoCyclesError("Gaps are too narrow for such lines.")
     for shift in _shifts(problem, loops, clearance):
@@ -204,12 +203,10 @@ def _symmetric(problem: Problem, loops: Loops, shift: FloatArray, most: float) -
     symmetry = problem.kept.preferred
     try:
         alike = symmetrised(loops, symmetry)
-        if norm(alike.vertices - loops.vertices).max() > NEGLIGIBLE * loops.diameter:
-            return None
         search = CycleSearch(replace(problem, kept=replace(problem.kept, symmetry=symmetry)), alike, shift)
         search.search()
         area, mesh, rounds = search.best(1.0)
-    except (AsymmetricError, NoCyclesError):
+    except NestingError:
         return None
     return mesh if rounds == 0 and area <= most else None
 
