@@ -74,15 +74,12 @@ def engine_for(path: str | os.PathLike[str]) -> str:
     raise invalid_setting(f"'{Path(path).name}' is no file of an engine: name it {endings}.")
 
 
-def write_puppet(path: str | os.PathLike[str], puppet: GamePuppet, engine: str | None = None) -> list[Path]:
+def write_puppet(path: str | os.PathLike[str], puppet: GamePuppet, engine: str) -> list[Path]:
     """Write the files of a puppet next to each other, each whole or not at all; returns them, the named one first.
 
-    engine: a key of `ENGINES`; by the name of the file if None. Raises NestedCagesError, OSError.
+    engine: a key of `ENGINES`. Raises NestedCagesError, OSError.
     """
-    chosen = engine or engine_for(path)
-    if chosen not in ENGINES:
-        raise invalid_setting(f"There is no engine {chosen!r}; there are {', '.join(ENGINES)}.")
-    kind, place = ENGINES[chosen], Path(path)
+    kind, place = ENGINES[engine], Path(path)
     is_named = place.name.lower().endswith(kind.ending)
     stem = place.name[: -len(kind.ending)] if is_named else place.stem
     for animation in puppet.animations:

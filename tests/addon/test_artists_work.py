@@ -23,20 +23,13 @@ def generate(source, levels="24, 12", **values):
     return members(source)
 
 
-def paint(obj, name=GROUP):
-    """A vertex group that goes from 0 on the left to 1 on the right."""
-    group = obj.vertex_groups.new(name=name)
-    for index, weight in enumerate(ramp(base(obj))):
-        group.add([index], weight, "REPLACE")
-    return group
-
-
 def ramp(points):
+    """From 0 on the left to 1 on the right."""
     return np.clip(0.5 + points[:, 0] / 6.0, 0.0, 1.0)
 
 
-def weights(obj, name=GROUP):
-    index = obj.vertex_groups[name].index
+def weights(obj):
+    index = obj.vertex_groups[GROUP].index
     return np.array([next((e.weight for e in v.groups if e.group == index), 0.0) for v in obj.data.vertices])
 
 
@@ -70,7 +63,7 @@ def keyed(obj, name):
 
 def rigged(obj):
     """An object with something of everything that an artist may put on it."""
-    paint(obj)
+    drawings.weigh(obj, GROUP, ramp(base(obj)))
     obj.vertex_groups.new(name="Locked").lock_weight = True
     add_key(obj, "Wide", 1.5)
     bone = bpy.data.armatures.new("Bones")
@@ -174,7 +167,7 @@ def test_a_posed_drawing_is_still_posed_with_new_cages() -> None:
 def test_a_level_that_is_no_more_is_kept_if_an_artist_worked_on_it() -> None:
     source = poly_curve("Drawing", [star() * 2.0])
     _, _, cage = generate(source)
-    paint(cage)
+    drawings.weigh(cage, GROUP, ramp(base(cage)))
     assert len(generate(source, "16")) == 2
     assert cage.name in bpy.data.objects and not [key for key in cage.keys() if key.startswith("nested_cages")]  # noqa: SIM118
     assert np.abs(weights(cage) - ramp(base(cage))).max() < 1e-6

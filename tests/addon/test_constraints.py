@@ -9,16 +9,21 @@ import shapely
 
 from support import drawings
 from support.blender import refused
-from support.drawings import armature, at_frame, certificate, circle, generate, made, poly_curve, solid, star, wire
+from support.drawings import (
+    armature,
+    at_frame,
+    certificate,
+    circle,
+    generate,
+    made,
+    poly_curve,
+    solid,
+    star,
+    weigh,
+    wire,
+)
 
 pytestmark = pytest.mark.slow
-
-
-def paint(obj, name, weights):
-    group = obj.vertex_groups.new(name=name)
-    for k, weight in enumerate(weights):
-        group.add([k], float(weight), "REPLACE")
-    return group
 
 
 def cages():
@@ -122,7 +127,7 @@ def test_painted_weights_draw_vertices() -> None:
     obj = wire("Drawing", [star(120, 0.2, 9)])
     generate("20, 14")
     right = [(points(cage)[:, 0] > 0.0).sum() for cage in cages()]
-    paint(obj, "Matters", np.where(star(120, 0.2, 9)[:, 0] > 0.0, 1.0, 0.05))
+    weigh(obj, "Matters", np.where(star(120, 0.2, 9)[:, 0] > 0.0, 1.0, 0.05))
     generate("20, 14", weight_group="Matters")
     assert_nested()
     weighted = [(points(cage)[:, 0] > 0.0).sum() for cage in cages()]
@@ -135,7 +140,7 @@ def test_pins_of_a_vertex_group_are_kept_on_every_level() -> None:
     obj.location, obj.rotation_euler.z = (5.0, 1.0, 0.0), 1.0
     bpy.context.view_layer.update()
     tips = [24, 48]
-    paint(obj, "Pins", [1.0 if k in tips else 0.3 for k in range(120)])
+    weigh(obj, "Pins", [1.0 if k in tips else 0.3 for k in range(120)])
     generate("20, 10", pin_group="Pins")
     assert_nested()
     for cage in cages():

@@ -10,7 +10,7 @@ import shapely
 from mathutils import Matrix
 
 from support.blender import refused
-from support.drawings import choose, evaluated, in_world, snapshot
+from support.drawings import choose, evaluated, faces_of, image_empty, in_world, snapshot
 
 pytestmark = pytest.mark.slow
 
@@ -41,15 +41,6 @@ def file_of(image: Any, folder: Path) -> Path:
     return path
 
 
-def empty(image: Any) -> Any:
-    obj = bpy.data.objects.new("Empty", None)
-    obj.data = image
-    obj.empty_display_type, obj.empty_display_size = "IMAGE", 3.0
-    bpy.context.scene.collection.objects.link(obj)
-    choose(obj)
-    return obj
-
-
 def plane(image: Any) -> Any:
     bpy.ops.mesh.primitive_plane_add(size=2.0)
     obj = bpy.context.object
@@ -68,16 +59,11 @@ def cut(**options: Any) -> Any:
     return next((o for o in bpy.data.objects if o.name in ("part", "leg", "tile") and o.type == "MESH"), None)
 
 
-def faces(obj: Any) -> Any:
-    points = evaluated(obj)[:, :2].astype(float)
-    return shapely.union_all([shapely.Polygon(points[list(face.vertices)]) for face in obj.data.polygons])
-
-
 def assert_shows_all_pixels(obj: Any, unit: float) -> None:
     """The mesh covers all opaque pixels, and each of its corners has the place of the picture that lies there."""
     rows, columns = np.nonzero(opacity())
     centres = (np.column_stack([columns, rows]) + 0.5 - (WIDTH / 2, HEIGHT / 2)) * unit
-    area = faces(obj).buffer(1e-6)
+    area = faces_of(obj, evaluated(obj)[:, :2], None).buffer(1e-6)
     assert shapely.contains_xy(area, centres).all()
     layer = obj.data.uv_layers.active.data
     for face in obj.data.polygons:
@@ -163,7 +149,7 @@ def test_several_files_share_nothing_but_the_scene(tmp_path) -> None:
 def test_an_opaque_tile_grows_only_if_asked(options: dict[str, float], grown: float) -> None:
     image = bpy.data.images.new("tile.png", 32, 16, alpha=True)
     image.pixels.foreach_set(np.ones(32 * 16 * 4, np.float32))
-    empty(image).empty_display_size = 32.0
+    image_empty(image).empty_display_size = 32.0
     obj = cut(bind=False, **options)
     points = in_world(obj, evaluated(obj))
     assert np.ptp(points, axis=0)[:2] == pytest.approx((32.0 + 2.0 * grown, 16.0 + 2.0 * grown), abs=1e-2)
@@ -172,7 +158,8 @@ def test_an_opaque_tile_grows_only_if_asked(options: dict[str, float], grown: fl
 
 
 def test_an_image_empty_is_cut_out_where_it_is() -> None:
-    shown = empty(picture())
+    shown = image_empty(picture())
+    shown.empty_display_size = 3.0
     shown.location, shown.rotation_euler = (1.0, 2.0, 3.0), (0.5, 0.2, 0.3)
     shown.scale = (1.0, 2.0, 1.0)
     bpy.context.view_layer.update()
@@ -193,7 +180,7 @@ def test_an_image_plane_is_cut_out_where_it_is_with_its_hole() -> None:
     shown = plane(picture())
     obj = cut(holes=True, bind=False)
     assert_shows_all_pixels(obj, 4.0 / WIDTH)
-    assert len(faces(obj).interiors) == 1
+    assert len(faces_of(obj, evaluated(obj)[:, :2], None).interiors) == 1
     assert shown.hide_get()
 
 
@@ -212,11 +199,6 @@ def test_what_is_no_picture_is_told_and_nothing_changes(break_it: Any) -> None:
         cut()
 
 
-def test_nothing_is_chosen() -> None:
-    with refused():
-        cut()
-
-
 def test_a_file_that_is_no_picture_is_told(tmp_path) -> None:
     path = tmp_path / "note.png"
     path.write_text("no picture")
@@ -228,7 +210,7 @@ def test_pictures_without_a_cage_are_skipped_and_opaque_ones_told(reports) -> No
     """A distance in units that is more than the clearance of a small picture, and less than that of a large one."""
     solid = bpy.data.images.new("solid.png", 8, 8, alpha=True)
     solid.pixels.foreach_set(np.ones(8 * 8 * 4, np.float32))
-    large, small, rectangle = empty(picture("large.png")), empty(picture()), empty(solid)
+    large, small, rectangle = map(image_empty, (picture("large.png"), picture(), solid))
     large.empty_display_size, small.empty_display_size, rectangle.empty_display_size = 300.0, 1.0, 1.0
     choose(large, small, rectangle)
     cut(levels="1e-4u", bind=False)

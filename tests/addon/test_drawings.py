@@ -110,7 +110,7 @@ def bent():
 # How the object is made, the settings that it needs, and how many points its loops have where that is known.
 KINDS = {
     "Bezier": (lambda _: drawings.bezier_circle("Drawing"), {}, 48),
-    "NURBS": (lambda _: drawings.nurbs_circle("Drawing"), {}, None),
+    "NURBS": (lambda _: poly_curve("Drawing", [circle(8)], kind="NURBS"), {}, None),
     "poly": (lambda _: poly_curve("Drawing", [star()]), {}, 60),
     "triangle": (lambda _: wire("Drawing", [circle(3)]), {}, 3),
     "many parts": (lambda _: wire("Drawing", [circle(5, 0.3, (x, 0.0)) for x in range(12)]), {"loops": "keep"}, 60),

@@ -6,7 +6,7 @@ import pytest
 import shapely
 
 from support.blender import refused
-from support.drawings import choose, solid
+from support.drawings import image_empty, solid
 
 SIDE = 40
 
@@ -27,13 +27,9 @@ def sprite(name="Sprite"):
 @pytest.mark.parametrize(("holes", "padding"), [(False, 0.0), (True, 0.5)])
 def test_no_opaque_pixel_is_outside(holes, padding) -> None:
     image, opaque = sprite()
-    empty = bpy.data.objects.new("Picture", None)
-    empty.empty_display_type = "IMAGE"
-    empty.data = image
+    empty = image_empty(image)
     empty.empty_display_size = 4.0
     empty.location, empty.rotation_euler, empty.scale = (3.0, 1.0, 0.0), (0.4, 0.3, 0.2), (1.0, 2.0, 1.0)
-    bpy.context.scene.collection.objects.link(empty)
-    choose(empty)
     done = bpy.ops.object.nested_cages_from_image(vertices=16, padding=padding, holes=holes)
     assert done == {"FINISHED"}
     made = bpy.context.active_object
@@ -56,6 +52,4 @@ def test_images_without_anything_to_outline_are_refused() -> None:
     image.pixels.foreach_set(np.zeros(8 * 8 * 4, np.float32))
     with refused("'Clear'"):
         bpy.ops.object.nested_cages_from_image(image="Clear")
-    with refused():
-        bpy.ops.object.nested_cages_from_image()
     assert not bpy.data.objects

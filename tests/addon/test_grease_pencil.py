@@ -1,6 +1,7 @@
 """Grease Pencil: what it paints, on each frame, is what is caged, cut out and rigged, and it follows."""
 
 import re
+from collections.abc import Iterable
 from itertools import pairwise
 from typing import Any
 
@@ -10,7 +11,20 @@ import pytest
 import shapely
 
 from support.blender import refused
-from support.drawings import Loop, add, bind, certificate, choose, circle, generate, in_world, solid, verify
+from support.drawings import (
+    Loop,
+    add,
+    base,
+    bind,
+    certificate,
+    choose,
+    circle,
+    faces_of,
+    generate,
+    in_world,
+    solid,
+    verify,
+)
 from support.marks import slow_after
 
 pytestmark = pytest.mark.skipif(bpy.app.version < (4, 3), reason="another Grease Pencil")
@@ -79,7 +93,7 @@ def seen(obj: Any, **options: Any) -> Shape:
     chosen = list(bpy.context.selected_objects)
     choose(obj)
     found = silhouette(plane="FRONT", fill_holes=False, **options)
-    area = upright_area(found)
+    area = faces_of(found, in_world(found, base(found))[:, [0, 2]])
     bpy.data.objects.remove(found)
     choose(*chosen, obj)
     return area
@@ -89,13 +103,6 @@ def silhouette(**options: Any) -> Any:
     assert bpy.ops.object.nested_cages_silhouette(**options) == {"FINISHED"}
     bpy.context.view_layer.update()
     return bpy.context.object
-
-
-def upright_area(obj: Any) -> Shape:
-    """The faces of a mesh object, seen from the front."""
-    points = in_world(obj, np.array([tuple(vertex.co) for vertex in obj.data.vertices]))[:, [0, 2]]
-    faces = [shapely.Polygon(points[list(face.vertices)]) for face in obj.data.polygons]
-    return shapely.union_all(faces, grid_size=1e-9)
 
 
 def apart(one: Shape, other: Shape) -> float:
@@ -142,14 +149,6 @@ def test_blenders_own_drawings_are_caged_as_they_are_painted(kind: str) -> None:
     choose(source)
     assert bpy.ops.object.nested_cages_silhouette(fill_holes=False) == {"FINISHED"}
     assert solid(bpy.context.object).area == pytest.approx(paint.area, rel=0.02)
-
-
-def places(obj: Any, layer: int = 0) -> Loop:
-    """Points (n, 3) of a layer as it is displayed."""
-    bpy.context.view_layer.update()
-    data = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    drawing = data.layers[layer].current_frame().drawing
-    return np.array([tuple(point.position) for stroke in drawing.strokes for point in stroke.points])
 
 
 def test_fills_have_their_holes() -> None:
@@ -434,16 +433,12 @@ def test_one_cage_around_all_keys_bends_each_of_them() -> None:
     assert all(cage.equals(cages[0]) for cage in cages)
     choose(obj)
     bind()
-    still = {}
-    for frame in (1, 4, 7, 9):
-        bpy.context.scene.frame_set(frame)
-        still[frame] = shown(obj)
+    still = on_frames(obj, (1, 4, 7, 9))
     for vertex in cages_of(obj)[0].data.vertices:
         vertex.co.x += 0.5 * vertex.co.y
-    for frame, before in still.items():
-        bpy.context.scene.frame_set(frame)
-        bent = before + np.column_stack([0.5 * before[:, 2], np.zeros((len(before), 2))])
-        np.testing.assert_allclose(shown(obj), bent, atol=1e-4)
+    for frame, points in on_frames(obj, still).items():
+        bent = still[frame] + np.column_stack([0.5 * still[frame][:, 2], np.zeros((len(points), 2))])
+        np.testing.assert_allclose(points, bent, atol=1e-4)
 
 
 def shown(obj: Any) -> Loop:
@@ -456,6 +451,15 @@ def shown(obj: Any) -> Loop:
         drawing = layer.current_frame().drawing
         found += [above @ layer.matrix_local @ p.position for stroke in drawing.strokes for p in stroke.points]
     return np.array(found)
+
+
+def on_frames(obj: Any, frames: Iterable[int]) -> dict[int, Loop]:
+    """The same, on some frames."""
+    found = {}
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        found[frame] = shown(obj)
+    return found
 
 
 def test_layers_with_transforms_of_their_own_bend_where_they_are() -> None:
@@ -508,20 +512,13 @@ def test_a_cutout_makes_each_layer_a_part_to_pose() -> None:
     assert obj.hide_get() and obj.hide_render and len(obj.data.layers) == 4
     rig = bpy.context.object
     assert rig.type == "ARMATURE"
-    still = places(top)
+    still, before = shown(top), on_frames(body, (1, 10))
     for bone in rig.pose.bones:
         if bone.name.startswith(body.name):
             bone.location.x = 1.0
-    for frame in (1, 10):
-        bpy.context.scene.frame_set(frame)
-        assert np.abs(places(body) - rest(body, frame)).max() > 0.1
-    assert np.abs(places(top) - still).max() < 1e-6
-
-
-def rest(obj: Any, frame: int) -> Loop:
-    """Points (n, 3) of the first layer of an object without its modifiers."""
-    (drawing,) = [each.drawing for each in obj.data.layers[0].frames if each.frame_number == frame]
-    return np.array([tuple(point.position) for stroke in drawing.strokes for point in stroke.points])
+    for frame, points in on_frames(body, (1, 10)).items():
+        assert np.abs(points - before[frame]).max() > 0.1
+    assert np.abs(shown(top) - still).max() < 1e-6
 
 
 def test_a_cutout_that_fails_leaves_nothing() -> None:

@@ -1,7 +1,6 @@
 """Operators as in a window: work in slices, cancelling at any moment, one job at a time."""
 
 import itertools
-import json
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,6 +10,7 @@ import pytest
 
 from nestedcages_core import Mesh, nested_cages
 from support.blender import ESCAPE, GOES_ON, IN_TEXT_EDITOR, OTHER, TIMER, event, running
+from support.documents import collection, feature
 from support.drawings import Loop, base, bind, generate, made, poly_curve, snapshot, star
 from support.marks import slow_after
 
@@ -158,11 +158,7 @@ def bound(folder: Any) -> dict[str, Any]:
 
 def map_of(folder: Any) -> dict[str, Any]:
     squares = [[[[x, 0], [x + 1, 0], [x + 1, 1], [x, 1], [x, 0]]] for x in range(0, 20, 2)]
-    features = [
-        {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": square}}
-        for square in squares
-    ]
-    (folder / "squares.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    (folder / "squares.geojson").write_text(collection(*map(feature, squares)))
     return {"filepath": str(folder / "squares.geojson"), "scale": 1.0}
 
 

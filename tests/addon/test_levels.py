@@ -25,7 +25,6 @@ def counts(name: str = "Drawing") -> list[int]:
     [
         *((text, [40, 24]) for text in ("40, 24", "40 24", " 40;24 ", "40,, 24,")),
         ("7", [7]),
-        ("40,, 24,", [40, 24]),
         ("24, 40", [40, 24]),  # the finest comes first
         ("50%, 20 %", [30, 12]),
         ("33.4%", [20]),
@@ -169,13 +168,9 @@ def test_inner_cages_lie_inside_and_play() -> None:
             depsgraph = at_frame(frame)
             assert not drawings.lines(outer, depsgraph).intersects(drawings.lines(cage, depsgraph)), (cage.name, frame)
     depsgraph = at_frame(9000)
-    excesses = [
-        solid(inner, depsgraph).area / solid(outer, depsgraph).area - 1.0
-        for outer, inner in ((fine, first), (first, second))
-    ]
-    for cage, excess in zip((first, second), excesses, strict=True):
-        assert certificate(cage).excess == pytest.approx(excess, abs=1e-5)
-        assert -1.0 < excess < 0.0
+    for outer, cage in ((fine, first), (first, second)):
+        excess = solid(cage, depsgraph).area / solid(outer, depsgraph).area - 1.0
+        assert -1.0 < excess < 0.0 and certificate(cage).excess == pytest.approx(excess, abs=1e-5)
     assert obj.visible_get()
     # the first shape of a cage is looser than the last one
     assert len(first.data.shape_keys.key_blocks) > 2

@@ -1,8 +1,6 @@
 """Layered paintings in Blender: imported as puppets, moved by their bones as engines do, and exported as they are."""
 
-import io
 import json
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +12,7 @@ from PIL import Image
 
 from support.blender import new_file, refused
 from support.command import run
+from support.documents import archive, png_of
 from support.drawings import evaluated, save
 from support.engine_json import posed_meshes
 
@@ -28,20 +27,12 @@ LAYERS = {
 Files = dict[str, bytes]
 
 
-def png(pixels: np.ndarray) -> bytes:
-    data = io.BytesIO()
-    Image.fromarray(pixels).save(data, "PNG")
-    return data.getvalue()
-
-
 def pixels_of(path: Path) -> np.ndarray:
     return np.array(Image.open(path).convert("RGBA"))
 
 
 def written(path: Path, files: Files) -> Path:
-    with zipfile.ZipFile(path, "w") as archive:
-        for name, data in files.items():
-            archive.writestr(name, data)
+    path.write_bytes(archive(files))
     return path
 
 
@@ -56,7 +47,7 @@ def files() -> Files:
         away = shapely.distance(shapely.linestrings(line), shapely.points(x, y))
         pixels[..., 3] = 255 * np.clip(0.5 * width - away, 0, 1)
         pixels[..., 0], pixels[..., 1], pixels[..., 2] = x % 256, y % 256, 90
-        found[f"{name}.png"] = png(pixels)
+        found[f"{name}.png"] = png_of(pixels)
         hidden = " visibility='hidden'" * (name == "note")
         entries.insert(0, f"<layer name='{name}' src='{name}.png'{hidden}/>")
     return {**found, "stack.xml": f"<image w='420' h='300'><stack>{''.join(entries)}</stack></image>".encode()}
@@ -224,7 +215,7 @@ def test_a_repainted_puppet_keeps_what_was_made_with_it(
     stack = stack.replace("<layer name='note' src='note.png' visibility='hidden'/>", "")
     hat = np.zeros((SIZE[1], SIZE[0], 4), np.uint8)
     hat[110:150, 200:230] = 255
-    changed = written(tmp_path / "cat.ora", {**files, "hat.png": png(hat), "stack.xml": stack.encode()})
+    changed = written(tmp_path / "cat.ora", {**files, "hat.png": png_of(hat), "stack.xml": stack.encode()})
     reports.read()
     repainted(rig, changed)
     assert "hat" in reports.read()
@@ -253,7 +244,7 @@ def test_shape_keys_stay_on_layers_that_are_not_redrawn(
         key.keyframe_insert("value", frame=1)
     pixels = np.zeros((SIZE[1], SIZE[0], 4), np.uint8)
     pixels[120:230, 130:280] = 255
-    changed = written(tmp_path / "cat.ora", {**files, "body.png": png(pixels)})
+    changed = written(tmp_path / "cat.ora", {**files, "body.png": png_of(pixels)})
     before = evaluated(parts["arm"])
     repainted(rig, changed)
     np.testing.assert_allclose(evaluated(parts["arm"]), before, atol=1e-4)
@@ -283,7 +274,7 @@ def test_pictures_of_a_folder_are_a_painting(tmp_path: Path) -> None:
     for number in range(3):
         pixels = np.zeros((40, 60, 4), np.uint8)
         pixels[5:30, 8 * number : 30 + 8 * number] = 255
-        (tmp_path / f"{number} part{number}.png").write_bytes(png(pixels))
+        (tmp_path / f"{number} part{number}.png").write_bytes(png_of(pixels))
     assert set(imported(tmp_path)[0]) == {"part0", "part1", "part2"}
     bpy.ops.object.mode_set(mode="OBJECT")
     names = [{"name": f"{number} part{number}.png"} for number in (2, 0)]
@@ -294,9 +285,7 @@ def test_pictures_of_a_folder_are_a_painting(tmp_path: Path) -> None:
 
 def test_a_damaged_painting_is_told(tmp_path: Path) -> None:
     (tmp_path / "a.psd").write_bytes(b"8BPS" + bytes(40))
-    data = io.BytesIO()
-    zipfile.ZipFile(data, "w").close()
-    (tmp_path / "b.kra").write_bytes(data.getvalue())
+    (tmp_path / "b.kra").write_bytes(archive({}))
     for name in ("a.psd", "b.kra"):
         with refused(name):
             bpy.ops.object.nested_cages_import(filepath=str(tmp_path / name))

@@ -33,11 +33,8 @@ def squares(*places: float) -> list[Any]:
     return made
 
 
-def image_empty() -> None:
-    obj = bpy.data.objects.new("Sprite", None)
-    obj.empty_display_type, obj.data = "IMAGE", bpy.data.images.new("sprite", 8, 8, alpha=True)
-    bpy.context.scene.collection.objects.link(obj)
-    obj.select_set(True)
+def sprite() -> None:
+    drawings.image_empty(bpy.data.images.new("sprite", 8, 8, alpha=True))
 
 
 def rigged() -> None:
@@ -60,7 +57,7 @@ FITTING = {
     "drawings side by side": (lambda: squares(0.0, 2.0, 4.0), "generate"),
     "overlapping parts": (lambda: squares(0.0, 0.5, 1.0), "puppet"),
     "an armature": (bpy.ops.object.armature_add, "rig"),
-    "a picture": (image_empty, "cutout"),
+    "a picture": (sprite, "cutout"),
     "a rig in Pose Mode": (rigged, "rig"),
     "handles in Pose Mode": (handles, "generate"),
 }
@@ -70,11 +67,33 @@ FITTING = {
 def test_the_first_button_is_the_one_to_press(name) -> None:
     select, button = FITTING[name]
     select()
-    drawn = draw(bpy.types.VIEW3D_PT_nested_cages)
-    pressed = next(each for each in drawn if each.startswith("object."))
+    pressed, drawn = first_button(), draw(bpy.types.VIEW3D_PT_nested_cages)
     assert pressed == f"object.nested_cages_{button or 'import'}"
+    chosen = {obj.name for obj in bpy.context.selected_objects if obj.type != "ARMATURE"}
+    assert bool(chosen & set(drawn)) == (len(chosen) == 1 and bool(button))  # that is the title, else a hint
     operator = getattr(bpy.ops.object, pressed.partition(".")[2])
     assert operator.poll() or bpy.context.mode == "POSE" or name == "an armature"
+
+
+UNFIT = [
+    ("nothing", "generate", {}, ""),
+    *(("nothing", name, {}, "") for name in ("puppet", "cutout", "from_image")),
+    ("a camera", "generate", {}, "'Camera'"),
+    ("a camera", "silhouette", {}, ""),
+    ("a drawing", "verify", {}, ""),
+    ("a drawing", "to_objects", {"shape": "ANIMATED"}, "'Drawing'"),
+    ("an open line", "pieces", {}, "'Open'"),
+]
+
+
+@pytest.mark.parametrize(("selected", "name", "options", "named"), UNFIT)
+def test_operators_say_what_they_cannot_work_on(selected, name, options, named) -> None:
+    if selected == "an open line":
+        poly_curve("Open", [star()], cyclic=False)
+    else:
+        FITTING[selected][0]()
+    with refused(named):
+        getattr(bpy.ops.object, f"nested_cages_{name}")(**options)
 
 
 def first_button() -> str:
@@ -86,7 +105,7 @@ def test_a_section_opened_by_hand_stays_until_another_one_fits() -> None:
     assert first_button() == "object.nested_cages_generate"
     bpy.ops.scene.nested_cages_door(door="RIG")
     assert first_button() == "object.nested_cages_puppet"
-    image_empty()
+    sprite()
     drawing.select_set(False)
     assert first_button() == "object.nested_cages_cutout"
 

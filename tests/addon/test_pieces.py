@@ -9,16 +9,8 @@ import pytest
 import shapely
 from mathutils import Euler
 
-from support.blender import refused
-from support.drawings import at_frame, choose, circle, generate, poly_curve, solid, star
+from support.drawings import at_frame, choose, circle, generate, poly_curve, solid, star, world
 from support.engine_json import pieces_of
-
-
-def corners(obj):
-    """(k, 3) vertices of an object in the world."""
-    points = np.array([tuple(vertex.co) for vertex in obj.data.vertices])
-    matrix = np.array(obj.matrix_world)
-    return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 @pytest.mark.parametrize("most", [3, 8])
@@ -56,11 +48,11 @@ def test_pieces_of_any_outline_with_a_height() -> None:
         pieces = list(bpy.data.collections[f"{name} Pieces"].objects)
         assert len(pieces) <= count
         for piece in pieces:
-            z = corners(piece)[:, 2]
+            z = world(piece)[:, 2]
             assert (z.min(), z.max()) == (-0.25, 0.25)
             edges = [tuple(sorted(key)) for face in piece.data.polygons for key in face.edge_keys]
             assert all(edges.count(edge) == 2 for edge in edges)
-            centre = corners(piece).mean(axis=0)
+            centre = world(piece).mean(axis=0)
             for face in piece.data.polygons:
                 assert (np.array(face.center) - centre) @ np.array(face.normal) > 0.0
 
@@ -87,10 +79,10 @@ def test_an_active_body_falls_as_one_with_its_pieces() -> None:
     assert (body.rigid_body.type, body.rigid_body.collision_shape) == ("ACTIVE", "COMPOUND")
     bpy.context.view_layer.update()
     assert tuple(body.matrix_world.translation) == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
-    flat = np.unique(np.round(corners(body), 5), axis=0)
+    flat = np.unique(np.round(world(body), 5), axis=0)
     pieces = [piece for piece in bpy.data.collections["Ring Pieces"].objects if piece is not body]
     assert len(pieces) > 3
-    assert np.allclose(np.unique(np.round(np.concatenate([corners(piece) for piece in pieces]), 5), axis=0), flat)
+    assert np.allclose(np.unique(np.round(np.concatenate([world(piece) for piece in pieces]), 5), axis=0), flat)
     bpy.ops.mesh.primitive_cylinder_add(radius=0.3, depth=2.0, location=(0.0, 0.0, -1.5))
     bpy.ops.rigidbody.object_add(type="PASSIVE")
     for frame in range(1, 30):
@@ -125,12 +117,6 @@ def test_an_active_body_carries_the_drawing_and_its_cages() -> None:
     for name, place in shown.items():
         height = bpy.data.objects[name].evaluated_get(graph).matrix_world.translation.z
         assert height == pytest.approx(place[2, 3] + fallen, abs=1e-3)
-
-
-def test_pieces_of_something_without_an_outline_are_refused() -> None:
-    poly_curve("Open", [circle(12)], cyclic=False)
-    with refused("'Open'"):
-        bpy.ops.object.nested_cages_pieces()
 
 
 def test_collision_outlines_have_pieces(tmp_path, core) -> None:

@@ -593,11 +593,6 @@ def test_each_file_is_a_puppet(tmp_path: Path) -> None:
     assert {obj.name for obj in bpy.data.objects if obj.type == "ARMATURE"} == {"one Puppet", "two Puppet"}
 
 
-def test_nothing_selected_is_told() -> None:
-    with refused():
-        bpy.ops.object.nested_cages_puppet()
-
-
 def test_poses_are_mirrored_as_pictures() -> None:
     """What Blender pastes flipped by .L and .R is the mirrored picture, controls of limbs included."""
     drawings = figure()

@@ -250,9 +250,8 @@ def test_several_drawings_are_rigged_in_three_actions() -> None:
     bpy.context.view_layer.update()
     change = [np.abs(evaluated(each.fine) - points).max() for each, points in zip(found, before, strict=True)]
     assert [value > 0.1 for value in change] == [False, False, True, False]
-    assert (
-        drawings.verify(*(each.cages[0] for each in found)) and bpy.context.mode == "POSE"
-    )  # a pose is checked where it is
+    assert drawings.verify(*(each.cages[0] for each in found))
+    assert bpy.context.mode == "POSE"  # a pose is checked where it is
     bpy.ops.object.mode_set(mode="OBJECT")
     show(*parts)
     for action in ("rebind", "unbind", "remove_animation"):

@@ -8,7 +8,7 @@ import pytest
 import shapely
 
 from support.blender import refused
-from support.drawings import base, circle, evaluated, generate, poly_curve, solid, star, text, wire
+from support.drawings import base, circle, evaluated, faces_of, generate, poly_curve, solid, star, text, wire
 from support.marks import slow_after
 
 
@@ -22,10 +22,7 @@ def silhouette(*objects: Any, **options: Any) -> Any:
 
 def filled(made: Any) -> Any:
     """The faces of a flat mesh object in its own x and y, united."""
-    points = np.array([vertex.co[:2] for vertex in made.data.vertices])
-    return shapely.union_all(
-        [shapely.Polygon(points[list(face.vertices)]) for face in made.data.polygons], grid_size=1e-9
-    )
+    return faces_of(made, base(made)[:, :2])
 
 
 def in_common(made: Any, expected: shapely.Geometry) -> float:
@@ -114,8 +111,3 @@ def test_letters_that_do_not_touch_keep_their_coordinates() -> None:
     obj.data.fill_mode = "FRONT"
     generate("40%")
     assert {tuple(point) for point in base(bpy.data.objects["Text Fine"]).tolist()} == shown
-
-
-def test_nothing_suitable_is_selected() -> None:
-    bpy.ops.object.camera_add()
-    assert not bpy.ops.object.nested_cages_silhouette.poll()

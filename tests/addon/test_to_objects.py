@@ -117,12 +117,6 @@ def test_animated_faces_move_as_the_cages_do(playing) -> None:
             assert not any(name.startswith("nested_cages_") for name in obj.keys())  # noqa: SIM118
 
 
-def test_still_objects_are_no_animated_faces() -> None:
-    poly_curve("Drawing", [star()])
-    with refused("'Drawing'"):
-        bpy.ops.object.nested_cages_to_objects(shape="ANIMATED")
-
-
 @pytest.mark.parametrize("faces", slow_after(1, [False, True]))
 def test_gltf_carries_the_animation_as_morph_targets(playing, tmp_path, faces) -> None:
     """Lone edges become lines, and faces triangles; either has a morph target for each step. What is hidden on the

@@ -68,12 +68,6 @@ def test_what_is_in_a_hole_of_a_cage_or_outside_is_at_fault_and_nothing_else() -
     assert selected(inner) == [*range(12), *range(24, 36)]
 
 
-def test_it_says_what_to_select() -> None:
-    poly_curve("Drawing", [star()])
-    with refused():
-        bpy.ops.object.nested_cages_verify()
-
-
 def test_cages_whose_level_has_not_begun_are_left_out(cages) -> None:
     bpy.context.scene.frame_set(certificate(cages[1]).frames[1])
     bpy.ops.object.nested_cages_verify()

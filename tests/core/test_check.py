@@ -12,14 +12,10 @@ import shapely
 import nestedcages_core as core
 from nestedcages_core import Hierarchy, Level, LineCycles, Mesh, Mirror, Rotation, check, nested_cages
 from support.marks import slow_after
-from support.shapes import comb, disc, islands, letter_a, letter_a_coarse, polygon, ring, square_with_hole, star
+from support.shapes import comb, disc, islands, letter_a, letter_a_coarse, mesh, polygon, ring, square_with_hole, star
 
 SQUARE = np.array([[0, 0], [4, 0], [4, 4], [0, 4]], float)
 FAST = core.Settings(decimation=LineCycles(on_curve=False), fallback=LineCycles(on_curve=False))
-
-
-def mesh(*loops: object) -> Mesh:
-    return Mesh.from_loops([np.array(loop, float) for loop in loops])
 
 
 SMALL = mesh(disc(8, 0.5, 2.0, 2.0))

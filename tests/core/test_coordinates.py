@@ -8,6 +8,7 @@ import shapely
 
 import nestedcages_core as core
 from nestedcages_core import Harmonic, MeanValue, Mesh, PiecewiseLinear, cage_coordinates, deform, grids, nested_cages
+from support.engines import areas
 from support.judging import rejected
 from support.shapes import annulus, islands, letter_a, polygon, ring, star
 
@@ -143,12 +144,6 @@ def test_many_poses_at_once() -> None:
         assert moved[2, 1] == pytest.approx(dense(weights) @ poses[2, 1])
 
 
-def turns(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """(T,) twice the areas of triangles, positive where they are counter-clockwise."""
-    (ax, ay), (bx, by), (cx, cy) = points[triangles].transpose(1, 2, 0)
-    return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-
-
 @pytest.mark.slow
 def test_linear_coordinates_keep_the_drawing_inside_while_no_triangle_turns_over(
     nested: dict[str, tuple[Mesh, Mesh]],
@@ -162,11 +157,11 @@ def test_linear_coordinates_keep_the_drawing_inside_while_no_triangle_turns_over
         rows = dense(cage_coordinates(inside, cage, PiecewiseLinear()))
         found = {tuple(np.flatnonzero(row > 1e-9)) for row in rows}
         triangles = np.array([triangle for triangle in found if len(triangle) == 3])
-        triangles = np.where(turns(cage.vertices, triangles)[:, None] > 0.0, triangles, triangles[:, ::-1])
+        triangles = np.where(areas(cage.vertices, triangles)[:, None] > 0.0, triangles, triangles[:, ::-1])
         pose, poses = cage.vertices, 0
         for _ in range(300):
             trial = pose + 0.05 * cage.diagonal * rng.normal(size=pose.shape) * (rng.random((len(pose), 1)) < 0.1)
-            upright = turns(trial, triangles) > 0.0
+            upright = areas(trial, triangles) > 0.0
             with suppress(core.InvalidMeshError):  # a cage that crosses itself has no inside
                 if upright.all() and cage.moved(trial).validated():
                     pose, poses = trial, poses + 1

@@ -190,7 +190,7 @@ def test_a_cage_that_its_energy_leaves_as_it_starts_has_a_note() -> None:
 
 SAME: list[tuple[Any, Any]] = [
     *((level, [level]) for level in (np.int64(12), Mesh.from_loops([ring(12, 1.5)]), ring(12, 1.5))),
-    ("20%", core.Share(0.2)), ("0.2u", Within(distance=0.2)), ("0.2px", Within(distance=0.2)),
+    ("20%", core.Share(0.2)), *((text, Within(distance=0.2)) for text in ("0.2u", "0.2px", "0,2 u")),
     ("+25%", Within(excess=0.25)), ("24", 24), ("24, 12", [24, 12]), (["20%", 9], [12, 9]),
     ("24, 10 %; +40 %", [24, core.Share(0.1), Within(excess=0.4)]), ("24 10%", [24, 6]),
 ]  # fmt: skip

@@ -15,7 +15,7 @@ import shapely.geometry
 from nestedcages_core import Certificate, InvalidMeshError, Mesh, check, verify, verify_motion
 from support.judging import rejected
 from support.marks import slow_after
-from support.shapes import jagged, polygon, ring
+from support.shapes import jagged, mesh, polygon, ring
 
 polygon_of = shapely.geometry.shape
 
@@ -23,10 +23,6 @@ polygon_of = shapely.geometry.shape
 def square(half: float, centre: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
     """An upright square, (4, 2)."""
     return np.array([[-half, -half], [half, -half], [half, half], [-half, half]]) + np.array(centre)
-
-
-def mesh(*loops: Any) -> Mesh:
-    return Mesh.from_loops([np.array(loop, float) for loop in loops])
 
 
 def test_a_square_in_a_square() -> None:

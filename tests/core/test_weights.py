@@ -118,13 +118,11 @@ def test_more_pins_than_vertices_are_noted_with_the_farthest() -> None:
 # Limits
 
 
-@pytest.mark.parametrize("symmetry", slow_after(1, [None, Mirror()]))
-def test_no_edge_is_shorter_and_no_angle_sharper(symmetry: Mirror | None) -> None:
-    level = nested_cages(letter_a(), 32, min_edge=0.3, symmetry=symmetry)[0]
+def test_no_edge_is_shorter_and_no_angle_sharper() -> None:
+    level = nested_cages(letter_a(), 32, min_edge=0.3, symmetry=Mirror())[0]
     assert certified(level) and lengths_of(level.cage).min() >= 0.3
-    level = nested_cages(letter_a(), 20, min_angle=40.0, symmetry=symmetry, loops="keep")[0]
+    level = nested_cages(letter_a(), 20, min_angle=40.0, symmetry=Mirror(), loops="keep")[0]
     assert certified(level) and sharpest(level.cage) >= 40.0
-    assert sharpest(nested_cages(letter_a(), 20, loops="keep").cages[0]) < 40.0
 
 
 @pytest.mark.slow

@@ -23,6 +23,7 @@ from shapely.geometry import GeometryCollection, MultiPolygon, Polygon, box
 from nestedcages_core import InvalidMeshError, Mesh, from_geojson, nested_cages, verify, verify_motion
 from nestedcages_core.errors import NestedCagesWarning
 from nestedcages_core.geometry.mesh import Nesting
+from support.judging import rejected
 from support.marks import slow_after
 from support.shapes import jagged, polygon, ring
 
@@ -197,17 +198,14 @@ def exact_area(points: np.ndarray) -> Fraction:
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.1, 1e6 + 0.1])
-def test_area_of_slivers_is_right(offset: float) -> None:
+def test_areas_of_slivers_and_thin_rings_are_right(offset: float) -> None:
     low, high = np.array([offset, offset]), np.array([offset + 1.0, offset + 1.0])
     middle = np.nextafter(0.5 * (low + high), [np.inf, -np.inf])
     sliver = np.stack((low, middle, high))
     mesh = Mesh.from_loops([sliver])
     assert mesh.area == pytest.approx(float(abs(exact_area(sliver))), rel=1e-12)
     assert mesh.area > 0.0
-
-
-def test_area_of_a_thin_ring_is_right() -> None:
-    outer = ring(64, 1.0)
+    outer = ring(64)
     inner = outer * (1.0 - 1e-15)
     mesh = Mesh.from_loops([outer, inner])
     assert mesh.area == pytest.approx(float(exact_area(outer) - exact_area(inner)), rel=1e-9)
@@ -241,25 +239,12 @@ def test_moved_keeps_edges_and_roles() -> None:
 def test_moved_does_not_judge_but_validated_does() -> None:
     mesh = Mesh.from_loops([SQUARE])
     crossed = mesh.moved(SQUARE[[0, 2, 1, 3]])
-    with pytest.raises(InvalidMeshError) as caught:
+    with rejected("mesh.crossing", InvalidMeshError):
         crossed.validated()
-    assert caught.value.code == "mesh.crossing"
     assert mesh.validated() is mesh
     assert mesh.moved(SQUARE + 1.0).validated().is_validated
-    with pytest.raises(InvalidMeshError) as caught:
+    with rejected("mesh.unreadable", InvalidMeshError):
         mesh.moved(SQUARE[:3])
-    assert caught.value.code == "mesh.unreadable"
-
-
-def test_copies_are_meshes() -> None:
-    mesh = Mesh.from_loops(target())
-    for other in (pickle.loads(pickle.dumps(mesh)), copy.deepcopy(mesh)):
-        assert other.is_validated
-        assert np.array_equal(other.vertices, mesh.vertices)
-        assert np.array_equal(other.edges, mesh.edges)
-        assert np.array_equal(other.moved(other.vertices).loops[1], mesh.loops[1])
-        assert other.area == mesh.area
-    assert repr(mesh) == "Mesh(47 vertices, 5 loops)"
 
 
 # One mesh around another
@@ -268,10 +253,6 @@ def test_copies_are_meshes() -> None:
 FINE = Mesh.from_loops([ring(20), ring(12, 0.4)])
 AROUND, WITHIN = ring(20, 1.1), ring(12, 0.3)
 ASIDE = np.array([0.7, 0.0])
-
-
-def test_a_cage_encloses_loop_by_loop() -> None:
-    assert Nesting(Mesh.from_loops([AROUND, WITHIN]), FINE).encloses_loop_by_loop()
 
 
 @pytest.mark.parametrize(
@@ -293,6 +274,7 @@ def test_what_does_not_enclose_is_rejected(loops: list[np.ndarray]) -> None:
 
 @pytest.mark.parametrize("others", [[], [WITHIN + 4.0 * ASIDE]], ids=["no other loop", "a component instead"])
 def test_a_cage_that_fills_a_hole_encloses_but_not_loop_by_loop(others: list[np.ndarray]) -> None:
+    assert Nesting(Mesh.from_loops([AROUND, WITHIN]), FINE).encloses_loop_by_loop()
     filled = Nesting(Mesh.from_loops([AROUND, *others]), FINE)
     assert filled.encloses()
     assert not filled.encloses_loop_by_loop()
@@ -375,6 +357,10 @@ def test_every_kind_of_geometry_is_read() -> None:
         assert Mesh.from_geometry(geometry).area == pytest.approx(area, rel=1e-14)
 
 
+ENDLESS: dict[str, Any] = {"type": "GeometryCollection", "geometries": []}
+ENDLESS["geometries"].append(ENDLESS)
+
+
 @pytest.mark.parametrize(
     ("geometry", "code"),
     [
@@ -393,20 +379,12 @@ def test_every_kind_of_geometry_is_read() -> None:
         (shapely.GeometryCollection([Polygon(ring(5, 9.0)), Polygon(ring(5, 1.0))]), "mesh.nesting"),
         (Polygon(ring(5, 1.0), [ring(5, 1.0, centre=(5.0, 0.0))]), "mesh.nesting"),
         (Polygon([(0, 0), (2, 2), (2, 0), (0, 2)]), "mesh.crossing"),
+        (ENDLESS, "limit.exceeded"),
     ],
 )
 def test_geometries_that_are_refused(geometry: Any, code: str) -> None:
-    with pytest.raises(InvalidMeshError) as caught:
+    with rejected(code, InvalidMeshError):
         Mesh.from_geometry(geometry)
-    assert caught.value.code == code
-
-
-def test_a_collection_that_contains_itself_is_refused() -> None:
-    loop: dict[str, Any] = {"type": "GeometryCollection"}
-    loop["geometries"] = [loop]
-    with pytest.raises(InvalidMeshError) as caught:
-        Mesh.from_geometry(loop)
-    assert caught.value.code == "limit.exceeded"
 
 
 FRAME = [(0, 0), (6, 0), (6, 6), (0, 6)]
@@ -458,10 +436,9 @@ def test_exact_geometries_stay_as_they_are() -> None:
     ],
 )
 def test_geometries_that_no_repair_mends_are_refused(wrong: Any, code: str) -> None:
-    with pytest.raises(InvalidMeshError) as caught, warnings.catch_warnings():
+    with rejected(code, InvalidMeshError), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         Mesh.of(wrong)
-    assert caught.value.code == code
 
 
 @pytest.mark.parametrize("name", ["parts that touch in a corner", "a repeated point"])
@@ -505,9 +482,8 @@ def test_vertices_and_edges_are_no_two_loops() -> None:
         assert Mesh.of(pair).has_loops_like(mesh)
         assert Mesh.of(pair).area == mesh.area
     assert nested_cages((vertices, edges), 6)[0].fine == mesh
-    with pytest.raises(InvalidMeshError) as caught:
+    with rejected("mesh.open", InvalidMeshError):
         Mesh.of((vertices, edges[:-1]))
-    assert caught.value.code == "mesh.open"
     hole = np.array([(1, 1), (2, 1), (2, 2)])
     assert len(Mesh.of((np.array(FRAME, float), hole)).loops) == 2
 
@@ -584,9 +560,8 @@ def test_walls_a_few_doubles_apart_are_told_from_walls_that_touch(gap: int) -> N
     other = np.array([[right, -0.5], [1.5, -0.5], [1.5, 1.5], [right, 1.5]])
     assert Mesh.from_loops([left, other]).loop_signs.tolist() == [1, 1]
     other[[0, 3], 0] = 0.7
-    with pytest.raises(InvalidMeshError) as caught:
+    with rejected("mesh.crossing", InvalidMeshError) as caught:
         Mesh.from_loops([left, other])
-    assert caught.value.code == "mesh.crossing"
     assert {4, 7} <= set(caught.value.data["vertices"])
 
 
@@ -610,8 +585,7 @@ def test_crowded_shapes_are_no_trouble(shape: str) -> None:
         side = np.linspace(0, 1, count // 3, endpoint=False)[:, None]
         loop = np.concatenate([a + side * (b - a) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)])
     else:
-        with pytest.raises(InvalidMeshError) as caught:
+        with rejected("mesh.crossing", InvalidMeshError):
             Mesh.from_loops([random.uniform(size=(count, 2))])
-        assert caught.value.code == "mesh.crossing"
         return
     assert Mesh.from_loops([loop]).area == pytest.approx(shapely.Polygon(loop).area, rel=1e-11)

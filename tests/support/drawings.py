@@ -80,12 +80,14 @@ def choose(*objects: Any) -> None:
     bpy.context.view_layer.objects.active = objects[-1]
 
 
-def poly_curve(name: str, loops: Sequence[Loop], cyclic: bool = True, dimensions: str = "2D") -> Any:
-    """A curve object with one poly spline per loop."""
+def poly_curve(
+    name: str, loops: Sequence[Loop], cyclic: bool = True, dimensions: str = "2D", kind: str = "POLY"
+) -> Any:
+    """A curve object with one spline per loop."""
     data = bpy.data.curves.new(name, "CURVE")
     data.dimensions = dimensions
     for loop in loops:
-        spline = data.splines.new("POLY")
+        spline = data.splines.new(kind)
         spline.points.add(len(loop) - 1)
         spline.points.foreach_set("co", np.column_stack([raised(loop), np.ones(len(loop))]).ravel())
         spline.use_cyclic_u = cyclic
@@ -104,17 +106,6 @@ def bezier_circle(name: str, radius: float = 1.0, resolution: int = 12) -> Any:
         point.handle_left_type = point.handle_right_type = "AUTO"
     spline.use_cyclic_u = True
     spline.resolution_u = resolution
-    return add(name, data)
-
-
-def nurbs_circle(name: str) -> Any:
-    """A cyclic NURBS curve around a square."""
-    data = bpy.data.curves.new(name, "CURVE")
-    spline = data.splines.new("NURBS")
-    spline.points.add(7)
-    spline.points.foreach_set("co", np.column_stack([raised(circle(8)), np.ones(8)]).ravel())
-    spline.use_cyclic_u = True
-    spline.order_u = 4
     return add(name, data)
 
 
@@ -226,11 +217,6 @@ def checked(cage: Any) -> list[int]:
     return [int(number) for number in re.findall(r"\d+", certificate(cage).verdict)]
 
 
-def bound(home: Any) -> bool:
-    """Whether a drawing follows its cages."""
-    return bool(set_of(home).bound)
-
-
 def generate(levels: str = "20, 10", **settings: Any) -> None:
     assert bpy.ops.object.nested_cages_generate(levels=levels, **settings) == {"FINISHED"}
 
@@ -266,6 +252,20 @@ def put(obj: Any, points: NDArray[Any]) -> None:
     obj.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
     obj.data.update()
     bpy.context.view_layer.update()
+
+
+def image_empty(image: Any, name: str = "Empty") -> Any:
+    """An empty that shows an image."""
+    obj = add(name, None)
+    obj.empty_display_type, obj.data = "IMAGE", image
+    return obj
+
+
+def weigh(obj: Any, name: str, weights: Sequence[float]) -> None:
+    """Adds a vertex group with a weight of each vertex."""
+    group = obj.vertex_groups.new(name=name)
+    for k, weight in enumerate(weights):
+        group.add([k], float(weight), "REPLACE")
 
 
 def snapshot() -> dict[str, Any]:
@@ -326,6 +326,12 @@ def in_world(obj: Any, points: NDArray[np.float32]) -> NDArray[np.float64]:
     """Points (n, 3) of an object's own space in the world."""
     matrix = np.array(obj.matrix_world, dtype=float)
     return points.astype(float) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def faces_of(obj: Any, points: NDArray[Any], grid: float | None = 1e-9) -> Any:
+    """The faces of a mesh object whose vertices are at points (n, 2), united, on a grid or as they are."""
+    faces = [shapely.Polygon(points[list(face.vertices)].astype(float)) for face in obj.data.polygons]
+    return shapely.union_all(faces, grid_size=grid)
 
 
 def edges_of(obj: Any) -> NDArray[np.int32]:

@@ -16,6 +16,10 @@ def ring(count: int, radius: float = 1.0, angle: float = 0.0, centre: tuple[floa
     return radius * np.stack([np.cos(turn), np.sin(turn)], axis=1) + np.array(centre)
 
 
+def mesh(*loops: Any) -> Mesh:
+    return Mesh.from_loops([np.array(loop, float) for loop in loops])
+
+
 def turned(points: np.ndarray, angle: float) -> np.ndarray:
     c, s = np.cos(angle), np.sin(angle)
     return np.asarray(points @ np.array([[c, s], [-s, c]]))
