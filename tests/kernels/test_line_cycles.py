@@ -9,10 +9,12 @@ import shapely
 
 from nestedcages_core import LineCycles, Mesh, nested_cages
 from nestedcages_core.decimation.cycle_search import OFFSET, CycleSearch
+from nestedcages_core.decimation.outline import Lines
 from nestedcages_core.decimation.problem import Problem
 from nestedcages_core.decimation.turns import SLACK
+from nestedcages_core.decimation.visibility import Obstacles
 from support.marks import slow_after
-from support.shapes import annulus, assert_nested, comb, islands, jagged, letter_a, ring, star
+from support.shapes import annulus, assert_nested, comb, islands, jagged, letter_a, polygon, ring, star
 
 NOTCHED = Mesh.from_loops([[(0, 0), (4, 0), (4, 3), (2.5, 3), (2, 1), (1.5, 3), (0, 3)]])
 SHAPES = {"notched": NOTCHED, "star": star(3, 12), "pair": Mesh.from_loops([ring(7), ring(5) + 2.2])}
@@ -137,6 +139,23 @@ def test_cycles_are_the_best_of_all(searches: list[Searched]) -> None:
                 assert (np.diff(cycle) > 0).all()
                 around = zip(cycle, np.roll(cycle, -1), strict=True)
                 assert sum(cost[a, b] for a, b in around) == pytest.approx(total, rel=1e-4, abs=1e-5)
+
+
+@pytest.mark.parametrize("distance", [0.3, 0.03])
+def test_lines_run_until_they_come_too_close(distance: float) -> None:
+    """From any place in any direction, next to a solid with a hole, by shapely."""
+    fine, random = Mesh.from_loops([ring(7), ring(5, 0.6)]), np.random.default_rng(4)
+    problem, solid, turn = Problem.of(fine, 6), polygon(fine), random.uniform(0.0, 2.0 * np.pi, 150)
+    directions = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    lines = Lines.of(random.uniform(-1.6, 1.6, (150, 2)), np.zeros(150), directions)
+    obstacles, reach = Obstacles(problem.outline.split(), problem.regions), np.full(150, 3.0)
+    free = np.max([obstacles.free(lines, reach, region, distance) for region in problem.regions.tolist()], axis=0)
+    for k, way in np.ndindex(150, 2):
+        start, length = lines.point[k], free[way, k]
+        assert (length < 0.0) == (solid.distance(shapely.Point(start)) < distance)
+        run = shapely.LineString([start, start + (1 - 2 * way) * max(length, 0.0) * directions[k]])
+        left = solid.distance(run) - distance
+        assert length < 0.0 or abs(left) < 1e-9 or (length == 3.0 and left > 0.0)
 
 
 # Convex shapes, whose tightest polygon of k edges has all but one of them flush (DePano & Aggarwal 1984)
