@@ -121,8 +121,6 @@ def in_words(problem: core.Fault, name: str, parts: Sequence[Drawing]) -> str:
         return f"{who} has a line that goes back on itself: delete its tip"
     if problem.code not in ("mesh.crossing", "mesh.repeated_vertex"):
         return f"'{name}': {problem}"
-    if len(theirs) > 1:
-        return f"{who} cross or touch: move them apart"
     what = f"Two outlines of {who} cross or touch" if len(loops) > 1 else f"{who} crosses or touches itself"
     return f"{what}: move points apart"
 

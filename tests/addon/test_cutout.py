@@ -10,7 +10,7 @@ import shapely
 from mathutils import Matrix
 
 from support.blender import refused
-from support.drawings import choose, evaluated, faces_of, image_empty, in_world, snapshot
+from support.drawings import choose, evaluated, faces_of, image_empty, in_world, snapshot, solid
 
 pytestmark = pytest.mark.slow
 
@@ -96,6 +96,7 @@ def test_a_file_becomes_a_bound_mesh_that_shows_it(tmp_path) -> None:
     nodes = obj.active_material.node_tree.nodes
     assert [node.image.size[:] for node in nodes if node.bl_idname == "ShaderNodeTexImage"] == [(WIDTH, HEIGHT)]
     assert len(cage_of(obj).data.vertices) == 16
+    assert solid(cage_of(obj)).area < 1.1 * faces_of(obj, evaluated(obj)[:, :2], None).area
     assert bpy.context.scene.timeline_markers[:] == []
     rig = bpy.context.object
     assert bpy.context.mode == "POSE" and rig.type == "ARMATURE" and len(rig.pose.bones) == 16
