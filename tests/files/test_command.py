@@ -117,6 +117,7 @@ def test_features_that_fail_do_not_lose_the_others(tmp_path: Path) -> None:
     (entry,) = reported(report)
     for name, said in (("Bad", entry["errors"][0]), ("Lost", entry["errors"][1]), ("Crossed", entry["notes"][0])):
         assert name in said and said in done.err
+    (tmp_path / "map.geojson").write_text(collection(region(0.0, "West"), region(2.0, "East")))
     refused = run(*command, "-o", tmp_path / "out.json")  # is made of one feature
     assert refused.status == 1 and refused.out == ""
 

@@ -181,8 +181,8 @@ def test_near_and_far_are_named_as_left_and_right() -> None:
     legs = [limb(name, (x, -1.0), (x, -5.0), width=0.9) for name, x in (("leg_far", 0.5), ("leg_near", -0.5))]
     for parts, near, far in ((side_figure(), "leg", "leg_far"), ([arm_far, *legs, *body, arm], "leg_near", "leg_far")):
         made = draft_puppet(parts)
-        sides = {part.name: side.side for part, side in zip(made.parts, made.sides, strict=True)}
-        assert (sides[near], sides["arm"], sides[far], sides["arm_far"]) == ("R", "R", "L", "L")
+        sides = {part.name: (side.side, side.depth) for part, side in zip(made.parts, made.sides, strict=True)}
+        assert sides[near] == sides["arm"] == ("R", "near") and sides[far] == sides["arm_far"] == ("L", "far")
         assert {bone.name for bone in made.bones} >= {"leg.L", "leg.R", "arm.L", "arm.R"}
 
 
