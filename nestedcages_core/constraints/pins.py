@@ -27,6 +27,9 @@ PinList: TypeAlias = Sequence[int | Sequence[float]]
 PIN_STIFFNESS = 1e4
 """Stiffness of a pin's spring, without unit: the pull of the area, half an edge, moves a vertex by 1e-5 of that."""
 
+OUT_OF_REACH = 0.1
+"""Distance of a vertex from a pin, in diagonals, from which none is pulled there: it would cost area and not arrive."""
+
 MAX_MITRE = 4.0
 """Largest distance of a pinned vertex from its corner, in clearances; used at sharper corners."""
 
@@ -59,7 +62,8 @@ class Pins(Constraint):
         inner, clearance = self.level.moved(units.points(self.level.vertices)), units.clearance(self.clearance)
         target, _ = self._targets(inner, units.points(self.places), clearance)
         pin, vertex = _assigned(target, coarse.vertices)
-        return Springs(vertex, target[pin], PIN_STIFFNESS)
+        near = norm(coarse.vertices[vertex] - target[pin]) < OUT_OF_REACH
+        return Springs(vertex[near], target[pin[near]], PIN_STIFFNESS)
 
     def faults(self, cage: Mesh, fine: Mesh) -> Iterator[Fault]:
         """A sentence on the pins that the cage misses."""

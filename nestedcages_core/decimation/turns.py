@@ -21,6 +21,9 @@ SLACK = 1e-5
 PIN_REACH = 1e-3
 """Distance from a pin, in diameters of the shape, up to which a vertex counts as pinned."""
 
+PIN_LOST = 0.05
+"""Distance from a pin, in diameters, from which it does not matter how far away a vertex is."""
+
 PIN_COST = 10.0
 """Cost of a vertex for its distance from a pin that it stands for, in diameters, beyond `PIN_REACH`."""
 
@@ -114,7 +117,7 @@ def _pin_costs(outline: Outline, lines: Lines, i: IntArray, j: IntArray, forth: 
     for pin in outline.pins.tolist():
         passed = np.mod(pin - lines.place[i], outline.size) < np.mod(lines.place[j] - lines.place[i], outline.size)
         away = norm(vertex[passed] - outline.vertices[pin])
-        cost[passed] += PIN_COST * np.maximum(0.0, away - PIN_REACH)
+        cost[passed] += PIN_COST * np.clip(away - PIN_REACH, 0.0, PIN_LOST)
     return cost
 
 

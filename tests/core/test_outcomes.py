@@ -58,7 +58,7 @@ SETTINGS: dict[str, tuple[dict[str, Any], Outcome]] = {
     "keep": ({"loops": "keep"}, [(14, 2, 3.3456)]),
     "one": ({"loops": "one"}, [(14, 1, 3.4268)]),
     "grid": ({"grid": 0.05}, [(14, 1, 3.4125)]),
-    "coarse grid": ({"grid": 0.2}, [(14, 1, 2.38)]),
+    "coarse grid": ({"grid": 0.2}, [(12, 1, 2.36)]),
     "float16": ({"stored": np.float16, "clearance": 0.001}, [(14, 2, 1.6401)]),
     "convex": ({"convex": True}, [(9, 1, 2.0333)]),
     "auto": ({"loops": "auto"}, [(14, 2, 3.3456)]),

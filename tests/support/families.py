@@ -47,7 +47,7 @@ def _comb(random: Draw) -> BaseGeometry:
     return shapely.union_all([shapely.box(0.0, 0.0, teeth, random.uniform(0.1, 1.0)), *boxes])
 
 
-def _spiral(random: Draw) -> BaseGeometry:
+def spiral(random: Draw) -> BaseGeometry:
     turn = np.linspace(0.6, random.uniform(4.0, 14.0), int(random.integers(20, 60)))
     line = shapely.LineString(turn[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
     return line.buffer(random.uniform(0.2, 2.6), quad_segs=3)
@@ -72,7 +72,7 @@ def _needles(random: Draw) -> BaseGeometry:
     return shapely.Polygon(radius[:, None] * ring(count))
 
 
-KINDS: tuple[Callable[[Draw], BaseGeometry], ...] = (_star, _blob, _comb, _spiral, _glyph, _discs, _needles)
+KINDS: tuple[Callable[[Draw], BaseGeometry], ...] = (_star, _blob, _comb, spiral, _glyph, _discs, _needles)
 
 
 def drawing(seed: int) -> Mesh:
