@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from nestedcages_core import Mesh, NestingError, Within, check, inner_cages, nested_cages, verify
-from support.families import simple
+from support.families import row, simple
 from support.judging import lies_within, note, rejected
 from support.marks import slow_after
 from support.shapes import annulus, letter_a, polygon, ring, star
@@ -116,6 +116,15 @@ def test_with_one_vertex_less_the_excess_is_larger(made: Any, size: int, excess:
     assert (data["limit"], data["on"]) == (excess, "excess") and data["taken"] == pytest.approx(abs(level.excess))
 
 
+@pytest.mark.parametrize(("seed", "share"), slow_after(1, [(47, 0.0336), (17, 0.003746)]))
+def test_with_one_vertex_less_a_cage_goes_too_far(seed: int, share: float) -> None:
+    """Around rows of squares and discs, whose first polygons have many more vertices than the bound."""
+    fine = row(np.random.default_rng(seed))
+    cage = nested_cages(fine, Within(distance=share * fine.diagonal), loops="keep")[0].cage
+    less = nested_cages(fine, len(cage.vertices) - 1, loops="keep")[0].cage
+    assert [lies_within(each, fine, share * fine.diagonal) for each in (cage, less)] == [True, False]
+
+
 @pytest.mark.slow
 def test_cages_inside_are_near_too() -> None:
     fine = star(5)
@@ -135,6 +144,15 @@ def test_the_distance_that_a_note_has_is_that_of_the_farthest_point(seed: int) -
     sampled = farthest(level.cage, fine, step)
     assert sampled <= taken <= limit and taken <= (sampled + step) * 1.01
     assert check(fine, level, distance=taken) and not check(fine, level, distance=0.99 * (sampled - 1e-9))
+
+
+@pytest.mark.parametrize("seed", slow_after(1, [20, 6, 18, 22]))
+def test_what_is_measured_bounds_the_distance_of_every_point(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    fine = simple(random, 8, 40)
+    cage = nested_cages(fine, int(random.integers(4, 16)))[0].cage
+    taken = Within(distance=1.0).measured(cage, fine)
+    assert check(fine, cage, distance=taken) and not check(fine, cage, distance=0.99 * taken)
 
 
 @pytest.mark.slow
