@@ -10,8 +10,9 @@ import scipy
 from ..coordinates.harmonic import from_values
 from ..coordinates.precision import corrected
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.broad_phase import BoxTree
 from ..geometry.mesh import Mesh
-from ..geometry.predicates import BoxTree, crossing_pairs, orientation, winding_number
+from ..geometry.predicates import crossing_pairs, orientation, winding_number
 from ..geometry.triangulation import Sampling, Triangulation, triangulate
 
 INSIDE = Sampling(1.0 / 64.0, at_corners=1.0 / 4.0)

@@ -11,11 +11,12 @@ import numpy as np
 from ..decimation.base import MIN_PER_LOOP, LevelTarget
 from ..errors import Fault, NestingError, note
 from ..geometry.arrays import FloatArray
+from ..geometry.broad_phase import BoxTree
 from ..geometry.convex_hull import convex_hull
 from ..geometry.group import Symmetry, orbits_of
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE
-from ..geometry.predicates import BoxTree, crossing_pairs, orientation, winding_number
+from ..geometry.predicates import crossing_pairs, orientation, winding_number
 from ..geometry.vectors import cross, norm
 from .base import Constraint, Rounding
 

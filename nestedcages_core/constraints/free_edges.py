@@ -10,11 +10,10 @@ import numpy as np
 
 from ..errors import NestingError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.broad_phase import CACHED_PAIRS, near_pairs
+from ..geometry.broad_phase import CACHED_PAIRS, expanded, near_pairs
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import winding_number
-from ..geometry.predicates.sweep import expanded
 
 MOST_TESTS = 1_000_000_000
 """Tests of an edge against a fine vertex or edge in one search: some ten seconds."""

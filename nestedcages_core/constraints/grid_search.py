@@ -17,12 +17,11 @@ import numpy as np
 from ..energies.base import EdgeCost
 from ..errors import NestingError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.broad_phase import CACHED_PAIRS, near_pairs, position_in_group
+from ..geometry.broad_phase import CACHED_PAIRS, expanded, near_pairs, position_in_group
 from ..geometry.distance import point_edge
 from ..geometry.lattice import Grid
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS, NEGLIGIBLE, ROUND_OFF
-from ..geometry.predicates.sweep import expanded
 from ..geometry.shortest_cycle import shortest_cycle
 from ..geometry.signed_distance import SignedDistance
 from ..geometry.vectors import cross, norm, rotated_right

@@ -8,9 +8,9 @@ import numpy as np
 
 from ..errors import Fault, NestingError, invalid_setting
 from ..geometry.arrays import FloatArray
+from ..geometry.broad_phase import BoxTree
 from ..geometry.mesh import Mesh
 from ..geometry.precision import ROUND_OFF
-from ..geometry.predicates import BoxTree
 from ..geometry.smallest_gap import smallest_gap
 from .base import Constraint
 

@@ -11,12 +11,12 @@ import numpy as np
 
 from ..errors import Fault, NestingError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.broad_phase import near_pairs
+from ..geometry.broad_phase import BoxTree, near_pairs
 from ..geometry.convex_hull import convex_hull
 from ..geometry.distance import PointEdge, point_edge
 from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.precision import ROUND_OFF
-from ..geometry.predicates import BoxTree, crossing_pairs, winding_number
+from ..geometry.predicates import crossing_pairs, winding_number
 from ..geometry.smallest_gap import smallest_gap
 from ..geometry.vectors import cross
 from ..parameters import check_not_negative

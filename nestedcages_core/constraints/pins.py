@@ -14,10 +14,10 @@ from ..energies import CageEnergy
 from ..energies.weighted_area import Springs
 from ..errors import Fault, NestingError, note
 from ..geometry.arrays import TINY, FloatArray, IntArray
+from ..geometry.broad_phase import BoxTree
 from ..geometry.group import HAND_DRAWN, Symmetry
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import winding_number
-from ..geometry.signed_distance import EdgeSearch
 from ..geometry.vectors import cross, norm, rotated_right
 from .base import Constraint, Units
 
@@ -87,7 +87,7 @@ class Pins(Constraint):
         mitre = (normal + before) / np.maximum(1.0 + (normal * before).sum(axis=1), 1.0 / MAX_MITRE**2)[:, None]
         length = norm(mitre)
         mitre *= np.minimum(1.0, MAX_MITRE / np.maximum(length, TINY))[:, None]
-        close = EdgeSearch.of(inner).closest(pins)
+        close = inner.edge_search.closest(pins)
         on_edge = close.between(inner.vertices, inner.edge_ends)
         target, away = np.empty_like(pins), np.empty(len(pins))
         for k, pin in enumerate(pins):
@@ -111,7 +111,7 @@ def _assigned(places: FloatArray, vertices: FloatArray) -> tuple[IntArray, IntAr
 
 def pinned_places(pins: PinList, joints: Places, fine: Mesh, symmetry: Symmetry | None) -> FloatArray:
     """(P, 2) places of all pins and joints on the outline, with their images. Raises NestingError."""
-    edges = EdgeSearch.of(fine)
+    edges = fine.edge_search
     places: list[FloatArray] = []
     for pin in pins:
         if isinstance(pin, int):
@@ -142,7 +142,7 @@ def pinned_places(pins: PinList, joints: Places, fine: Mesh, symmetry: Symmetry 
     return np.array(apart).reshape(-1, 2)
 
 
-def _across(fine: Mesh, edges: EdgeSearch, joint: FloatArray) -> list[FloatArray]:
+def _across(fine: Mesh, edges: BoxTree, joint: FloatArray) -> list[FloatArray]:
     """The closest place on the outline to a joint and, for a joint inside, the place straight across from it."""
     near: FloatArray = edges.nearest(joint[None])[0]
     away = joint - near

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import InvalidMeshError
+from ..geometry.broad_phase import BoxTree
 from ..geometry.group import Symmetry, orbits_of
 from ..geometry.mesh import Mesh
-from ..geometry.signed_distance import EdgeSearch
 
 
 def closest_on_curve(cage: Mesh, fine: Mesh, symmetry: Symmetry | None = None) -> Mesh | None:
@@ -19,7 +19,7 @@ def closest_on_curve(cage: Mesh, fine: Mesh, symmetry: Symmetry | None = None) -
     places = np.empty_like(cage.vertices)
     for own, other in zip(cage.loops, fine.loops, strict=True):
         starts, ends = fine.vertices[other], fine.vertices[fine.successor[other]]
-        places[own] = EdgeSearch(starts, ends).nearest(cage.vertices[own])
+        places[own] = BoxTree(starts, ends).nearest(cage.vertices[own])
     if symmetry is not None:
         orbits = orbits_of(cage, symmetry)
         if orbits is not None:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
-from ..geometry.predicates import BoxTree, segments_intersect
+from ..geometry.broad_phase import BoxTree
+from ..geometry.predicates import segments_intersect
 from ..geometry.vectors import cross, dot
 from .ring_search import RingSearch
 from .turns import SLACK
@@ -54,7 +55,7 @@ class Choice(NamedTuple):
 
     def crossings(self) -> tuple[IntArray, IntArray]:
         """Pairs of edges that cross and are not neighbours."""
-        i, j = BoxTree(self.start, self.end).self_pairs()
+        i, j = BoxTree(self.start, self.end).pairs()
         begin = np.searchsorted(self.loop, self.loop)
         size = np.searchsorted(self.loop, self.loop, "right") - begin
         gap = np.mod(i - j, size[i])

@@ -8,10 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray
+from ..geometry.broad_phase import BoxTree
 from ..geometry.group import Symmetry
 from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
-from ..geometry.signed_distance import EdgeSearch
 from ..geometry.vectors import norm
 from .turns import PIN_REACH
 
@@ -46,8 +46,8 @@ class Importance:
         return relative
 
     @cached_property
-    def _edges(self) -> EdgeSearch:
-        return EdgeSearch.of(self.fine)
+    def _edges(self) -> BoxTree:
+        return self.fine.edge_search
 
     def at(self, points: FloatArray) -> FloatArray:
         """(P,) weight at the closest place on the fine mesh to each of the points (P, 2)."""
@@ -78,7 +78,7 @@ class Importance:
 def _with_vertex(outline: Loops, place: FloatArray) -> Loops:
     """The outline with a vertex at the point on it that is closest to a place."""
     starts, ends = outline.vertices, outline.vertices[outline.successor]
-    close = EdgeSearch(starts, ends).closest(place[None])
+    close = BoxTree(starts, ends).closest(place[None])
     edge, new = int(close.edge[0]), close.between(starts, ends)[0]
     loop = int(np.searchsorted(outline.begins, edge, side="right")) - 1
     sizes: list[int] = outline.sizes.tolist()

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
-from ..geometry.predicates import BoxTree, crossing_pairs
+from ..geometry.broad_phase import BoxTree
+from ..geometry.predicates import crossing_pairs
 
 
 class ContainmentEnergy:

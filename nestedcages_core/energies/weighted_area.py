@@ -9,7 +9,6 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
-from ..geometry.signed_distance import EdgeSearch
 from ..geometry.vectors import cross, rotated_left, rotated_right
 from .base import Blocks, CageEnergy
 
@@ -107,7 +106,7 @@ class FineOutline:
 
     def __init__(self, fine: Mesh) -> None:
         self.fine = fine
-        self.edges = EdgeSearch.of(fine)
+        self.edges = fine.edge_search
         self.length, self.area = np.empty(len(fine.vertices)), np.empty(len(fine.vertices))
         self.lengths, self.areas = np.empty(len(fine.loops)), np.empty(len(fine.loops))
         steps = 0.5 * cross(fine.vertices, fine.edge_ends)

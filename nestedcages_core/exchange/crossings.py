@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.predicates import BoxTree, orientation
+from ..geometry.broad_phase import BoxTree
+from ..geometry.predicates import orientation
 from .limits import Quota
 
 PAIRS_PER_SECOND = 1_000_000
@@ -80,7 +81,7 @@ def spend_crossings(edges: Edges, quota: Quota | None, *, own: bool = False) -> 
     both = np.sort(np.stack([edge[long] @ [1.0, 1j] for edge in edges], axis=1), axis=1)
     different, copies = np.unique(both, axis=0, return_counts=True)
     starts, ends = (np.stack([end.real, end.imag], axis=1) for end in different.T)
-    for i, j in BoxTree(starts, ends).blocks(slim=True):
+    for i, j in BoxTree(starts, ends).blocks():
         crosses = _do_cross(starts[i], ends[i], starts[j], ends[j])
         quota.spend_crossings(int(copies[i[crosses]] @ copies[j[crosses]]), own=own)
         quota.spend("seconds", len(i) / PAIRS_PER_SECOND)

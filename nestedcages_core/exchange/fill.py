@@ -265,7 +265,7 @@ def _on_the_rim(mesh: Mesh, areas: Sequence[Painted]) -> BoolArray:
         painted[loop[np.where(evenodd[area], winding % 2 == 1, winding != 0)]] = True
         return painted
 
-    inner, outer = enclosing_pairs(order.vertices[extreme_places(order)], order, order.tree)
+    inner, outer = enclosing_pairs(order.vertices[extreme_places(order)], order)
     itself = np.arange(len(own))
     outside = any_painted(inner, outer)
     return np.asarray(outside != any_painted(np.append(inner, itself), np.append(outer, itself)))

@@ -42,8 +42,6 @@ class Containment:
                 f" ({len(i)} crossing edges), at fine vertex {vertex}"
             )
             return Obstacle(cause, (x, y))
-        if len(tree.chain_starts) - 1 != len(fine.loops):
-            return Obstacle("Two fine loops have collapsed onto each other")
         return self._wrong_side_of_fine(vertices) or self._wrong_side_of_coarse(vertices)
 
     def _wrong_side_of_fine(self, vertices: FloatArray) -> Obstacle | None:

@@ -13,8 +13,9 @@ import numpy as np
 
 from ..errors import FlowError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.broad_phase import BoxTree
 from ..geometry.mesh import Mesh
-from ..geometry.predicates import ALL_WINDINGS_LIMIT, BoxTree, loop_windings
+from ..geometry.predicates import loop_windings
 from ..geometry.signed_distance import SignedDistance
 from .base import FlowResult, Obstacle, stuck
 
@@ -72,15 +73,9 @@ def loop_tree(mesh: Mesh, vertices: FloatArray) -> tuple[BoxTree, IntArray]:
 
 def windings(points: FloatArray, mesh: Mesh, vertices: FloatArray) -> IntArray:
     """(P, loops) exact winding of each loop of the mesh with vertices (n, 2) around points that lie on none of them."""
-    if len(points) * len(vertices) <= ALL_WINDINGS_LIMIT:
-        return loop_windings(points, vertices, vertices.take(mesh.successor, axis=0), mesh.loop_of_vertex)
     result = np.zeros((len(points), len(mesh.loops)), np.int64)
-    from ..geometry.predicates.rays import ray_crossings
-
-    tree, order = loop_tree(mesh, vertices)
-    crossings = ray_crossings(points, tree)
-    loop_of_chain = mesh.loop_of_vertex[order[tree.order[tree.chain_starts[:-1]]]]
-    np.add.at(result, (crossings.point, loop_of_chain[crossings.chain]), crossings.value)
+    point, loop, winding = loop_windings(points, vertices, vertices.take(mesh.successor, axis=0), mesh.loop_of_vertex)
+    result[point, loop] = winding
     return result
 
 

@@ -167,7 +167,7 @@ class _CoarsePush:
         self._beyond -= float(norm(loop - self._loop).max())
         self._loop = loop
         near = (margin > self._beyond).nonzero()[0]
-        sample = _field(loop, self.sign, len(self.points)).at(self.points.take(near, axis=0))
+        sample = _field(loop, self.sign).at(self.points.take(near, axis=0))
         self._beyond[near] = sample.distance
         depth = margin.take(near) - sample.distance
         k = (depth > 0.0).nonzero()[0]
@@ -182,10 +182,10 @@ class _CoarsePush:
         )
 
 
-def _field(loop: FloatArray, sign: int, expected: int = 0) -> SignedDistance:
+def _field(loop: FloatArray, sign: int) -> SignedDistance:
     """Signed distance to the solid side of one oriented loop (k, 2); sign +1 for an outer loop, -1 for a hole."""
     ends = np.concatenate([loop[1:], loop[:1]])
-    return SignedDistance(loop, ends, outside=0 if sign > 0 else -1, tolerance=INPUT_ROUND_OFF, expected=expected)
+    return SignedDistance(loop, ends, outside=0 if sign > 0 else -1, tolerance=INPUT_ROUND_OFF)
 
 
 def _facing_loops(matching: Matching) -> list[tuple[int, int]]:

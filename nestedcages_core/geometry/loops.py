@@ -11,14 +11,8 @@ from typing import Any
 import numpy as np
 
 from .arrays import BoolArray, FloatArray, IntArray
-from .predicates import (
-    ALL_WINDINGS_LIMIT,
-    BoxTree,
-    Signs,
-    as_integers,
-    loop_windings,
-    orientation,
-)
+from .broad_phase import BoxTree
+from .predicates import Signs, as_integers, loop_windings, orientation
 from .vectors import norm
 
 CONNECTIVITY = ("begins", "loop", "ahead", "back", "successor", "predecessor")
@@ -220,23 +214,13 @@ def turning_senses(order: Loops, extreme: IntArray) -> Signs:
     return orientation(points[order.back[extreme]], points[extreme], points[order.ahead[extreme]])
 
 
-def enclosing_pairs(extremes: FloatArray, order: Loops, tree: BoxTree) -> tuple[IntArray, IntArray]:
-    """Pairs (inner, outer) where the outer loop runs around the inner one, (K,), (K,); exact.
+def enclosing_pairs(extremes: FloatArray, order: Loops) -> tuple[IntArray, IntArray]:
+    """Pairs (inner, outer) where a loop of `order` runs around the inner one, (K,), (K,); exact.
 
-    extremes: (I, 2) extreme vertices of loops that do not meet those of the tree, or are among them: the ray to the
-    right leaves its own loop at once. tree: over the edges by place of the outer loops in `order`.
+    extremes: (I, 2) extreme vertices of loops that do not meet those, or are among them: the ray to the right leaves
+    its own loop at once.
     """
-    if len(extremes) * len(tree) <= ALL_WINDINGS_LIMIT:
-        inner, outer = loop_windings(extremes, tree.starts, tree.ends, order.loop).nonzero()
-        return inner, outer
-    from .predicates.rays import ray_crossings  # for many loops only
-
-    crossings = ray_crossings(extremes, tree)
-    crossed = order.loop[tree.order[tree.chain_starts[crossings.chain]]]
-    count = len(order.sizes)
-    keys, places = np.unique(crossings.point.astype(np.int64) * count + crossed, return_inverse=True)
-    winding = np.bincount(places, weights=crossings.value, minlength=len(keys))
-    inner, outer = np.divmod(keys[winding != 0], count)
+    inner, outer, _ = loop_windings(extremes, order.vertices, order.ends, order.loop)
     return inner, outer
 
 

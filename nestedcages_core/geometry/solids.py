@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import InvalidMeshError
 from ..libraries import load_shapely
 from .arrays import FloatArray
+from .broad_phase import BoxTree
 from .distance import point_edge
 from .mesh import Mesh
 from .precision import INPUT_ROUND_OFF, ROUND_OFF
@@ -51,17 +52,15 @@ def _overlay(meshes: Sequence[Mesh], intersection: bool) -> Mesh:
     together = shapely.coverage_union_all([face for face, inside in zip(faces, chosen, strict=True) if inside])
     if together.area <= INPUT_ROUND_OFF * diagonal**2:
         raise InvalidMeshError("The shapes have nothing in common.", code="overlay.empty")
-    import scipy  # for solids alone
-
-    tree, tolerance = scipy.spatial.cKDTree(points), 2.0 * ROUND_OFF * diagonal
+    tree, tolerance = BoxTree(points, points), 2.0 * ROUND_OFF * diagonal
 
     def back(at: FloatArray) -> FloatArray:
         """Places before they were moved to the grid: exactly those of vertices."""
-        distance, nearest = tree.query(at + origin)
+        distance, nearest, _ = tree.closest(at + origin)
         return np.asarray(np.where((distance <= tolerance)[:, None], points[nearest], at + origin))
 
     rings = _rings(shapely.transform(together, back), tolerance)
-    rings = [ring[(tree.query(ring)[0] == 0.0) | (_bends(ring) > tolerance)] for ring in rings if len(ring) > 2]
+    rings = [ring[(tree.closest(ring).distance == 0.0) | (_bends(ring) > tolerance)] for ring in rings if len(ring) > 2]
     return Mesh.from_loops([ring for ring in rings if len(ring) > 2 and _area(ring) > INPUT_ROUND_OFF * diagonal**2])
 
 

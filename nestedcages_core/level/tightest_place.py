@@ -10,9 +10,10 @@ import numpy as np
 
 from ..errors import Fault
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.broad_phase import BoxTree
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS, NEGLIGIBLE
-from ..geometry.signed_distance import EdgeSearch, SignedDistance
+from ..geometry.signed_distance import SignedDistance
 from ..geometry.vectors import place
 
 
@@ -72,7 +73,7 @@ def _gap_of_loops(fine: Mesh, loops: IntArray) -> Bound:
     for k in loops.tolist():
         others = starts[owner != k]
         points = fine.vertices[fine.loops[k]]
-        nearest = EdgeSearch(fine.vertices[others], fine.vertices[fine.successor[others]]).closest(points)
+        nearest = BoxTree(fine.vertices[others], fine.vertices[fine.successor[others]]).closest(points)
         closest = int(nearest.distance.argmin())
         begin = others[nearest.edge[closest]]
         met = fine.vertices[begin] + nearest.parameter[closest] * (fine.edge_ends - fine.vertices)[begin]

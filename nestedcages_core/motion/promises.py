@@ -8,8 +8,8 @@ import numpy as np
 
 from ..decimation.base import MIN_PER_LOOP
 from ..errors import Fault
+from ..geometry.broad_phase import ClosestEdge
 from ..geometry.mesh import Mesh
-from ..geometry.signed_distance import ClosestEdge, EdgeSearch
 from ..hierarchy import Settings
 from ..hierarchy.constraints import constraints_of
 from ..level.plan import Plan
@@ -37,7 +37,7 @@ class Promises:
         settings = settings if few else replace(settings, loops="keep")
         constraints, importance, notes = constraints_of(settings, first, 1)
         plan = Plan.of(first, constraints, importance)
-        close = EdgeSearch.of(first).closest(np.empty((0, 2)) if importance is None else importance.pins)
+        close = first.edge_search.closest(np.empty((0, 2)) if importance is None else importance.pins)
         return cls(replace(settings, symmetry=plan.group), plan, close, notes)
 
     @property
@@ -63,7 +63,7 @@ class Promises:
         settings, first = self.settings, self.plan.fine
         if settings.weights is not None:
             given = np.asarray(settings.weights, np.float64)
-            weights = EdgeSearch.of(first).closest(cage.vertices).between(given, given[first.successor])
+            weights = first.edge_search.closest(cage.vertices).between(given, given[first.successor])
             settings = replace(settings, weights=weights if weights.any() else None)
         places = self.pins.between(first.vertices, first.edge_ends)
         nearest = [int(np.hypot(*(cage.vertices - place).T).argmin()) for place in places]

@@ -22,9 +22,9 @@ import numpy as np
 
 from ..decimation.base import MIN_PER_LOOP
 from ..geometry.arrays import BoolArray, FloatArray
+from ..geometry.broad_phase import BoxTree
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS, NEGLIGIBLE, ROUND_OFF
-from ..geometry.signed_distance import EdgeSearch
 from ..geometry.vectors import cross, norm, rotated_left, rotated_right
 from .minimum_link import Corridor
 
@@ -110,7 +110,7 @@ class _Boundary:
 
     def under(self, points: FloatArray) -> FloatArray:
         """(N,) the places whose gates lead to points (N, 2)."""
-        near = EdgeSearch(self.points, np.roll(self.points, -1, axis=0)).closest(points)
+        near = BoxTree(self.points, np.roll(self.points, -1, axis=0)).closest(points)
         edge, at = near.edge, near.parameter
         edge = np.where(at == 0.0, edge - 1, edge) % len(self.points)
         on_arc = (at == 0.0) | (at == 1.0)
@@ -129,7 +129,7 @@ def _protruding(fine: Mesh, loop: int, found: Gates) -> float:
     """How far vertices of a loop protrude from the chords between the feet of gates, at most."""
     feet = np.concatenate([found.foot, found.foot[:1]])
     points = fine.vertices[fine.loops[loop]]
-    chords = EdgeSearch(feet[:-1], feet[1:])
+    chords = BoxTree(feet[:-1], feet[1:])
     near = chords.closest(points)
     start, end = feet[near.edge], feet[near.edge + 1]
     outside = cross(end - start, points - start) < 0.0
@@ -141,7 +141,7 @@ class Band:
 
     def __init__(self, fine: Mesh, loop: int, distance: float) -> None:
         self.fine, self.loop, self.distance = fine, loop, distance
-        self.search = EdgeSearch.of(fine)
+        self.search = fine.edge_search
         self.boundary = _Boundary(fine, loop, distance)
         self._place(FIRST_GATES)
         if len(self.places) >= MIN_PER_LOOP:

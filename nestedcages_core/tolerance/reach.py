@@ -16,7 +16,6 @@ from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_HALVINGS
 from ..geometry.predicates import winding_number
-from ..geometry.signed_distance import EdgeSearch
 from ..geometry.triangulation import triangulate
 from ..geometry.vectors import norm
 
@@ -53,7 +52,7 @@ def _reach(
     cage: Mesh, fine: Mesh, limit: float, slack: float = np.inf, *, everywhere: bool = False
 ) -> tuple[float, FloatArray]:
     """`reach`, and places (P, 2) that are farther than the limit; everywhere: not only the first that are found."""
-    search = EdgeSearch(fine.loop_order.vertices, fine.loop_order.ends, len(fine.vertices))
+    search = fine.edge_tree
     far = search.closest(cage.vertices).distance
     largest = float(far.max())
     places = cage.vertices[far > limit]

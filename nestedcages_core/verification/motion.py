@@ -17,13 +17,15 @@ from numpy.typing import ArrayLike
 from ..contact.pairs import Bodies, find_pairs
 from ..errors import NestedCagesError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.broad_phase import CHUNK_PAIRS
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.precision import MOST_HALVINGS
 from ..progress import Tick, no_tick
 
 Number = TypeVar("Number", float, FloatArray)
+
+CHUNK_PAIRS = 2_000_000
+"""Coordinates of steps looked at together, and pairs; bounds the memory to about 300 MB."""
 
 MAX_PIECES = 32
 """Maximum number of undecided intervals of one pair: a passing contact leaves two or three, sliding leaves more."""

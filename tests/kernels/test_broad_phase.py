@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from nestedcages_core import Mesh, check, verify
 from nestedcages_core.contact.linearisation import measure
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
-from nestedcages_core.geometry.broad_phase import near_pairs
-from nestedcages_core.geometry.predicates import BoxTree
+from nestedcages_core.geometry.broad_phase import BoxTree, near_pairs
 from nestedcages_core.geometry.signed_distance import SignedDistance
 from nestedcages_core.geometry.smallest_gap import smallest_gap
 from support.marks import slow_after, slowly
@@ -109,10 +108,18 @@ def overlapping(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> n
     return shapely.STRtree(others).query(boxes).T
 
 
+def within(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, radius: float) -> set[tuple[int, int]]:
+    """Pairs of segments a-b and c-d that are at most a radius apart, by shapely."""
+    if len(a) == 0:
+        return set()
+    lines, others = (shapely.linestrings(np.stack(ends, axis=1)) for ends in ((a, b), (c, d)))
+    return set(map(tuple, shapely.STRtree(others).query(lines, "dwithin", radius).T.tolist()))
+
+
 @pytest.mark.parametrize("count", [0, 1, 2, 5, 17, 65, 250, *slowly(3, 4, 15, 16, 63, 64, 400, 1500, 12_000)])
 @pytest.mark.parametrize("kind", KINDS)
-def test_pairs_of_boxes_are_those_that_shapely_finds(kind: str, count: int) -> None:
-    """Few boxes are sorted; many, and those that overlap with hundreds, are found by a tree, in blocks."""
+def test_pairs_hold_all_that_are_near_by_shapely(kind: str, count: int) -> None:
+    """Few boxes are sorted; many, and those that overlap with hundreds, are opened from the top, in blocks."""
     if count > 1000 and kind not in ("soup", "loop"):
         count //= 20
     random = np.random.default_rng(count)
@@ -120,21 +127,28 @@ def test_pairs_of_boxes_are_those_that_shapely_finds(kind: str, count: int) -> N
     tree = BoxTree(a, b)
     assert len(tree) == count
     own = overlapping(a, b, a, b)
-    assert as_set(tree.self_pairs()) == set(map(tuple, own[own[:, 0] < own[:, 1]].tolist()))
-    for other in KINDS:
+    found = as_set(tree.pairs())
+    assert {pair for pair in within(a, b, a, b, 0.0) if pair[0] < pair[1]} <= found
+    assert found <= set(map(tuple, own[own[:, 0] < own[:, 1]].tolist()))
+    for other, radius in itertools.product(KINDS, (0.0, 0.02)):
         c, d = segments_of(other, 77, random)
-        assert as_set(tree.pairs(BoxTree(c, d))) == set(map(tuple, overlapping(a, b, c, d).tolist()))
+        found = as_set(tree.pairs(BoxTree(c, d), radius))
+        assert within(a, b, c, d, radius) <= found
+        assert radius > 0.0 or found <= set(map(tuple, overlapping(a, b, c, d).tolist()))
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_pairs_do_not_depend_on_the_order_of_segments(kind: str) -> None:
+@pytest.mark.parametrize("count", [400, *slowly(20_000)])
+def test_the_closest_segment_does_not_depend_on_the_order_of_segments(kind: str, count: int) -> None:
     random = np.random.default_rng(11)
-    a, b = segments_of(kind, 400, random)
-    shuffle = random.permutation(400)
-    i, j = BoxTree(a[shuffle], b[shuffle]).self_pairs()
-    assert {tuple(sorted(pair)) for pair in zip(shuffle[i].tolist(), shuffle[j].tolist(), strict=True)} == as_set(
-        BoxTree(a, b).self_pairs()
-    )
+    a, b = segments_of(kind, count, random)
+    points, shuffle = random.uniform(-1.0, 2.0, (300, 2)), random.permutation(count)
+    lines = shapely.linestrings(np.stack([a, b], axis=1))
+    _, distance = shapely.STRtree(lines).query_nearest(shapely.points(points), return_distance=True, all_matches=False)
+    for tree in (BoxTree(a, b), BoxTree(a[shuffle], b[shuffle])):
+        found = tree.closest(points)
+        assert np.allclose(found.distance, distance, rtol=0.0, atol=1e-13)
+        assert np.allclose(np.hypot(*(points - tree.nearest(points)).T), distance, rtol=0.0, atol=1e-13)
 
 
 # Pairs of cage and fine mesh, kept while these move

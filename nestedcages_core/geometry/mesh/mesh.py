@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InvalidMeshError, unreadable
 from ..arrays import FloatArray, IntArray
+from ..broad_phase import BoxTree
 from ..drawable import Drawable
 from ..loops import Loops, enclosing_pairs, extreme_places, parents, trace_loops, turning_senses
-from ..predicates import BoxTree
 from ..vectors import norm, place
 from .mesh_like import MESH_LIKE, MeshLike, has_edges, is_loop, is_mesh_like
 from .validation import as_edges, as_rings, as_vertices, check_simple
@@ -89,7 +89,7 @@ class Mesh(Drawable):
         check_simple(order)
         extreme = extreme_places(order)
         if len(order.sizes) > 1:
-            depth, parent = parents(*enclosing_pairs(order.vertices[extreme], order, order.tree), len(order.sizes))
+            depth, parent = parents(*enclosing_pairs(order.vertices[extreme], order), len(order.sizes))
         else:
             depth, parent = np.array([0]), np.array([-1])
         signs = 1 - 2 * (depth % 2)
@@ -311,6 +311,11 @@ class Mesh(Drawable):
     def edge_tree(self) -> BoxTree:
         """Bounding boxes of the edges, loop after loop: segment k starts at vertex ``loop_order.numbers[k]``."""
         return self.loop_order.tree
+
+    @property
+    def edge_search(self) -> BoxTree:
+        """The edges in the order of their starts: segment v starts at vertex v."""
+        return BoxTree(self.vertices, self.edge_ends)
 
     @cached_property
     def diagonal(self) -> float:

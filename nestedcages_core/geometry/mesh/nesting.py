@@ -26,7 +26,7 @@ class Nesting:
     def contact(self) -> tuple[int, int] | None:
         """Start vertices of an edge of the outer and one of the inner mesh that touch or cross; None if none do."""
         tree, other = self.outer.edge_tree, self.inner.edge_tree
-        for i, j in tree.blocks(other, slim=True):
+        for i, j in tree.blocks(other):
             hits = np.flatnonzero(segments_intersect(*tree.segments(i), *other.segments(j)))
             if len(hits):
                 k, m = i[hits[0]], j[hits[0]]
@@ -39,7 +39,7 @@ class Nesting:
         meshes = self.outer, self.inner
         orders = [mesh.loop_order for mesh in meshes]
         extremes = np.concatenate([order.vertices[extreme_places(order)] for order in orders])
-        within, around = zip(*(enclosing_pairs(extremes, order, order.tree) for order in orders), strict=True)
+        within, around = zip(*(enclosing_pairs(extremes, order) for order in orders), strict=True)
         return np.concatenate(within), np.concatenate((around[0], around[1] + len(self.outer.loops)))
 
     @cached_property

@@ -156,7 +156,7 @@ def check_simple(order: Loops) -> None:
         raise InvalidMeshError(said, code="mesh.repeated_vertex", loops=[loop[k]], vertices=pair, place=points[k])
     _check_fold_back(order)
     tree = order.tree
-    for i, j in tree.blocks(slim=True):
+    for i, j in tree.blocks():
         apart = (ahead[i] != j) & (ahead[j] != i)
         i, j = i[apart], j[apart]
         hit = segments_intersect(*tree.segments(i), *tree.segments(j))

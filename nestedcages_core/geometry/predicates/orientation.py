@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import AnyArray, BoolArray, FloatArray, IntArray
-from .box_tree import BoxTree
+from ..broad_phase import BoxTree
 
 Signs = NDArray[np.int8]
 
@@ -163,7 +163,7 @@ def crossing_pairs(tree: BoxTree, other: BoxTree | None = None) -> tuple[IntArra
     """Pairs of segments that cross or touch, (K,), (K,): of two trees, or i < j within one (neighbours included)."""
     second = tree if other is None else other
     found_i, found_j = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
-    for i, j in tree.blocks(other, slim=True):
+    for i, j in tree.blocks(other):
         hit = segments_intersect(*tree.segments(i), *second.segments(j))
         found_i.append(i[hit])
         found_j.append(j[hit])

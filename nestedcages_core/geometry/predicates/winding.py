@@ -1,24 +1,20 @@
-"""Exact winding numbers by signed crossings of rays."""
+"""Exact winding numbers by signed crossings of rays to the right."""
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Iterator
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
-from .box_tree import FEW_PAIRS, BoxTree
+from ..arrays import BoolArray, FloatArray, IntArray
+from ..broad_phase import expanded
 from .orientation import Signs, orientation
-from .sweep import expanded
 
 ON_BOUNDARY = int(np.iinfo(np.int64).min)
 """Value of `winding_number` for a point that lies on an edge."""
 
-ALL_WINDINGS_LIMIT = 100_000
-"""Number of pairs of points and edges up to which `loop_windings` is faster than a tree (measured)."""
-
-AT_HEIGHT = 16
-"""Edges at the height of a point, per point and edge, above which a tree is faster than testing them (measured)."""
+MAX_PAIRS = 2**18
+"""Pairs of a point and an edge at its height tested together; bounds the memory to about 30 MB."""
 
 
 def winding_number(points: FloatArray, starts: FloatArray, ends: FloatArray) -> IntArray:
@@ -27,74 +23,62 @@ def winding_number(points: FloatArray, starts: FloatArray, ends: FloatArray) -> 
     Points on an edge get ON_BOUNDARY. A point inside a counter-clockwise loop gets 1.
     """
     points, starts, ends = (np.asarray(a, dtype=np.float64).reshape(-1, 2) for a in (points, starts, ends))
-    pairs = _at_height(points, starts, ends, "right", AT_HEIGHT * (len(points) + len(starts)) + FEW_PAIRS)
-    if pairs is None:
-        from .rays import ray_crossings  # for crowded heights only
-
-        crossings = ray_crossings(points, BoxTree(starts, ends))
-        winding = np.bincount(crossings.point, crossings.value, len(points)).astype(np.int64)
-        winding[crossings.touching] = ON_BOUNDARY
-        return winding
-    point, edge = pairs
-    a, b, p = starts.take(edge, axis=0), ends.take(edge, axis=0), points.take(point, axis=0)
-    (ax, ay), (bx, by), (x, y) = a.T, b.T, p.T
-    side = orientation(a, b, p)
-    rises = (by > y).astype(np.int64) - (ay > y)
-    crossed = (rises != 0) & (side == rises)
-    winding = np.bincount(point[crossed], rises[crossed], len(points)).astype(np.int64)
-    winding[point[(side == 0) & (np.minimum(ax, bx) <= x) & (x <= np.maximum(ax, bx))]] = ON_BOUNDARY
+    winding, touching = np.zeros(len(points), np.int64), np.zeros(len(points), bool)
+    for point, _, value, touches in _crossings(points, starts, ends):
+        winding += np.bincount(point, value, len(points)).astype(np.int64)
+        touching[point[touches]] = True
+    winding[touching] = ON_BOUNDARY
     return winding
 
 
-def winding_around(points: FloatArray, starts: FloatArray, ends: FloatArray) -> IntArray:
-    """`winding_number` where points on edges may get any value, (P,)."""
-    pairs = _at_height(points, starts, ends, "left", AT_HEIGHT * (len(points) + len(starts)) + FEW_PAIRS)
-    if pairs is None:
-        return winding_number(points, starts, ends)
-    point, _, value = _crossed(points, starts, ends, *pairs)
-    return np.bincount(point, value, len(points)).astype(np.int64)
+def loop_windings(
+    points: FloatArray, starts: FloatArray, ends: FloatArray, loop: IntArray
+) -> tuple[IntArray, IntArray, IntArray]:
+    """The windings that are not 0 of closed loops of edges (E, 2) -> (E, 2) around points (P, 2) on none of them.
 
-
-def loop_windings(points: FloatArray, starts: FloatArray, ends: FloatArray, loop: IntArray) -> IntArray:
-    """How often each of L closed loops of edges (E, 2) -> (E, 2) runs around points (P, 2) on none of them, (P, L).
-
-    loop: (E,) the loop of each edge. Exact; every pair of a point and an edge is tested.
+    loop: (E,) the loop of each edge. Points (K,), loops (K,) and how often these run around them, (K,); exact.
     """
-    pairs = _at_height(points, starts, ends, "left", len(points) * len(starts))
-    assert pairs is not None
-    point, edge, value = _crossed(points, starts, ends, *pairs)
     count = int(loop.max()) + 1
-    winding = np.bincount(point * count + loop.take(edge), value, len(points) * count)
-    return winding.astype(np.int64).reshape(len(points), count)
+    keys, values = [np.zeros(0, np.int64)], [np.zeros(0, np.int8)]
+    for point, edge, value, _ in _crossings(points, starts, ends):
+        crossed = value.nonzero()[0]
+        keys.append((point * count + loop.take(edge)).take(crossed))
+        values.append(value.take(crossed))
+    key, which = np.unique(np.concatenate(keys), return_inverse=True)
+    winding = np.bincount(which, np.concatenate(values), len(key)).astype(np.int64)
+    key, winding = key[winding != 0], winding[winding != 0]
+    return key // count, key % count, winding
 
 
-def _at_height(
-    points: FloatArray, starts: FloatArray, ends: FloatArray, side: Literal["left", "right"], most: int
-) -> tuple[IntArray, IntArray] | None:
-    """Pairs (point, edge) where the point is at the height of the edge, (K,), (K,); None if more than ``most``.
+def _crossings(
+    points: FloatArray, starts: FloatArray, ends: FloatArray
+) -> Iterator[tuple[IntArray, IntArray, Signs, BoolArray]]:
+    """Pairs (point, edge) of edges at the height of the point and not left of it, in blocks: 1 where the ray from the
+    point crosses the edge upwards, -1 downwards, else 0, and whether the point is on the edge.
 
-    side: whether the upper end of an edge counts ("right") or not ("left").
+    A vertex on the ray counts as below it, so that a ray through a vertex is counted once.
     """
-    height, start, end = points[:, 1], starts[:, 1], ends[:, 1]
-    order = height.argsort()
-    height = height.take(order)
-    first = height.searchsorted(np.minimum(start, end))
-    count = height.searchsorted(np.maximum(start, end), side) - first
-    if count.sum() > most:
-        return None
-    edge, place = expanded(first, count)
-    return order.take(place), edge
-
-
-def _crossed(
-    points: FloatArray, starts: FloatArray, ends: FloatArray, point: IntArray, edge: IntArray
-) -> tuple[IntArray, IntArray, Signs]:
-    """Those of some pairs where the ray from the point to the right crosses the edge, and 1 for upwards, -1 for down.
-
-    The pairs are those at one height, upper ends left out: a vertex on the ray counts as below it, so a ray through a
-    vertex is counted once.
-    """
-    start, end, place = starts.take(edge, axis=0), ends.take(edge, axis=0), points.take(point, axis=0)
-    rises: Signs = 2 * (end[:, 1] > place[:, 1]).view(np.int8) - 1
-    right = (orientation(start, end, place) == rises).nonzero()[0]
-    return point.take(right), edge.take(right), rises.take(right)
+    order = points[:, 1].argsort()
+    height = points[:, 1].take(order)
+    low, high = np.minimum(starts, ends).T, np.maximum(starts, ends).T
+    first = height.searchsorted(low[1])
+    count = height.searchsorted(high[1], "right") - first
+    total = np.cumsum(count)
+    begin = 0
+    while begin < len(starts):
+        done = int(total[begin] - count[begin])
+        stop = max(begin + 1, int(total.searchsorted(done + MAX_PAIRS, "right")))
+        edge, place = expanded(first[begin:stop], count[begin:stop])
+        edge, point = edge + begin, order.take(place)
+        begin = stop
+        kept = (high[0].take(edge) >= points[:, 0].take(point)).nonzero()[0]
+        edge, point = edge.take(kept), point.take(kept)
+        x, y = points.take(point, axis=0).T
+        value: Signs = (ends[:, 1].take(edge) > y).astype(np.int8) - (starts[:, 1].take(edge) > y)
+        on_edge = np.zeros(len(edge), bool)
+        beside = (low[0].take(edge) <= x).nonzero()[0]
+        at = edge.take(beside)
+        side = orientation(starts.take(at, axis=0), ends.take(at, axis=0), points.take(point.take(beside), axis=0))
+        on_edge[beside] = side == 0
+        value[beside] *= side == value[beside]
+        yield point, edge, value, on_edge

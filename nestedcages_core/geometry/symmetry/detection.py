@@ -12,7 +12,6 @@ from ..arrays import FloatArray
 from ..group import HAND_DRAWN, Symmetry, rounded
 from ..mesh import Mesh
 from ..precision import MOST_ROUNDS, ROUND_OFF
-from ..signed_distance import EdgeSearch
 from .maps import Mirror, Rotation
 
 SAMPLES = 400
@@ -57,7 +56,7 @@ class Found:
 class _SymmetrySearch:
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
-        self.edges = EdgeSearch.of(mesh)
+        self.edges = mesh.edge_search
         spacing = float(mesh.edge_lengths.sum()) / SAMPLES
         pieces = np.maximum(1, np.ceil(mesh.edge_lengths / spacing)).astype(np.int64)
         begin = np.cumsum(pieces) - pieces

@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 
 from ..arrays import FloatArray, IntArray
+from ..broad_phase import BoxTree
 from ..vectors import cross
 from .constrained import opposite_edges
 
@@ -90,7 +91,7 @@ class Triangulation:
 
     def locate(self, points: FloatArray) -> tuple[IntArray, FloatArray]:
         """The triangle around each of (P, 2) points, (P,), and its barycentric coordinates, (P, 3)."""
-        found = np.asarray(self._centres.query(points)[1], dtype=np.int64)
+        found = self._centres.closest(points).edge
         lost = self._walk(points, found)
         chunk = max(CHUNK_TRIANGLES // len(self.triangles), 1)
         for first in range(0, len(lost), chunk):
@@ -140,8 +141,9 @@ class Triangulation:
         return np.where(across >= 0, across % len(self.triangles), -1)
 
     @cached_property
-    def _centres(self) -> scipy.spatial.cKDTree:
-        return scipy.spatial.cKDTree(self.vertices[self.triangles].mean(axis=1))
+    def _centres(self) -> BoxTree:
+        centres = self.vertices[self.triangles].mean(axis=1)
+        return BoxTree(centres, centres)
 
     def _assembled(self, entries: FloatArray) -> scipy.sparse.csr_array:
         """(N, N) sums of entries (9T,), ordered by pairs of corners, then triangles."""

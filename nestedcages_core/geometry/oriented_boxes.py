@@ -6,8 +6,8 @@ from contextlib import AbstractContextManager
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
-from ..vectors import rotated_left
+from .arrays import FloatArray, IntArray
+from .vectors import rotated_left
 
 SEPARATION_ROUNDING = 1e-13
 """Fraction of the largest coordinate that a separation must exceed; some 900 roundings of a double."""
@@ -70,14 +70,6 @@ class OrientedBoxes:
             gap = np.abs(_coordinates(offset, axis)[1]) - width - other_length * sine - other_width * cosine
             other_gap = np.abs(_coordinates(offset, other_axis)[1]) - other_width - length * sine - width * cosine
             return np.asarray(np.fmax(np.fmax(gap, other_gap), -np.inf) - self.slack - other.slack)
-
-    def may_hold(self, nodes: IntArray, points: FloatArray) -> BoolArray:
-        """Whether boxes (K,) hold points (K, 2), across both their axes, (K,)."""
-        with _beyond_range():
-            along, across = _coordinates(points - self.middle[nodes], self.axis[nodes])
-            length, width = self.half[nodes].T
-            slack = self.slack + SEPARATION_ROUNDING * np.abs(points).max(axis=1)
-            return np.asarray(~((np.abs(along) - length > slack) | (np.abs(across) - width > slack)))
 
 
 def _beyond_range() -> AbstractContextManager[None]:
