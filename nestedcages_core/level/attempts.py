@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 
 from ..contact import Contact, SequentialQP
 from ..decimation import Count, Decimation, LineCycles, Start, Starts
+from ..decimation.cycle_search import OFFSET
 from ..energies import Area
 from ..errors import FlowError, NestingError
 from ..flow import FlowMethod
@@ -36,6 +37,9 @@ tried too: around needles the contacts end in different minima."""
 PAPER_PREFERENCE = 0.01
 """A cage from flow and reinflation is preferred to one that needed neither, unless the latter is tighter by more than
 this fraction of its excess."""
+
+NO_EXCESS = 3e-4
+"""Excess up to which the clearance decides: a cage from flow and reinflation is not compared."""
 
 
 @dataclass(frozen=True)
@@ -145,7 +149,8 @@ def in_turn(start: Start, fine: Mesh, attempt: Attempt) -> Generator[Start, floa
     """
     if start.on_curve is not None:
         least = yield Start(start.on_curve, "on the curve")
-        if not attempt.may_fall_back or (isfinite(least) and (not attempt.seeks_area or least <= _excess(start, fine))):
+        enough = (1.0 + PAPER_PREFERENCE) * _excess(start, fine, attempt.clearances[0]) if attempt.seeks_area else inf
+        if not attempt.may_fall_back or (isfinite(least) and least <= max(enough, NO_EXCESS)):
             return
     yield start
 
@@ -171,8 +176,10 @@ def _prefers_curve(source: Mesh | Decimation) -> bool:
     return bool(getattr(source, "on_curve", False))
 
 
-def _excess(start: Start, fine: Mesh) -> float:
-    return start.coarse.area / fine.area - 1.0
+def _excess(start: Start, fine: Mesh, clearance: float) -> float:
+    """The excess of a start, less what its lines keep away from the fine mesh beyond the clearance."""
+    away = max(0.0, OFFSET * fine.diagonal - clearance)
+    return (start.coarse.area - away * float(start.coarse.edge_lengths.sum())) / fine.area - 1.0
 
 
 def clearances_for(settings: LevelSettings, fine: Mesh) -> tuple[float, ...]:

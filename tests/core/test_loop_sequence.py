@@ -63,6 +63,7 @@ LOOSER_ONCE: dict[str, tuple[Any, tuple[int, ...], dict[str, Any]]] = {
         (17, 19),
         {},
     ),
+    "needles": (drawing(7), (24, 27, 30, 35), {}),
     "a dotted square on a grid": (
         shapely.box(0.0, 0.0, 8.0, 8.0).segmentize(2.0),
         (4, 12),
