@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -54,6 +55,9 @@ FEWER = (3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 36, 40, 48, 56, 6
 CLEARLY_FEWER, STRIDE, TRIES_WITH_FEWER, NEAR = 0.8, 3, 3, 1.2
 """Up to which part of the number of vertices, and every which of these, is tried; how many of them may be no better;
 excess of the best of them, relative to the least one, up to which those next to it are tried too."""
+
+FURTHER_ON_GRID = 2
+"""Further starts along the sequence that are tried where they may be tighter on a grid."""
 
 LOOSE_ON_GRID = 0.1
 """Part of the excess that a grid may add before fewer vertices are tried."""
@@ -107,7 +111,7 @@ class LevelBuilder:
         try:
             found = self._settled(wanted, unsettled)
             if found is not None:
-                return self._least(found, self.rivals)
+                return self._least(found, self._rivals(found))
         except FAILURES as error:
             errors.append(error)
         for start in self.others:
@@ -118,7 +122,22 @@ class LevelBuilder:
             raise self.settling.failure(unsettled[0])
         raise errors[0]
 
-    def _least(self, level: Level, rivals: Sequence[Start]) -> Level:
+    @property
+    def _seeks_area(self) -> bool:
+        """Whether the cage of least area is sought."""
+        return bool(getattr(self.settings.energy, "is_area", False)) and self.plan.importance is None
+
+    def _rivals(self, level: Level) -> Iterator[Start]:
+        """Rivals of the first start and, on a grid, further ones along the sequence that may be tighter there."""
+        yield from self.rivals
+        is_on_grid = self.settling is not None and self.settling.numbers.grid is not None
+        for start in islice(self.others, FURTHER_ON_GRID if is_on_grid and self._seeks_area else 0):
+            if (1.0 + LOOSE_ON_GRID) * (start.coarse.area / self.outline.area - 1.0) >= level.excess:
+                break
+            if all(start.coarse is not rival.coarse for rival in self.rivals):
+                yield start
+
+    def _least(self, level: Level, rivals: Iterable[Start]) -> Level:
         """The level of least excess: one, or one from a rival of its start."""
         for rival in rivals:
             other = self._settled_from(rival, [])
@@ -325,7 +344,7 @@ class LevelBuilder:
                 raise NestingError("The decimation has no coarse mesh.", code="count.too_small")
             if attempt.may_fall_back:
                 self.others = starts
-                if getattr(self.settings.energy, "is_area", False) and self.plan.importance is None:
+                if self._seeks_area:
                     self.rivals = first.rivals
             return first
         return Start(source.decimate(self.outline, attempt.count, clearance=clearance), in_words(source))
