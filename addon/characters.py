@@ -19,7 +19,7 @@ from mathutils import Matrix, Vector
 from .animation.timeline import Timing
 from .binding import binding, field
 from .binding.copies import complete
-from .core import blamed, core, gate, triangulation
+from .core import blamed, certify, core, triangulation
 from .errors import Fault, FloatArray, UserError
 from .generation import output
 from .generation.generate import STORED, Generation, Options, Request, Result
@@ -148,7 +148,7 @@ def make(context: Context, drawing: Drawing, armature: Object, vertices: int) ->
     bones = bones_of(armature, drawing.frame)
     fine = drawing.mesh()
     count = vertices or min(MOST, FIRST_LOOP + PER_LOOP * (len(fine.loops) - 1))
-    room = core.hierarchy.tightest_place(fine)
+    room = core.levels.tightest_place(fine)
     share = CLEARANCE_SHARE if room is None else min(CLEARANCE_SHARE, ROOM_PART * room.clearance / fine.diagonal)
     generation = Generation([Request(drawing)], Options(levels=(count,), clearance_share=share))
     yield from generation
@@ -173,7 +173,7 @@ def _jointed(result: Result, bones: Sequence[core.Bone]) -> Result:
         cage = cage.moved(cage.vertices.astype(STORED).astype(np.float64))
         # vertices on edges are rounded, and so is what they keep of the clearance
         wanted = min(level.report.wanted_clearance, core.verify(cage, level.fine).clearance)
-        return replace(result, levels=(gate.standing(level.fine, cage, level.report, wanted),))
+        return replace(result, levels=(certify.standing(level.fine, cage, level.report, wanted),))
 
 
 def _weigh(cage: Object, armature: Object, bones: Sequence[core.Bone]) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from nestedcages_core.errors import notes as errors
     from nestedcages_core.exchange import layers, pictures
     from nestedcages_core.geometry import broad_phase, distance, loops, predicates, triangulation
-    from nestedcages_core.level import gate, steps
+    from nestedcages_core.levels import certify, steps
 else:
 
     class _LazyModule(ModuleType):
@@ -43,11 +43,11 @@ else:
     core, broad_phase = map(_LazyModule, ("core", "geometry.broad_phase"))
     distance = _LazyModule("geometry.distance")
     loops, pictures, predicates = map(_LazyModule, ("geometry.loops", "exchange.pictures", "geometry.predicates"))
-    errors, gate, steps = map(_LazyModule, ("errors.notes", "level.gate", "level.steps"))
+    errors, certify, steps = map(_LazyModule, ("errors.notes", "levels.certify", "levels.steps"))
     progress, triangulation = map(_LazyModule, ("progress", "geometry.triangulation"))
     game, layers = map(_LazyModule, ("game", "exchange.layers"))
 
-__all__ = ["blamed", "broad_phase", "core", "distance", "errors", "game", "gate", "layers", "loops"]
+__all__ = ["blamed", "broad_phase", "certify", "core", "distance", "errors", "game", "layers", "loops"]
 __all__ += ["pictures", "predicates", "progress", "steps", "triangulation"]
 
 

@@ -32,7 +32,6 @@ NEEDLES = ("needles", "star")  # kinds whose excess is decided by round-off: the
 
 NEVER: Any = lambda *_, **__: False  # noqa: E731
 NOTHING: Any = lambda *_, **__: None  # noqa: E731
-NO_STAGE: Any = lambda *_, **__: iter(())  # noqa: E731
 ALL_KEPT: Any = lambda pairs, *_, **__: np.ones(len(pairs), bool)  # noqa: E731
 
 
@@ -55,9 +54,8 @@ def chosen_as(name: str, method: str, **options: object) -> Callable[[], Setting
 CLEARANCE = "tightening.reach_clearance"
 MECHANISMS: dict[str, Off] = {
     "the hull as fallback": Off(partial(Settings, fallback=None)),
-    "untightened cage as last resort": Off(patches={"level.assembly:Assembly.untightened": NO_STAGE}),
     "line cycles (places by arc length)": Off(partial(Settings, decimation=ArcLength())),
-    "the curve": Off(chosen_as("decimation", "LineCycles", on_curve=False)),
+    "the curve": Off(partial(Settings, steps=False)),
     "flow: steps with samples at vertices (6 to 1)": Off(chosen_as("flow", "TwoSidedFlow", vertex_limit=1)),
     "line cycles: searches through other lines": Off(
         patches={"decimation.ring_search:MAX_ACROSS": 0, "decimation.ring_search:MAX_MORE": 0}

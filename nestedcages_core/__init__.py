@@ -24,7 +24,7 @@ from .flow import FlowResult
 from .flow import TwoSidedFlow as TwoSidedFlow
 from .geometry.drawable import Drawable
 from .geometry.mesh import Mesh
-from .hierarchy import (
+from .levels import (
     Hierarchy,
     Level,
     NestedCagesRun,
@@ -35,7 +35,7 @@ from .hierarchy import (
     inner_cages,
     nested_cages,
 )
-from .hierarchy import InnerCagesRun as InnerCagesRun
+from .levels import InnerCagesRun as InnerCagesRun
 from .libraries import imported_later
 from .tightening import Tightening as Tightening
 from .tolerance import Within
@@ -115,9 +115,9 @@ if TYPE_CHECKING:
     from .geometry.symmetry import Found as Found
     from .geometry.symmetry import Mirror as Mirror
     from .geometry.symmetry import Rotation as Rotation
-    from .hierarchy.check_decimation import check_decimation as check_decimation
-    from .hierarchy.excess_by_count import ExcessByCount as ExcessByCount
-    from .hierarchy.excess_by_count import excess_by_count as excess_by_count
+    from .levels.check_decimation import check_decimation as check_decimation
+    from .levels.excess_by_count import ExcessByCount as ExcessByCount
+    from .levels.excess_by_count import excess_by_count as excess_by_count
     from .motion import AnimatedCagesRun as AnimatedCagesRun
     from .motion import Key as Key
     from .motion import MotionReport as MotionReport
@@ -223,8 +223,8 @@ _LATER = {
     "exchange.puppet_parts": "puppet_parts",
     "exchange.swept": "swept",
     "exchange.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
-    "hierarchy.check_decimation": "check_decimation",
-    "hierarchy.excess_by_count": "ExcessByCount excess_by_count",
+    "levels.check_decimation": "check_decimation",
+    "levels.excess_by_count": "ExcessByCount excess_by_count",
     "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",
     "puppet": "PartChoice Puppet PuppetDraft PuppetPart draft_puppet idle puppet_of walk wave",
     "published": (

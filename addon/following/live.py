@@ -150,7 +150,7 @@ class Live:
     def _clearance(self, fine: core.Mesh, scale: float) -> float:
         """The wanted clearance, in the drawing's units; scale: the scene's length of one."""
         wanted = self.options.clearance / scale or self.options.clearance_share * fine.diagonal
-        return wanted or float(core.hierarchy.DEFAULT_CLEARANCE * fine.diagonal)
+        return wanted or float(core.levels.DEFAULT_CLEARANCE * fine.diagonal)
 
     def _tolerances(self, name: str, fine: core.Mesh, scale: float, count: int) -> list[core.Within | None]:
         """The distance or excess that each cage keeps, in the drawing's units; None for a number of vertices."""

@@ -12,7 +12,7 @@ from bpy.types import Scene
 from .. import record
 from ..animation import shape_keys
 from ..animation.timeline import Timing
-from ..core import blamed, core, gate
+from ..core import blamed, certify, core
 from ..errors import FloatArray, UserError
 from ..generation import output
 from ..generation.generate import Result
@@ -54,7 +54,7 @@ def _standing(result: Moving) -> Result:
             cage.report.notes,
         )  # fmt: skip
         with blamed(f"'{drawing.name}'"):
-            levels.append(gate.standing(inner, cage.cage, report, least))
+            levels.append(certify.standing(inner, cage.cage, report, least))
         inner = cage.cage
     return Result(_in_world(drawing, result.poses.scale), tuple(levels))
 
@@ -101,7 +101,8 @@ def write_still(scene: Scene, result: Result, used: dict[str, Any]) -> None:
     if source is None:
         raise UserError(f"'{result.drawing.name}' was deleted meanwhile, so its cages were discarded")
     levels = [
-        gate.rerouted(level, gate.Way.at_rest(level.fine, level.cage), level.report.stored) for level in result.levels
+        certify.rerouted(level, certify.Path.at_rest(level.fine, level.cage), level.report.stored)
+        for level in result.levels
     ]
     timing = Timing(start_frame=scene.frame_current, frames_per_step=1, show_flow=False)
     drawing = _in_world(result.drawing, scale_of(source))

@@ -36,7 +36,7 @@ def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing)
 
     Each level keeps its own clearance, so the last one is as many clearances away from the drawing.
     """
-    (bound,) = remembered(lambda: (core.hierarchy.tightest_place(fine),), BOUND_BYTES, "tightest place", fine)
+    (bound,) = remembered(lambda: (core.levels.tightest_place(fine),), BOUND_BYTES, "tightest place", fine)
     if bound is None or bound.clearance > levels * clearance:
         return
     scale, most, where = drawing.frame.scale, bound.clearance / levels, bound.message(clearance)

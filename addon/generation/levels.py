@@ -80,7 +80,7 @@ def _text_sizes(identity: int, _body: str, _font: str, resolution: int) -> tuple
 # Stands for an own coarse drawing in a list of levels.
 OWN = "*"
 # A vertex count, a percentage, a distance (in units of the scene) or an excess, or `OWN`.
-Level: TypeAlias = "int | core.hierarchy.Share | core.Within | str"
+Level: TypeAlias = "int | core.levels.Share | core.Within | str"
 
 
 @dataclass(frozen=True)
@@ -96,15 +96,15 @@ def parse_levels(text: str, units: Mapping[str, float]) -> tuple[Level, ...]:
 
     units: what may mark a distance, and its length in units of the scene.
     """
-    words = core.hierarchy.level_words(text, units) or [text]
+    words = core.levels.level_words(text, units) or [text]
     try:
-        levels = [OWN if word == OWN else core.hierarchy.parse_level(word, units) for word in words]
-        return tuple(core.hierarchy.in_order(levels))
+        levels = [OWN if word == OWN else core.levels.parse_level(word, units) for word in words]
+        return tuple(core.levels.in_order(levels))
     except core.NestedCagesError as error:
         raise UserError(str(error)) from error
 
 
-def wanted_count(level: int | core.hierarchy.Share, sizes: Sequence[int], *, keeps: bool = True) -> Wanted:
+def wanted_count(level: int | core.levels.Share, sizes: Sequence[int], *, keeps: bool = True) -> Wanted:
     """The vertex count that a level comes to for loops of these sizes: enough for each where all are kept."""
     if isinstance(level, int):
         least = 3 * len(sizes) if keeps else 3
@@ -173,9 +173,9 @@ def meanings(levels: Sequence[Level], drawings: Sequence[Sequence[int]], size: f
     needs vertices of its own.
     """
     said: list[str] = []
-    shares = [level for level in levels if isinstance(level, core.hierarchy.Share)]
+    shares = [level for level in levels if isinstance(level, core.levels.Share)]
     for level in levels:
-        if isinstance(level, core.hierarchy.Share):
+        if isinstance(level, core.levels.Share):
             counts = _span([level.of(sizes, keeps=keeps) for sizes in drawings])
             said.append(f"{100.0 * level.fraction:.4g} % = {counts}{' vertices' if level is shares[-1] else ''}")
         elif isinstance(level, core.Within) and level.excess is not None:

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from ..errors import NestedCagesError
 from ..geometry.mesh import Mesh
-from ..hierarchy import Settings
+from ..levels import Settings
 from ..progress import listened
 from .outcome import Keep, Outcome, Task
 

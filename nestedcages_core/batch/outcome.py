@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 from ..geometry.mesh import Mesh
-from ..hierarchy import Hierarchy, Settings, nested_cages
+from ..levels import Hierarchy, Settings, nested_cages
 
 Keep: TypeAlias = Callable[[Hierarchy], Any]
 

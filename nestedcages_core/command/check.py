@@ -13,7 +13,7 @@ import numpy as np
 from ..checker import TOLERANCE, check, faults_of_motion
 from ..errors import NestedCagesError
 from ..exchange.pictures import HALF
-from ..hierarchy import Share, Within, level_words, parse_level
+from ..levels import Share, Within, level_words, parse_level
 from .options import decimals, length, symmetry
 from .progress import tell
 from .written import Levels, Loops, Shapes, pages_differ, read_cages, read_frames

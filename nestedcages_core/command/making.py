@@ -15,7 +15,7 @@ from ..errors import NestedCagesError
 from ..exchange import Coverage, Limits, coverage_cages
 from ..exchange.pictures import HALF, picture_cages
 from ..geometry.mesh import Mesh
-from ..hierarchy import Hierarchy, Level, Settings, inner_cages, nested_cages
+from ..levels import Hierarchy, Level, Settings, inner_cages, nested_cages
 from .progress import ProgressLine
 from .sources import NamedShape, Source
 
@@ -79,7 +79,7 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
 def _made_outcomes(source: Source, given: argparse.Namespace, line: ProgressLine) -> list[Outcome]:
     """The cages of the shapes of a file, or the error of each."""
     constraints = [each for name in CONSTRAINTS if (each := getattr(given, name)) is not None]
-    settings = Settings(**{name: getattr(given, name) for name in SETTINGS}, constraints=constraints)
+    settings = Settings(**{name: getattr(given, name) for name in SETTINGS}, constraints=constraints, steps=False)
     shapes = [shape.content for shape in source.shapes]
     if all(isinstance(shape, Mesh) for shape in shapes) and not given.inside and len(shapes) > 1:
         executor = partial(_processes, given.jobs) if given.jobs > 1 else None
@@ -113,7 +113,7 @@ def _processes(count: int) -> Executor:
 def _coverage(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
     """The cage around all regions of a map, divided among them."""
     regions = [shape.content for shape in source.shapes if isinstance(shape.content, Mesh)]
-    settings = Settings(**{name: getattr(given, name) for name in SETTINGS})
+    settings = Settings(**{name: getattr(given, name) for name in SETTINGS}, steps=False)
     found = coverage_cages(regions, given.levels, settings, width=given.borders or None, progress=line.of_run)
     land = found[0].coast.fine
     coast = Made(NamedShape("Coast", land), land, [coverage.coast for coverage in found])

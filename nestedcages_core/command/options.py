@@ -19,8 +19,8 @@ from ..exchange import DRAWING_LIMITS, Limits
 from ..exchange.decimals import MAX_DECIMALS
 from ..geometry.lattice import Grid
 from ..geometry.symmetry import Found, Mirror, Rotation
-from ..hierarchy import level_words, parse_level
-from ..hierarchy.settings import LOOPS
+from ..levels import level_words, parse_level
+from ..levels.settings import LOOPS
 from .outputs import STEM, WRITTEN
 from .sources import KINDS, STREAM, kind_of
 

@@ -15,7 +15,7 @@ from ..errors import invalid_file
 from ..exchange import Coverage, Feature, frames_to_engine_json, to_engine_json, to_geojson, to_svg, write_whole
 from ..exchange.pictures import corresponding
 from ..geometry.mesh import Mesh
-from ..hierarchy import Level
+from ..levels import Level
 from .making import Made, Result
 from .sources import STREAM, Source
 

@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import TextIO
 
 from ..batch import BatchProgress
-from ..hierarchy import Progress
+from ..levels import Progress
 
 BAR = 24
 """Characters of the progress bar."""

@@ -11,7 +11,7 @@ from typing import Any, TextIO
 
 from ..errors import NestedCagesError
 from ..exchange import Limits
-from ..hierarchy import in_order
+from ..levels import in_order
 from .check import check_files
 from .making import Result, make
 from .options import check_use, of_drawings, parser

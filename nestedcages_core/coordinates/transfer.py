@@ -11,7 +11,7 @@ import scipy
 from ..errors import invalid_setting
 from ..geometry.mesh import Mesh
 from ..geometry.triangulation import Sampling, Triangulation, triangulate
-from ..hierarchy import Hierarchy
+from ..levels import Hierarchy
 
 COARSENING = 2.0
 """Default ratio of the spacings of consecutive grids, as usual for multigrid."""

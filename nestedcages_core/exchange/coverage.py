@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import NestingError, invalid_file
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..hierarchy import Level, Progress, Settings, Wanted, nested_cages
+from ..levels import Level, Progress, Settings, Wanted, nested_cages
 from ..libraries import load_shapely
 from ..verification import verify
 from .fill import united

@@ -1,8 +1,8 @@
 """Cages that follow a moving drawing: constant topology, certified at every pose and every instant in between."""
 
-from ..level.motion_gate import Key
 from .animated import AnimatedCagesRun, animated_cages, certified_still, stream_cages
 from .following import followed
+from .gate import Key
 from .results import MotionReport, MovingCages, MovingLevel
 
 __all__ = [

@@ -13,17 +13,17 @@ from numpy.typing import ArrayLike
 
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh, MeshLike
-from ..hierarchy import Progress, Settings, Wanted, in_order, listed_levels, wanted_levels
-from ..hierarchy.settings import type_name
-from ..level.motion_gate import Key
+from ..levels import Progress, Settings, Wanted, in_order, listed_levels, wanted_levels
+from ..levels.settings import type_name
 from ..progress import Run, Tick, listened, no_tick
 from ..verification import verify, verify_motion
+from .gate import Key
 from .level import Allowance, LevelMotion
 from .poses import Pose, read_poses
 from .results import MotionReport, MovingCages, MovingLevel
 
 if TYPE_CHECKING:
-    from ..hierarchy.keywords import SettingsKeywords
+    from ..levels.keywords import SettingsKeywords
 
 MANY_ROOMS = 64.0
 """Multiples of what rounding takes, kept where less was not enough: rounding can close gaps between parts of a cage."""

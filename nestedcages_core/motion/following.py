@@ -20,10 +20,10 @@ from ..energies import CageEnergy, signed_area
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Orbits, orbits_of
 from ..geometry.mesh import Mesh
-from ..hierarchy import Settings
-from ..level.gate import judged
-from ..level.settling import placements
-from ..level.units import SolverUnits
+from ..levels import Settings
+from ..levels.certify import judge
+from ..levels.snap import placements
+from ..levels.units import SolverUnits
 from ..tightening.reach_clearance import restore
 from ..verification import verify
 from .promises import Promises
@@ -155,7 +155,7 @@ class Follower:
         plan, mesh = self.promises.plan_at(self._pose(fine)), self.topology.moved(self.units.to_input(cage))
         wanted = self.clearance * self.units.scale - self.promises.room
         for points in placements(plan, self.promises.settings.energy, mesh, wanted):
-            if judged(plan, mesh.moved(points), wanted):
+            if judge(plan, mesh.moved(points), wanted):
                 return [self.units.points(points)]
         return []
 
@@ -228,4 +228,4 @@ def followed(cage: Mesh, before: Mesh, after: Mesh, clearance: float, settings: 
     if cages is None:
         return None
     moved = cage.moved(follower.stored(cages[-1]))
-    return moved if judged(promises.plan, moved, clearance, same_loops=follower.same_loops) else None
+    return moved if judge(promises.plan, moved, clearance, same_loops=follower.same_loops) else None

@@ -11,13 +11,13 @@ import numpy as np
 from ..errors import Fault, NestedCagesError, NestingError, note
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..hierarchy import Settings, Within, nested_cages
-from ..hierarchy.settings import type_name
-from ..level.attempts import clearances_for
-from ..level.motion_gate import Key, MotionGate, Posed
-from ..level.units import SolverUnits
+from ..levels import Settings, Within, nested_cages
+from ..levels.settings import type_name
+from ..levels.units import SolverUnits
+from ..levels.work import clearances_for
 from .between import Instant, Straightener, around
 from .following import Follower
+from .gate import Key, MotionGate, Posed
 from .poses import LOOK_AHEAD, WINDOW, Pose, look_ahead
 from .promises import Promises
 from .starts import first_cage

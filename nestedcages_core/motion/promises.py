@@ -10,10 +10,10 @@ from ..decimation.base import MIN_PER_LOOP
 from ..errors import Fault
 from ..geometry.broad_phase import ClosestEdge
 from ..geometry.mesh import Mesh
-from ..hierarchy import Settings
-from ..hierarchy.constraints import constraints_of
-from ..level.plan import Plan
-from ..level.settling import ROOMS
+from ..levels import Settings
+from ..levels.constraints import constraints_of
+from ..levels.plan import Plan
+from ..levels.snap import ROOMS
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import NestedCagesError
 from ..geometry.mesh import Mesh
-from ..hierarchy import nested_cages
+from ..levels import nested_cages
 from .following import Follower
 from .promises import Promises
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..contact.pairs import Bodies
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..hierarchy import Settings
+from ..levels import Settings
 from ..tightening import Tightening
 from .contact import PROGRAM_RANGE, PaperContact, Repairs
 from .flow import PROGRAM_STEP, PaperFlow

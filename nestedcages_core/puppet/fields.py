@@ -16,7 +16,7 @@ from ..geometry.mesh import Mesh
 from ..geometry.triangulation import Sampling, Triangulation
 from ..geometry.triangulation.constrained import constrained_delaunay
 from ..geometry.triangulation.solid import sample
-from ..hierarchy import nested_cages
+from ..levels import nested_cages
 from ..libraries import load_shapely
 from .chains import largest_component
 from .circular import Bend, bends_of, shares_of
@@ -95,7 +95,7 @@ def bend_field(
     shape = _united(solids)
     joints = len(chain) - 2
     wanted = CAGE_VERTICES + VERTICES_PER_JOINT * joints
-    (level,) = nested_cages(shape, wanted, clearance=CLEARANCE * shape.diagonal, loops="one")
+    (level,) = nested_cages(shape, wanted, clearance=CLEARANCE * shape.diagonal, loops="one", steps=False)
     cage = level.cage
     bends = bends_of(cage, chain, kept)
     grid = _grid(cage, bends, density)

@@ -67,27 +67,6 @@ class Failing:
         raise NestingError("This decimation makes nothing.", code="count.too_small")
 
 
-DECIMATED: list[int] = []
-
-
-@dataclass(frozen=True)
-class Counted:
-    """A decimation that lists what it is asked for."""
-
-    share: float = 0.5
-
-    def decimate(self, fine: Mesh, count: Any, *, clearance: float = 0.0) -> Mesh:
-        DECIMATED.append(count)
-        return core.OnCurve().decimate(fine, count, clearance=clearance)
-
-
-def test_what_was_made_of_equal_things_is_not_made_again() -> None:
-    """A decimation with another value, or other vertices, is another one."""
-    for fine, share, made in ((star(), 0.5, 1), (star(), 0.5, 1), (star(), 0.25, 2), (star(5, 61), 0.25, 3)):
-        nested_cages(fine, 12, Settings(decimation=Counted(share=share)))
-        assert len(DECIMATED) == made
-
-
 @dataclass(frozen=True)
 class BoundingPolygon:
     """A decimation that encloses, and is none of ours."""

@@ -17,7 +17,7 @@ from support.sources import ROOT, nodes, sources
 LAYERS = {
     "nestedcages_core": """
         checker_distance checker errors libraries progress parameters lapack geometry decimation flow energies
-        solver constraints contact tightening verification level tolerance hierarchy motion published coordinates
+        solver constraints contact tightening verification tolerance levels motion published coordinates
         character puppet exchange game batch command __main__ __init__
     """,
     "addon": """

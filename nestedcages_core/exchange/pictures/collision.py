@@ -13,7 +13,7 @@ from ...errors import NestedCagesError, invalid_file, no_outline
 from ...geometry.arrays import AnyArray, BoolArray, FloatArray
 from ...geometry.loops import trace_loops
 from ...geometry.mesh import Mesh
-from ...hierarchy import Hierarchy, Progress, Settings, Within, nested_cages
+from ...levels import Hierarchy, Progress, Settings, Within, nested_cages
 from ..limits import Limits
 
 Levels = Sequence[int | Mesh | Within] | Callable[[Mesh], Sequence[int | Mesh | Within]]
@@ -49,7 +49,8 @@ def alpha_channel(picture: AnyArray) -> FloatArray:
 
 def collision_outline(picture: AnyArray, vertices: int, *, settings: Settings | None = None, **options: Any) -> Mesh:
     """An outline with the given number of vertices around all opaque pixels; for the options see `picture_cages`."""
-    return picture_cages(picture, [vertices], settings=settings, **options).cages[0]
+    still = replace(settings or Settings(), steps=False)
+    return picture_cages(picture, [vertices], settings=still, **options).cages[0]
 
 
 def picture_cages(

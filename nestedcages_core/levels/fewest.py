@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from copy import copy
 from dataclasses import dataclass, replace
 from math import ceil, sqrt
 from typing import cast
@@ -19,12 +18,14 @@ from ..errors import InvalidMeshError, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh, Nesting
 from ..geometry.vectors import norm
-from ..level.builder import LevelBuilder
-from ..level.report import Level
 from ..tightening import Tightening, TighteningOutcome
-from .minimal_nested import Band
-from .reach import REACH_PRECISION, beyond, reach
-from .within import Within
+from ..tolerance.minimal_nested import Band
+from ..tolerance.reach import REACH_PRECISION, beyond, reach
+from ..tolerance.within import Within
+from .build import build_level
+from .progress import OutOfTimeError
+from .report import Level
+from .work import Work
 
 MAX_ROUNDS, SHARE_STEP = 7, 0.005
 """Rounds of greedy polygons, each with more gates where that of the round before goes too far, and
@@ -45,20 +46,23 @@ LARGEST_GROWTH = 2.0
 """Largest factor on the number of vertices from one trial to the next."""
 
 
-def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) -> Level:
-    """The level of the fewest vertices found. ``fine``: what the need is about, the input of the hierarchy.
+def fewest(need: Within, fine: Mesh, work: Work) -> Level:
+    """The level of the fewest vertices found.
 
-    fine: the mesh that the tolerance refers to, the input of the hierarchy.
-    strictly: a clearance that every cage keeps, for the bound. Raises NestingError if not even the vertex count of the
-    mesh inside is enough.
+    fine: the mesh that the tolerance refers to, the input of the hierarchy. Raises NestingError if not even the vertex
+    count of the mesh inside is enough.
     """
-    search = _CountSearch(need, fine, builder)
-    search.try_walks(strictly)
-    search.try_counts()
+    search = _CountSearch(need, fine, work)
+    try:
+        search.try_walks(work.settings.clearance or 0.0)
+        search.try_counts()
+    except OutOfTimeError:
+        if search.best is None:
+            raise
     level = search.best
     if level is None:
         raise search.failure()
-    bounded = need.distance is not None and builder.plan.side > 0 and not builder.plan.outline.per_loop
+    bounded = need.distance is not None and work.plan.side > 0 and not work.plan.outline.per_loop
     bound = search.bound if bounded else None
     told = need.note(len(level.cage.vertices), search.taken, bound)
     return replace(level, report=replace(level.report, fewest=bound, notes=(*level.report.notes, told)))
@@ -120,10 +124,10 @@ class _LeftTolerance(Exception):  # noqa: N818 - no error
 class _CountSearch:
     """State of the search: the levels tried, and the best of them."""
 
-    def __init__(self, need: Within, fine: Mesh, builder: LevelBuilder) -> None:
-        self.need, self.fine, self.builder = need, fine, builder
-        self.inner, self.side, self.number = builder.fine, builder.plan.side, builder.plan.number
-        self.bound = MIN_PER_LOOP * (1 if builder.plan.outline.per_loop else len(fine.loops))
+    def __init__(self, need: Within, fine: Mesh, work: Work) -> None:
+        self.need, self.fine, self.work = need, fine, work
+        self.inner, self.side, self.number = work.plan.fine, work.plan.side, work.plan.number
+        self.bound = MIN_PER_LOOP * (1 if work.plan.outline.per_loop else len(fine.loops))
         self.best: Level | None = None
         self.taken = np.inf
         """What the best level takes; if there is none, the least of those tried."""
@@ -139,9 +143,9 @@ class _CountSearch:
     def try_walks(self, strictly: float) -> None:
         """Compute the bound, and try polygons of longest edges as starts."""
         distance = self.need.distance
-        if distance is None or self.side < 0 or self.builder.plan.outline.per_loop:
+        if distance is None or self.side < 0 or self.work.plan.outline.per_loop:
             return
-        self.builder.progress.begin("decimation")
+        self.work.watch.begin("decimation")
         bands = [Band(self.fine, k, distance) for k in range(len(self.fine.loops))]
         bounds = [band.fewest_links(strictly) for band in bands]
         self.bound = sum(bounds)
@@ -157,7 +161,7 @@ class _CountSearch:
         enough = bounds
         for number in range(MAX_ROUNDS):
             made, share = zip(bands, enough, strict=True), 1.0 - SHARE_STEP * (2**number - 1)
-            polygons = [band.walks(self.builder.clearances[0], share=share, enough=links) for band, links in made]
+            polygons = [band.walks(self.work.clearances[0], share=share, enough=links) for band, links in made]
             enough = [max(links, len(each[0])) if each else links for links, each in zip(enough, polygons, strict=True)]
             polygons = self._filled(polygons, bounds)
             meshes = (self._nested([each[k] for each in polygons]) for k in range(min(map(len, polygons))))
@@ -225,7 +229,7 @@ class _CountSearch:
         if self.error is not None and not np.isfinite(self.taken):
             return self.error
         taken = f"{self.taken:.6g}" if self.need.distance is not None else f"{100.0 * self.taken:.6g} %"
-        if self.builder.plan.outline.per_loop:
+        if self.work.plan.outline.per_loop:
             kind, remedy = "convex cage", "leave out convex"
         else:
             kind, remedy = "cage", "for less clearance"
@@ -243,7 +247,7 @@ class _CountSearch:
             return polygons
         most = max(map(len, polygons))
         try:
-            start = LineCycles(on_curve=False).decimate(self.inner, bounds, clearance=self.builder.clearances[0])
+            start = LineCycles(on_curve=False).decimate(self.inner, bounds, clearance=self.work.clearances[0])
         except NestedCagesError:
             return polygons
         others = [start.vertices[loop] for loop in start.loops]
@@ -261,15 +265,14 @@ class _CountSearch:
 
     def _try(self, wanted: int | Mesh, *, within: bool = False) -> bool:
         """Build a level; returns whether it is within the tolerance and the new best. within: a mesh that is, too."""
-        builder = self.builder
+        work, units = self.work, self.work.units
         if within:
-            builder, units = copy(builder), builder.units
-            kept = _Kept(
-                builder.settings.tightening, lambda mesh: self.is_met(mesh.moved(units.to_input(mesh.vertices)))
-            )
-            builder.settings = replace(builder.settings, tightening=cast(Tightening, kept))
+            kept = _Kept(work.settings.tightening, lambda mesh: self.is_met(mesh.moved(units.to_input(mesh.vertices))))
+            work = replace(work, settings=replace(work.settings, tightening=cast(Tightening, kept)))
         try:
-            level = builder.build(wanted)
+            level = build_level(work, wanted)
+        except OutOfTimeError:
+            raise
         except NestedCagesError as error:
             self.error = error
             return False
@@ -278,8 +281,9 @@ class _CountSearch:
         met = self.is_met(level.cage)
         if met:
             self.best, self.taken = level, self._within[1]
-            self.builder.best = level
         elif self.best is None:
             slack = SLACK * self.need.limit
             self.taken = min(self.taken, self.need.measured(level.cage, self.fine, self.side, slack))
+        if self.work.watch.over is not None:
+            raise self.work.watch.over
         return met

@@ -1,10 +1,9 @@
-"""Results of a run: levels with their steps and reports, and the progress and time of its stages."""
+"""Results of a run: levels with their steps and reports."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from time import perf_counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, overload
 
 from ..contact.reinflation import Reinflation
@@ -13,26 +12,8 @@ from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh
-from ..progress import Tick
-from ..verification import Certificate, LostLoops
+from ..verification import LostLoops
 from ..verification.lost_loops import NONE_LOST
-
-STAGES = {"decimation": 0.0, "flow": 0.2, "reinflation": 0.32, "tightening": 0.52, "verification": 0.96}
-"""Approximate fraction of a level with one start at which each stage begins."""
-
-
-@dataclass(frozen=True)
-class Progress:
-    """Progress of a run."""
-
-    level: int
-    """Index of the level being made, 0 for the first."""
-    stage: str
-    """"decimation", "flow", "reinflation", "tightening" or "verification"."""
-    fraction: float
-    """Fraction of the whole run, from 0 to 1."""
-    message: str
-    """A sentence for people."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +37,7 @@ class NestingReport:
     seconds: Mapping[str, float]
     """Wall-clock seconds per phase."""
     notes: Sequence[Fault] = ()
-    """Deviations from the request, such as the use of the fallback, and what a few vertices more would give, found
-    when notes are first read: sentences with a code and data."""
+    """Deviations from the request, such as the use of the fallback: sentences with a code and data."""
     fewest: int | None = None
     """No cage within the distance asked for has fewer vertices; None where none was asked for."""
     grid: float | None = None
@@ -84,57 +64,6 @@ class NestingReport:
         return "\n".join([", ".join(measures), *self.notes])
 
 
-@dataclass(frozen=True, eq=False)
-class JudgedCage:
-    """A cage and the verdict on it; true if nothing is wrong with it."""
-
-    cage: Mesh
-    fine: Mesh
-    side: int
-    wanted: float
-    """The clearance asked for."""
-    certificate: Certificate
-    numbers: tuple[float | None, str | None] | None
-    """The grid and the type that hold the coordinates; None where needs were not asked."""
-    fault: Fault | None
-    """What is wrong."""
-
-    def __bool__(self) -> bool:
-        return self.fault is None
-
-    @property
-    def is_only_too_close(self) -> bool:
-        """Whether it lacks nothing but the clearance."""
-        verdict = self.certificate
-        sound = verdict.strict and verdict.simple and len(verdict.problems) == 1
-        return sound and verdict.clearance < self.wanted
-
-    def told(self, report: NestingReport) -> NestingReport:
-        """A report that tells what was measured."""
-        return replace(
-            report,
-            strict=self.certificate.strict,
-            simple=self.certificate.simple,
-            clearance=self.certificate.clearance,
-            wanted_clearance=self.wanted,
-            excess=self.cage.area / self.fine.area - 1.0,
-            grid=self.numbers and self.numbers[0],
-            lost=self.certificate.lost,
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class Seal:
-    """What was judged of a level."""
-
-    judged: JudgedCage
-    stored: str | None
-    """The type that holds the steps."""
-    flow: bytes
-    links: tuple[bytes, ...]
-    """One for the motion from each step to the next."""
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Level(Drawable):
     """One cage, and flow and reinflation that lead to it."""
@@ -149,8 +78,6 @@ class Level(Drawable):
     report: NestingReport
     side: int = 1
     """1 for a cage around `fine`, -1 for one inside it, as those of `inner_cages`."""
-    seal: Seal | None = field(default=None, repr=False)
-    """What was judged of it; None if it was made elsewhere."""
 
     @property
     def inside(self) -> bool:
@@ -225,57 +152,3 @@ def _sizes(level: Level) -> str:
 
 def _yes(truth: bool) -> str:
     return "yes" if truth else "no"
-
-
-class LevelProgress:
-    """Converts the progress of a stage to that of the whole run, and times the stages of one level."""
-
-    def __init__(self, level: int, levels: int, report: Callable[[Progress], None]) -> None:
-        self._report = report
-        self.seconds = dict.fromkeys(STAGES, 0.0)
-        self._level, self._levels = level, levels
-        self._stage = "decimation"
-        self._since = perf_counter()
-        self.starts = 0
-        """Coarse meshes that were begun."""
-        self._furthest = 0.0
-
-    def next_start(self) -> None:
-        """Begin the next coarse mesh."""
-        self.starts += 1
-
-    def begin(self, stage: str) -> None:
-        """Begin the next stage."""
-        self.stop_clock()
-        self._stage = stage
-        self.show(0.0, stage)
-
-    def stop_clock(self) -> None:
-        """Add the time since the last call to the current stage."""
-        now = perf_counter()
-        self.seconds[self._stage] += now - self._since
-        self._since = now
-
-    def show(self, fraction: float, message: str) -> None:
-        """Report progress of the current stage. Time spent by the caller is not counted."""
-        self.stop_clock()
-        # the bar never goes back, for instance when the fallback starts over
-        self._furthest = max(self._furthest, self._within_level(min(max(fraction, 0.0), 1.0)))
-        text = f"Level {self._level + 1} of {self._levels}: {message}"
-        self._report(Progress(self._level, self._stage, (self._level + self._furthest) / self._levels, text))
-        self._since = perf_counter()
-
-    def tick(self, message: str) -> Tick:
-        """Reports the fraction of the current stage, with a message."""
-        return lambda fraction: self.show(fraction, message)
-
-    def _within_level(self, fraction: float) -> float:
-        """From 0 to 1 within the level."""
-        begins = STAGES[self._stage]
-        ends = min((other for other in STAGES.values() if other > begins), default=1.0)
-        place = begins + fraction * (ends - begins)
-        if self._stage == "decimation":
-            return place
-        first = STAGES["flow"]
-        begun = max(self.starts, 1)
-        return first + ((1.0 - first) * (self.starts - 1) + place - first) / begun

@@ -9,17 +9,33 @@ from typing import TYPE_CHECKING, Literal, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
+from ..contact import Contact
+from ..decimation import Decimation, LineCycles
+from ..energies import Area, Energy
 from ..errors import NestedCagesError, NestingError, invalid_setting
+from ..flow import FlowMethod, TwoSidedFlow
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
-from ..level.settings import LevelSettings, is_length
 from ..parameters import check_flag, has_method
+from ..tightening import Tightening
 
 if TYPE_CHECKING:
     from ..constraints.base import Constraint
     from ..geometry.symmetry import Found
     from .keywords import SettingsKeywords
+
+DEFAULT_CLEARANCE = 1e-5
+"""Clearance when none is given, as a fraction of the bounding-box diagonal of the fine mesh."""
+
+METHODS = {
+    "decimation": ("decimate", "LineCycles()"),
+    "fallback": ("decimate", "LineCycles()"),
+    "flow": ("run", "TwoSidedFlow()"),
+    "energy": ("at", "Area()"),
+    "tightening": ("run", "Tightening()"),
+}
+"""The method that each choice must have, and an example."""
 
 LOOPS = ("auto", "keep", "one")
 """What may be said of loops."""
@@ -36,12 +52,14 @@ POSITIVE = {
 
 
 @dataclass(frozen=True)
-class Settings(LevelSettings):
+class Settings:
     """How nested cages are made. Nothing here needs tuning per shape; lengths are in the input's units.
 
     Attributes:
         clearance: Smallest distance between cage and fine mesh, a length. Default: 1e-5 of the fine mesh's diagonal,
             less where its gaps are too narrow.
+        steps: Whether cages grow out of a mesh on the curve, as in the paper, for an animation. False: they are
+            tightened at rest, in half the time; only the mesh inside a user's own one still moves. Default: True.
         grid: Cage vertices are multiples of this length, certified as the doubles that their decimals read as: 0.01 for
             two decimals. Default: any number.
         stored: Type that will hold the coordinates, such as np.float32: cage and motion are certified on its numbers,
@@ -76,6 +94,14 @@ class Settings(LevelSettings):
         tightening: Brings the cage to its optimum once the fine mesh is back. Default: `Tightening()`.
     """
 
+    clearance: float | None = None
+    decimation: Decimation = field(default_factory=LineCycles)
+    fallback: Decimation | None = field(default_factory=lambda: LineCycles(on_curve=False))
+    flow: FlowMethod = field(default_factory=TwoSidedFlow)
+    energy: Energy = field(default_factory=Area)
+    contact: Contact | Sequence[Contact] | None = None
+    tightening: Tightening = field(default_factory=Tightening)
+    steps: bool = True
     grid: float | None = None
     stored: DTypeLike | None = None
     loops: Literal["auto", "keep", "one"] = "auto"
@@ -107,7 +133,7 @@ class Settings(LevelSettings):
         return replace(settings, **options) if settings is not None else cls(**options)
 
     def __post_init__(self) -> None:
-        super().__post_init__()
+        self._check_methods()
         if self.loops not in LOOPS:
             raise invalid_setting(f"loops must be one of {', '.join(map(repr, LOOPS))}, not {self.loops!r}.")
         of_loops = self.has_priorities or self.has_limits or self.symmetry is not None or self.convex
@@ -124,7 +150,7 @@ class Settings(LevelSettings):
         if self.stored is not None and type_name(self.stored) not in (*STORED_TYPES, None):
             raise invalid_setting(f"stored must be float64, {' or '.join(STORED_TYPES)}, not {self.stored!r}.")
         object.__setattr__(self, "stored", type_name(self.stored))  # a name: settings are told apart by value
-        check_flag(self, "convex")
+        check_flag(self, "convex", "steps")
         if not isinstance(self.about, Mesh | None):
             raise invalid_setting(f"about must be a Mesh, not {type(self.about).__name__}.")
         constraints = tuple(_listed(self.constraints, "constraints"))
@@ -148,6 +174,29 @@ class Settings(LevelSettings):
         if self.convex and (self.pins or self.joints or self.has_limits):
             raise NestedCagesError(
                 "Convex cages have no pins, joints or limits; leave these out or convex.", code="setting.conflict"
+            )
+
+    def _check_methods(self) -> None:
+        if self.clearance is not None and not is_length(self.clearance):
+            raise NestedCagesError(
+                f"The clearance must be a finite length of at least 0, not {self.clearance!r}; leave it out for the "
+                f"default.",
+                code="setting.invalid",
+            )
+        for name, (method, example) in METHODS.items():
+            chosen = getattr(self, name)
+            if not has_method(chosen, method) and not (chosen is None and name == "fallback"):
+                what = name.replace("_", " ")
+                raise NestedCagesError(
+                    f"The {what} must be an object such as {example}, not {chosen!r}.", code="setting.invalid"
+                )
+        contact: object = self.contact
+        several = contact if isinstance(contact, Sequence) and not isinstance(contact, str) else [contact]
+        if contact is not None and not (several and all(has_method(each, "reinflate") for each in several)):
+            raise NestedCagesError(
+                f"The contact must be an object such as IPC(), or several of them in a list, not {contact!r}; leave it "
+                "out for the default.",
+                code="setting.invalid",
             )
 
     @property
@@ -207,3 +256,11 @@ def _numbers(values: object, dimensions: int, rule: str, size: int | None = None
     if numbers.ndim != dimensions or (size is not None and len(numbers) != size) or not np.isfinite(numbers).all():
         raise invalid_setting(f"{rule}, not {values!r}.")
     return numbers
+
+
+def is_length(value: object) -> bool:
+    """Whether a value is a finite number of at least 0."""
+    try:
+        return isinstance(value, int | float | np.number) and 0.0 <= float(value) < np.inf
+    except OverflowError:
+        return False

@@ -11,9 +11,7 @@ from ..errors import Fault, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
-from ..level.settings import DEFAULT_CLEARANCE
-from .loops import keeps_loops
-from .settings import Settings, type_name
+from .settings import DEFAULT_CLEARANCE, Settings, type_name
 
 if TYPE_CHECKING:
     from ..constraints.base import Constraint
@@ -51,7 +49,7 @@ def constraints_of(settings: Settings, about: Mesh, side: int) -> Asked:
         from ..constraints.symmetric import symmetric
 
         alike, notes = symmetric(settings.symmetry, about, numbers)
-        kept += [] if alike is None else [replace(alike, keeps=keeps_loops(settings, side))]
+        kept += [] if alike is None else [replace(alike, keeps=side < 0 or settings.loops == "keep")]
     group = kept[0].group if kept else None
     if settings.convex:
         from ..constraints.convex import Convex

@@ -5,18 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..geometry.group import Symmetry
-from ..level.report import Hierarchy, Level, NestingReport, Progress
-from ..level.settings import DEFAULT_CLEARANCE
 from ..tolerance.within import Within
-from .asked import Wanted, in_order, listed_levels
-from .levels import LEAST, Rising, Share, wanted_levels
-from .run import InnerCagesRun, NestedCagesRun, inner_cages, nested_cages
-from .settings import Settings
+from .level_text import level_words, listed_levels, parse_level
+from .nested_cages import InnerCagesRun, NestedCagesRun, inner_cages, nested_cages
+from .progress import Progress
+from .report import Hierarchy, Level, NestingReport
+from .settings import DEFAULT_CLEARANCE, Settings
+from .targets import LEAST, Rising, Share, Wanted, in_order, wanted_levels
 
 if TYPE_CHECKING:
-    from ..level.tightest_place import tightest_place as tightest_place
-    from .level_text import level_words as level_words
-    from .level_text import parse_level as parse_level
+    from .narrow_places import tightest_place as tightest_place
 
 __all__ = [
     "DEFAULT_CLEARANCE",
@@ -47,11 +45,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """What few runs need is imported when it is asked for."""
     if name == "tightest_place":
-        from ..level.tightest_place import tightest_place
+        from .narrow_places import tightest_place
 
         return tightest_place
-    if name not in {"level_words", "parse_level"}:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from . import level_text
-
-    return getattr(level_text, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

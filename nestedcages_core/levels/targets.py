@@ -1,13 +1,16 @@
-"""Levels that depend on the mesh: shares of its vertices, and numbers that rise to the least possible one."""
+"""Levels as they are asked for: alone or in a list, as text, in any order, as shares of the vertices of the mesh."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias, TypeVar
+
+import numpy as np
 
 from ..decimation.base import MIN_PER_LOOP
 from ..errors import Fault, NestedCagesError, note
-from ..geometry.mesh import Mesh
+from ..geometry.mesh import Mesh, MeshLike
 from ..tolerance.within import Within
 
 LEAST_OF_A_SHARE = 4
@@ -57,6 +60,30 @@ class Share:
         """The number of vertices for loops of these sizes: enough for each, or for one where not all are kept."""
         least = sum(min(size, LEAST_OF_A_SHARE) for size in sizes) if keeps else MIN_PER_LOOP
         return max(round(sum(sizes) * self.fraction), least)
+
+
+Wanted: TypeAlias = int | str | Share | MeshLike | Within
+"""A level as asked for."""
+
+Item = TypeVar("Item")
+
+
+def in_order(levels: Sequence[Item], size: int | None = None) -> list[Item]:
+    """Levels from the finest to the coarsest; as they are where meshes are among them, or what cannot be compared.
+
+    size: vertices of the mesh, which shares and counts are compared by.
+    """
+
+    def fineness(level: object) -> tuple[str, float]:
+        if isinstance(level, Within):
+            return ("excess", level.limit) if level.distance is None else ("distance", level.limit)
+        if isinstance(level, Share):
+            return ("share", -level.fraction) if size is None else ("count", -level.fraction * size)
+        is_count = isinstance(level, int | np.integer) and not isinstance(level, bool)
+        return ("count", -float(level)) if is_count else ("other", 0.0)  # type: ignore[arg-type]
+
+    kinds = {fineness(level)[0] for level in levels}
+    return sorted(levels, key=fineness) if len(kinds) == 1 else list(levels)
 
 
 def wanted_levels(

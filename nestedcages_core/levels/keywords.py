@@ -29,6 +29,7 @@ class SettingsKeywords(TypedDict, total=False):
     energy: Energy
     contact: Contact | Sequence[Contact] | None
     tightening: Tightening
+    steps: bool
     grid: float | None
     stored: DTypeLike | None
     loops: Literal["auto", "keep", "one"]

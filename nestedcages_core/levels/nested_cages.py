@@ -8,27 +8,26 @@ from dataclasses import replace
 from functools import partial
 from math import inf
 from time import perf_counter
-from typing import TYPE_CHECKING, Unpack
+from typing import TYPE_CHECKING, NamedTuple, Unpack
 
 import numpy as np
 
 from ..decimation.base import MIN_PER_LOOP
-from ..errors import Fault, NestedCagesError, NestingError, note
+from ..errors import NestedCagesError, NestingError, note
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, by_side, is_mesh_like
-from ..level.attempts import clearances_for
-from ..level.builder import LevelBuilder
-from ..level.gate import passed
-from ..level.plan import Plan
-from ..level.report import Hierarchy, Level, LevelProgress, Progress
 from ..progress import Run, listened
 from ..tightening import Tightening
 from ..tolerance.within import Within
 from ..verification import verify
-from .asked import Wanted, in_order, listed_levels
-from .constraints import constraints_of
-from .levels import Rising, Share, wanted_levels
-from .loops import keeps_loops, with_loops
+from .build import build_level
+from .constraints import Asked, constraints_of
+from .level_text import listed_levels
+from .plan import Plan
+from .progress import OutOfTimeError, Progress, Watch
+from .report import Hierarchy, Level
 from .settings import Settings
+from .targets import Rising, Share, Wanted, in_order, wanted_levels
+from .work import Work, clearances_for
 
 if TYPE_CHECKING:
     from .keywords import SettingsKeywords
@@ -124,93 +123,91 @@ def _hierarchy(
     fine: MeshLike, levels: Sequence[Wanted], settings: Settings, side: int, report: Callable[[Progress], None]
 ) -> Hierarchy:
     """All levels."""
-    seconds = inf if settings.seconds is None else settings.seconds
-    deadline = perf_counter() + seconds
-    keeps = keeps_loops(settings, side)
+    deadline = perf_counter() + (inf if settings.seconds is None else settings.seconds)
+    if side < 0 and settings.loops == "one":
+        raise NestingError('Inner cages keep all loops; leave out loops="one".', code="setting.conflict")
+    keeps = side < 0 or settings.loops == "keep"
     fine, wanted = _checked(fine, levels, convex=settings.convex, keeps=keeps)
     about = _about(settings, fine, side)
-    constraints, importance, remarks = constraints_of(settings, about, side)
-
-    def made(index: int, level: int | Mesh | Within, inner: Mesh, chosen: Settings) -> Level:
-        clearances, late = clearances_for(chosen, fine), tuple[Fault, ...]()
-        if isinstance(level, int) and not keeps:
-            chosen = with_loops(chosen)
-        while True:
-            plan = Plan.of(inner, constraints, importance, side=side)
-            limits = _Limits(seconds, deadline, MOST_STEPS + STEPS_OF_A_LOOP * len(inner.loops), report)
-            progress = LevelProgress(index, len(wanted), limits.report)
-            builder = LevelBuilder(plan, clearances, chosen, progress)
-            if isinstance(level, Within):
-                from ..tolerance.fewest import fewest
-
-                work = partial(fewest, level, about, builder, strictly=chosen.clearance or 0.0)
-            else:
-                work = partial(builder.build, level)
-            try:
-                done = passed(work(), inner, chosen.clearance or 0.0)
-                break
-            except NestedCagesError as error:
-                if error.code in ("time.over", "work.over"):
-                    from ..level.so_far import best_so_far, note_on
-
-                    limits.over = True
-                    found = builder.best if isinstance(level, Within) else best_so_far(builder)
-                    if found is None:
-                        raise
-                    done = passed(found, inner, chosen.clearance or 0.0)
-                    late = (note_on(error),)
-                    break
-                if not isinstance(level, Rising):
-                    raise
-                level = level.after(error)  # more vertices each time, and at most those of the mesh
-        advised = level.notes() if isinstance(level, Rising) else ()
-        told = any(each.code == "note.count" for each in done.report.notes)
-        if isinstance(level, int) and len(done.cage.vertices) < level and not told:
-            advised += (note("note.count", on="fewer", asked=int(level), given=len(done.cage.vertices)),)
-        notes: Sequence[Fault] = (*remarks, *done.report.notes, *advised, *late)
-        return replace(done, report=replace(done.report, notes=notes))
-
-    failure: NestedCagesError | None = None
-    while True:
-        finished: list[Level] = []
+    asked = constraints_of(settings, about, side)
+    run = _Levels(fine, about, settings, asked, wanted, keeps, side, deadline, report)
+    try:
+        return run.hierarchy(settings)
+    except NestedCagesError as failure:
+        # the levels before may have taken the room between their loops
+        made, tightening = failure.partial, settings.tightening
+        if failure.code != "clearance.no_room" or not made or not isinstance(tightening, Tightening):
+            raise
         try:
-            for index, level in enumerate(wanted):
-                chosen = settings if failure is None else _with_room(settings, len(wanted) - 1 - index)
-                finished.append(made(index, level, finished[-1].cage if finished else fine, chosen))
-                logger.debug("level %d: %s", index, finished[-1].report)
-            return Hierarchy(fine, tuple(finished))
+            return run.hierarchy(settings, room=True)
         except NestedCagesError as error:
-            if failure is not None:
-                raise failure from error
-            error.partial = Hierarchy(fine, tuple(finished))
-            if error.code != "clearance.no_room" or not finished or not isinstance(settings.tightening, Tightening):
+            raise failure from error
+
+
+class _Levels(NamedTuple):
+    """What the levels of a run are made from."""
+
+    fine: Mesh
+    about: Mesh
+    settings: Settings
+    asked: Asked
+    wanted: list[int | Mesh | Within]
+    keeps: bool
+    """Whether all loops are kept."""
+    side: int
+    deadline: float
+    report: Callable[[Progress], None]
+
+    def hierarchy(self, settings: Settings, *, room: bool = False) -> Hierarchy:
+        """All levels; room: whether each leaves room between its loops for those around it."""
+        made: list[Level] = []
+        for index, target in enumerate(self.wanted):
+            if room:
+                apart = ROOM_OF_A_LEVEL * (len(self.wanted) - 1 - index)
+                settings = replace(settings, tightening=replace(settings.tightening, apart=apart))
+            try:
+                made.append(self.level(index, target, made[-1].cage if made else self.fine, settings))
+            except NestedCagesError as error:
+                error.partial = Hierarchy(self.fine, tuple(made))
                 raise
-            failure = error  # the levels before may have taken the room between their loops
+            logger.debug("level %d: %s", index, made[-1].report)
+        return Hierarchy(self.fine, tuple(made))
 
+    def level(self, index: int, target: int | Mesh | Within, inner: Mesh, settings: Settings) -> Level:
+        """One level, with more vertices where its number may rise."""
+        watch = Watch(
+            index,
+            len(self.wanted),
+            self.report,
+            seconds=settings.seconds,
+            deadline=self.deadline,
+            most=MOST_STEPS + STEPS_OF_A_LOOP * len(inner.loops),
+        )
+        plan = Plan.of(inner, self.asked.constraints, self.asked.importance, side=self.side)
+        along = isinstance(target, int) and not self.keeps and not settings.convex
+        work = Work(plan, settings, clearances_for(settings, self.fine), watch, along)
+        while True:
+            try:
+                level = self._made(work, target)
+                break
+            except OutOfTimeError:
+                raise
+            except NestedCagesError as error:
+                if not isinstance(target, Rising):
+                    raise
+                target = target.after(error)  # more vertices each time, and at most those of the mesh
+        notes = (*self.asked.notes, *level.report.notes, *(target.notes() if isinstance(target, Rising) else ()))
+        count = len(level.cage.vertices)
+        if isinstance(target, int) and count < target and not any(each.code == "note.count" for each in notes):
+            notes += (note("note.count", on="fewer", asked=int(target), given=count),)
+        return replace(level, report=replace(level.report, notes=(*notes, *watch.note)))
 
-def _with_room(settings: Settings, levels: int) -> Settings:
-    """The settings of a level that leaves room for that many levels around it."""
-    return replace(settings, tightening=replace(settings.tightening, apart=ROOM_OF_A_LEVEL * levels))
+    def _made(self, work: Work, target: int | Mesh | Within) -> Level:
+        if isinstance(target, Within):
+            from .fewest import fewest
 
-
-class _Limits:
-    """Passes on progress until the time or the steps of a level are over, which raises NestedCagesError once."""
-
-    def __init__(self, seconds: float, deadline: float, steps: int, report: Callable[[Progress], None]) -> None:
-        self.seconds, self.deadline, self.steps, self._report = seconds, deadline, steps, report
-        self.over = False
-        """Whether what has been reached is brought to its end, without limit."""
-        self._reported = 0
-
-    def report(self, reached: Progress) -> None:
-        """Pass on progress."""
-        self._reported += 1
-        late = perf_counter() > self.deadline
-        if not self.over and (late or self._reported > self.steps):
-            from ..level.so_far import over
-
-            raise over(reached, seconds=self.seconds if late else None, steps=self.steps)
-        self._report(reached)
+            return fewest(target, self.about, work)
+        return build_level(work, target)
 
 
 def _about(settings: Settings, fine: Mesh, side: int) -> Mesh:

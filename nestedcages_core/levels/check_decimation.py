@@ -11,7 +11,7 @@ from ..decimation.base import Count
 from ..errors import NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from .run import nested_cages
+from .nested_cages import nested_cages
 
 
 def check_decimation(decimation: Decimation) -> None:

@@ -10,7 +10,7 @@ from ..contact.reinflation import Reinflation
 from ..errors import NestingError
 from ..flow.shrinking import shrink
 from ..geometry.lattice import as_stored
-from .gate import Way, rerouted
+from .certify import Path, rerouted
 from .report import Level
 
 
@@ -26,7 +26,7 @@ def with_stored_steps(level: Level, stored: str) -> Level:
     moving[0] = flow[-1]
     while True:
         away = min(first, len(moving) - 1)
-        later = Way(
+        later = Path(
             level.coarse.moved(cages[first]),
             replace(level.flow, steps=np.concatenate([flow, moving[1 : away + 1]])),
             Reinflation(moving[away:], cages[first:], way.iterations),
@@ -48,7 +48,7 @@ def shrunk(level: Level) -> Level:
     way, stored = level.reinflation, level.report.stored
     further = as_stored(shrink(level.fine, level.coarse, level.flow.steps[-1]), stored)
     standing = np.broadcast_to(level.coarse.vertices, (len(further), *level.coarse.vertices.shape))
-    longer = Way(
+    longer = Path(
         level.coarse,
         replace(level.flow, steps=np.concatenate([level.flow.steps, further])),
         Reinflation(

@@ -10,7 +10,7 @@ from ..decimation.problem import count_fault
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
 from ..geometry.precision import INPUT_ROUND_OFF, MOST_ROUNDS
-from .tightest_place import tightest_place
+from .narrow_places import tightest_place
 
 GROWTH = 1.1
 """Factor on a number of vertices that was too small."""

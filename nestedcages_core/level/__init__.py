@@ -1,1 +1,0 @@
-"""One level: the plan, the attempts, the builder and its report."""

@@ -1,0 +1,218 @@
+"""One level, as in the paper: a coarse mesh, flow, reinflation, tightening, and a certificate.
+
+Coarse meshes are tried in turn, the tightest first: along the sequence of outlines, from the drawing to a box around
+it. The fine mesh flows into the one on the curve and comes back, pushing the cage out; where that is blocked, or looser
+than the enclosing mesh, the enclosing mesh is tightened, and the fine mesh stays at rest.
+
+A cage inside has the unbounded region around it as its solid. Walked backwards, its loops are the oriented boundary of
+that region, so start and solvers push it away from the fine mesh as they do with a cage outside.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from itertools import islice
+from math import inf
+
+from ..decimation import Count, Decimation, LineCycles, Start, Starts
+from ..decimation.base import in_words
+from ..decimation.offset import is_wide
+from ..decimation.problem import shared_anew
+from ..decimation.starts import AlongSequence, lacks_shapely
+from ..energies import Area
+from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError, note
+from ..flow.loop_matching import match_loops
+from ..geometry.mesh import Mesh
+from .draft import OWN, tight_draft
+from .finish import finished
+from .progress import OutOfTimeError
+from .report import Level
+from .work import Draft, Work, methods_for
+
+logger = logging.getLogger(__name__)
+
+FAILURES = (FlowError, ReinflationError, NestingError, OutOfTimeError)
+"""Errors after which another start is tried; any other error ends the run."""
+
+Made = tuple[Level, float]
+"""A level, and the excess of its cage before that moved onto certain numbers."""
+
+
+def build_level(work: Work, target: int | Mesh) -> Level:
+    """The level with at most a number of vertices, or from the user's own coarse mesh. Raises NestedCagesError."""
+    work = replace(work, settings=methods_for(work.settings, work.plan))
+    numbers = work.plan.numbers
+    if numbers is None or numbers.grid is None or isinstance(target, Mesh):
+        return along_starts(work, target)[0]
+    from .on_grid import tightest_on_grid
+
+    found = tightest_on_grid(work, target, lambda of, count: along_starts(of, count, most=1))
+    return along_starts(work, target)[0] if found is None else found
+
+
+def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Made:
+    """The level from the first start, of so many at most, that leads to one, or from a rival of it.
+
+    Raises NestedCagesError.
+    """
+    failures: list[NestedCagesError] = []
+    try:
+        for start, notes in islice(starts(work, target, failures), most):
+            try:
+                made = with_room(work, start, notes)
+            except FAILURES as failure:
+                logger.debug("no level from %s: %s", start.source, failure)
+                failures.append(failure)
+                if work.watch.over is not None:
+                    break
+                continue
+            for rival in start.rivals if work.compares and not failures and work.below == inf else ():
+                with suppress(*FAILURES):
+                    made = min(made, with_room(work, rival, notes), key=lambda each: each[0].excess)
+            return made
+    except FAILURES as failure:  # there is no start, or no other one
+        failures.append(failure)
+    raise failures[0] if most else explained(work, target, failures[0])
+
+
+def with_room(work: Work, start: Start, notes: tuple[Fault, ...]) -> Made:
+    """The level from a start, with more distance where its cage has no place on the numbers. Raises NestingError."""
+    if work.plan.numbers is None:
+        return level_from_start(work, start, notes)
+    from .snap import UnsettledError, rooms
+
+    unsettled: list[UnsettledError] = []
+    for room in (0.0, *(rooms(work.plan.numbers) if work.below == inf else ())):
+        try:
+            return level_from_start(replace(work, room=room), start, notes)
+        except UnsettledError as error:
+            unsettled.append(error)
+        except NestingError:
+            if not unsettled:
+                raise
+            break
+    raise unsettled[0]
+
+
+def level_from_start(work: Work, start: Start, notes: tuple[Fault, ...]) -> Made:
+    """The paper's way from the mesh on the curve; where that is blocked or looser, the enclosing mesh at rest.
+
+    Raises FlowError, ReinflationError, NestingError.
+    """
+    start = work.plan.started(start)
+    drafts, failures = list[Draft](), list[NestedCagesError]()
+    for mesh in ways(work, start, drafts):
+        try:
+            drafts.append(tight_draft(work, mesh))
+        except FAILURES as failure:
+            logger.debug("start from %s failed: %s", mesh.source, failure)
+            failures.append(failure)
+    refusals = list[NestedCagesError]()
+    for draft in sorted(drafts, key=lambda draft: draft.rank):
+        said = notes
+        if failures:
+            on = "flow" if isinstance(failures[0], FlowError) else "reinflation"
+            said = (*notes, note("note.start", on=on, source=draft.start.source, first="on the curve"))
+        try:
+            return finished(work, draft, said), draft.excess
+        except NestingError as refusal:
+            refusals.append(refusal)
+    raise (refusals or failures)[0]
+
+
+def ways(work: Work, start: Start, drafts: Sequence[Draft]) -> Iterator[Start]:
+    """The meshes of a start that are worth trying: that on the curve, and the enclosing one.
+
+    drafts: the cages so far.
+    """
+    if start.on_curve is not None and work.settings.steps:
+        yield Start(start.on_curve, "on the curve")
+        if work.settings.fallback is None:
+            return
+        enclosing = start.coarse.area / work.plan.outline.mesh.area - 1.0
+        if drafts and not (isinstance(work.settings.energy, Area) and drafts[0].rank > enclosing):
+            return
+    yield start
+
+
+def starts(
+    work: Work, target: int | Mesh, failures: Sequence[NestedCagesError]
+) -> Iterator[tuple[Start, tuple[Fault, ...]]]:
+    """Coarse meshes to begin with, the best first, and what is to be said of them. Raises NestingError.
+
+    failures: of those before.
+    """
+    plan, settings, fine = work.plan, work.settings, work.plan.outline.mesh
+    tried: Decimation | None = None
+    notes = plan.outline.notes
+    if isinstance(target, Mesh):
+        if plan.side > 0 or plan.verify(target, 0.0):
+            yield Start(target, OWN), notes
+        else:
+            said = "The coarse mesh does not lie strictly inside the fine one, loop by loop"
+            outside = NestingError(f"{said}; move it inside, or give a vertex count.", code="coarse.not_nested")
+            failures = [outside]
+        count = _counts_like(target, fine)
+    else:
+        clearance, tried = work.clearances[0], settings.decimation
+        count, clamped = plan.possible(target, unlimited=work.along and is_wide(fine, target, clearance))
+        notes += clamped
+        if work.along and lacks_shapely(fine, target, clearance):
+            notes += (note("note.library", library="shapely"),)
+        try:
+            for start in decimated(work, tried, count):
+                yield start, notes
+                if settings.fallback is None:
+                    return
+        except NestingError as failure:
+            failures = [*failures, failure]
+    other = settings.fallback
+    if other is None or (isinstance(tried, LineCycles) and isinstance(other, LineCycles)):
+        if failures:
+            raise failures[0]
+        return
+    for start in decimated(work, other, count):
+        reason = note("note.start", on="fallback", source=start.source, text=str(failures[0]))
+        yield start, (*notes, reason, *shared_anew(count, start.coarse))
+
+
+def decimated(work: Work, decimation: Decimation, count: Count) -> Iterator[Start]:
+    """The coarse meshes of a decimation, along the sequence of outlines. Raises NestingError."""
+    work.watch.begin("decimation")
+    outline, clearance = work.plan.outline.mesh, work.clearances[0]
+    if isinstance(decimation, LineCycles) and work.along and isinstance(count, int):
+        decimation = AlongSequence(decimation, work.settings.loops == "one")
+    if isinstance(decimation, Starts):
+        tick = work.watch.tick("decimation")
+        yield from decimation.starts(outline, count, clearance=clearance, kept=work.plan.kept(), tick=tick)
+    else:
+        yield Start(decimation.decimate(outline, count, clearance=clearance), in_words(decimation))
+
+
+def explained(work: Work, target: int | Mesh, failure: NestedCagesError) -> NestedCagesError:
+    """An error with what would help: the least number of vertices, or a grid."""
+    if work.plan.numbers is not None:
+        from .snap import UnsettledError, with_finer_grid
+
+        if isinstance(failure, UnsettledError):
+            return with_finer_grid(failure, work.plan, work.settings.energy, work.watch)
+    if isinstance(target, Mesh) or not work.plan.is_free:
+        return failure
+    from .least_count import with_least
+
+    return with_least(failure, work.settings.decimation, work.plan.outline.mesh, work.clearances, work.plan.side)
+
+
+def _counts_like(coarse: Mesh, fine: Mesh) -> Count:
+    """The vertices of each loop of a coarse mesh, in the order of those of the fine one, or their total where its loops
+    are others."""
+    total = max(len(coarse.vertices), 3 * len(fine.loops))
+    if len(coarse.loops) != len(fine.loops):
+        return total
+    try:
+        return [len(coarse.loops[k]) for k in match_loops(fine, coarse).partner]
+    except FlowError:
+        return total
