@@ -19,6 +19,7 @@ from math import inf
 
 from ..decimation import Count, Decimation, LineCycles, Start, Starts
 from ..decimation.base import in_words
+from ..decimation.cycle_search import OFFSET
 from ..decimation.offset import is_wide
 from ..decimation.problem import shared_anew
 from ..decimation.starts import AlongSequence, lacks_shapely
@@ -26,16 +27,25 @@ from ..energies import Area
 from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError, note
 from ..flow.loop_matching import match_loops
 from ..geometry.mesh import Mesh
-from .draft import OWN, tight_draft
+from .draft import OWN, PAPER_PREFERENCE, tight_draft
 from .finish import finished
 from .progress import OutOfTimeError
 from .report import Level
-from .work import Draft, Work, methods_for
+from .work import LOOSE_ON_GRID, Draft, Work, methods_for
 
 logger = logging.getLogger(__name__)
 
 FAILURES = (FlowError, ReinflationError, NestingError, OutOfTimeError)
 """Errors after which another start is tried; any other error ends the run."""
+
+NO_EXCESS = 3e-4
+"""Excess up to which the clearance decides: a cage from flow and reinflation is not compared."""
+
+FURTHER_ON_GRID = 2
+"""Further starts along the sequence that are tried where they may be tighter on a grid."""
+
+Offered = Iterator[tuple[Start, tuple[Fault, ...]]]
+"""Starts, and what is to be said of each."""
 
 Made = tuple[Level, float]
 """A level, and the excess of its cage before that moved onto certain numbers."""
@@ -60,7 +70,8 @@ def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Mad
     """
     failures: list[NestedCagesError] = []
     try:
-        for start, notes in islice(starts(work, target, failures), most):
+        others = starts(work, target, failures)
+        for start, notes in islice(others, most):
             try:
                 made = with_room(work, start, notes)
             except FAILURES as failure:
@@ -69,13 +80,29 @@ def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Mad
                 if work.watch.over is not None:
                     break
                 continue
-            for rival in start.rivals if work.compares and not failures and work.below == inf else ():
+            for rival in rivals(work, start, others, made[0]) if not failures else ():
                 with suppress(*FAILURES):
                     made = min(made, with_room(work, rival, notes), key=lambda each: each[0].excess)
             return made
     except FAILURES as failure:  # there is no start, or no other one
         failures.append(failure)
     raise failures[0] if most else explained(work, target, failures[0])
+
+
+def rivals(
+    work: Work, start: Start, others: Iterator[tuple[Start, tuple[Fault, ...]]], level: Level
+) -> Iterator[Start]:
+    """Starts that may lead to a tighter cage: about as good, and on a grid further ones along the sequence."""
+    if not work.compares or work.below < inf:
+        return
+    yield from start.rivals
+    numbers = work.plan.numbers
+    for other, _ in islice(others, FURTHER_ON_GRID if numbers is not None and numbers.grid is not None else 0):
+        excess = other.coarse.area / work.plan.outline.mesh.area - 1.0
+        if (1.0 + LOOSE_ON_GRID) * excess >= level.excess:
+            return
+        if all(other.coarse is not rival.coarse for rival in start.rivals):
+            yield other
 
 
 def with_room(work: Work, start: Start, notes: tuple[Fault, ...]) -> Made:
@@ -128,19 +155,21 @@ def ways(work: Work, start: Start, drafts: Sequence[Draft]) -> Iterator[Start]:
 
     drafts: the cages so far.
     """
+    fine = work.plan.outline.mesh
     if start.on_curve is not None and work.settings.steps:
         yield Start(start.on_curve, "on the curve")
         if work.settings.fallback is None:
             return
-        enclosing = start.coarse.area / work.plan.outline.mesh.area - 1.0
-        if drafts and not (isinstance(work.settings.energy, Area) and drafts[0].rank > enclosing):
+        # lines keep a little away from the fine mesh, beyond the clearance
+        away = max(0.0, OFFSET * fine.diagonal - work.clearances[0]) * float(start.coarse.edge_lengths.sum())
+        enclosing = (start.coarse.area - away) / fine.area - 1.0
+        enough = max((1.0 + PAPER_PREFERENCE) * enclosing, NO_EXCESS) if isinstance(work.settings.energy, Area) else inf
+        if drafts and drafts[0].rank <= enough:
             return
     yield start
 
 
-def starts(
-    work: Work, target: int | Mesh, failures: Sequence[NestedCagesError]
-) -> Iterator[tuple[Start, tuple[Fault, ...]]]:
+def starts(work: Work, target: int | Mesh, failures: Sequence[NestedCagesError]) -> Offered:
     """Coarse meshes to begin with, the best first, and what is to be said of them. Raises NestingError.
 
     failures: of those before.

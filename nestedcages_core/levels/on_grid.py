@@ -11,7 +11,7 @@ from ..errors import FlowError, NestingError, ReinflationError
 from .progress import OutOfTimeError
 from .report import Level
 from .snap import UnsettledError
-from .work import Work
+from .work import LOOSE_ON_GRID, Work
 
 FEWER = (3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 36, 40, 48, 56, 64, 80, 96, 128, 192, 256, 384, 512)
 """Numbers of vertices that are tried below the wanted one, where a vertex too many is moved outwards."""
@@ -19,9 +19,6 @@ FEWER = (3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 36, 40, 48, 56, 6
 CLEARLY_FEWER, STRIDE, TRIES_WITH_FEWER, NEAR = 0.8, 3, 3, 1.2
 """Up to which part of the number of vertices, and every which of these, is tried; how many of them may be no better;
 excess of the best of them, relative to the least one, up to which those next to it are tried too."""
-
-LOOSE_ON_GRID = 0.1
-"""Part of the excess that a grid may add before fewer vertices are tried."""
 
 Make = Callable[[Work, int], tuple[Level, float]]
 """Makes the level of a number of vertices; returns it with the excess of the cage before it moved onto the grid."""

@@ -24,6 +24,9 @@ from .units import SolverUnits
 CLEARANCE_REDUCTION = 0.1
 """Factor on the default clearance where the gaps of the fine mesh are too narrow for it."""
 
+LOOSE_ON_GRID = 0.1
+"""Part of the excess that a grid may add before other starts are tried."""
+
 MAX_CLEARANCE = 1e6
 """Upper bound of a clearance in diagonals: beyond it, floating-point numbers cannot represent the shape."""
 

@@ -63,6 +63,7 @@ LOOSER_ONCE: dict[str, tuple[Any, tuple[int, ...], dict[str, Any]]] = {
         (17, 19),
         {},
     ),
+    "needles": (drawing(7), (24, 27, 30, 35), {}),
     "a dotted square on a grid": (
         shapely.box(0.0, 0.0, 8.0, 8.0).segmentize(2.0),
         (4, 12),
@@ -142,6 +143,22 @@ BAY = np.array([(9, 1), (9, 9), (5, 9), (6, 7), (3, 4), (4, 3), (7, 5), (4, 2), 
 def test_edges_may_meet_anywhere_on_the_walls_of_a_bay(seed: int) -> None:
     sheared = np.random.default_rng(seed).uniform(-0.4, 0.4, (2, 2)) * (seed > 0)
     assert nested_cages(BAY @ (np.eye(2) + sheared), 7)[0].excess < 0.096  # areas keep their ratios
+
+
+@pytest.mark.parametrize("seed", slow_after(0, range(12), thorough_after=1))
+@pytest.mark.parametrize("kept", KEPT)
+@pytest.mark.parametrize("kind", OF_SEVERAL_LOOPS, ids=lambda kind: kind.__name__)
+def test_one_loop_is_not_tighter(kind: Callable[..., Mesh], kept: str, seed: int) -> None:
+    fine = kind(np.random.default_rng(seed))
+    for count in (6, 12, 24):
+        level, one = (nested_cages(fine, count, loops=loops, **KEPT[kept](fine))[0] for loops in ("auto", "one"))
+        assert level.excess <= 1.01 * one.excess
+
+
+def test_one_loop_is_not_tighter_on_a_coarse_grid() -> None:
+    fine, options = scattered(np.random.default_rng(47)), {"grid": 0.26, "constraints": [AxisAligned()]}
+    level, one = (nested_cages(fine, 16, loops=loops, **options)[0] for loops in ("auto", "one"))
+    assert level.excess <= 1.01 * one.excess
 
 
 # What a box satisfies
