@@ -93,7 +93,7 @@ def rivals(
     work: Work, start: Start, others: Iterator[tuple[Start, tuple[Fault, ...]]], level: Level
 ) -> Iterator[Start]:
     """Starts that may lead to a tighter cage: about as good, and on a grid further ones along the sequence."""
-    if not work.compares or work.below < inf:
+    if not work.compares or work.below < inf or start.source == OWN:
         return
     yield from start.rivals
     numbers = work.plan.numbers
