@@ -86,6 +86,8 @@ def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Mad
             return made
     except FAILURES as failure:  # there is no start, or no other one
         failures.append(failure)
+    if work.watch.over is not None:
+        raise work.watch.over
     raise failures[0] if most else explained(work, target, failures[0])
 
 

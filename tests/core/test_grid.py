@@ -89,7 +89,7 @@ def test_levels_on_a_grid(name: str, grid: float) -> None:
     hierarchy = nested_cages(fine, counts, grid=grid, loops="keep")
     free = nested_cages(fine, counts[:1], loops="keep")[0]
     for level, count in zip(hierarchy, counts, strict=True):
-        assert len(level.cage.vertices) == count
+        assert len(level.cage.vertices) <= count
         assert_on_grid(level, grid)
     assert hierarchy[0].cage.area <= free.cage.area + 1.5 * grid * lengths_of(free.cage).sum()
 
