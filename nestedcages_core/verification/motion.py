@@ -2,7 +2,7 @@
 itself.
 
 Only pairs that come close enough are looked at: in a block of steps, during which nothing moves far, those that are
-closer at first than their vertices travel; and of these, in each step, those that are closer than they move.
+closer at first than their vertices travel until the end of a step.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike
 from ..contact.pairs import Bodies, find_pairs
 from ..errors import NestedCagesError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.precision import MOST_HALVINGS
 from ..progress import Tick, no_tick
@@ -142,13 +141,10 @@ class _Block:
             return
         pairs = find_pairs(self.bodies, self.start, self._with_rounding(reach))
         distance = pairs.measure(self.start).distance
-        near = (distance <= self._with_rounding(pairs.approach(self.farthest))).nonzero()[0]
-        distance = distance.take(near)
-        corners = np.stack([corner.take(near) for corner in (pairs.point, pairs.start, pairs.end)])
+        corners = np.stack([pairs.point, pairs.start, pairs.end])
         motion = self.positions[1:] - self.positions[:-1]
-        speed = np.hypot(motion[:, 0], motion[:, 1])
-        travelled = self.away[:-1] + speed
-        count = max(1, len(near))
+        travelled = self.away[:-1] + np.hypot(motion[:, 0], motion[:, 1])
+        count = max(1, len(pairs))
         together = max(1, CHUNK_PAIRS // count)
         for first in range(0, len(motion), together):
             point, start, end = (travelled[first : first + together].take(corner, axis=1) for corner in corners)
@@ -157,18 +153,8 @@ class _Block:
             step = places // count
             chosen = corners.take(places - step * count, axis=1)
             step += first
-            yield from ((int(step[k]), int(chosen[0, k])) for k in self._open(step, chosen, speed))
-
-    def _open(self, step: IntArray, corners: IntArray, speed: FloatArray) -> IntArray:
-        """Which of some pairs, (3, K), are not certified to stay apart from steps (K,) to the next ones."""
-        before = self._at(step, corners)
-        measured = point_edge(*(corner.T for corner in before)).distance
-        point, start, end = speed.ravel().take(step * speed.shape[1] + corners)
-        near = (measured <= self._with_rounding(point + np.maximum(start, end))).nonzero()[0]
-        step, corners = step.take(near), corners.take(near, axis=1)
-        free = never_meet(before.take(near, axis=2), self._at(step + 1, corners))
-        open_: IntArray = near[~free]
-        return open_
+            free = never_meet(self._at(step, chosen), self._at(step + 1, chosen))
+            yield from ((int(step[k]), int(chosen[0, k])) for k in np.flatnonzero(~free))
 
     def _at(self, step: IntArray, corners: IntArray) -> FloatArray:
         """(3, 2, K) positions of corners (3, K) at steps (K,)."""
