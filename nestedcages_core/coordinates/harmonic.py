@@ -12,7 +12,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import winding_number
 from ..geometry.triangulation import Sampling, Triangulation, triangulate
-from ..geometry.vectors import place
+from ..geometry.vectors import format_point
 from ..parameters import check_fraction
 from .precision import CHUNK_ENTRIES, corrected
 
@@ -110,8 +110,8 @@ def require_inside(points: FloatArray, cage: Mesh) -> None:
     outside = np.flatnonzero(winding_number(points, cage.vertices, cage.vertices[cage.successor]) == 0)
     if len(outside):
         raise NestedCagesError(
-            f"Point {outside[0]} at {place(points[outside[0]])} is outside the cage, where these coordinates are not "
-            "defined; use a cage that encloses all points, or MeanValue().",
+            f"Point {outside[0]} at {format_point(points[outside[0]])} is outside the cage, where these coordinates "
+            "are not defined; use a cage that encloses all points, or MeanValue().",
             code="coordinates.outside",
             vertex=outside[0],
             place=points[outside[0]],

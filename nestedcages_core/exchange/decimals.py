@@ -11,7 +11,7 @@ from ..errors import NestedCagesError, invalid_file
 from ..geometry.arrays import FloatArray
 from ..geometry.lattice import Grid
 from ..geometry.mesh import Mesh
-from ..geometry.vectors import place
+from ..geometry.vectors import format_point
 
 MAX_DECIMALS = 15
 """Maximum number of decimals that every double can have."""
@@ -32,8 +32,8 @@ def check_decimals(meshes: Iterable[Mesh], decimals: int | None) -> None:
         if off.any() or not grid.resolves(mesh.vertices):
             vertex = int(off.argmax())
             raise NestedCagesError(
-                f"Vertex {vertex} at {place(mesh.vertices[vertex])} has more than {decimals} decimals, and rounding "
-                f"would undo what is certified; make the cage with Settings(grid={grid.spacing:g}).",
+                f"Vertex {vertex} at {format_point(mesh.vertices[vertex])} has more than {decimals} decimals, and "
+                f"rounding would undo what is certified; make the cage with Settings(grid={grid.spacing:g}).",
                 code="numbers.unresolved",
                 vertex=vertex,
                 place=mesh.vertices[vertex],

@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import InvalidMeshError, unreadable
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh.validation import MAX_COORDINATE
-from ..geometry.vectors import place
+from ..geometry.vectors import format_point
 
 Polygon = list[FloatArray]
 """An outer ring and its holes, each (k, 2)."""
@@ -139,12 +139,12 @@ def check_roles(polygons: Sequence[Polygon], signs: IntArray, components: IntArr
         roles, owners = signs[first : first + len(polygon)], components[first : first + len(polygon)]
         if roles[0] < 0:
             raise InvalidMeshError(
-                f"Polygon {k} near {place(polygon[0][0])} lies inside another polygon; unite them or remove one.",
+                f"Polygon {k} near {format_point(polygon[0][0])} lies inside another one; unite them or remove one.",
                 code="mesh.nesting",
             )
         if (roles[1:] > 0).any() or (owners != owners[0]).any():
             raise InvalidMeshError(
-                f"A hole of polygon {k} near {place(polygon[0][0])} is not directly inside it; move or remove it.",
+                f"A hole of polygon {k} near {format_point(polygon[0][0])} is not directly in it; move or remove it.",
                 code="mesh.nesting",
             )
         first += len(polygon)

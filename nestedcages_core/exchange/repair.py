@@ -11,7 +11,7 @@ from ..errors import InvalidMeshError, no_outline
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import orientation
-from ..geometry.vectors import place
+from ..geometry.vectors import format_point
 from ..libraries import load_shapely
 from .crossings import edges_in, spend_crossings
 from .fill import united
@@ -110,7 +110,7 @@ def _reason(shapely: Any, shape: Any) -> str:
     """The message of GEOS: its reason, and the place in user coordinates."""
     text = shapely.is_valid_reason(shape)
     parts = re.fullmatch(r"(.*)\[(\S+) (\S+).*\]", text)
-    return f"{parts[1].lower()} at {place((float(parts[2]), float(parts[3])))}" if parts else text.lower()
+    return f"{parts[1].lower()} at {format_point((float(parts[2]), float(parts[3])))}" if parts else text.lower()
 
 
 def _first(error: InvalidMeshError) -> str:
@@ -127,7 +127,7 @@ def _cleaned(polygons: list[Polygon]) -> tuple[list[Polygon], list[str]]:
         for k, ring in enumerate(polygon):
             points, left_out = _without_spikes(ring)
             if len(points) < 3:
-                where = f" at {place(ring[0])}" if len(ring) else ""
+                where = f" at {format_point(ring[0])}" if len(ring) else ""
                 notes.append(f"{'a hole' if k else 'a polygon'} of zero area{where}: left out")
                 if k == 0:
                     break
@@ -146,7 +146,7 @@ def _without_spikes(ring: FloatArray) -> tuple[FloatArray, list[str]]:
     still = (points == np.roll(points, -1, axis=0)).all(axis=1)
     if still.any() and len(points) > 1:
         notes.append(
-            f"{_counted(int(still.sum()), 'repeated point')}, the first at {place(points[still][0])}: left out"
+            f"{_counted(int(still.sum()), 'repeated point')}, the first at {format_point(points[still][0])}: left out"
         )
     points = points[~still] if len(points) > 1 else points
     tips = []
@@ -164,7 +164,7 @@ def _without_spikes(ring: FloatArray) -> tuple[FloatArray, list[str]]:
         points = points[~tip]
         points = points[(points != np.roll(points, -1, axis=0)).any(axis=1)]
     if tips:
-        notes.append(f"{_counted(len(tips), 'spike')}, the first to {place(tips[0])}: left out")
+        notes.append(f"{_counted(len(tips), 'spike')}, the first to {format_point(tips[0])}: left out")
     return points, notes
 
 

@@ -87,7 +87,3 @@ class SignedDistance:
         length = np.maximum(np.hypot(direction[:, 0], direction[:, 1]), SMALLEST_LENGTH)
         normals: FloatArray = np.stack([direction[:, 1], -direction[:, 0]], axis=1) / length[:, None]
         return normals
-
-    def winding(self, points: FloatArray) -> IntArray:
-        """(P,) winding number of the edges around points; exact, ON_BOUNDARY for points on an edge."""
-        return winding_number(points, self.search.starts, self.search.ends)

@@ -70,6 +70,6 @@ def crossing_point(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -
     return np.asarray(a + np.clip(share, 0.0, 1.0) * along)
 
 
-def place(point: Sequence[float] | FloatArray) -> str:
+def format_point(point: Sequence[float] | FloatArray) -> str:
     """A point in words, for messages."""
     return f"({float(point[0]):.6g}, {float(point[1]):.6g})"

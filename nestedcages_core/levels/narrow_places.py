@@ -14,7 +14,7 @@ from ..geometry.broad_phase import BoxTree
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS, NEGLIGIBLE
 from ..geometry.signed_distance import SignedDistance
-from ..geometry.vectors import place
+from ..geometry.vectors import format_point
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def _gap_of_loops(fine: Mesh, loops: IntArray) -> Bound:
     return Bound(
         0.5 * least,
         f"between loops {one} and {other} of the mesh inside it",
-        f"they are {least:.6g} apart near {place(middle)}, and a loop of the cage runs along each",
+        f"they are {least:.6g} apart near {format_point(middle)}, and a loop of the cage runs along each",
         "move them apart or join them",
         (one, other),
         (float(middle[0]), float(middle[1])),
@@ -97,7 +97,7 @@ def _widest_circle(fine: Mesh, hole: int) -> Bound:
     return Bound(
         circle.radius,
         f"in loop {hole} of the mesh inside it, a hole",
-        f"the largest circle in it, around {place(circle.centre)}, has the radius {circle.radius:.6g}",
+        f"the largest circle in it, around {format_point(circle.centre)}, has the radius {circle.radius:.6g}",
         "fill the hole",
         (hole,),
         (float(circle.centre[0]), float(circle.centre[1])),

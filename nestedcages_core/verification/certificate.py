@@ -12,7 +12,7 @@ from ..geometry.arrays import IntArray
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, Nesting, is_mesh_like
 from ..geometry.precision import ROUND_OFF
 from ..geometry.smallest_gap import smallest_gap
-from ..geometry.vectors import crossing_point, place
+from ..geometry.vectors import crossing_point, format_point
 from .lost_loops import NONE_LOST, LostLoops
 
 
@@ -129,7 +129,7 @@ def loops_in_words(mesh: Mesh) -> str:
 def _on_loop(sentence: str, code: str, mesh: Mesh, loop: int) -> Fault:
     """A fault of a loop; {} in the sentence is its place."""
     at = mesh.vertices[mesh.loops[loop][0]]
-    return Fault(sentence.format(place(at)), code, loops=[loop], place=at)
+    return Fault(sentence.format(format_point(at)), code, loops=[loop], place=at)
 
 
 def _contact(nesting: Nesting, u: int, v: int) -> Fault:
@@ -138,8 +138,8 @@ def _contact(nesting: Nesting, u: int, v: int) -> Fault:
     corners = [u, int(cage.successor[u]), v, int(fine.successor[v])]
     point = crossing_point(*cage.vertices[corners[:2]], *fine.vertices[corners[2:]])
     said = (
-        f"The cage meets the fine mesh near {place(point)}: edge {corners[0]}-{corners[1]} of the cage touches edge "
-        f"{corners[2]}-{corners[3]} of the fine mesh."
+        f"The cage meets the fine mesh near {format_point(point)}: edge {corners[0]}-{corners[1]} of the cage touches "
+        f"edge {corners[2]}-{corners[3]} of the fine mesh."
     )
     return Fault(said, "cage.meets", vertices=corners, place=point)
 

@@ -15,7 +15,7 @@ from ..arrays import FloatArray, IntArray
 from ..broad_phase import BoxTree
 from ..drawable import Drawable
 from ..loops import Loops, enclosing_pairs, extreme_places, parents, trace_loops, turning_senses
-from ..vectors import norm, place
+from ..vectors import format_point, norm
 from .mesh_like import MESH_LIKE, MeshLike, has_edges, is_loop, is_mesh_like
 from .validation import as_edges, as_rings, as_vertices, check_simple
 
@@ -115,7 +115,7 @@ class Mesh(Drawable):
         )
         if not self.area > 0.0:
             raise InvalidMeshError(
-                f"The area inside the loops around {place(checked[0])} is too small for floating-point numbers; "
+                f"The area inside the loops around {format_point(checked[0])} is too small for floating-point numbers; "
                 "scale the shape up or make it wider.",
                 code="mesh.out_of_range",
             )

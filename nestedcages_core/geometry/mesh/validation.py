@@ -12,7 +12,7 @@ from ...errors import InvalidMeshError, unreadable
 from ..arrays import AnyArray, FloatArray, IntArray
 from ..loops import Loops
 from ..predicates import orientation, segments_intersect
-from ..vectors import crossing_point, place
+from ..vectors import crossing_point, format_point
 
 MAX_COORDINATE, MIN_EXTENT = 1e150, 1e-150
 """Largest coordinate and smallest bounding box, in input units, whose squares stay within the range of a double."""
@@ -29,14 +29,15 @@ def as_vertices(data: Any) -> FloatArray:
     vertices = _as_floats(given, "vertices")
     if not np.isfinite(vertices).all():
         bad = int(np.isfinite(vertices).all(axis=1).argmin())
-        said = f"Vertex {bad} has the coordinates {place(vertices[bad])}; give finite numbers, or remove the vertex."
+        said = f"Vertex {bad} has the coordinates {format_point(vertices[bad])}; give finite numbers, or remove it."
         raise InvalidMeshError(said, code="mesh.not_finite", vertex=bad)
     if np.abs(vertices).max() > MAX_COORDINATE:
         far = int(np.abs(vertices).max(axis=1).argmax())
-        said = f"Vertex {far} at {place(vertices[far])} is farther out than {MAX_COORDINATE:g}, {_OUT_OF_RANGE} down."
+        where = f"{format_point(vertices[far])} is farther out than {MAX_COORDINATE:g}"
+        said = f"Vertex {far} at {where}, {_OUT_OF_RANGE} down."
         raise InvalidMeshError(said, code="mesh.out_of_range", vertex=far, place=vertices[far])
     if len(vertices) > 1 and 0.0 < np.ptp(vertices, axis=0).max() < MIN_EXTENT:
-        said = f"The shape around {place(vertices[0])} is smaller than {MIN_EXTENT:g}, {_OUT_OF_RANGE} up."
+        said = f"The shape around {format_point(vertices[0])} is smaller than {MIN_EXTENT:g}, {_OUT_OF_RANGE} up."
         raise InvalidMeshError(said, code="mesh.out_of_range", place=vertices[0])
     vertices.flags.writeable = False
     return vertices
@@ -64,7 +65,7 @@ def as_rings(loops: Iterable[ArrayLike]) -> tuple[FloatArray, list[int]]:
             raise unreadable(f"Loop {k} has shape {points.shape}, but (k, 2) is needed; give rows (x, y).")
         ring = points[:-1] if len(points) > 1 and bool(np.all(points[0] == points[-1])) else points
         if len(ring) < 3:
-            at = f" at {place(as_vertices(ring)[0])}" if len(ring) else ""
+            at = f" at {format_point(as_vertices(ring)[0])}" if len(ring) else ""
             said = f"Loop {k}{at} has {len(ring)} of the three vertices that a loop needs; add some, or remove it."
             raise InvalidMeshError(said, code="mesh.open")
         rings.append(ring)
@@ -151,7 +152,7 @@ def check_simple(order: Loops) -> None:
     flat = np.flatnonzero((points[:, 0] == ends[:, 0]) & (points[:, 1] == ends[:, 1]))
     if len(flat):
         k = flat[0]
-        pair, where = [vertex[k], vertex[ahead[k]]], f"in loop {loop[k]} and both lie at {place(points[k])}"
+        pair, where = [vertex[k], vertex[ahead[k]]], f"in loop {loop[k]} and both lie at {format_point(points[k])}"
         said = f"Vertices {pair[0]} and {pair[1]} follow each other {where}; remove one of them."
         raise InvalidMeshError(said, code="mesh.repeated_vertex", loops=[loop[k]], vertices=pair, place=points[k])
     _check_fold_back(order)
@@ -175,7 +176,7 @@ def _check_fold_back(order: Loops) -> None:
     if back.any():
         k = ahead[straight[back.argmax()]]
         loop, vertex = order.loop[k], order.numbers[k]
-        said = f"Loop {loop} turns back over its own edge at vertex {vertex}, {place(points[k])}; move or remove it."
+        said = f"Loop {loop} turns back over itself at vertex {vertex}, {format_point(points[k])}; move or remove it."
         raise InvalidMeshError(said, code="mesh.spike", loops=[loop], vertices=[vertex], place=points[k])
 
 
@@ -192,7 +193,7 @@ def _raise_contact(order: Loops, i: IntArray, j: IntArray) -> None:
             k, m = here[same.argmax()], there[same.argmax()]
             said = (
                 f"Vertices {vertex[k]} of loop {loop[k]} and {vertex[m]} of loop {loop[m]} both lie at "
-                f"{place(points[k])}; move one of them, so that the boundary does not touch itself."
+                f"{format_point(points[k])}; move one of them, so that the boundary does not touch itself."
             )
             pair = [vertex[k], vertex[m]]
             raise InvalidMeshError(
@@ -205,10 +206,12 @@ def _raise_contact(order: Loops, i: IntArray, j: IntArray) -> None:
     for a, b in ((k, m), (ahead[k], m), (m, k), (ahead[m], k)):
         if segments_intersect(points[[a]], points[[a]], points[[b]], ends[[b]])[0]:
             loops, at, corners = [loop[a], loop[b]], points[a], [vertex[a], vertex[b], vertex[ahead[b]]]
-            said = f"Vertex {vertex[a]} of loop {loop[a]} lies on {edge(b)} at {place(at)}; move it off the edge."
+            said = (
+                f"Vertex {vertex[a]} of loop {loop[a]} lies on {edge(b)} at {format_point(at)}; move it off the edge."
+            )
             break
     else:
         what = f"Loop {loop[k]} crosses itself" if len(loops) == 1 else f"Loops {loop[k]} and {loop[m]} cross"
         remedy = "move their vertices apart" if len(loops) == 1 else "move them apart, or unite them"
-        said = f"{what} near {place(at)}: {edge(k)} meets {edge(m)}; {remedy}."
+        said = f"{what} near {format_point(at)}: {edge(k)} meets {edge(m)}; {remedy}."
     raise InvalidMeshError(said, code="mesh.crossing", loops=loops, vertices=corners, place=at)

@@ -16,7 +16,7 @@ import scipy
 from ...errors import InvalidMeshError
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..predicates import Signs, orientation, orientation_sign
-from ..vectors import cross, place
+from ..vectors import cross, format_point
 
 FRAME_DISTANCE = 4.0
 """Distance of the auxiliary corners from the centre, in extents of the points; they keep the points off the hull."""
@@ -55,7 +55,7 @@ def _check_different(points: FloatArray) -> None:
     same = np.flatnonzero((points[order[1:]] == points[order[:-1]]).all(axis=1))
     if len(same):
         raise InvalidMeshError(
-            f"Two points lie at {place(points[order[same[0]]])}; remove one of them.",
+            f"Two points lie at {format_point(points[order[same[0]]])}; remove one of them.",
             code="mesh.repeated_vertex",
             place=points[order[same[0]]],
         )
@@ -298,7 +298,7 @@ class Flips:
 
     def _refuse(self, a: int, b: int, on: int) -> None:
         raise InvalidMeshError(
-            f"The segment from {place(self.points[a])} to {place(self.points[b])} meets another one or a point "
-            f"at or near {place(self.points[on])}; move them apart.",
+            f"The segment from {format_point(self.points[a])} to {format_point(self.points[b])} meets another one or a "
+            f"point at or near {format_point(self.points[on])}; move them apart.",
             code="mesh.crossing",
         )
