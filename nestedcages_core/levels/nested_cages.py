@@ -14,7 +14,7 @@ import numpy as np
 
 from ..decimation.base import MIN_PER_LOOP
 from ..errors import NestedCagesError, NestingError, note
-from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, by_side, is_mesh_like
+from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like, outer_and_inner
 from ..progress import Run, listened
 from ..tightening import Tightening
 from ..tolerance.within import Within
@@ -216,7 +216,7 @@ def _about(settings: Settings, fine: Mesh, side: int) -> Mesh:
         return fine
     about = settings.about.validated()
     same = np.array_equal(about.vertices, fine.vertices) and np.array_equal(about.edges, fine.edges)
-    if not same and not verify(*by_side(fine, about, side), same_loops=False):
+    if not same and not verify(*outer_and_inner(fine, about, side), same_loops=False):
         raise NestingError(
             f"The mesh that the settings are about does not lie {'in' if side > 0 else 'around'} the fine one.",
             code="coarse.not_nested",

@@ -16,7 +16,7 @@ from ..energies import CageEnergy
 from ..errors import Fault, NestingError, note
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry, mirror_axis
-from ..geometry.mesh import Mesh, by_side
+from ..geometry.mesh import Mesh, outer_and_inner
 from ..verification import Certificate, verify
 from .units import SolverUnits
 
@@ -91,7 +91,7 @@ class Plan:
 
     def verify(self, cage: Mesh, clearance: float, *, same_loops: bool = True) -> Certificate:
         """The certificate of a cage of this plan; its excess is that of the outer mesh."""
-        return verify(*by_side(cage, self.fine, self.side), clearance, same_loops=same_loops)
+        return verify(*outer_and_inner(cage, self.fine, self.side), clearance, same_loops=same_loops)
 
     def possible(self, wanted: int, *, unlimited: bool = False) -> tuple[Count, tuple[Fault, ...]]:
         """A number of vertices that the outline and all constraints allow, or one per loop; and notes, of the least

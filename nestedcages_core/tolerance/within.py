@@ -8,7 +8,7 @@ from math import inf, isfinite
 import numpy as np
 
 from ..errors import Fault, NestedCagesError, note
-from ..geometry.mesh import Mesh, by_side
+from ..geometry.mesh import Mesh, outer_and_inner
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Within:
             return side * (cage.area / fine.area - 1.0)
         from .reach import reach  # imports triangulations, which few need
 
-        return reach(*by_side(cage, fine, side), slack, limit)
+        return reach(*outer_and_inner(cage, fine, side), slack, limit)
 
     def note(self, count: int, taken: float, fewest: int | None = None) -> Fault:
         """What a cage of that many vertices takes of the limit; fewest: a lower bound on their number."""
@@ -57,7 +57,7 @@ class Within:
             return self.measured(cage, fine, side) <= self.limit
         from .reach import stays_within
 
-        return stays_within(*by_side(cage, fine, side), self.limit)
+        return stays_within(*outer_and_inner(cage, fine, side), self.limit)
 
     def __str__(self) -> str:
         if self.distance is not None:

@@ -6,6 +6,6 @@
 
 from .mesh import Mesh
 from .mesh_like import MESH_LIKE, MeshLike, is_mesh_like
-from .nesting import Nesting, by_side
+from .nesting import Nesting, outer_and_inner
 
-__all__ = ["MESH_LIKE", "Mesh", "MeshLike", "Nesting", "by_side", "is_mesh_like"]
+__all__ = ["MESH_LIKE", "Mesh", "MeshLike", "Nesting", "is_mesh_like", "outer_and_inner"]

@@ -76,6 +76,6 @@ class Nesting:
         return bool(np.isin(wanted, within * 2 * count + around).all())
 
 
-def by_side(cage: Mesh, fine: Mesh, side: int) -> tuple[Mesh, Mesh]:
+def outer_and_inner(cage: Mesh, fine: Mesh, side: int) -> tuple[Mesh, Mesh]:
     """The outer and the inner mesh: a cage around a fine mesh has the side 1, one inside it -1."""
     return (cage, fine) if side > 0 else (fine, cage)
