@@ -11,7 +11,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
 
 import numpy as np
 
@@ -46,8 +45,6 @@ class SequentialQP:
     Lengths are in units of the mean coarse edge length.
     """
 
-    keeps_ties: ClassVar[bool] = True
-    """Whether the vertices of a symmetric cage move together."""
     gap: float = 0.05
     """Distance kept between cage and fine mesh during the motion, where there is space."""
     stride: float = 1.0 / 3.0

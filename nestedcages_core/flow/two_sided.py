@@ -7,7 +7,7 @@ with samples along both boundaries).
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -46,11 +46,6 @@ class TwoSidedFlow:
     def __post_init__(self) -> None:
         check_positive(self, "margin", "spacing", "smoothing", "longest_step")
         check_count(self, "vertex_limit", "limit")
-
-    @property
-    def quick(self) -> TwoSidedFlow:
-        """The same with half of the steps, for use where hulls compete."""
-        return replace(self, limit=self.limit // 2)
 
     def run(self, fine: Mesh, coarse: Mesh, *, tick: Tick = no_tick) -> FlowResult:
         """All steps from the fine mesh to a certified position strictly inside the coarse one.

@@ -27,7 +27,7 @@ from ..energies import Area
 from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError, note
 from ..flow.loop_matching import match_loops
 from ..geometry.mesh import Mesh
-from .draft import OWN, PAPER_PREFERENCE, tight_draft
+from .draft import OWN, PAPER_PREFERENCE, at_rest, tight_draft
 from .finish import finished
 from .progress import OutOfTimeError
 from .report import Level
@@ -127,7 +127,8 @@ def with_room(work: Work, start: Start, notes: tuple[Fault, ...]) -> Made:
 
 
 def level_from_start(work: Work, start: Start, notes: tuple[Fault, ...]) -> Made:
-    """The paper's way from the mesh on the curve; where that is blocked or looser, the enclosing mesh at rest.
+    """The paper's way from the mesh on the curve; where that is blocked or looser, the enclosing mesh at rest; where no
+    cage can be certified, that mesh as it is.
 
     Raises FlowError, ReinflationError, NestingError.
     """
@@ -140,16 +141,18 @@ def level_from_start(work: Work, start: Start, notes: tuple[Fault, ...]) -> Made
             logger.debug("start from %s failed: %s", mesh.source, failure)
             failures.append(failure)
     refusals = list[NestedCagesError]()
-    for draft in sorted(drafts, key=lambda draft: draft.rank):
+    stands = work.settings.fallback is not None or start.on_curve is None
+    last = [replace(at_rest(work, start), still=True)] if stands else []
+    for draft in (*sorted(drafts, key=lambda draft: draft.rank), *last):
         said = notes
-        if failures:
+        if failures and not draft.still:
             on = "flow" if isinstance(failures[0], FlowError) else "reinflation"
             said = (*notes, note("note.start", on=on, source=draft.start.source, first="on the curve"))
         try:
             return finished(work, draft, said), draft.excess
         except NestingError as refusal:
             refusals.append(refusal)
-    raise (refusals or failures)[0]
+    raise (failures or refusals)[0] if not drafts else refusals[0]
 
 
 def ways(work: Work, start: Start, drafts: Sequence[Draft]) -> Iterator[Start]:

@@ -45,7 +45,10 @@ def at_rest(work: Work, start: Start) -> Draft:
     """A coarse mesh, and the fine mesh where it is."""
     rest, coarse = work.unit_fine.vertices[None], work.units.from_input(start.coarse)
     energy, _ = work.plan.energy(work.settings.energy.at(coarse), coarse, work.units)
-    return Draft(start, coarse, FlowResult(rest, 0, "inside"), Reinflation(rest, coarse.vertices[None], 0), energy)
+    still = Reinflation(rest, coarse.vertices[None], 0)
+    return Draft(
+        start, coarse, FlowResult(rest, 0, "inside"), still, energy, excess=_excess(work, coarse, coarse.vertices)
+    )
 
 
 def flowed(work: Work, draft: Draft) -> Draft:
@@ -105,13 +108,18 @@ def tightened(work: Work, draft: Draft, clearance: float) -> Draft:
             )
             steps, programs = steps + outcome.iterations, programs + outcome.quadratic_programs
     draft = replace(draft, tightening=[*draft.tightening, *cages], iterations=(steps, programs))
-    area = max(work.unit_fine.area, TINY)  # of slivers it may round to 0
-    excess = plan.side * (signed_area(draft.cage, coarse.successor) / area - 1.0)
+    excess = _excess(work, coarse, draft.cage)
     rank = excess if plan.side < 0 or len(draft.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
     if plan.importance is not None:
-        rank = draft.energy.after(draft.cage).value(draft.cage, coarse.successor) / area
+        rank = draft.energy.after(draft.cage).value(draft.cage, coarse.successor) / max(work.unit_fine.area, TINY)
     missed = any(bound.short(draft.cage).any() for bound in bounds)
     return replace(draft, excess=excess, rank=rank + MISSED * missed)
+
+
+def _excess(work: Work, coarse: Mesh, cage: FloatArray) -> float:
+    """The excess of a cage (m, 2), or the area that it loses inside."""
+    area = max(work.unit_fine.area, TINY)  # of slivers it may round to 0
+    return work.plan.side * (signed_area(cage, coarse.successor) / area - 1.0)
 
 
 def _coarse_to_fine(work: Work, cage: Mesh) -> Iterator[tuple[Mesh, float]]:

@@ -22,7 +22,7 @@ def finished(work: Work, draft: Draft, notes: tuple[Fault, ...]) -> Level:
     """The level of a draft, at the largest of the clearances that allows one. Raises NestingError."""
     plan, watch, wanted = work.plan, work.watch, work.clearances[0]
     for clearance in work.clearances:
-        if clearance < wanted:
+        if clearance < wanted and not draft.still:
             draft = tightened(work, draft, clearance)
         watch.begin("verification")
         path = in_input_units(work, draft)
@@ -31,7 +31,7 @@ def finished(work: Work, draft: Draft, notes: tuple[Fault, ...]) -> Level:
             break
     if not verdict:
         raise NestingError(verdict.rejection(wanted))
-    notes = (*notes, *_deviations(work, verdict, path, wanted))
+    notes = (*notes, *_deviations(work, verdict, path, draft, wanted))
     iterations = {"flow": draft.flow.iterations, "reinflation": draft.reinflation.iterations}
     iterations |= {"tightening": draft.iterations[0], "quadratic programs": draft.iterations[1]}
     source = "flow" if len(draft.flow.steps) > 1 else draft.start.source
@@ -80,7 +80,7 @@ def _around(inner: Mesh, plan: Plan, path: Path, report: NestingReport) -> Level
     return certify(verdict, path, report, stored=stored)
 
 
-def _deviations(work: Work, verdict: Verdict, path: Path, wanted: float) -> Iterator[Fault]:
+def _deviations(work: Work, verdict: Verdict, path: Path, draft: Draft, wanted: float) -> Iterator[Fault]:
     """What differs from the request in a certified cage."""
     if verdict.wanted < wanted:
         on = "inside" if work.plan.side < 0 else "gaps"
@@ -89,7 +89,9 @@ def _deviations(work: Work, verdict: Verdict, path: Path, wanted: float) -> Iter
     if work.plan.numbers is None:
         yield from work.plan.notes(verdict.cage)
     energy = work.settings.energy
-    if len(path.reinflation.cage_steps) == 1 and not isinstance(energy, Area):
+    if draft.still:
+        yield note("note.untightened")
+    elif len(path.reinflation.cage_steps) == 1 and not isinstance(energy, Area):
         yield note("note.energy", energy=type(energy).__name__)
 
 

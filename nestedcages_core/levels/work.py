@@ -85,6 +85,8 @@ class Draft:
     """Steps and quadratic programs of the tightening."""
     excess: float = inf
     """That of the cage, or lost area if inside."""
+    still: bool = False
+    """Whether it stays as it is, untightened."""
     rank: float = inf
     """Smaller is better: the excess, or the energy where that is no area."""
 
