@@ -51,7 +51,8 @@ def test_a_cage_that_its_tightening_spoils_is_not_handed_out(
     (level,) = work(FINE, 10, spoiling)
     assert_right(level)
     assert {"note.untightened", "note.start"} & set(codes(level))  # on certain numbers it may rest where it ended
-    if work is nested_cages and not spoiling.convex:  # whose coarse meshes enclose, and are cages already
+    rests = code == "motion.collides" and (spoiling.grid or spoiling.stored)
+    if work is nested_cages and not spoiling.convex and not rests:  # coarse meshes enclose, and are cages already
         with rejected(code, NestingError):
             nested_cages(FINE, 10, spoiling, fallback=None)
 
