@@ -50,9 +50,9 @@ def test_a_cage_that_its_tightening_spoils_is_not_handed_out(
     spoiling = Settings(tightening=Continued(further=further), clearance=1e-3, **needs)
     (level,) = work(FINE, 10, spoiling)
     assert_right(level)
-    assert {"note.untightened", "note.start"} & set(codes(level))  # on certain numbers it may rest where it ended
-    rests = code == "motion.collides" and (spoiling.grid or spoiling.stored)
-    if work is nested_cages and not spoiling.convex and not rests:  # coarse meshes enclose, and are cages already
+    goes_on = code == "motion.collides" and (spoiling.grid or spoiling.stored)  # from a step before, to the numbers
+    assert goes_on or "note.untightened" in codes(level)
+    if work is nested_cages and not spoiling.convex and not goes_on:  # coarse meshes enclose, and are cages already
         with rejected(code, NestingError):
             nested_cages(FINE, 10, spoiling, fallback=None)
 
