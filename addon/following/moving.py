@@ -4,9 +4,8 @@ Blender stores them. Does not touch the scene.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import pairwise
 from time import perf_counter
 
@@ -210,11 +209,11 @@ def stand_still(poses: Poses, options: Options) -> Work[Moving]:
         for step in generation:
             yield Progress(0.9 * step.fraction, step.message)
         first, *others = generation.results[0].levels
-        checked = partial(core.motion.certified_still, first.cage, fine, poses.points, times=poses.frames)
-        still = yield from mapped(
-            progress.Run(lambda report: checked(tick=report)),
-            lambda done: Progress(0.9 + 0.1 * done, f"{name}: checking"),
-        )
+
+        def work(tick: Callable[[float], None]) -> core.MovingLevel:
+            return core.motion.certified_still(first.cage, fine, poses.points, times=poses.frames, tick=tick)
+
+        still = yield from mapped(progress.Run(work), lambda done: Progress(0.9 + 0.1 * done, f"{name}: checking"))
         cages = [_with_report(still, first)]
     except core.NestedCagesError as error:
         raise UserError(f"'{name}': {_said(error, poses.frames)}") from error

@@ -113,7 +113,7 @@ def drain(work: Work[Result]) -> Result:
         try:
             next(work)
         except StopIteration as end:
-            return end.value  # type: ignore[no-any-return]
+            return end.value
 
 
 _jobs: list[Job] = []

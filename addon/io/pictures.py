@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -199,9 +198,12 @@ class Picture:
             return traced
         yield Progress(0.0, f"'{self.name}': tracing pixels")
         with blamed(f"'{self.name}'"):
-            tracing = partial(pictures.picture_cages, self.alpha, [vertices], **options)
+
+            def work(report: Callable[[core.Progress], None]) -> core.Hierarchy:
+                return pictures.picture_cages(self.alpha, [vertices], progress=report, **options)
+
             made = yield from mapped(
-                progress.Run(lambda report: tracing(progress=report)),
+                progress.Run(work),
                 lambda step: Progress(step.fraction, f"'{self.name}': {STAGES[step.stage]}"),
             )
             cage = made.cages[0]
