@@ -53,16 +53,16 @@ if TYPE_CHECKING:
     from .character import with_joints as with_joints
     from .checker import Verdict as Verdict
     from .checker import check
-    from .constraints import AxisAligned as AxisAligned
-    from .constraints import Bound as Bound
-    from .constraints import Box as Box
-    from .constraints import Constraint as Constraint
-    from .constraints import LeastAngle as LeastAngle
-    from .constraints import LeastEdge as LeastEdge
-    from .constraints import LoopClearance as LoopClearance
-    from .constraints import Outside as Outside
-    from .constraints import Rows as Rows
-    from .constraints import Terms as Terms
+    from .constraints.axis_aligned import AxisAligned as AxisAligned
+    from .constraints.base import Bound as Bound
+    from .constraints.base import Constraint as Constraint
+    from .constraints.base import Terms as Terms
+    from .constraints.box import Box as Box
+    from .constraints.edges_and_angles import LeastAngle as LeastAngle
+    from .constraints.edges_and_angles import LeastEdge as LeastEdge
+    from .constraints.half_planes import HalfPlanes as HalfPlanes
+    from .constraints.loop_clearance import LoopClearance as LoopClearance
+    from .constraints.outside import Outside as Outside
     from .contact.ipc import IPC as IPC
     from .coordinates import Grids as Grids
     from .coordinates import Harmonic as Harmonic
@@ -115,7 +115,9 @@ if TYPE_CHECKING:
     from .geometry.symmetry import Found as Found
     from .geometry.symmetry import Mirror as Mirror
     from .geometry.symmetry import Rotation as Rotation
+    from .levels.check_constraint import check_constraint as check_constraint
     from .levels.check_decimation import check_decimation as check_decimation
+    from .levels.check_energy import check_energy as check_energy
     from .levels.excess_by_count import ExcessByCount as ExcessByCount
     from .levels.excess_by_count import excess_by_count as excess_by_count
     from .motion import AnimatedCagesRun as AnimatedCagesRun
@@ -143,6 +145,7 @@ if TYPE_CHECKING:
     from .puppet import puppet_of as puppet_of
     from .puppet import walk as walk
     from .puppet import wave as wave
+    from .solver.banded import Rows as Rows
     from .solver.newton import ProjectedNewton as ProjectedNewton
     from .solver.quadratic_program import InteriorPoint as InteriorPoint
 
@@ -207,12 +210,19 @@ _LATER = {
     "decimation": "OnCurve ArcLength OwnDecimation",
     "energies.choices": "BoundaryARAP ElementEnergy InitialDisplacement InteriorARAP ShapeKeeping StepDisplacement",
     "geometry.symmetry": "Found Mirror Rotation",
+    "solver.banded": "Rows",
     "solver.newton": "ProjectedNewton",
     "solver.quadratic_program": "InteriorPoint",
     "batch": "BatchProgress Outcome nested_cages_many",
     "character": "Bone Character Skeleton bone_weights suggest_bones with_joints",
     "checker": "Verdict check",
-    "constraints": "AxisAligned Bound Box Constraint LeastAngle LeastEdge LoopClearance Outside Rows Terms",
+    "constraints.axis_aligned": "AxisAligned",
+    "constraints.base": "Bound Constraint Terms",
+    "constraints.box": "Box",
+    "constraints.edges_and_angles": "LeastAngle LeastEdge",
+    "constraints.half_planes": "HalfPlanes",
+    "constraints.loop_clearance": "LoopClearance",
+    "constraints.outside": "Outside",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "exchange": (
         "Coverage Feature Limits character_to_engine_json convex_pieces coverage_cages features_from_geojson "
@@ -223,7 +233,9 @@ _LATER = {
     "exchange.puppet_parts": "puppet_parts",
     "exchange.swept": "swept",
     "exchange.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
+    "levels.check_constraint": "check_constraint",
     "levels.check_decimation": "check_decimation",
+    "levels.check_energy": "check_energy",
     "levels.excess_by_count": "ExcessByCount excess_by_count",
     "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",
     "puppet": "PartChoice Puppet PuppetDraft PuppetPart draft_puppet idle puppet_of walk wave",

@@ -1,43 +1,6 @@
-"""What cages keep in addition to nesting: a box, a clearance of each loop, …; one file each, none imports another.
+"""What cages keep in addition to nesting; `base` is what all constraints derive from, also those written elsewhere.
 
-`base` is the protocol: anyone can write a constraint, see docs/needs/constraints.md.
+Asked for by name: Box (a rectangle; HalfPlanes is its base class), Outside (clear of a second shape), AxisAligned
+(edges along some directions), LeastEdge and LeastAngle, LoopClearance (a clearance of each loop). Made by settings:
+Symmetric, Convex, Numbers (a grid, stored numbers) and Pins. One file each; each is imported when one is asked for.
 """
-
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
-
-from ..solver.banded import Rows
-from .base import Bound, Constraint, Terms, Units
-
-if TYPE_CHECKING:
-    from .axis_aligned import AxisAligned
-    from .box import Box
-    from .least_angle import LeastAngle
-    from .least_edge import LeastEdge
-    from .loop_clearance import LoopClearance
-    from .outside import Outside
-
-__all__ = [
-    "AxisAligned",  # edges along the axes, or along other directions
-    "Bound",  # a constraint on one topology, for the solvers
-    "Box",  # no vertex outside of a rectangle
-    "Constraint",  # what cages keep; the base class of all
-    "LeastAngle",  # no sharper angle
-    "LeastEdge",  # no shorter edge
-    "LoopClearance",  # a clearance of each loop, or of outer loops and holes
-    "Outside",  # clear of a second shape
-    "Rows",  # gradients of inequalities with respect to the cage
-    "Terms",  # inequalities: rows, and how far each is from its limit
-    "Units",  # between the units of the input and those of the solvers
-]
-
-
-def __getattr__(name: str) -> Any:
-    """Constraints are imported when one is asked for: most runs have none."""
-    if name not in __all__:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from . import axis_aligned, box, least_angle, least_edge, loop_clearance, outside
-
-    files = axis_aligned, box, least_angle, least_edge, loop_clearance, outside
-    return next(getattr(file, name) for file in files if hasattr(file, name))

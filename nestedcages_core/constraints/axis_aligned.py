@@ -97,13 +97,14 @@ class AxisAligned(Constraint):
         last = max(FORWARD * shift - SLACK, ROUND_OFF)
         return np.stack((np.where((way < 0.0) & ~behind, last, np.inf), np.where((way > 0.0) & ~before, last, np.inf)))
 
-    def started(self, coarse: Mesh, side: int) -> Mesh:
-        """The start with its edges exactly along the directions. Raises NestingError where they are others."""
+    def snapped(self, coarse: Mesh, steps: FloatArray, side: int) -> FloatArray:
+        """Steps with their edges exactly along the directions. Raises NestingError where those of the mesh are not."""
         bound = self._bound(coarse)
-        if isinstance(bound, BoundDirections):
-            return coarse.moved(bound.settled(coarse.vertices, coarse.loop_order.walked(side).successor)).validated()
+        if bound is not None:
+            elimination = bound.eliminated(None, coarse.loop_order.walked(side).successor)
+            return np.stack([_through_farthest(elimination, step) for step in steps])
         if not self.must:
-            return coarse
+            return steps
         raise NestingError(
             f"No start was found whose edges are along {self._in_words}; use more vertices, or allow more directions.",
             code="edges.not_aligned",
@@ -111,7 +112,7 @@ class AxisAligned(Constraint):
 
     def bound(self, coarse: Mesh, fine: Mesh, units: Units) -> Bound:
         """Each edge keeps its direction."""
-        return self._bound(coarse)
+        return self._bound(coarse) or Bound()
 
     def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
         """Exact along the axes, but for the rounding of images under a rotation; else as single precision allows."""
@@ -134,13 +135,13 @@ class AxisAligned(Constraint):
     def _in_words(self) -> str:
         return "an axis" if self.degrees == (0.0, 90.0) else f"{', '.join(f'{angle:g}' for angle in self.degrees)}°"
 
-    def _bound(self, coarse: Mesh) -> Bound:
-        """The bound of a mesh whose edges are along the directions, to the accuracy of lines; else of none."""
+    def _bound(self, coarse: Mesh) -> BoundDirections | None:
+        """The bound of a mesh whose edges are along the directions, to the accuracy of lines; else None."""
         edge = coarse.edge_ends - coarse.vertices
         tangent = _nearest_tangent(edge, self.tangents)
         off = np.abs(cross(tangent, edge))
         if not (off <= np.maximum(NEGLIGIBLE * norm(edge), ROUND_OFF * coarse.diagonal)).all():
-            return Bound()
+            return None
         return BoundDirections(tangent, coarse.successor)
 
 
@@ -166,17 +167,17 @@ class BoundDirections(Bound):
         tangent, edge = self.tangent[vertex], end - start
         return np.asarray((np.abs(cross(tangent, edge)) <= ROUND_OFF * norm(edge)) & (dot(tangent, edge) > 0.0))
 
-    def settled(self, cage: FloatArray, successor: IntArray) -> FloatArray:
-        """(m, 2) the cage with each line through that of its vertices (m, 2) that is farthest out."""
-        elimination = self.eliminated(None, successor)
-        assert elimination.tangent is not None
-        reading = np.concatenate(elimination.readings(cage))
-        block = elimination.block.ravel()
-        inwards = dot(rotated_left(elimination.tangent)[block], reading)
-        unknowns = np.empty((len(elimination.tangent), 2))
-        order = np.argsort(-inwards, kind="stable")
-        unknowns[block[order]] = reading[order]  # the last value written stays
-        return elimination.motion(unknowns)
+
+def _through_farthest(elimination: Elimination, cage: FloatArray) -> FloatArray:
+    """(m, 2) a cage (m, 2) with each line through that of its vertices that is farthest out."""
+    assert elimination.tangent is not None
+    reading = np.concatenate(elimination.readings(cage))
+    block = elimination.block.ravel()
+    inwards = dot(rotated_left(elimination.tangent)[block], reading)
+    unknowns = np.empty((len(elimination.tangent), 2))
+    order = np.argsort(-inwards, kind="stable")
+    unknowns[block[order]] = reading[order]  # the last value written stays
+    return elimination.motion(unknowns)
 
 
 def _contact(lines: Lines) -> FloatArray:

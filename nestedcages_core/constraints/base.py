@@ -1,16 +1,23 @@
-"""What a constraint is to the kernel: limits of lines at the start, rows of both quadratic programs, an exact judge."""
+"""What cages keep in addition to nesting: the base classes of all constraints.
+
+A `Constraint` is in the units of the input: limits of lines at the start, and a judge of finished cages. Its `Bound` is
+in the units of the solvers: inequalities on cages of one topology. Every hook has a default here that asks for nothing.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
-from ..errors import Fault
+from ..errors import Fault, NestedCagesError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.broad_phase import BoxTree
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
+from ..geometry.precision import ROUND_OFF
+from ..geometry.smallest_gap import smallest_gap
 from ..solver.banded import Rows
 
 if TYPE_CHECKING:
@@ -19,6 +26,9 @@ if TYPE_CHECKING:
     from ..decimation.sampling import NormalFrame
     from ..energies import CageEnergy
     from ..solver.elimination import Elimination
+
+LARGEST = 1e100
+"""Upper bound of numbers in rows, so that their squares are finite."""
 
 
 class Terms(NamedTuple):
@@ -60,8 +70,19 @@ class Rounding(Protocol):
 class Bound:
     """A constraint on cages of one topology, in the units of the solvers. The base class bounds nothing."""
 
-    only_equal: ClassVar[bool] = False
-    """Whether it has equalities alone: no rows, and nothing is ever short."""
+    def rows(self, cage: FloatArray, radius: float) -> Iterable[Terms]:
+        """The inequalities at a cage (m, 2) that motions of its vertices by at most a radius along two axes can break.
+
+        With a radius of 0, those that are missed.
+        """
+        return ()
+
+    def short(self, cage: FloatArray) -> FloatArray:
+        """(m,) the length that the cage (m, 2) lacks at each vertex; by default, of the rows that are missed."""
+        lack = np.zeros(len(cage))
+        for rows, room in self.rows(cage, 0.0):
+            np.maximum.at(lack, rows.vertex, -room)
+        return lack
 
     def eliminated(self, images: Elimination | None, successor: IntArray) -> Elimination | None:
         """The unknowns where the constraint has equalities; images: those of the symmetry of the cage.
@@ -70,24 +91,9 @@ class Bound:
         """
         return images
 
-    def settled(self, cage: FloatArray, successor: IntArray) -> FloatArray:
-        """(m, 2) a cage next to one (m, 2) that keeps the equalities."""
-        return cage
-
-    def rows(self, cage: FloatArray, radius: float) -> Iterable[Terms]:
-        """The inequalities at a cage (m, 2) that motions of its vertices by at most a radius along two axes can break.
-
-        With a radius of 0, those that are missed.
-        """
-        return ()
-
     def allowed(self, vertex: IntArray, start: FloatArray, end: FloatArray) -> BoolArray:
         """(K,) whether the edges from vertices (K,) may run from starts (K, 2) to ends (K, 2), on a grid."""
         return np.ones(len(vertex), bool)
-
-    def short(self, cage: FloatArray) -> FloatArray:
-        """(m,) the length that the cage (m, 2) lacks at each vertex; 0 where the constraint is kept."""
-        return np.zeros(len(cage))
 
 
 class Constraint:
@@ -129,6 +135,11 @@ class Constraint:
         """(L,) distance to keep from each loop of the mesh inside, or around, on top of the clearance; None: none."""
         return None
 
+    @property
+    def turn_limits(self) -> tuple[float, float]:
+        """The least length of an edge, and angle in degrees, that the start looks for."""
+        return 0.0, 0.0
+
     def candidates(self, outline: Outline, at: IntArray, lines: Lines, frame: NormalFrame, shift: float) -> Lines:
         """The candidate lines of the start next to a loop, in the units of the frame; all others if need be.
 
@@ -145,17 +156,11 @@ class Constraint:
         the frame; negative: a line is no candidate."""
         return np.full((2, len(lines)), np.inf)
 
-    @property
-    def turn_limits(self) -> tuple[float, float]:
-        """The least length of an edge, and angle in degrees, that the start looks for."""
-        return 0.0, 0.0
+    def snapped(self, coarse: Mesh, steps: FloatArray, side: int) -> FloatArray:
+        """(K, m, 2) cages (K, m, 2) with the edges of a coarse mesh, moved to where equalities hold exactly.
 
-    def started(self, coarse: Mesh, side: int) -> Mesh:
-        """The start from a coarse mesh, such as one that keeps equalities exactly. Raises NestingError."""
-        return coarse
-
-    def restored(self, coarse: Mesh, steps: FloatArray) -> FloatArray:
-        """(K, m, 2) the steps of a cage from a coarse mesh, in the input's units, with equalities exact."""
+        Raises NestingError where the coarse mesh does not allow it.
+        """
         return steps
 
     def bound(self, coarse: Mesh, fine: Mesh, units: Units) -> Bound:
@@ -167,24 +172,44 @@ class Constraint:
         return None
 
     def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
-        """Why a cage does not keep it, judged on its final numbers: a sentence with the place and what helps."""
-        return None
+        """Why a cage does not keep it, judged on its final numbers: a sentence with the place and what helps.
 
-    def faults(self, cage: Mesh, fine: Mesh) -> Iterator[Fault]:
-        """All that a cage misses."""
-        fault = self.fault(cage, fine)
-        if fault is not None:
-            yield fault
+        By default, what it lacks of the `distances`.
+        """
+        distances = self.distances(fine)
+        for loop, wanted in () if distances is None else zip(fine.loops, distances.tolist(), strict=True):
+            gap = smallest_gap(cage.edge_tree, BoxTree(fine.vertices[loop], fine.edge_ends[loop]))
+            if gap < wanted * (1.0 - ROUND_OFF):
+                x, y = fine.vertices[loop[0]].tolist()
+                return Fault(
+                    f"The cage comes as near as {gap:.6g} to the loop at ({x:.6g}, {y:.6g}); {wanted:.6g} is asked "
+                    "for: ask for less there, or use more vertices.",
+                    "cage.too_close",
+                    clearance=gap,
+                    wanted=wanted,
+                )
+        return None
 
     def mended(self, cage: Mesh) -> tuple[Mesh, Fault] | None:
         """A cage of fewer vertices that keeps it, made from one that does not, and a note."""
         return None
 
 
+def are_finite(terms: Terms) -> bool:
+    """Whether all numbers of rows are finite, with finite squares."""
+    numbers = terms.rows.weight, terms.rows.direction, terms.room
+    return all(bool((np.abs(each) < LARGEST).all()) for each in numbers)
+
+
 def terms_of(bounds: Sequence[Bound], cage: FloatArray, radius: float) -> tuple[list[Rows], FloatArray]:
-    """The rows and rooms of several bounds."""
-    every = [Terms(*terms) for bound in bounds for terms in bound.rows(cage, radius)]
-    every = [terms for terms in every if len(terms.room)]
+    """The rows and rooms of several bounds. Raises NestedCagesError where they are not finite."""
+    every: list[Terms] = []
+    for bound in bounds:
+        terms = [Terms(*each) for each in bound.rows(cage, radius)]
+        if not all(map(are_finite, terms)):
+            sentence = f"{type(bound).__name__}.rows must yield finite numbers."
+            raise NestedCagesError(sentence, code="constraint.failed", name=type(bound).__name__, method="rows")
+        every += [each for each in terms if len(each.room)]
     return [terms.rows for terms in every], np.concatenate([np.zeros(0), *(terms.room for terms in every)])
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -17,8 +17,8 @@ from ..geometry.group import Symmetry, orbits_of
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE
 from ..geometry.predicates import crossing_pairs, orientation, winding_number
-from ..geometry.vectors import cross, norm
-from .base import Constraint, Rounding
+from ..geometry.vectors import cross, dot, norm
+from .base import Constraint
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,6 @@ class Convex(Constraint):
     is_rule = False
     kept: Symmetry | None = None
     """Symmetry that hulls have, too."""
-    on_grid: bool = False
-    """Whether vertices are on certain numbers."""
 
     def outline(self, outline: LevelTarget, side: int) -> LevelTarget:
         """The hulls of the parts, each with the number of vertices asked for, to be enclosed instead of the fine mesh.
@@ -63,18 +61,12 @@ class Convex(Constraint):
                 hulls[k] = points[convex_hull(points)]
         return LevelTarget(alike, Mesh.from_loops(hulls), fine, True, outline.notes)
 
-    def rounded(self, numbers: Rounding) -> Convex:
-        """The same, for other notes."""
-        return replace(self, on_grid=True)
-
     def count(self, outline: Mesh, count: int) -> int:
-        """The number of vertices, reduced to that of the outline, a hull."""
-        hull = outline
-        along = hull.edge_ends - hull.vertices
-        before = along[hull.predecessor]
-        turn = np.arctan2(cross(before, along), (before * along).sum(axis=1))
-        most = max(MIN_PER_LOOP, int((turn > NEGLIGIBLE).sum()))
-        return min(count, most)
+        """At most the number of corners of a hull."""
+        along = outline.edge_ends - outline.vertices
+        before = along[outline.predecessor]
+        corners = int((np.arctan2(cross(before, along), dot(before, along)) > NEGLIGIBLE).sum())
+        return min(count, max(MIN_PER_LOOP, corners))
 
     def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
         """Whether all loops are convex."""
@@ -88,8 +80,7 @@ class Convex(Constraint):
         hull = Mesh.from_loops(hulls)
         orbits = None if self.kept is None else orbits_of(hull, self.kept)
         hull = hull if orbits is None else hull.moved(orbits.symmetrised(hull.vertices))
-        on = "grid" if self.on_grid else "hull"
-        return hull, note("note.count", asked=len(cage.vertices), given=len(hull.vertices), on=on)
+        return hull, note("note.count", asked=len(cage.vertices), given=len(hull.vertices), on=self.on)
 
 
 def is_convex(mesh: Mesh) -> bool:

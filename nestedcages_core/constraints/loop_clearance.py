@@ -6,12 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import Fault, NestingError, invalid_setting
+from ..errors import NestingError, invalid_setting
 from ..geometry.arrays import FloatArray
-from ..geometry.broad_phase import BoxTree
 from ..geometry.mesh import Mesh
-from ..geometry.precision import ROUND_OFF
-from ..geometry.smallest_gap import smallest_gap
 from .base import Constraint
 
 
@@ -52,18 +49,3 @@ class LoopClearance(Constraint):
                 available=len(fine.loops),
             )
         return np.array(self.loops) if self.loops else np.where(fine.loop_signs > 0, self.outer, self.holes)
-
-    def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
-        """The smallest distance from each loop, to `ROUND_OFF`."""
-        for loop, wanted in zip(fine.loops, self.distances(fine).tolist(), strict=True):
-            gap = smallest_gap(cage.edge_tree, BoxTree(fine.vertices[loop], fine.edge_ends[loop]))
-            if gap < wanted * (1.0 - ROUND_OFF):
-                x, y = fine.vertices[loop[0]].tolist()
-                return Fault(
-                    f"The cage comes as near as {gap:.6g} to the loop at ({x:.6g}, {y:.6g}); {wanted:.6g} is asked "
-                    "for: ask for less there, or use more vertices.",
-                    "cage.too_close",
-                    clearance=gap,
-                    wanted=wanted,
-                )
-        return None

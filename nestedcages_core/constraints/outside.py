@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import Fault, NestingError
-from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.broad_phase import BoxTree, near_pairs
 from ..geometry.convex_hull import convex_hull
-from ..geometry.distance import PointEdge, point_edge
+from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.precision import ROUND_OFF
 from ..geometry.predicates import crossing_pairs, winding_number
@@ -37,15 +37,6 @@ WAY_ROOM = 0.25
 """Distance that lines keep from a way out, as a fraction of its own from the drawing: walls of the cage pass by."""
 
 
-class WayOut(NamedTuple):
-    """A segment from an obstacle out of the convex hull of a drawing."""
-
-    start: FloatArray
-    end: FloatArray
-    room: float
-    """Distance that lines keep from it."""
-
-
 @dataclass(frozen=True, eq=False)
 class Outside(Constraint):
     """The cage's solid and that of a second shape have nothing in common, and their outlines keep a distance."""
@@ -54,8 +45,9 @@ class Outside(Constraint):
     distance: float = 0.0
     """In the input's units."""
     must: bool = field(default=True, kw_only=True)
-    way_out: WayOut | None = field(default=None, kw_only=True, repr=False)
-    """Out of the bay that the obstacle lies in: lines that do not cross it leave the obstacle outside."""
+    wall: tuple[FloatArray, float] | None = field(default=None, kw_only=True, repr=False)
+    """A segment (2, 2) out of the bay that the obstacle lies in, and a distance from it: lines that do not cross it
+    leave the obstacle outside."""
 
     def __post_init__(self) -> None:
         check_not_negative(self, "distance")
@@ -69,33 +61,28 @@ class Outside(Constraint):
 
     def of(self, about: Mesh, side: int) -> Outside:
         """The obstacle. Raises NestingError where the drawing itself meets it."""
-        fault = self.fault(about, about) if side > 0 else None
+        if side < 0:
+            return self
+        fault = self.fault(about, about)
         if fault is not None:
             raise NestingError(fault.said(f"The drawing is not clear of the obstacle: {fault}"))
-        return replace(self, way_out=_way_out(self.shape, about)) if side > 0 else self
+        return replace(self, wall=_way_out(self.shape, about))
 
     def free(self, lines: Lines, frame: NormalFrame) -> FloatArray:
         """Lines end at the obstacle, and at its way out."""
         start, end = frame.into(self.shape.vertices), frame.into(self.shape.edge_ends)
-        inside = winding_number(lines.point, start, end) != 0
-        room = np.full(len(start), self.distance / frame.scale)
-        if self.way_out is not None:
-            way = frame.into(np.stack((self.way_out.start, self.way_out.end)))
-            start, end = np.concatenate((start, way[:1])), np.concatenate((end, way[1:]))
-            room = np.append(room, self.way_out.room / frame.scale)
-        edge = (end - start)[None]
-        to = start[None] - lines.point[:, None]
+        inside, room = winding_number(lines.point, start, end) != 0, np.full(len(start), self.distance)
+        if self.wall is not None:
+            wall = frame.into(self.wall[0])
+            start, end, room = np.vstack((start, wall[:1])), np.vstack((end, wall[1:])), np.append(room, self.wall[1])
+        edge, to = (end - start)[None], start[None] - lines.point[:, None]
         along = np.broadcast_to(lines.direction[:, None], to.shape)
         sine = cross(along, edge)
         with np.errstate(divide="ignore", invalid="ignore"):
             reach, place = cross(to, edge) / sine, cross(to, along) / sine
-        hit = (sine != 0.0) & (place >= 0.0) & (place <= 1.0)
+        hit, room = (sine != 0.0) & (place >= 0.0) & (place <= 1.0), room / frame.scale
         free = [np.where(hit & (way * reach >= 0.0), way * reach - room, np.inf).min(axis=1) for way in (1.0, -1.0)]
         return np.where(inside, -1.0, np.stack(free))
-
-    def _why(self, fine: Mesh) -> str:
-        lost = self.way_out is None and bool(_in_bay(self.shape, fine).any())
-        return ": the bay of the drawing that it lies in has no straight way out" if lost else ""
 
     def bound(self, coarse: Mesh, fine: Mesh, units: Units) -> Bound:
         """Pairs of a vertex of one of the two and an edge of the other."""
@@ -116,7 +103,7 @@ class Outside(Constraint):
         what = "meets" if met else f"comes as near as {gap:.6g} to"
         return Fault(
             f"The cage {what} the obstacle at ({x:.6g}, {y:.6g}); {self.distance:.6g} is asked for: use more vertices, "
-            f"or move the obstacle{self._why(fine)}.",
+            "or move the obstacle to where a straight way leads out of the drawing.",
             "obstacle.met",
             clearance=gap,
             wanted=self.distance,
@@ -143,53 +130,38 @@ class BoundOutside(Bound):
 
     def rows(self, cage: FloatArray, radius: float) -> Iterator[Terms]:
         """Distances to first order: n · (D_p - (1 - t) D_a - t D_b)."""
-        of_vertices, of_edges = self._pairs(cage, self.least + 3.0 * radius)
-        vertex, pair = of_vertices
+        reach, ends = self.least + 3.0 * radius, cage[self.successor]
+        vertex, of = near_pairs(cage, self.points, self.ends, reach)
+        pair = point_edge(cage[vertex], self.points[of], self.ends[of])
         yield Terms(Rows(vertex[None], np.ones((1, len(vertex))), pair.normal.T), pair.distance - self.least)
-        edge, pair = of_edges
+        point, edge = near_pairs(self.points, cage, ends, reach)
+        pair = point_edge(self.points[point], cage[edge], ends[edge])
         weight = np.stack((pair.parameter - 1.0, -pair.parameter))
         yield Terms(Rows(np.stack((edge, self.successor[edge])), weight, pair.normal.T), pair.distance - self.least)
 
     def short(self, cage: FloatArray) -> FloatArray:
         """What the nearest pairs lack; a cage around the obstacle, or in it, lacks everything."""
-        lack: FloatArray = np.zeros(len(cage))
-        for number, (place, pair) in enumerate(self._pairs(cage, self.least)):
-            for vertex in (place, self.successor[place])[: number + 1]:
-                np.maximum.at(lack, vertex, self.least - pair.distance)
-        return lack + bool(_overlap((cage, cage[self.successor]), (self.points, self.ends)))
-
-    def _pairs(self, cage: FloatArray, reach: float) -> tuple[tuple[IntArray, PointEdge], tuple[IntArray, PointEdge]]:
-        """Vertices of the cage next to edges of the obstacle, and its edges next to vertices of the obstacle."""
-        ends = cage[self.successor]
-        vertex, of = near_pairs(cage, self.points, self.ends, reach)
-        point, edge = near_pairs(self.points, cage, ends, reach)
-        near_vertices = point_edge(cage[vertex], self.points[of], self.ends[of])
-        return (vertex, near_vertices), (edge, point_edge(self.points[point], cage[edge], ends[edge]))
+        return super().short(cage) + _overlap((cage, cage[self.successor]), (self.points, self.ends))
 
 
-def _in_bay(obstacle: Mesh, about: Mesh) -> BoolArray:
-    """(k,) whether vertices of an obstacle lie in the convex hull of a drawing."""
-    hull = about.vertices[convex_hull(about.vertices)]
-    return np.asarray(winding_number(obstacle.vertices, hull, np.roll(hull, -1, axis=0)) != 0)
-
-
-def _way_out(obstacle: Mesh, about: Mesh) -> WayOut | None:
+def _way_out(obstacle: Mesh, about: Mesh) -> tuple[FloatArray, float] | None:
     """The straight way out for an obstacle that lies in the convex hull of a drawing; None without, or where none is.
 
     Of the ways from its vertices in several directions, it is the one that is farthest from the drawing.
     """
+    hull = about.vertices[convex_hull(about.vertices)]
+    starts = obstacle.vertices[winding_number(obstacle.vertices, hull, np.roll(hull, -1, axis=0)) != 0][:MOST_STARTS]
     angle = 2.0 * np.pi * np.arange(WAYS) / WAYS
     ahead = (about.diagonal + obstacle.diagonal) * np.stack((np.cos(angle), np.sin(angle)), axis=1)
-    starts = obstacle.vertices[_in_bay(obstacle, about)][:MOST_STARTS]
     start, end = np.repeat(starts, WAYS, axis=0), (starts[:, None] + ahead).reshape(-1, 2)
     clear = np.ones(len(start), bool)
     clear[crossing_pairs(BoxTree(start, end), about.edge_tree)[0]] = False
-    start, end = start[clear], end[clear]
-    if len(start) == 0:
+    if not clear.any():
         return None
+    start, end = start[clear], end[clear]
     room = point_edge(about.vertices[None], start[:, None], end[:, None]).distance.min(axis=1)
     k = int(room.argmax())
-    return WayOut(start[k], end[k], WAY_ROOM * float(room[k]))
+    return np.stack((start[k], end[k])), WAY_ROOM * float(room[k])
 
 
 def _overlap(ours: tuple[FloatArray, FloatArray], theirs: tuple[FloatArray, FloatArray]) -> bool:

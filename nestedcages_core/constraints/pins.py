@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -13,7 +13,7 @@ from ..decimation.turns import PIN_REACH
 from ..energies import CageEnergy
 from ..energies.weighted_area import Springs
 from ..errors import Fault, NestingError, note
-from ..geometry.arrays import TINY, FloatArray, IntArray
+from ..geometry.arrays import TINY, FloatArray
 from ..geometry.broad_phase import BoxTree
 from ..geometry.group import HAND_DRAWN, Symmetry
 from ..geometry.mesh import Mesh
@@ -61,20 +61,22 @@ class Pins(Constraint):
         assert self.level is not None
         inner, clearance = self.level.moved(units.points(self.level.vertices)), units.clearance(self.clearance)
         target, _ = self._targets(inner, units.points(self.places), clearance)
-        pin, vertex = _assigned(target, coarse.vertices)
-        near = norm(coarse.vertices[vertex] - target[pin]) < OUT_OF_REACH
+        distance = norm(target[:, None] - coarse.vertices)
+        pin, vertex = scipy.optimize.linear_sum_assignment(distance)  # each once, of the least total
+        near = distance[pin, vertex] < OUT_OF_REACH
         return Springs(vertex[near], target[pin[near]], PIN_STIFFNESS)
 
-    def faults(self, cage: Mesh, fine: Mesh) -> Iterator[Fault]:
+    def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
         """A sentence on the pins that the cage misses."""
         inner = fine if self.level is None else self.level
         target, away = self._targets(inner, self.places, self.clearance)
-        distances = np.array([norm(cage.vertices - aim).min() for aim in target])
+        distances = norm(target[:, None] - cage.vertices).min(axis=1)
         missed = distances > KEPT * away + PIN_REACH * inner.diagonal
-        if missed.any():
-            k = int(np.argmax(distances * missed))
-            facts = {"place": self.places[k], "distance": float(distances[k])}
-            yield note("note.pin", **facts, count=int(missed.sum()), pins=len(missed))
+        if not missed.any():
+            return None
+        k = int(np.argmax(distances * missed))
+        facts = {"place": self.places[k], "distance": float(distances[k])}
+        return note("note.pin", **facts, count=int(missed.sum()), pins=len(missed))
 
     def _targets(self, inner: Mesh, pins: FloatArray, clearance: float) -> tuple[FloatArray, FloatArray]:
         """(P, 2) targets of pins at a clearance from a mesh, and (P,) their distances from it."""
@@ -88,57 +90,37 @@ class Pins(Constraint):
         length = norm(mitre)
         mitre *= np.minimum(1.0, MAX_MITRE / np.maximum(length, TINY))[:, None]
         close = inner.edge_search.closest(pins)
-        on_edge = close.between(inner.vertices, inner.edge_ends)
-        target, away = np.empty_like(pins), np.empty(len(pins))
-        for k, pin in enumerate(pins):
-            distance = norm(inner.vertices - pin)
-            vertex = int(np.argmin(distance))
-            if distance[vertex] <= reach:
-                start, step = inner.vertices[vertex], mitre[vertex]
-            else:
-                start, step = on_edge[k], normal[close.edge[k]]
-            target[k] = start + clearance * step
-            away[k] = abs(clearance) * float(norm(step[None])[0])
-        return target, away
-
-
-def _assigned(places: FloatArray, vertices: FloatArray) -> tuple[IntArray, IntArray]:
-    """Pairs of a place and a vertex, each used once, with the least total distance."""
-    distance = norm((places[:, None] - vertices[None]).reshape(-1, 2)).reshape(len(places), len(vertices))
-    chosen, vertex = scipy.optimize.linear_sum_assignment(distance)
-    return chosen.astype(np.int64), vertex.astype(np.int64)
+        distance = norm(pins[:, None] - inner.vertices)
+        vertex, at_corner = distance.argmin(axis=1), (distance.min(axis=1) <= reach)[:, None]
+        place = np.where(at_corner, inner.vertices[vertex], close.between(inner.vertices, inner.edge_ends))
+        step = np.where(at_corner, mitre[vertex], normal[close.edge])
+        return place + clearance * step, abs(clearance) * norm(step)
 
 
 def pinned_places(pins: PinList, joints: Places, fine: Mesh, symmetry: Symmetry | None) -> FloatArray:
     """(P, 2) places of all pins and joints on the outline, with their images. Raises NestingError."""
-    edges = fine.edge_search
+    edges, count = fine.edge_search, len(fine.vertices)
     places: list[FloatArray] = []
     for pin in pins:
-        if isinstance(pin, int):
-            if not -len(fine.vertices) <= pin < len(fine.vertices):
-                raise NestingError(
-                    f"There is no vertex {pin} to pin; the mesh has {len(fine.vertices)} vertices.",
-                    code="priorities.mismatch",
-                    given=pin,
-                    available=len(fine.vertices),
-                )
-            places.append(fine.vertices[pin])
-        else:
-            places.append(edges.nearest(np.asarray([pin], np.float64))[0])
+        if isinstance(pin, int) and not -count <= pin < count:
+            raise NestingError(
+                f"There is no vertex {pin} to pin; the mesh has {count} vertices.",
+                code="priorities.mismatch",
+                given=pin,
+                available=count,
+            )
+        places.append(fine.vertices[pin] if isinstance(pin, int) else edges.nearest(np.array([pin], np.float64))[0])
     for joint in joints:
         places += _across(fine, edges, np.asarray(joint, np.float64))
-    apart: list[FloatArray] = []
     near = (PIN_REACH if symmetry is None else HAND_DRAWN) * fine.diagonal
+    apart: list[FloatArray] = []
     for each in places:
-        if all(np.hypot(*(each - other)) > near for other in apart):
-            if symmetry is not None and symmetry.reverses and np.hypot(*(symmetry.image(each) - each)) <= near:
-                each = symmetry.fixed(each)
-            apart.append(each)
-            for k in range(1, symmetry.order if symmetry is not None else 1):
-                assert symmetry is not None
-                image = symmetry.image(each, k)
-                if np.hypot(*(image - each)) > near:
-                    apart.append(image)
+        if any(np.hypot(*(each - other)) <= near for other in apart):
+            continue
+        if symmetry is not None and symmetry.reverses and np.hypot(*(symmetry.image(each) - each)) <= near:
+            each = symmetry.fixed(each)
+        images = [] if symmetry is None else [symmetry.image(each, k) for k in range(1, symmetry.order)]
+        apart += [each, *(image for image in images if np.hypot(*(image - each)) > near)]
     return np.array(apart).reshape(-1, 2)
 
 

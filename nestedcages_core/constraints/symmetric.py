@@ -15,7 +15,7 @@ from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE, ROUNDING_ULPS
 from ..geometry.predicates import winding_number
 from ..geometry.solids import overlay
-from ..geometry.symmetry import Mirror
+from ..geometry.symmetry import Mirror, Rotation
 from ..geometry.symmetry.detection import Found
 from ..geometry.vectors import rotated_right
 from ..solver.elimination import Elimination
@@ -59,8 +59,8 @@ class Symmetric(Constraint):
         """See `possible_count`."""
         return possible_count(count, outline, self.group, keeps=self.keeps)
 
-    def started(self, coarse: Mesh, side: int) -> Mesh:
-        """The start with images exactly where they belong. Raises NestingError where vertices have none."""
+    def snapped(self, coarse: Mesh, steps: FloatArray, side: int) -> FloatArray:
+        """Steps with images exactly where they belong. Raises NestingError where vertices of the mesh have none."""
         orbits = orbits_of(coarse, self.group)
         if orbits is None:
             raise NestingError(
@@ -68,17 +68,12 @@ class Symmetric(Constraint):
                 "of each other.",
                 code="symmetry.not_found",
             )
-        return coarse.moved(orbits.symmetrised(coarse.vertices)).validated()
+        return np.stack([orbits.symmetrised(step) for step in steps])
 
     def bound(self, coarse: Mesh, fine: Mesh, units: Units) -> Bound:
         """Images move together."""
         orbits = orbits_of(coarse.moved(units.to_input(coarse.vertices)), self.group)
-        return Bound() if orbits is None else BoundImages(orbits, units)
-
-    def restored(self, coarse: Mesh, steps: FloatArray) -> FloatArray:
-        """All steps with exact images."""
-        orbits = orbits_of(coarse, self.group)
-        return steps if orbits is None else np.stack([orbits.symmetrised(step) for step in steps])
+        return Bound() if orbits is None else BoundImages(orbits)
 
     def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
         """Whether all vertices are images of each other, on the numbers."""
@@ -86,14 +81,11 @@ class Symmetric(Constraint):
         exact = cage if numbers is None else cage.moved(numbers.exact(cage.vertices))
         orbits = orbits_of(exact, self.group)
         if orbits is not None:
-            images, on_axis = orbits.symmetrised(exact.vertices), orbits.on_axis[orbits.orbit]
+            images = orbits.symmetrised(exact.vertices)
             away = np.abs((images if numbers is None else numbers.nearest(images)) - cage.vertices)
-            if numbers is None and on_axis.any():  # a point on a slanted axis is rounded again
-                away[on_axis] -= (
-                    ROUNDING_ULPS
-                    * np.finfo(float).eps
-                    * np.abs([*exact.vertices, getattr(self.group, "point", (0, 0))]).max()
-                )
+            if numbers is None and isinstance(self.group, Mirror):  # a point on a slanted axis is rounded again
+                rounding = ROUNDING_ULPS * np.finfo(float).eps * np.abs([*exact.vertices, self.group.point]).max()
+                away[orbits.on_axis[orbits.orbit]] -= rounding
             if not (away > 0.0).any():
                 return None
         return Fault(f"The cage does not have {self.group}.", "symmetry.missed")
@@ -103,17 +95,11 @@ class Symmetric(Constraint):
 class BoundImages(Bound):
     """The vertices of each orbit move alike, by elimination."""
 
-    only_equal = True
     orbits: Orbits
-    units: Units
 
     def eliminated(self, images: Elimination | None, successor: IntArray) -> Elimination:
         """The motions of the first vertices."""
         return Elimination.of_images(self.orbits, successor)
-
-    def settled(self, cage: FloatArray, successor: IntArray) -> FloatArray:
-        """(m, 2) the cage with exact images, in the input's units."""
-        return self.units.points(self.orbits.symmetrised(self.units.to_input(cage)))
 
 
 def symmetric(
@@ -139,17 +125,21 @@ def symmetric(
 
 def _on_grid(symmetry: Symmetry, numbers: Numbers, fine: Mesh) -> tuple[Symmetry, tuple[Fault, ...]]:
     """The symmetry moved to the nearest lines of a grid, and a note. Raises NestingError if no such grid has it."""
-    possible = 0.0 in symmetry.direction if isinstance(symmetry, Mirror) else symmetry.order in (2, 4)
-    if not possible:
+    moved: Symmetry
+    if isinstance(symmetry, Mirror) and 0.0 in symmetry.direction:
+        before = np.array(symmetry.point)
+        after = numbers.exact(before)
+        moved = replace(symmetry, point=tuple(after.tolist()))
+    elif isinstance(symmetry, Rotation) and symmetry.order in (2, 4):
+        before = np.array(symmetry.centre)
+        after = numbers.exact(before)
+        moved = replace(symmetry, centre=tuple(after.tolist()))
+    else:
         raise NestingError(
             f"No grid has {symmetry}: only vertical and horizontal mirrors and rotations of order 2 and 4 map it to "
             "itself; leave out the grid or the symmetry.",
             code="symmetry.off_lattice",
         )
-    name = "point" if isinstance(symmetry, Mirror) else "centre"
-    before = np.array(getattr(symmetry, name))
-    after = numbers.exact(before)
-    moved: Symmetry = replace(symmetry, **{name: tuple(after.tolist())})  # type: ignore[type-var]
     shift = float(np.abs(after - before).max())
     if shift <= NEGLIGIBLE * fine.diagonal:
         return moved, ()
@@ -200,20 +190,17 @@ def with_images(fine: Mesh, symmetry: Symmetry, side: int = 1) -> tuple[Mesh, tu
 
 def _without_pockets(union: Mesh, images: Sequence[Mesh]) -> Mesh:
     """The union of some images without holes that are not inside a hole of every image, and without specks."""
-    holes = np.flatnonzero(union.loop_signs < 0)
-    kept = [k for k in holes.tolist() if abs(union.loop_areas[k]) >= SPECK * union.area]
-    longest = [union.loops[k][np.argmax(union.edge_lengths[union.loops[k]])] for k in kept]
+    longest = [loop[np.argmax(union.edge_lengths[loop])] for loop in union.loops]
     start, end = union.vertices[longest], union.edge_ends[longest]
     points = 0.5 * (start + end) + NEGLIGIBLE * rotated_right(end - start)
+    kept = np.abs(union.loop_areas) >= SPECK * union.area
     for image in images:
-        around = [image.loops[k] for k in np.flatnonzero(image.loop_signs > 0)]
-        covered = np.zeros(len(points), bool)
-        for loop in around:
-            covered |= winding_number(points, image.vertices[loop], image.edge_ends[loop]) > 0
-        kept = [k for k, inside in zip(kept, covered, strict=True) if inside]
-        points = points[covered]
-    left = [loop for k, loop in enumerate(union.loops) if union.loop_signs[k] > 0 or k in kept]
-    return union if len(left) == len(union.loops) else Mesh.from_loops([union.vertices[loop] for loop in left])
+        outer = image.loop_signs[image.loop_of_vertex] > 0
+        kept &= winding_number(points, image.vertices[outer], image.edge_ends[outer]) > 0
+    kept |= union.loop_signs > 0
+    return (
+        union if kept.all() else Mesh.from_loops([ring for ring, stays in zip(union.rings, kept, strict=True) if stays])
+    )
 
 
 def possible_count(count: int, fine: Mesh, symmetry: Symmetry, *, keeps: bool = True) -> int:

@@ -70,7 +70,7 @@ class Bodies:
             0.5 * (lengths + lengths[fine.predecessor]),
             float(coarse.edge_lengths.mean()),
             elimination,
-            tuple(bound for bound in bounds if not bound.only_equal),
+            bounds,
             clearances,
         )
 

@@ -38,7 +38,7 @@ def check_decimation(decimation: Decimation) -> None:
     >>> import nestedcages_core as core
     >>> core.check_decimation(core.ArcLength())
     """
-    for name, fine in _shapes().items():
+    for name, fine in shapes().items():
         sizes = [len(loop) for loop in fine.loops]
         made = 0
         for count in (len(sizes) * 6, len(sizes) * 9, [max(3, size // 2) for size in sizes]):
@@ -51,11 +51,13 @@ def check_decimation(decimation: Decimation) -> None:
             pass
         else:
             raise _wrong(decimation, f"makes a mesh of {3 * len(sizes) - 1} vertices around {name}, less than 3 a loop")
-    star = _shapes()["a star"]
+    star = shapes()["a star"]
     nested_cages(star, 12, decimation=decimation, fallback=None)  # certifies the cage, or raises
 
 
-def _shapes() -> dict[str, Mesh]:
+def shapes() -> dict[str, Mesh]:
+    """A star, a ring and two parts."""
+
     def ring(size: int, radius: float, x: float = 0.0, dent: float = 0.0) -> FloatArray:
         angle = 2.0 * np.pi * np.arange(size) / size
         away = radius * (1.0 + dent * np.cos(5.0 * angle + 0.3))

@@ -12,6 +12,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from .settings import DEFAULT_CLEARANCE, Settings, type_name
+from .units import SolverUnits
 
 if TYPE_CHECKING:
     from ..constraints.base import Constraint
@@ -66,15 +67,15 @@ def constraints_of(settings: Settings, about: Mesh, side: int) -> Asked:
     if settings.constraints:
         from ..constraints.checked import checked
 
-        kept += [checked(each).of(about, side) for each in settings.constraints]
+        kept += [checked(each, about, side, SolverUnits.of(about)) for each in settings.constraints]
     if sum(each.group is not None for each in kept) > 1:
         raise NestingError("Cages have one symmetry at most; leave out the others.", code="setting.conflict")
     if settings.min_edge is not None:
-        from ..constraints.least_edge import LeastEdge
+        from ..constraints.edges_and_angles import LeastEdge
 
         kept.append(LeastEdge(settings.min_edge, must=False).of(about, side))
     if settings.min_angle is not None:
-        from ..constraints.least_angle import LeastAngle
+        from ..constraints.edges_and_angles import LeastAngle
 
         kept.append(LeastAngle(settings.min_angle, must=False))
     return Asked(tuple(kept), importance, notes)

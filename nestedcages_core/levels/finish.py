@@ -60,7 +60,7 @@ def in_input_units(work: Work, draft: Draft) -> Path:
     moving_steps = units.to_input(reinflation.moving_steps)
     moving_steps[0] = flow_steps[-1]
     moving_steps[-1] = fine.vertices
-    cage_steps = work.plan.restored(coarse, units.to_input(reinflation.cage_steps))
+    cage_steps = work.plan.snapped(coarse, units.to_input(reinflation.cage_steps))
     cage_steps[0] = coarse.vertices
     flow = FlowResult(flow_steps, draft.flow.iterations, draft.flow.stage)
     return Path(coarse, flow, Reinflation(moving_steps, cage_steps, reinflation.iterations))

@@ -133,14 +133,14 @@ class Plan:
 
     def _started(self, coarse: Mesh) -> Mesh:
         """The start from a coarse mesh. Raises NestingError."""
-        for constraint in self.constraints:
-            coarse = constraint.started(coarse, self.side)
-        return coarse
+        given = coarse.vertices[None]
+        snapped = self.snapped(coarse, given)
+        return coarse if snapped is given else coarse.moved(snapped[0]).validated()
 
-    def restored(self, coarse: Mesh, steps: FloatArray) -> FloatArray:
+    def snapped(self, coarse: Mesh, steps: FloatArray) -> FloatArray:
         """(K, m, 2) steps of a cage from a coarse mesh, in the input's units, with equalities exact."""
         for constraint in self.constraints:
-            steps = constraint.restored(coarse, steps)
+            steps = constraint.snapped(coarse, steps, self.side)
         return steps
 
     def bounds(self, coarse: Mesh, units: SolverUnits) -> tuple[Bound, ...]:
@@ -192,11 +192,14 @@ class Plan:
         """What a cage does not keep: promises, or wishes. whole: also of what only finished cages have."""
         for constraint in self.constraints:
             if bool(constraint.must) is must and (whole or constraint.is_rule):
-                yield from constraint.faults(cage, self.fine)
+                fault = constraint.fault(cage, self.fine)
+                if fault is not None:
+                    yield fault if isinstance(fault, Fault) else Fault(fault, "constraint.missed")
 
     def mended(self, cage: Mesh) -> tuple[Mesh, Fault] | None:
         """See `Constraint.mended`."""
-        return next((found for each in self.constraints if (found := each.mended(cage)) is not None), None)
+        every = (found for each in self.constraints if (found := each.mended(cage)) is not None)
+        return next((found for found in every if len(found[0].vertices) < len(cage.vertices)), None)
 
     def notes(self, cage: Mesh) -> tuple[Fault, ...]:
         """A sentence for each wish that a cage misses."""

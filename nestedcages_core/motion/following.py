@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy
 
-from ..constraints.base import Bound
 from ..contact import SequentialQP
 from ..contact.linearisation import measure
 from ..contact.pairs import Bodies, Pairs, find_pairs
@@ -61,8 +60,8 @@ class Follower:
     """With room for rounding to certain numbers."""
     energy: CageEnergy
     promises: Promises
-    bounds: tuple[Bound, ...] = ()
-    """What the cage keeps."""
+    cage: Mesh
+    """The cage that defines the topology, in the input's units."""
     orbits: Orbits | None = None
     """Of the vertices of a symmetric cage."""
     contact: SequentialQP = field(default_factory=SequentialQP)
@@ -77,7 +76,7 @@ class Follower:
         bounds, clearances = plan.bounds(unit_cage, units), plan.clearances(units)
         bodies = Bodies.of(unit_cage, unit_fine, bounds=bounds, clearances=clearances)
         kept = units.clearance(clearance + promises.room)
-        return cls(units, unit_cage, unit_fine, bodies, kept, energy, promises, bounds, orbits)
+        return cls(units, unit_cage, unit_fine, bodies, kept, energy, promises, cage, orbits)
 
     def stored(self, cage: FloatArray) -> FloatArray:
         """(m, 2) a cage in the input's units, as symmetric and on the numbers as promised."""
@@ -118,8 +117,9 @@ class Follower:
         cage, before: the cage of another pose and that pose; they define the correct sides.
         """
         bodies = self.bodies
-        for bound in self.bounds:
-            guess = bound.settled(guess, bodies.cage.successor)
+        given = self.units.to_input(guess)[None]
+        snapped = self.promises.plan.snapped(self.cage, given)
+        guess = guess if snapped is given else self.units.points(snapped[0])
         old, new = np.concatenate([cage, before]), np.concatenate([guess, after])
         pairs = find_pairs(bodies, new, RESTORED_REACH * bodies.cage_edge_length)
         required = np.full(len(pairs), AIM * self.clearance)

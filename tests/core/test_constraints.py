@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ import nestedcages_core as core
 from nestedcages_core import AxisAligned, Box, LeastAngle, LeastEdge, LoopClearance, Mesh, Outside, nested_cages
 from support.judging import codes, directions, gap, is_along_the_axes, is_symmetric, lengths_of, rejected, sharpest
 from support.marks import slow_after
-from support.shapes import annulus, derivative, letter_a, polygon, resampled, ring, star
+from support.shapes import annulus, letter_a, polygon, resampled, ring, star
 
 STAR, LETTER, RING = star(5, 90), letter_a(), annulus(60)
 SHAPES = {"star": STAR, "letter": LETTER, "ring": RING}
@@ -355,7 +354,6 @@ def fails(*_: Any) -> Any:
     raise ZeroDivisionError("division by zero")
 
 
-FURTHER = lambda _, chain, at, lines, *rest: type(lines).of(lines.point, lines.place - 1e3, lines.direction)  # noqa: E731
 WRONG: dict[str, list[Any]] = {
     "rows": [
         *(fails, answer(None), answer(["x"]), terms(room=np.full(3, np.nan)), terms(vertex=np.ones((1, 3)))),
@@ -368,15 +366,9 @@ WRONG: dict[str, list[Any]] = {
     "count": [answer(2), lambda _, outline, count: count + 1, answer(8.5)],
     "distances": [answer(np.array([-1.0])), answer(np.ones(4))],
     "turn_limits": [(np.nan, 0.0), (-1.0, 0.0)],
-    "candidates": [lambda _, chain, at, lines, *rest: lines.take(at[:0]), FURTHER],
-    "reach": [answer(np.zeros(3))],
-    "started": [answer(None), answer(star(5, 14))],
-    "restored": [lambda _, coarse, steps: steps * np.nan],
     "bound": [answer(None)],
     "term": [answer(1.0)],
-    "outline": [answer(None)],
     "of": [answer(None), fails],
-    "mended": [lambda _, cage: cage],
     "fault": [fails, answer(True)],
 }
 BROKEN = [(method, wrong) for method, answers in WRONG.items() for wrong in answers]
@@ -384,11 +376,8 @@ BROKEN = [(method, wrong) for method, answers in WRONG.items() for wrong in answ
 
 @pytest.mark.parametrize(("method", "wrong"), BROKEN, ids=[f"{k}-{row[0]}" for k, row in enumerate(BROKEN)])
 def test_what_a_broken_constraint_answers_is_an_error_that_names_the_method(method: str, wrong: Any) -> None:
-    coarse = Mesh.from_loops([2.0 * star(3, 12).vertices])
-    level: Any = coarse if method == "mended" else 12
-    kept = {"grid": 0.02} if method == "mended" else {}
     with rejected("constraint.failed") as caught:
-        nested_cages(star(5, 80), level, constraints=[odd(**{method: wrong})], **kept)
+        nested_cages(star(5, 80), 12, constraints=[odd(**{method: wrong})])
     assert caught.value.data["method"] == method and caught.value.data["name"] == "Odd"
 
 
@@ -472,26 +461,57 @@ def test_a_constraint_of_ones_own_lets_loops_be_joined() -> None:
         assert lengths_of(level.cage).max() <= 4.0
 
 
-PLAIN = SimpleNamespace(scale=1.0, points=lambda x: x, to_input=lambda x: x, clearance=lambda length: length)
-"""Units of the solvers that are those of the input."""
-CAGE = Mesh.from_loops([ring(9)])
+OURS = [
+    *(make(STAR) for make in MAKERS.values()),
+    *(AxisAligned(TRANSIT), LongestEdge(1.2), Box((-np.inf, -2.0), (np.inf, np.inf))),
+]
 
 
-@pytest.mark.parametrize(
-    "constraint",
-    [Box((-1.1, -1.1), (1.1, 1.1)), LongestEdge(0.7), LeastEdge(0.6),
-     Outside([0.5 * ring(7) + np.array([1.7, 0.1])], 0.1)],
-    ids=lambda each: type(each).__name__,
-)  # fmt: skip
-def test_rows_are_derivatives_of_what_is_left_and_misses_are_short(constraint: core.Constraint) -> None:
-    x = CAGE.vertices + 0.05 * np.random.default_rng(3).normal(size=(9, 2))
-    bound = constraint.bound(CAGE, CAGE, PLAIN)
-    groups = list(bound.rows(x, 10.0))
-    for number, (rows, room) in enumerate(groups[:1] if isinstance(constraint, LeastEdge) else groups):
-        slope = rows.weight[:, None] * np.broadcast_to(rows.direction, (len(rows.vertex), 2, len(room)))
-        dense = np.zeros((len(room), *x.shape))
-        for row in range(len(room)):
-            np.add.at(dense[row], rows.vertex[:, row], slope[:, :, row])
-        measured = derivative(lambda at, k=number: list(bound.rows(at, 10.0))[k][1], x)
-        assert np.abs(measured.reshape(dense.shape) - dense).max() < 1e-6
-        assert (bound.short(x)[rows.vertex[:, room < 0.0]] > 0.0).all()
+@pytest.mark.parametrize("constraint", OURS, ids=lambda each: type(each).__name__)
+def test_our_own_constraints_obey_what_they_must(constraint: core.Constraint) -> None:
+    core.check_constraint(constraint, STAR)
+
+
+class Tried(core.Constraint):
+    """No vertex lies right of a line, with hooks that a test makes wrong."""
+
+    right = 1.4
+
+    def bound(self, coarse: Mesh, fine: Mesh, units: Any) -> core.Bound:
+        limit = float(units.points(np.array([self.right, 0.0]))[0])
+        return type("BoundTried", (TriedBound,), type(self).wrong)(limit)  # type: ignore[attr-defined]
+
+    def fault(self, cage: Mesh, fine: Mesh) -> core.Fault | None:
+        beyond = float(cage.vertices[:, 0].max() - self.right)
+        return core.Fault(f"{beyond} beyond.", "beyond") if beyond > 1e-12 else None
+
+
+class TriedBound(core.Bound):
+    slope, part, shift = -1.0, 1.0, 0.0
+
+    def __init__(self, limit: float) -> None:
+        self.limit = limit
+
+    def rows(self, cage: np.ndarray, radius: float) -> Iterator[core.Terms]:
+        room = self.limit - cage[:, 0] + self.shift
+        near = np.flatnonzero(room < 1.5 * self.part * radius)
+        direction = np.outer([self.slope, 0.0], np.ones(len(near)))
+        yield core.Terms(core.Rows(near[None], np.ones((1, len(near))), direction), room[near])
+
+
+TRIED: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
+    "a wrong slope": ({}, {"slope": -0.5}, "derivatives of its room"),
+    "rows left out": ({}, {"part": 0.01}, "within the radius"),
+    "nothing is short": ({}, {"short": lambda bound, cage: np.zeros(len(cage))}, "missed"),
+    "another limit": ({}, {"shift": 0.2}, "must accept"),
+    "moved each time": ({"snapped": lambda self, coarse, steps, side: steps + 1e-3}, {}, "snapped"),
+}
+
+
+@pytest.mark.parametrize(("hooks", "wrong", "said"), TRIED.values(), ids=TRIED.keys())
+def test_what_a_constraint_does_wrong_is_named(hooks: dict[str, Any], wrong: dict[str, Any], said: str) -> None:
+    made = type("Tried", (Tried,), {**hooks, "wrong": wrong})
+    core.check_constraint(type("Tried", (Tried,), {"wrong": {}})(), STAR)
+    with rejected("constraint.failed") as caught:
+        core.check_constraint(made(), STAR)
+    assert said in str(caught.value)

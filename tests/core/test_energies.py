@@ -90,6 +90,52 @@ def test_derivatives_agree_with_differences(energy: Any, plate: Mesh, moved: np.
     assert_derivatives(energy.at(triangle), squeezed, triangle.successor)
 
 
+@BY_NAME
+def test_our_own_energies_obey_what_they_must(energy: Any) -> None:
+    core.check_energy(energy)
+
+
+@dataclass(frozen=True)
+class Wrong(Springs):
+    """Springs, one of whose methods a function changes."""
+
+    method: str
+    change: Callable[[Any], Any]
+
+    def changed(self, method: str, found: Any) -> Any:
+        return self.change(found) if method == self.method else found
+
+    def value(self, vertices: np.ndarray, successor: np.ndarray) -> float:
+        return self.changed("value", super().value(vertices, successor))
+
+    def gradient(self, vertices: np.ndarray, successor: np.ndarray) -> np.ndarray:
+        return self.changed("gradient", super().gradient(vertices, successor))
+
+    def hessian(self, vertices: np.ndarray, successor: np.ndarray) -> Blocks:
+        return self.changed("hessian", super().hessian(vertices, successor))
+
+    def projected_hessian(self, vertices: np.ndarray, successor: np.ndarray) -> Blocks:
+        return self.changed("projected_hessian", super().projected_hessian(vertices, successor))
+
+
+WRONG = [
+    ("value", lambda value: np.nan, "the value nan"),
+    ("value", lambda value: value + np.random.default_rng().normal(), "each time"),
+    ("gradient", lambda gradient: gradient[:-1], "of the shape"),
+    ("gradient", lambda gradient: -gradient, "not the derivative of its value"),
+    ("hessian", lambda blocks: Blocks.sum([(2.0, blocks)]), "not the derivative of its gradient"),
+    ("projected_hessian", lambda blocks: Blocks.sum([(-1.0, blocks)]), "positive semi-definite"),
+    ("projected_hessian", lambda blocks: Blocks.sum([(0.5, blocks)]), "at least the Hessian"),
+]
+
+
+@pytest.mark.parametrize(("method", "change", "said"), WRONG, ids=[f"{row[0]}: {row[2]}" for row in WRONG])
+def test_what_an_energy_does_wrong_is_named(method: str, change: Any, said: str) -> None:
+    with rejected("method.wrong", name="Wrong") as caught:
+        core.check_energy(Wrong(method, change))
+    assert said in str(caught.value)
+
+
 AT_REST = (core.NoEnergy(), core.StepDisplacement(), InitialDisplacement(), BoundaryARAP(), InteriorARAP())
 
 
