@@ -70,12 +70,13 @@ def test_rings_turned_against_each_other(corners: int, turn: float) -> None:
 
 
 @BY_METHOD
-@pytest.mark.parametrize(
-    ("fine", "coarse"),
-    slow_after(1, [(shapes.octagon_with_hole(), shapes.square_with_hole()), (letter_a(), letter_a_coarse())]),
-)
-def test_octagon_and_letter(method: Any, fine: Mesh, coarse: Mesh) -> None:
-    assert_flows(fine, coarse, method)
+def test_an_octagon_with_a_hole(method: Any) -> None:
+    assert_flows(shapes.octagon_with_hole(), shapes.square_with_hole(), method)
+
+
+@pytest.mark.slow
+def test_a_letter() -> None:
+    assert_flows(letter_a(), letter_a_coarse())
 
 
 @pytest.mark.parametrize("count", [16, 32, 64])
