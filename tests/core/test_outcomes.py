@@ -70,7 +70,7 @@ SETTINGS: dict[str, tuple[dict[str, Any], Outcome]] = {
     "turns grid": ({"symmetry": Rotation((0.0, 0.0), 4), "grid": 0.05}, [(12, 1, 2.94)]),
     "pins": ({"pins": [1, 7]}, [(14, 1, 1.5865)]),
     "joints": ({"joints": [(0.2, 0.1)]}, [(14, 1, 3.323)]),
-    "edge": ({"min_edge": 0.3}, [(13, 1, 1.9016)]),
+    "edge": ({"min_edge": 0.3}, [(14, 1, 1.8683)]),
     "angle": ({"min_angle": 40.0}, [(14, 2, 1.6295)]),
     "edge grid": ({"min_edge": 0.3, "grid": 0.05}, [(14, 1, 1.7262)]),
     "box": ({"constraints": [core.Box((-9.0, -9.0), (1.5, 9.0))]}, [(14, 1, 3.2758)]),
