@@ -23,7 +23,7 @@ from ..geometry.broad_phase import near_pairs
 from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
 from ..geometry.precision import ROUND_OFF
-from ..geometry.thinning import Thinning
+from ..geometry.thinning import thinned, tolerance_for
 from ..parameters import check_flag, check_side
 from .base import NOTHING_KEPT, Count, Kept, Start, Tick, no_tick
 from .closest_points import closest_on_curve
@@ -132,12 +132,12 @@ def _around_thinned(problem: Problem, clearance: float, tick: Tick) -> Mesh | No
     fine, points = problem.fine, max(MIN_POINTS, POINTS_PER_VERTEX * problem.target)
     if problem.side < 0 or not problem.kept.is_free or len(fine.vertices) <= max(ALL_POINTS, 2 * points):
         return None
-    thinning, most = Thinning(fine), MAX_TOLERANCE * float(fine.edge_lengths.sum()) / problem.target
-    tolerance = min(thinning.tolerance(points), most)
+    most = MAX_TOLERANCE * float(fine.edge_lengths.sum()) / problem.target
     for finer in FINER:
+        tolerance = finer * min(tolerance_for(fine, points), most)
         with suppress(NestingError, InvalidMeshError):
-            thin = replace(problem.around(thinning.mesh(finer * tolerance)), kept=problem.kept)
-            return _least_mesh(thin, clearance + finer * tolerance, tick, finer * tolerance)
+            thin = problem.around(thinned(fine, fine.loop_order.significance > tolerance))
+            return _least_mesh(replace(thin, kept=problem.kept), clearance + tolerance, tick, tolerance)
     return None
 
 

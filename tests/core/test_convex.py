@@ -50,7 +50,7 @@ def test_as_small_as_the_best_of_all_choices_of_edges(seed: int) -> None:
     corners = shapely.get_coordinates(shapely.MultiPoint(points).convex_hull.exterior.normalize())[:-1][::-1]
     fine = Mesh.from_loops([corners])
     for count in range(3, min(6, len(corners)) + 1):
-        assert cage_of(fine, count).cage.area <= smallest_around(fine.rings[0], count) * (1.0 + 1e-6)
+        assert cage_of(fine, count).cage.area <= smallest_around(fine.rings[0], count) * (1.0 + 1e-4)
 
 
 @pytest.mark.parametrize("seed", slow_after(1, range(40), thorough_after=4))
