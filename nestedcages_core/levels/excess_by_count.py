@@ -108,6 +108,7 @@ def excess_by_count(shape: MeshLike, most: int, *, clearance: float = 0.0) -> Ex
     least: FloatArray = np.full(most + 1, np.inf)
     for k in np.unique(np.linspace(0, len(around.sequence) - 1, OUTLINES).round().astype(int)).tolist():
         with suppress(NestedCagesError):  # too many parts, or no room between them
-            least = np.minimum(least, around.least_areas(k)[0])
+            areas = around.least_areas(k)[0][: most + 1]
+            least[: len(areas)] = np.minimum(least[: len(areas)], areas)
     least = np.minimum.accumulate(least)
     return ExcessByCount({k: float(least[k] / fine.area - 1.0) for k in np.flatnonzero(np.isfinite(least)).tolist()})
