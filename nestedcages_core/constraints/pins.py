@@ -27,7 +27,7 @@ PinList: TypeAlias = Sequence[int | Sequence[float]]
 PIN_STIFFNESS = 1e4
 """Stiffness of a pin's spring, without unit: the pull of the area, half an edge, moves a vertex by 1e-5 of that."""
 
-OUT_OF_REACH = 0.1
+OUT_OF_REACH = 0.5
 """Distance of a vertex from a pin, in diagonals, from which none is pulled there: it would cost area and not arrive."""
 
 MAX_MITRE = 4.0

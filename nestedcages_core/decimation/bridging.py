@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from heapq import heapify, heappop, heappush
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial import Delaunay
 
 from ..geometry.arrays import TINY
-from ..geometry.mesh import Mesh
 from ..geometry.precision import INPUT_ROUND_OFF
 
 NECK = 0.05
@@ -22,32 +20,11 @@ POINTS = 64
 """Points of each outline, at least, that tell which parts are neighbours."""
 
 
-def bridges(shapely: Any, mesh: Mesh, room: float) -> list[Any]:
-    """Patches that join all parts of a mesh: over gaps narrower than some room first, then where the hulls of what is
-    joined, with all that was joined to it before, leave the least area between them."""
-    parts = list(shapely.geometry.shape(mesh.__geo_interface__).geoms)
-    joins = [(i, j, shapely.shortest_line(parts[i], parts[j])) for i, j in _spanning_tree(shapely, parts)]
-    group, hulls = np.arange(len(parts)), [part.convex_hull for part in parts]
-
-    def between(k: int) -> float:
-        i, j, gap = joins[k]
-        one, other = hulls[group[i]], hulls[group[j]]
-        return float(gap.length >= room and max(0.0, one.union(other).convex_hull.area - one.area - other.area))
-
-    waiting = [(between(k), gap.length, k) for k, (_, _, gap) in enumerate(joins)]
-    heapify(waiting)
-    patches = []
-    while waiting:
-        _, length, k = heappop(waiting)
-        area = between(k)  # now, since something was joined
-        if waiting and area > waiting[0][0]:
-            heappush(waiting, (area, length, k))
-            continue
-        i, j, gap = joins[k]
-        hulls[group[i]] = hulls[group[i]].union(hulls[group[j]]).convex_hull
-        group[group == group[j]] = group[i]
-        patches.append(_patch(gap, mesh.diagonal))
-    return patches
+def bridges(shapely: Any, parts: Sequence[Any]) -> Iterator[tuple[int, int, Any, float]]:
+    """Pairs of polygons whose joins connect all, of the least total distance: the two, a patch, and what it adds."""
+    for i, j in _spanning_tree(shapely, parts):
+        patch = _patch(shapely, parts[i], parts[j])
+        yield i, j, patch, float(patch.difference(shapely.union_all([parts[i], parts[j]])).area)
 
 
 def _spanning_tree(shapely: Any, parts: Sequence[Any]) -> list[tuple[int, int]]:
@@ -65,7 +42,8 @@ def _spanning_tree(shapely: Any, parts: Sequence[Any]) -> list[tuple[int, int]]:
     return list(zip(tree.row.tolist(), tree.col.tolist(), strict=True))
 
 
-def _patch(gap: Any, size: float) -> Any:
-    """A bridge along a line between polygons of a size."""
-    length = max(gap.length, INPUT_ROUND_OFF * size)
-    return gap.buffer(NECK * length, cap_style="square" if gap.length else "round")
+def _patch(shapely: Any, one: Any, other: Any) -> Any:
+    """A bridge between the nearest points of two polygons."""
+    bridge = shapely.shortest_line(one, other)
+    gap = max(bridge.length, INPUT_ROUND_OFF * float(np.ptp(one.bounds)))
+    return bridge.buffer(NECK * gap, cap_style="square" if bridge.length else "round")

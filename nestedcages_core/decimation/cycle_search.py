@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from .outline import Lines, Outline, without_doubles
 from .problem import Problem
 from .ring_search import RingSearch, allocate, least_sums, run_together
 from .sampling import NormalFrame, samples, weights
-from .symmetric import Images, MirrorSearch, exact
+from .symmetric import Images, MirrorSearch, padded_alike
 from .tangents import tangents
 from .turns import SLACK
 from .visibility import Obstacles
@@ -99,7 +99,7 @@ class CycleSearch:
         self.loops = loops.moved(self.frame.into(loops.vertices))
         if min(outline.length for outline in self.outlines) == 0.0:
             raise NoCyclesError("A loop is as small as round-off.")
-        self.weights = weights(self.outlines, problem.total)
+        self.weights = weights(self.outlines, problem.target)
         sums = np.array([weight.sum() for weight in self.weights])
         lengths = np.array([outline.length for outline in self.outlines])
         self.shares: FloatArray = sums / sums.sum()
@@ -113,7 +113,7 @@ class CycleSearch:
 
     def search(self, tick: Tick = no_tick) -> None:
         """Search around each loop that stands for its images. Raises NoCyclesError."""
-        loops = [k for k in range(len(self.outlines)) if self._stand_in(k) == k]
+        loops = [k for k in range(len(self.outlines)) if self.images is None or self.images.loops[k][0] == k]
         for done, k in enumerate(loops):
             tick(done / len(self.outlines))
             self.searches[k] = self.around(k) if self.tables is None else self.tables.search(self, k)
@@ -139,21 +139,12 @@ class CycleSearch:
             numbers = self._numbers(searches)
         return *self._mesh(choice), rounds
 
-    def least(self, most: int, optional: Sequence[int]) -> tuple[FloatArray, list[int]]:
-        """(n,) the least area of cycles of 0, 1, … lines in all, crossings aside, in the input's units; and those of
-        some optional holes that the least of all leave out."""
+    @property
+    def least(self) -> FloatArray:
+        """(n,) the least area of cycles of 0, 1, … lines in all, crossings aside, in the input's units."""
         copies = [self._copies(loop) for loop in self.searches]
         totals = [number * search.totals for number, search in zip(copies, self.searches.values(), strict=True)]
-        for k, loop in enumerate(self.searches):
-            if loop in optional:
-                totals[k] = np.append(-copies[k] * self.loops.areas[loop], totals[k][1:])
-        least = (least_sums(totals, most, copies)[0] + self.loops.area) * self.frame.scale**2
-        numbers = dict(zip(self.searches, allocate(totals, most, copies) or [], strict=False))
-        return least, [k for k in range(len(self.outlines)) if numbers.get(self._stand_in(k)) == 0]
-
-    def _stand_in(self, loop: int) -> int:
-        """The loop that stands for another one and its images."""
-        return loop if self.images is None else self.images.loops[loop][0]
+        return (least_sums(totals, self.problem.target, copies)[0] + self.loops.area) * self.frame.scale**2
 
     def _outlines(self, loops: Loops) -> list[Outline]:
         """The loops in the frame of the search, with what matters there."""
@@ -175,16 +166,16 @@ class CycleSearch:
         """Lines of each loop. Raises NoCyclesError."""
         copies = [self._copies(loop) for loop in searches]
         totals = [number * search.totals for number, search in zip(copies, searches.values(), strict=True)]
-        numbers = allocate(totals, self.problem.total, copies)
+        numbers = allocate(totals, self.problem.target, copies)
         if numbers is None:
             least = [number * int(np.isfinite(total).argmax()) for number, total in zip(copies, totals, strict=True)]
-            known: dict[str, Any] = {"least": sum(least)} if all(least) and sum(least) > self.problem.total else {}
+            known: dict[str, Any] = {"least": sum(least)} if all(least) and sum(least) > self.problem.target else {}
             raise NoCyclesError(total=self.problem.total, **known)
         return dict(zip(searches, numbers, strict=True))
 
     def deserved(self, k: int) -> tuple[int, float]:
         """Samples and lines that a loop deserves: long edges deserve few samples, but a line each."""
-        target = self.problem.total
+        target = self.problem.target
         share, of_length = float(self.shares[k]), float(self.lengths[k])
         count = max(MIN_SAMPLES_OF_A_LOOP, round(max(MIN_SAMPLES, SAMPLES_PER_VERTEX * target) * share))
         return count, USUAL_SHARE * target * max(share, of_length)
@@ -237,7 +228,7 @@ class CycleSearch:
         if halved:
             return MirrorSearch(outline, lines, free, width=width, sizes=sizes)
         known = self.problem.per_loop is not None or len(self.outlines) == 1
-        likely = (self.problem.total if len(self.outlines) == 1 else expected) / parts
+        likely = (self.problem.target if len(self.outlines) == 1 else expected) / parts
         return RingSearch(
             outline, lines, free, width=width, sizes=sizes, expected=likely, parts=parts, thorough=thorough, known=known
         )
@@ -248,16 +239,17 @@ class CycleSearch:
 
     def _sizes(self, loop: int, deserved: float, lines: int, parts: int) -> range:
         """The possible numbers of lines of a part of a loop, and of as many others like it."""
-        return range(-(-MIN_PER_LOOP // parts), self.most(loop, deserved, lines, parts) // parts + 1)
+        minimum = self.problem.minimum[loop]
+        return range(-(-minimum // parts), self.most(loop, deserved, lines, parts) // parts + 1)
 
     def most(self, loop: int, deserved: float, lines: int, parts: int = 1) -> int:
         """The largest number of lines that a loop may have, of those that there are."""
+        minimum, target, loops = self.problem.minimum, self.problem.target, self._copies(loop) // parts
         if self.problem.per_loop is not None:
-            return int(self.problem.per_loop[loop])
-        total, loops, copies = self.problem.total, len(self.outlines), self._copies(loop) // parts
-        most = min(lines, (total - MIN_PER_LOOP * (loops - copies)) // copies)
-        if loops > 1 and total < ANY_NUMBER * len(self.loops.vertices):
-            most = max(MIN_PER_LOOP, min(most, int(MAX_SHARE * deserved) + SPARE_SHARE), min(lines, FEW_LINES))
+            return minimum[loop]
+        most = min(lines, (target - sum(minimum) + loops * minimum[loop]) // loops)
+        if len(minimum) > 1 and target < ANY_NUMBER * len(self.loops.vertices):
+            most = max(minimum[loop], min(most, int(MAX_SHARE * deserved) + SPARE_SHARE), min(lines, FEW_LINES))
         return most
 
     def _mesh(self, choice: Choice) -> tuple[float, Mesh]:
@@ -271,13 +263,14 @@ class CycleSearch:
             self.kept.importance,
         )
         try:
-            if self.kept.symmetry is not None:
-                loops = exact(loops, self.kept.symmetry)
-            elif importance is not None and problem.per_loop is None:  # straight sides have pins too
-                loops = importance.with_vertices(loops, problem.total)
-            mesh = problem.mesh(loops.split())
+            if choice.images is not None:
+                mesh = problem.mesh(padded_alike(loops, problem.total, choice.images.symmetry))
+            else:
+                if importance is not None and problem.per_loop is None:  # straight sides have pins too
+                    loops = importance.with_vertices(loops, problem.total)
+                mesh = problem.coarse(loops)
         except (InvalidMeshError, NestingError) as error:
-            raise NoCyclesError(str(error), total=problem.total) from error
+            raise NoCyclesError(str(error), total=self.problem.total) from error
         if len(rings) > 1 and not problem.nests(mesh):  # the certificate says it of one loop
             raise NoCyclesError("The cycles do not enclose the loops.", total=self.problem.total)
         return loops.area, mesh

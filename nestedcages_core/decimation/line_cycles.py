@@ -23,12 +23,11 @@ from ..geometry.broad_phase import near_pairs
 from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
 from ..geometry.precision import ROUND_OFF
-from ..geometry.thinning import thinned, tolerance_for
+from ..geometry.thinning import Thinning
 from ..parameters import check_flag, check_side
-from .base import MIN_PER_LOOP, NOTHING_KEPT, Count, Kept, Start, Tick, no_tick
+from .base import NOTHING_KEPT, Count, Kept, Start, Tick, no_tick
 from .closest_points import closest_on_curve
 from .cycle_search import OFFSET, CycleSearch, NoCyclesError, Tables
-from .loop_sequence import empty_holes
 from .problem import Problem
 from .symmetric import symmetrised
 
@@ -113,38 +112,32 @@ class LineCycles:
 
 def least_areas(
     fine: Mesh, most: int, kept: Kept = NOTHING_KEPT, clearance: float = 0.0, tables: Tables | None = None
-) -> tuple[FloatArray, list[int]]:
-    """(n,) about the least area of a mesh of 0, 1, … vertices around the fine one; infinite where none was found; and
-    the holes that the mesh of least area leaves out.
+) -> FloatArray:
+    """(n,) about the least area of a mesh of 0, 1, … vertices around the fine one; infinite where none was found.
 
     One search knows all numbers of lines up to the last.
     """
-    holes = empty_holes(fine)
-    total = min(most + MIN_PER_LOOP * len(holes), len(fine.vertices))
-    rules = tuple(rule for rule in kept.rules if not any(rule.turn_limits))  # whose costs are not areas
-    problem = Problem.of(fine, total, kept=replace(kept, preferred=None, rules=rules))
-    loops = symmetrised(problem.outline, kept.symmetry)
-    search = CycleSearch(problem, loops, _shifts(problem, loops, clearance)[0], tables)
+    problem = Problem.of(fine, most, kept=replace(kept, symmetry=None, preferred=None))
+    search = CycleSearch(problem, problem.outline, _shifts(problem, problem.outline, clearance)[0], tables)
     try:
         search.search()
     except NoCyclesError:
-        return np.full(most + 1, np.inf), []
-    least, filled = search.least(most, np.flatnonzero(np.isin(problem.loop_order, holes)).tolist())
-    return least, problem.loop_order[filled].tolist()
+        return np.full(most + 1, np.inf)
+    return search.least
 
 
 def _around_thinned(problem: Problem, clearance: float, tick: Tick) -> Mesh | None:
     """The mesh of the best cycles around a large mesh with fewer vertices, as far away from it as these miss of the
     whole one; None where that is no use."""
-    fine, points = problem.fine, max(MIN_POINTS, POINTS_PER_VERTEX * problem.total)
+    fine, points = problem.fine, max(MIN_POINTS, POINTS_PER_VERTEX * problem.target)
     if problem.side < 0 or not problem.kept.is_free or len(fine.vertices) <= max(ALL_POINTS, 2 * points):
         return None
-    most = MAX_TOLERANCE * float(fine.edge_lengths.sum()) / problem.total
+    thinning, most = Thinning(fine), MAX_TOLERANCE * float(fine.edge_lengths.sum()) / problem.target
+    tolerance = min(thinning.tolerance(points), most)
     for finer in FINER:
-        tolerance = finer * min(tolerance_for(fine, points), most)
         with suppress(NestingError, InvalidMeshError):
-            thin = problem.around(thinned(fine, fine.loop_order.significance > tolerance))
-            return _least_mesh(thin, clearance + tolerance, tick, tolerance)
+            thin = replace(problem.around(thinning.mesh(finer * tolerance)), kept=problem.kept)
+            return _least_mesh(thin, clearance + finer * tolerance, tick, finer * tolerance)
     return None
 
 

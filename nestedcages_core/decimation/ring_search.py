@@ -104,7 +104,7 @@ class RingSearch:
                 break
         more = self.more if self.more > MAX_MORE else min(int(spare), MAX_MORE)
         if more:
-            cycle = self._part(self.usual) if self.parts == 1 else np.zeros(1, np.int64)  # any line of a part
+            cycle = self._part(self.usual)
             gaps = np.mod(np.roll(cycle, -1) - cycle - 1, self.count) + 1
             g = int(gaps.argmin())
             steps = np.unique(np.linspace(0, gaps[g], more + 2)[1:-1].astype(np.int64)).tolist()

@@ -21,7 +21,7 @@ SLACK = 1e-5
 PIN_REACH = 1e-3
 """Distance from a pin, in diameters of the shape, up to which a vertex counts as pinned."""
 
-PIN_LOST = 0.05
+PIN_LOST = 0.5
 """Distance from a pin, in diameters, from which it does not matter how far away a vertex is."""
 
 PIN_COST = 10.0

@@ -11,7 +11,6 @@ that region, so start and solvers push it away from the fine mesh as they do wit
 from __future__ import annotations
 
 import logging
-import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -19,9 +18,11 @@ from itertools import islice
 from math import inf
 
 from ..decimation import Count, Decimation, LineCycles, Start, Starts
+from ..decimation.base import in_words
 from ..decimation.cycle_search import OFFSET
 from ..decimation.offset import is_wide
-from ..decimation.starts import Outlines, lacks_shapely
+from ..decimation.problem import shared_anew
+from ..decimation.starts import AlongSequence, lacks_shapely
 from ..energies import Area
 from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError, note
 from ..flow.loop_matching import match_loops
@@ -208,25 +209,21 @@ def starts(work: Work, target: int | Mesh, failures: Sequence[NestedCagesError])
             raise failures[0]
         return
     for start in decimated(work, other, count):
-        told = (*notes, note("note.start", on="fallback", source=start.source, text=str(failures[0])))
-        numbers = [len(loop) for loop in start.coarse.loops]
-        if not isinstance(count, int) and numbers != list(count):
-            told = (*told, note("note.count", on="loops", asked=count, given=numbers))
-        yield start, told
+        reason = note("note.start", on="fallback", source=start.source, text=str(failures[0]))
+        yield start, (*notes, reason, *shared_anew(count, start.coarse))
 
 
 def decimated(work: Work, decimation: Decimation, count: Count) -> Iterator[Start]:
     """The coarse meshes of a decimation, along the sequence of outlines. Raises NestingError."""
     work.watch.begin("decimation")
-    outline, clearance, tick = work.plan.outline.mesh, work.clearances[0], work.watch.tick("decimation")
+    outline, clearance = work.plan.outline.mesh, work.clearances[0]
     if isinstance(decimation, LineCycles) and work.along and isinstance(count, int):
-        outlines = Outlines(outline, count, clearance, work.plan.kept(), decimation, tick)
-        yield from outlines.starts(one_loop=work.settings.loops == "one")
-    elif isinstance(decimation, Starts):
+        decimation = AlongSequence(decimation, work.settings.loops == "one")
+    if isinstance(decimation, Starts):
+        tick = work.watch.tick("decimation")
         yield from decimation.starts(outline, count, clearance=clearance, kept=work.plan.kept(), tick=tick)
     else:
-        name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(decimation).__name__).lower()
-        yield Start(decimation.decimate(outline, count, clearance=clearance), name)
+        yield Start(decimation.decimate(outline, count, clearance=clearance), in_words(decimation))
 
 
 def explained(work: Work, target: int | Mesh, failure: NestedCagesError) -> NestedCagesError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 
@@ -9,11 +10,11 @@ from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Start
 from ..energies import signed_area
-from ..errors import FlowError
+from ..errors import FlowError, InvalidMeshError
 from ..flow import FlowResult
 from ..geometry.arrays import TINY, FloatArray
 from ..geometry.mesh import Mesh, Nesting
-from ..tightening.coarse_to_fine import coarse_to_fine
+from ..geometry.thinning import Thinning
 from .progress import OutOfTimeError
 from .work import Draft, Work, contacts_for
 
@@ -26,6 +27,10 @@ MISSED = 1e6
 
 OWN = "coarse mesh"
 """What a start from the user's own coarse mesh is called."""
+
+MIN_POINTS, POINTS_PER_VERTEX, MANY = 1000, 30, 3
+"""Vertices of the mesh that tightening begins with: at least, and per vertex of the cage; how many times as many a mesh
+has for which there is one."""
 
 
 def tight_draft(work: Work, start: Start) -> Draft:
@@ -83,10 +88,7 @@ def reinflated(work: Work, draft: Draft) -> Draft:
 def tightened(work: Work, draft: Draft, clearance: float) -> Draft:
     """The cage at its optimum for a clearance in input units, or as far as time allows."""
     plan, units, watch, coarse = work.plan, work.units, work.watch, draft.unit_coarse
-    bounds, wanted = plan.bounds(coarse, units), units.clearance(clearance + work.room)
-    meshes = iter([(work.unit_fine, plan.clearances(units))])
-    if plan.is_free and plan.side > 0:
-        meshes = coarse_to_fine(work.unit_fine, coarse, wanted, lambda: cages[-1] if cages else draft.cage)
+    bounds, wide = plan.bounds(coarse, units), plan.clearances(units)
     steps, programs, cages = 0, 0, list[FloatArray]()
 
     def on_step(vertices: FloatArray) -> None:
@@ -95,12 +97,12 @@ def tightened(work: Work, draft: Draft, clearance: float) -> Draft:
 
     with suppress(OutOfTimeError):
         watch.begin("tightening")
-        for fine, clearances in () if watch.over else meshes:
+        for fine, away in () if watch.over else _coarse_to_fine(work, coarse):
             outcome = work.settings.tightening.run(
-                Bodies.of(coarse, fine, side=plan.side, bounds=bounds, clearances=clearances),
+                Bodies.of(coarse, fine, side=plan.side, bounds=bounds, clearances=wide),
                 cages[-1] if cages else draft.cage,
                 fine.vertices,
-                clearance=wanted,
+                clearance=units.clearance(clearance + work.room) + away,
                 energy=draft.energy,
                 on_step=on_step,
             )
@@ -118,3 +120,14 @@ def _excess(work: Work, coarse: Mesh, cage: FloatArray) -> float:
     """The excess of a cage (m, 2), or the area that it loses inside."""
     area = max(work.unit_fine.area, TINY)  # of slivers it may round to 0
     return work.plan.side * (signed_area(cage, coarse.successor) / area - 1.0)
+
+
+def _coarse_to_fine(work: Work, cage: Mesh) -> Iterator[tuple[Mesh, float]]:
+    """Meshes to tighten around in turn, and how far from each: of a large one first one with fewer vertices."""
+    fine, points = work.unit_fine, MIN_POINTS + POINTS_PER_VERTEX * len(cage.vertices)
+    if work.plan.is_free and work.plan.side > 0 and len(fine.vertices) > MANY * points:
+        thinning = Thinning(fine)
+        tolerance = thinning.tolerance(points)
+        with suppress(InvalidMeshError):
+            yield thinning.mesh(tolerance), tolerance
+    yield fine, 0.0

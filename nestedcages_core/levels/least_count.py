@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import ceil
 
 from ..decimation import Decimation
+from ..decimation.problem import count_fault
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
 from ..geometry.precision import INPUT_ROUND_OFF, MOST_ROUNDS
@@ -47,13 +48,7 @@ def with_least(
             least = number
         else:
             too_few = number
-    return NestingError(
-        f"A level of {total} vertices is too small for this shape, whose loops block each other: the smallest that was "
-        f"found has {least}; ask for at least {least}.",
-        code="count.too_small",
-        total=total,
-        least=least,
-    )
+    return NestingError(count_fault(total, least))
 
 
 def _failure(decimation: Decimation, outline: Mesh, count: int, clearance: float) -> NestingError | None:

@@ -95,7 +95,7 @@ def bend_field(
     shape = _united(solids)
     joints = len(chain) - 2
     wanted = CAGE_VERTICES + VERTICES_PER_JOINT * joints
-    (level,) = nested_cages(shape, wanted, clearance=CLEARANCE * shape.diagonal, loops="one", steps=False)
+    (level,) = nested_cages(shape, wanted, clearance=CLEARANCE * shape.diagonal, loops="one")
     cage = level.cage
     bends = bends_of(cage, chain, kept)
     grid = _grid(cage, bends, density)

@@ -50,7 +50,7 @@ def test_as_small_as_the_best_of_all_choices_of_edges(seed: int) -> None:
     corners = shapely.get_coordinates(shapely.MultiPoint(points).convex_hull.exterior.normalize())[:-1][::-1]
     fine = Mesh.from_loops([corners])
     for count in range(3, min(6, len(corners)) + 1):
-        assert cage_of(fine, count).cage.area <= smallest_around(fine.rings[0], count) * (1.0 + 1e-4)
+        assert cage_of(fine, count).cage.area <= smallest_around(fine.rings[0], count) * (1.0 + 1e-6)
 
 
 @pytest.mark.parametrize("seed", slow_after(1, range(40), thorough_after=4))
@@ -138,7 +138,7 @@ def test_symmetric_polygons_are_the_least_where_these_are_symmetric() -> None:
         for count in (8, 9):
             level = nested_cages(fine, count, convex=True, symmetry=symmetry, clearance=1e-9)[0]
             assert is_convex(level.cage) and is_symmetric(level.cage.vertices, symmetry)
-            assert len(level.cage.vertices) <= count
+            assert len(level.cage.vertices) == count - (count % 2 and isinstance(symmetry, Rotation))
             assert free[count] <= level.excess + 1e-9 <= free[8] * (1.0 + 1e-3)
     pair = nested_cages(disc(40, 0.5, 2.0, 0.0), 6, convex=True, symmetry=Mirror((1.0, 0.0)))[0]
     assert [len(loop) for loop in pair.cage.loops] == [6, 6]

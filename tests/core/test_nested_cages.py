@@ -124,20 +124,6 @@ def test_the_fallback_has_as_many_vertices_as_the_own_mesh() -> None:
         assert_nested(level.cage, level.fine)
 
 
-@pytest.mark.slow
-def test_a_loose_cage_from_an_own_mesh_is_compared_with_that_of_the_other_contact() -> None:
-    random = np.random.default_rng(30)  # needles of different lengths: the contacts end in different minima
-    length = np.where(np.arange(24) % 3 == 0, random.uniform(0.6, 1.0, 24), 0.1)
-    fine = Mesh.from_loops([ring(24) * length[:, None]])
-    own = Mesh.from_loops([0.45 * ring(13) + random.uniform(-0.05, 0.05, 2)])
-    first, second, kept = (
-        nested_cages(fine, [own], **options)[0].excess
-        for options in ({"contact": core.SequentialQP()}, {"contact": core.IPC()}, {})
-    )
-    assert abs(first - second) > 0.1
-    assert kept == pytest.approx(min(first, second), rel=1e-3)
-
-
 @dataclass(frozen=True)
 class OfferingSeveral(Offering):
     """A decimation that offers several coarse meshes, the most promising first."""

@@ -122,7 +122,7 @@ class Refusing(Constraint):
 class Moved(Constraint):
     """A constraint that moves a vertex of each cage a little, after what makes cages symmetric."""
 
-    def restored(self, coarse: Mesh, steps: np.ndarray) -> np.ndarray:
+    def snapped(self, coarse: Mesh, steps: np.ndarray, side: int) -> np.ndarray:
         moved = steps.copy()
         moved[1:, 0] *= 1.0 + 1e-10
         return moved
