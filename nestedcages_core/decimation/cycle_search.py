@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from .ring_search import RingSearch, allocate, least_sums, run_together
 from .sampling import NormalFrame, samples, weights
 from .symmetric import Images, MirrorSearch, padded_alike
 from .tangents import tangents
-from .turns import SLACK
+from .turns import SLACK, Turns, turns
 from .visibility import Obstacles
 
 OFFSET = 5e-5
@@ -46,17 +47,10 @@ FOLLOWING, SPARE_FOLLOWING, MAX_DEPTH = 3.0, 8, 20.0
 """Otherwise it is followed by a line within this many mean edges of the cage, and this many lines; more where the
 outline is longer than its hull, at most so many times."""
 
-USUAL_SHARE, MAX_SHARE, SPARE_SHARE = 1.2, 2.0, 8
-"""Lines of a loop: likely ones per deserved one; largest number per likely one, and beyond that."""
+USUAL_SHARE, SPARE_SHARE = 1.2, 4
+"""Lines of each of several loops that are sought at first: per deserved one, and beyond that."""
 
-ANY_NUMBER = 0.5
-"""Lines per vertex of the mesh from which each loop may have any number."""
-
-FEW_LINES = 12
-"""Number of lines of each of several loops that is sought in any case, to know the least."""
-
-
-ALIKE = 0.75
+ALIKE = 0.9
 """Ratio of deserved lines down to which a search serves for another number of them."""
 
 
@@ -72,17 +66,29 @@ class Tables:
 
     def __init__(self, frame: NormalFrame) -> None:
         self.frame = frame
-        self._known: dict[object, tuple[int, float, RingSearch]] = {}
+        self._rings: set[bytes] = set()
+        self._known: dict[tuple[bytes, float], tuple[float, RingSearch]] = {}
 
-    def search(self, around: CycleSearch, k: int) -> RingSearch:
-        """The search around a loop, for as many lines as it may have there. Raises NoCyclesError."""
-        deserved = around.deserved(k)[1]
-        most = around.most(k, deserved, len(around.loops.vertices))
-        key = around.outlines[k].vertices.tobytes(), float(around.shift[k])
-        known = self._known.get(key)
-        if known is None or known[0] < most or not ALIKE * known[1] < deserved < known[1] / ALIKE or not known[2].found:
-            known = self._known[key] = most, deserved, around.around(k)
-        return known[2]
+    def knows(self, loops: Loops) -> bool:
+        """Whether there were searches around all of some loops."""
+        return self._rings.issuperset(self._keys(loops.moved(self.frame.into(loops.vertices))))
+
+    def searches(self, around: CycleSearch, loops: Sequence[int]) -> list[RingSearch]:
+        """The searches around some loops, for as many lines as each may have there. Raises NoCyclesError."""
+        keys = list(zip(self._keys(around.loops), around.shift.tolist(), strict=True))
+        deserved, new = around.deserved.tolist(), []
+        for k in loops:
+            known = self._known.get(keys[k])
+            if known is None or not ALIKE * known[0] < deserved[k] < known[0] / ALIKE:
+                new.append(k)
+        for k, search in zip(new, around.around(new), strict=True):
+            self._known[keys[k]] = deserved[k], search
+            self._rings.add(keys[k][0])
+        return [self._known[keys[k]][1] for k in loops]
+
+    @staticmethod
+    def _keys(loops: Loops) -> list[bytes]:
+        return [ring.tobytes() for ring in loops.split()]
 
 
 class CycleSearch:
@@ -93,33 +99,48 @@ class CycleSearch:
         kept from all loops. tables: searches around loops of other outlines, in whose frame this one is."""
         self.problem, self.kept, self.shift, self.tables = problem, problem.kept, shift, tables
         self.frame = NormalFrame.of(loops) if tables is None else tables.frame
-        symmetry = self.kept.symmetry
+        symmetry, target = self.kept.symmetry, problem.target
         self.images = None if symmetry is None else Images.of(loops, symmetry, self.frame)
-        self.outlines = self._outlines(loops)
-        self.loops = loops.moved(self.frame.into(loops.vertices))
-        if min(outline.length for outline in self.outlines) == 0.0:
+        self.outline = self._outline(loops)
+        self.loops, perimeters = self.outline.loops, self.outline.perimeters
+        if perimeters.min() == 0.0:
             raise NoCyclesError("A loop is as small as round-off.")
-        self.weights = weights(self.outlines, problem.target)
-        sums = np.array([weight.sum() for weight in self.weights])
-        lengths = np.array([outline.length for outline in self.outlines])
-        self.shares: FloatArray = sums / sums.sum()
-        """(L,) part of the samples that each loop deserves."""
-        self.lengths: FloatArray = lengths / lengths.sum()
-        """(L,) part of the length of all that each has."""
-        self.obstacles = Obstacles(self.loops.split(), problem.regions)
+        self.weights = weights(self.outline, target)
+        sums = np.add.reduceat(self.weights, self.loops.begins)
+        shares, lengths = sums / sums.sum(), perimeters / perimeters.sum()
+        places = np.round(max(MIN_SAMPLES, SAMPLES_PER_VERTEX * target) * shares).astype(np.int64)
+        self.places: IntArray = np.minimum(np.maximum(MIN_SAMPLES_OF_A_LOOP, places), np.maximum(self.loops.sizes, 6))
+        """(L,) samples that each loop deserves."""
+        self.deserved: FloatArray = USUAL_SHARE * target * np.maximum(shares, lengths)
+        """(L,) lines that each loop deserves: long edges deserve few samples, but a line each."""
+        self.is_thorough = self.outline.is_convex & (problem.per_loop is not None)
+        """(L,) whether a search around each loop may take long: convex, with one number of lines to seek."""
+        self.is_alone, self.minimum = len(perimeters) == 1, problem.minimum
+        self.obstacles = Obstacles(self.outline, problem.regions)
         self.searches: dict[int, RingSearch] = {}
         """Of each loop that stands for its images."""
-        self.few_turns = False
 
-    def search(self, tick: Tick = no_tick) -> None:
-        """Search around each loop that stands for its images. Raises NoCyclesError."""
-        loops = [k for k in range(len(self.outlines)) if self.images is None or self.images.loops[k][0] == k]
-        for done, k in enumerate(loops):
-            tick(done / len(self.outlines))
-            self.searches[k] = self.around(k) if self.tables is None else self.tables.search(self, k)
-        run_together([search.solve() for search in self.searches.values() if not search.found])
-        if not all(search.found for search in self.searches.values()):
-            raise NoCyclesError("There are no such cycles around some loops.", total=self.problem.total)
+    def search(self, tick: Tick = no_tick, *, roughly: bool = False) -> None:
+        """Search around each loop that stands for its images. Raises NoCyclesError.
+
+        roughly: whether an estimate is enough.
+        """
+        loops = [k for k in range(len(self.loops.sizes)) if self.images is None or self.images.loops[k][0] == k]
+        searches = self.around(loops) if self.tables is None else self.tables.searches(self, loops)
+        self.searches = dict(zip(loops, searches, strict=True))
+        waiting = [k for k in loops if not self.searches[k].found]
+        while True:
+            run_together([self.searches[k].solve() for k in waiting], tick)
+            waiting = [k for k in loops if not self.searches[k].found]
+            if not waiting:  # more lines where a loop would take more than were sought
+                waiting = [k for k, number in self._numbers(self.searches).items() if number == self.searches[k].most]
+            waiting = [k for k in waiting if self.searches[k].extend(self._limit(k))]
+            if not waiting:
+                break
+        if not all(search.found for search in searches):
+            raise self._none()
+        numbers = self._numbers(self.searches)
+        run_together([self.searches[k].improve(numbers[k], roughly=roughly) for k in loops], tick)
 
     def best(self, rule: float, tick: Tick = no_tick) -> tuple[float, Mesh, int]:
         """Area and mesh of the best cycles that do not cross, and how often crossings were cleared. rule: which of two
@@ -135,7 +156,7 @@ class CycleSearch:
             if len(i) == 0:
                 break
             changed = choice.shorten(searches, i, j, rule)
-            run_together([searches[k].solve(int(searches[k].cycle(numbers[k])[0])) for k in changed])
+            run_together([searches[k].reroute(numbers[k]) for k in changed])
             numbers = self._numbers(searches)
         return *self._mesh(choice), rounds
 
@@ -144,19 +165,17 @@ class CycleSearch:
         """(n,) the least area of cycles of 0, 1, … lines in all, crossings aside, in the input's units."""
         copies = [self._copies(loop) for loop in self.searches]
         totals = [number * search.totals for number, search in zip(copies, self.searches.values(), strict=True)]
-        return (least_sums(totals, self.problem.target, copies)[0] + self.loops.area) * self.frame.scale**2
+        return (least_sums(totals, self.problem.target, copies)[-1] + self.loops.area) * self.frame.scale**2
 
-    def _outlines(self, loops: Loops) -> list[Outline]:
+    def _outline(self, loops: Loops) -> Outline:
         """The loops in the frame of the search, with what matters there."""
-        vertices, importance = self.frame.into(loops.vertices), self.kept.importance
-        weights, pinned = None, np.zeros(len(vertices), bool)
+        importance, weights, pinned = self.kept.importance, None, None
         if importance is not None:
             pinned = importance.pinned(loops)
             weights = None if importance.weights is None else importance.at(loops.vertices)
         wanted = [rule.turn_limits for rule in self.kept.rules] or [(0.0, 0.0)]
         limits = max(short for short, _ in wanted) / self.frame.scale, max(sharp for _, sharp in wanted)
-        parts = [slice(begin, begin + size) for begin, size in zip(loops.begins, loops.sizes, strict=True)]
-        return [Outline(vertices[p], None if weights is None else weights[p], pinned[p], limits) for p in parts]
+        return Outline(loops.moved(self.frame.into(loops.vertices)), weights, pinned, limits)
 
     def _copies(self, loop: int) -> int:
         """Lines of the cage for each one that is counted around a loop."""
@@ -173,84 +192,88 @@ class CycleSearch:
             raise NoCyclesError(total=self.problem.total, **known)
         return dict(zip(searches, numbers, strict=True))
 
-    def deserved(self, k: int) -> tuple[int, float]:
-        """Samples and lines that a loop deserves: long edges deserve few samples, but a line each."""
-        target = self.problem.target
-        share, of_length = float(self.shares[k]), float(self.lengths[k])
-        count = max(MIN_SAMPLES_OF_A_LOOP, round(max(MIN_SAMPLES, SAMPLES_PER_VERTEX * target) * share))
-        return count, USUAL_SHARE * target * max(share, of_length)
-
-    def _candidates(self, k: int) -> tuple[Lines, IntArray, float, float]:
-        """Lines of a loop, its samples, and the likely and the deserved number of lines."""
-        outline, shift, (count, deserved) = self.outlines[k], float(self.shift[k]), self.deserved(k)
-        at = samples(outline, self.weights[k], min(count, max(outline.size, 6)))
-        if len(outline.pins):
-            at = np.union1d(at, outline.pins)
-        expected = max(float(MIN_PER_LOOP), min(len(at) / SAMPLES_PER_VERTEX, deserved))
-        lines = usual = tangents(outline, at, LONGEST_STRETCH * len(at) / expected, shift, corners=self._is_thorough(k))
+    def around(self, which: Sequence[int]) -> list[RingSearch]:
+        """Searches around some loops, for symmetric cycles if there are images. Raises NoCyclesError."""
+        if len(which) > 1 and (self.kept.rules or self.images is not None):  # these look at one loop each
+            return [search for k in which for search in self.around([k])]
+        if not which:
+            return []
+        outline, places, (first, shift) = self.outline.only(which), self.places[which], (which[0], self.shift[which])
+        at = np.union1d(samples(outline, self.weights[self.outline.vertices_of(which)], places), outline.pins)
+        counts = np.bincount(outline.loop[at])
+        expected = np.maximum(float(MIN_PER_LOOP), np.minimum(counts / SAMPLES_PER_VERTEX, self.deserved[which]))
+        lines = usual = tangents(outline, at, LONGEST_STRETCH * counts / expected, shift, self.is_thorough[which])
         for rule in self.kept.rules:
-            lines = rule.candidates(outline, at, lines, self.frame, shift)
-        self.few_turns = lines is not usual  # those of a few directions
-        return lines.shifted(shift), at, expected, deserved
-
-    def around(self, k: int) -> RingSearch:
-        """A search around a loop, for symmetric cycles if there are images. Raises NoCyclesError."""
-        outline, shift, images = self.outlines[k], float(self.shift[k]), self.images
-        lines, at, expected, deserved = self._candidates(k)
-        if images is not None:
-            lines = images.first_part(k, outline, lines, at, shift)
-        # a little less than the shift from what lines touch
-        distance = (1.0 - NEGLIGIBLE) * shift if shift > OFFSET else 0.0
-        longest = REACH * min(1.0, outline.diameter)
-        reach = np.minimum(longest, FAR * np.maximum(lines.span, outline.length / expected))
-        free = self.obstacles.free(lines, reach, int(self.problem.regions[k]), distance)
-        usable = np.asarray((free > 0.0).all(axis=0))
-        if outline.is_hole:  # every ray in a hole ends at it; in the solid around it some end nowhere
-            usable &= ((free < reach) | (reach < longest)).all(axis=0)
-        for rule in self.kept.rules:
-            free = np.minimum(free, np.minimum(rule.free(lines, self.frame), rule.reach(outline, lines, shift)))
-            usable &= (free > 0.0).all(axis=0)
-        free += SLACK if shift < OFFSET else 0.0
-        lines, free = lines.take(usable), free[:, usable]
-        if images is not None:
-            lines, free = images.all_parts(k, outline, lines, free)
-        halved = images is not None and images.is_halved(k)
-        parts = 1 if images is None else images.parts(k)
-        count, thorough = len(lines), self._is_thorough(k)
-        sizes = self._sizes(k, deserved, count, parts)
-        if count < 3 or not sizes:  # a symmetry of more parts than there are vertices
-            raise NoCyclesError("There are no such cycles around some loops.", total=self.problem.total)
-        width = count - 1
-        if count * expected**2 > FULL_SEARCH and not self.few_turns:
-            around = outline.vertices[at]
+            lines = rule.candidates(outline, at, lines, self.frame, float(shift[0]))
+        few_turns = lines is not usual  # those of a few directions
+        lines = lines.shifted(shift[outline.loop_at(lines.place)])
+        if self.images is not None:
+            lines = self.images.first_part(first, outline, lines, at, float(shift[0]))
+        lines, free = self._usable(outline, np.array(which), lines, outline.perimeters / expected)
+        if self.images is not None:
+            lines, free = self.images.all_parts(first, outline, lines, free)
+        numbers = np.bincount(outline.loop_at(lines.place), minlength=len(which))
+        if numbers.min() < 3 or any(self._limit(k) < self._minimum(k) for k in which):  # parts need more vertices
+            raise self._none()
+        width = numbers - 1
+        for n in np.flatnonzero((numbers * expected**2 > FULL_SEARCH) & (not few_turns)).tolist():
+            around = outline.vertices[at[outline.loop[at] == n]]
             depth = _perimeter(around) / _perimeter(around[convex_hull(around)])  # of pockets, which cycles skip
-            width = min(width, int(FOLLOWING * min(depth, MAX_DEPTH) * count / expected) + SPARE_FOLLOWING)
-        if halved:
-            return MirrorSearch(outline, lines, free, width=width, sizes=sizes)
-        known = self.problem.per_loop is not None or len(self.outlines) == 1
-        likely = (self.problem.target if len(self.outlines) == 1 else expected) / parts
-        return RingSearch(
-            outline, lines, free, width=width, sizes=sizes, expected=likely, parts=parts, thorough=thorough, known=known
-        )
+            following = int(FOLLOWING * min(depth, MAX_DEPTH) * numbers[n] / expected[n]) + SPARE_FOLLOWING
+            width[n] = min(width[n], following)
+        found = turns(outline, lines, free, width)
+        parts = zip(outline.split(), outline.apart(lines), np.split(free, np.cumsum(numbers)[:-1], axis=1), strict=True)
+        bounds = pairwise([0, *np.cumsum(numbers).tolist()])
+        return [
+            self._search(k, *part, found.of_loop(*bound)) for k, part, bound in zip(which, parts, bounds, strict=True)
+        ]
 
-    def _is_thorough(self, k: int) -> bool:
-        """Whether a search around a loop may take long: convex, with one number of lines to seek."""
-        return self.problem.per_loop is not None and self.outlines[k].is_convex
+    def _usable(
+        self, outline: Outline, which: IntArray, lines: Lines, mean_edge: FloatArray
+    ) -> tuple[Lines, FloatArray]:
+        """The lines around some loops that run in the open, and what is free (2, K) of them; mean_edge: (L,)."""
+        loop = outline.loop_at(lines.place)
+        shift = self.shift[which][loop]
+        # a little less than the shift from what lines touch
+        distance = np.where(shift > OFFSET, (1.0 - NEGLIGIBLE) * shift, 0.0)
+        longest = REACH * np.minimum(1.0, outline.diameters)[loop]
+        reach = np.minimum(longest, FAR * np.maximum(lines.span, mean_edge[loop]))
+        free = self.obstacles.free(lines, reach, which[loop], distance)
+        # every ray in a hole ends at it; in the solid around it some end nowhere
+        ends = ~outline.is_hole[loop] | ((free < reach) | (reach < longest)).all(axis=0)
+        for rule in self.kept.rules:
+            free = np.minimum(free, rule.free(lines, self.frame))
+            free = np.minimum(free, rule.reach(outline, lines, float(shift[0])))
+        usable = ends & (free > 0.0).all(axis=0)
+        return lines.take(usable), (free + np.where(shift < OFFSET, SLACK, 0.0))[:, usable]
 
-    def _sizes(self, loop: int, deserved: float, lines: int, parts: int) -> range:
-        """The possible numbers of lines of a part of a loop, and of as many others like it."""
-        minimum = self.problem.minimum[loop]
-        return range(-(-minimum // parts), self.most(loop, deserved, lines, parts) // parts + 1)
+    def _search(self, k: int, outline: Outline, lines: Lines, free: FloatArray, found: Turns) -> RingSearch:
+        minimum, most, known = self._minimum(k), self._limit(k), self.problem.per_loop is not None or self.is_alone
+        if not known:
+            most = min(most, max(minimum, (int(self.deserved[k]) + SPARE_SHARE) // self._parts(k)))
+        if self.images is not None and self.images.is_halved(k):
+            return MirrorSearch(outline, lines, free, found, minimum, most)
+        thorough = bool(self.is_thorough[k])
+        return RingSearch(outline, lines, free, found, minimum, most, self._parts(k), thorough=thorough, known=known)
 
-    def most(self, loop: int, deserved: float, lines: int, parts: int = 1) -> int:
-        """The largest number of lines that a loop may have, of those that there are."""
-        minimum, target, loops = self.problem.minimum, self.problem.target, self._copies(loop) // parts
+    def _parts(self, loop: int) -> int:
+        """The number of parts of a loop that rotations take to each other."""
+        return 1 if self.images is None else self.images.parts(loop)
+
+    def _minimum(self, loop: int) -> int:
+        """The least number of lines of a part of a loop."""
+        return -(-self.minimum[loop] // self._parts(loop))
+
+    def _limit(self, loop: int) -> int:
+        """The largest number of lines that a part of a loop may have, with as many for others like it."""
         if self.problem.per_loop is not None:
-            return minimum[loop]
-        most = min(lines, (target - sum(minimum) + loops * minimum[loop]) // loops)
-        if len(minimum) > 1 and target < ANY_NUMBER * len(self.loops.vertices):
-            most = max(minimum[loop], min(most, int(MAX_SHARE * deserved) + SPARE_SHARE), min(lines, FEW_LINES))
-        return most
+            return self.minimum[loop] // self._parts(loop)
+        copies = self._copies(loop)
+        spare = self.problem.target - sum(self.minimum)
+        return (spare + copies // self._parts(loop) * self.minimum[loop]) // copies
+
+    def _none(self) -> NoCyclesError:
+        return NoCyclesError("There are no such cycles around some loops.", total=self.problem.total)
 
     def _mesh(self, choice: Choice) -> tuple[float, Mesh]:
         """Area and mesh of cycles that do not cross. Raises NoCyclesError."""

@@ -82,22 +82,31 @@ class LineCycles:
         return next(self.starts(fine, count, clearance=clearance)).coarse
 
     def starts(
-        self, fine: Mesh, count: Count, *, clearance: float = 0.0, kept: Kept = NOTHING_KEPT, tick: Tick = no_tick
+        self,
+        fine: Mesh,
+        count: Count,
+        *,
+        clearance: float = 0.0,
+        kept: Kept = NOTHING_KEPT,
+        tick: Tick = no_tick,
+        tables: Tables | None = None,
     ) -> Iterator[Start]:
         """One mesh that strictly encloses the fine one, or lies strictly inside it, by exact predicates.
 
         count: total number of vertices, or one per loop of the fine mesh. clearance: distance to keep from the fine
-        mesh where there is space, in input units. Loop k of the mesh belongs to loop k of the fine mesh.
+        mesh where there is space, in input units. Loop k of the mesh belongs to loop k of the fine mesh. tables:
+        searches around loops of other outlines, with the same kept.
 
         Raises NestingError where no cycles are found.
         """
         problem = Problem.of(fine, count, self.side, kept)
-        thin = _around_thinned(problem, clearance, tick)
+        known = tables is not None and tables.knows(problem.outline)
+        thin = None if known else _around_thinned(problem, clearance, tick)
         if thin is not None:
             yield self._start(thin, fine, kept)
             return
         try:
-            mesh = _least_mesh(problem, clearance, tick)
+            mesh = _least_mesh(problem, clearance, tick, tables=tables)
         except NoCyclesError:
             if not kept.rules:
                 raise
@@ -120,7 +129,7 @@ def least_areas(
     problem = Problem.of(fine, most, kept=replace(kept, symmetry=None, preferred=None))
     search = CycleSearch(problem, problem.outline, _shifts(problem, problem.outline, clearance)[0], tables)
     try:
-        search.search()
+        search.search(roughly=True)
     except NoCyclesError:
         return np.full(most + 1, np.inf)
     return search.least
@@ -141,7 +150,9 @@ def _around_thinned(problem: Problem, clearance: float, tick: Tick) -> Mesh | No
     return None
 
 
-def _least_mesh(problem: Problem, clearance: float, tick: Tick, least: float = 0.0) -> Mesh:
+def _least_mesh(
+    problem: Problem, clearance: float, tick: Tick, least: float = 0.0, tables: Tables | None = None
+) -> Mesh:
     """The mesh of the best cycles, at the largest of several distances from the outline, above the least one. Raises
     NestingError."""
     kept = problem.kept
@@ -158,7 +169,7 @@ def _least_mesh(problem: Problem, clearance: float, tick: Tick, least: float = 0
         ):
             continue
         try:
-            return _at_shift(problem, loops, shift, tick)
+            return _at_shift(problem, loops, shift, tick, tables)
         except NoCyclesError as error:
             failure = error  # the tightening may find the room that is left out here
     raise failure
@@ -175,9 +186,9 @@ def _shifts(problem: Problem, loops: Loops, clearance: float) -> list[FloatArray
     return [*first, *(np.full(len(wanted), offset) for offset in OFFSETS)]
 
 
-def _at_shift(problem: Problem, loops: Loops, shift: FloatArray, tick: Tick) -> Mesh:
+def _at_shift(problem: Problem, loops: Loops, shift: FloatArray, tick: Tick, tables: Tables | None) -> Mesh:
     """The mesh of least area of several ways to clear crossings. Raises NoCyclesError."""
-    search = CycleSearch(problem, loops, shift)
+    search = CycleSearch(problem, loops, shift, tables)
     search.search(tick)
     found: list[tuple[float, Mesh]] = []
     error = NoCyclesError()

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
 from copy import copy
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
-from ..geometry.convex_hull import convex_hull
 from ..geometry.precision import ROUND_OFF
+from ..geometry.vectors import dot
+from .base import Tick, no_tick
 from .outline import Lines, Outline
-from .shortest_cycles import Paths, run_batched
-from .turns import Turns, turns
+from .shortest_cycles import Graph, Paths, run_batched
+from .turns import Turns
 
 MAX_STARTS, APART = 4, 0.1
 """Number of lines through which a first cycle is sought; part of the outline in which no second such line lies."""
@@ -21,12 +22,18 @@ MAX_STARTS, APART = 4, 0.1
 SUPPORTING = 1e6
 """Preference of lines that have the whole outline on one side: a cage is likely to follow one of them."""
 
+CORNERS = 32
+"""Directions whose extreme vertices tell that."""
+
 CHEAP_WORK = 3e5
 """Turns times lines of the cage up to which there is time for one more search."""
 
 MAX_ACROSS, MAX_MORE = 4, 6
 """Number of searches through the opposite line of the best cycle, and through lines between two lines of it
 (docs/ablation.md: line cycles: searches through other lines)."""
+
+ROUGH_ACROSS = 2
+"""The first of these where an estimate is enough: it is within about 1 %."""
 
 MAX_MORE_IN_PARTS = 60
 """The same where rotations leave few lines to each part, so that the first one decides."""
@@ -41,6 +48,12 @@ IMPROVED = 1e-3
 SPARE = 3
 """Lines that a later search allows beyond those wanted."""
 
+MAX_REFINED, REROUTED = 3, 3
+"""Number of searches near the best cycle, one after the other; of lines that it is sought through after changes."""
+
+USUAL_REACH, WIDE_REACH = 2, 8
+"""Turns by which a cycle near another one may run ahead of it or fall behind; the same after lines were shortened."""
+
 BAND = 24
 """Number of lines by which a cycle may run ahead of evenly spread ones or fall behind, where its number is known."""
 
@@ -51,36 +64,41 @@ class RingSearch:
     Methods that search are generators of programs, which `run_together` runs with those of other outlines.
     """
 
+    totals: FloatArray
+    found: dict[int, Paths]
+    """What tells the best cycle of each number of lines."""
+    improved: int
+    """Number of lines up to which cycles were sought through further lines."""
+    tried: int
+    """The same, roughly."""
+
     def __init__(
         self,
         outline: Outline,
         lines: Lines,
         free: FloatArray,
-        *,
-        width: int,
-        sizes: range,
-        expected: float,
+        found: Turns,
+        minimum: int,
+        most: int,
         parts: int = 1,
+        *,
         thorough: bool = False,
         known: bool = False,
     ) -> None:
-        """free: (2, K) what is free of each line. sizes: the possible numbers of lines. expected: the likely one.
+        """free: (2, K) what is free of each line. found: the turns between them. minimum: of the number of lines.
 
-        parts: of the outline that rotations take to each other; lines are counted and sought in the first one.
-        thorough: whether cycles are sought through all lines between two of a cycle, as far as these are few.
-        known: whether cycles of the largest number alone matter.
+        most: the largest number that is sought at first. parts: of the outline that rotations take to each other; lines
+        are counted and sought in the first one. thorough: whether cycles are sought through all lines between two of a
+        cycle, as far as these are few. known: whether cycles of the largest number alone matter.
         """
-        self.outline, self.lines, self.free, self.sizes, self.expected = outline, lines, free, sizes, expected
-        self.parts, self.count, self.most = parts, len(lines) // parts, sizes.stop - 1
+        self.outline, self.lines, self.free, self.minimum = outline, lines, free, minimum
+        self.parts, self.count = parts, len(lines) // parts
+        self.most = min(most, self.count)
         self.more = MAX_MORE_IN_PARTS if parts > 1 else MAX_MORE_IF_THOROUGH if thorough else MAX_MORE
         self.even = [k * self.count // self.most for k in range(self.most)] if known else None
-        self.turns: Turns = turns(outline, lines, free, width)
-        if parts > 1:
-            self.turns = self.turns.of_part(self.count, len(lines))
-        self.first: IntArray = np.searchsorted(self.turns.target, np.arange(self.count + 1))
-        self.totals: FloatArray = np.full(sizes.stop, np.inf)
-        self.found: dict[int, Any] = {}
-        """What tells the best cycle of each number of lines."""
+        self.turns: Turns = found if parts == 1 else found.of_part(self.count, len(lines))
+        self.graph = Graph.of(self.turns.source, self.turns.target, self.turns.within(free), self.count)
+        self._forget()
 
     def copy(self) -> Self:
         """The search as it is now, to go on from without changing it."""
@@ -88,40 +106,78 @@ class RingSearch:
         other.free, other.totals, other.found = self.free.copy(), self.totals.copy(), dict(self.found)
         return other
 
-    def solve(self, through: int | None = None) -> Iterator[list[Paths]]:
-        """Search from scratch, after changes of `free`; through: a line that good cycles had."""
-        self.areas = self.turns.within(self.free)
-        self.totals, self.found = np.full(self.sizes.stop, np.inf), {}
-        if through is not None:
-            yield from self._search(through)
-        if not self.found:
-            yield from self._first_cycles()
-        if not self.found:
+    def solve(self) -> Iterator[list[Paths]]:
+        """Search from scratch through the lines that most cycles are likely to have, until there is a cycle."""
+        self._forget()
+        outline, lines = self.outline, self.lines.take(slice(self.count))
+        open_ = np.isfinite(self.graph.areas)
+        onto, off = (np.bincount(ends[open_], minlength=self.count) for ends in (self.turns.target, self.turns.source))
+        turn = 2.0 * np.pi / CORNERS * np.arange(CORNERS)
+        extreme = (outline.vertices @ np.stack((np.cos(turn), np.sin(turn)))).argmax(axis=0)
+        corners = outline.vertices[np.unique(extreme)]
+        above = (lines.right @ corners.T).max(axis=1) - dot(lines.right, lines.point)
+        supports = (above <= ROUND_OFF * outline.length) & ~outline.is_hole
+        score = off * onto * np.where(supports, SUPPORTING, 1.0)
+        for _ in range(MAX_STARTS):
+            start = int(score.argmax())
+            if self.found or score[start] <= 0.0:
+                return
+            yield from self._search(self.most, start)
+            half = 0.5 * outline.size
+            away = np.mod(lines.place - lines.place[start] + half, outline.size) - half
+            score[np.abs(away) < APART * outline.size] = -1.0
+
+    def improve(self, number: int, *, roughly: bool = False) -> Iterator[list[Paths]]:
+        """Search through other lines of the best cycle of a number of lines, as long as that takes little time.
+
+        roughly: whether through few of them.
+        """
+        if number <= (self.tried if roughly else self.improved):
             return
-        spare = CHEAP_WORK / (len(self.areas) * self.sizes.stop)
-        for _ in range(min(int(spare), MAX_ACROSS)):
-            if not (yield from self._search(self._across(self.usual))):
+        self.tried = most = min(number + SPARE, self.most)
+        spare = int(CHEAP_WORK / (len(self.graph.areas) * (most + 1)))
+        for _ in range(min(spare, ROUGH_ACROSS if roughly else MAX_ACROSS)):
+            if not (yield from self._search(most, self._across(number))):
                 break
-        more = self.more if self.more > MAX_MORE else min(int(spare), MAX_MORE)
+        if roughly:
+            return
+        self.improved = most
+        more = self.more if self.more > MAX_MORE else min(spare, MAX_MORE)
         if more:
-            cycle = self._part(self.usual)
+            cycle = self._part(number)
             gaps = np.mod(np.roll(cycle, -1) - cycle - 1, self.count) + 1
             g = int(gaps.argmin())
             steps = np.unique(np.linspace(0, gaps[g], more + 2)[1:-1].astype(np.int64)).tolist()
-            yield from self._search(*(int((cycle[g] + step) % self.count) for step in steps))
+            yield from self._search(most, *(int((cycle[g] + step) % self.count) for step in steps))
 
     def refine(self, number: int) -> Iterator[list[Paths]]:
-        """Search once more through another line of the best cycle of a number of lines, near this cycle."""
-        start = self._across(number)
-        corridor = np.sort(np.mod(self._part(number) - start, self.count)).tolist()
-        paths = Paths(self.turns, self.areas, self.first, start, min(number + SPARE, self.most), corridor)
-        yield [paths]
-        self._keep(paths)
+        """Search through other lines of the best cycle of a number of lines, near this cycle, as long as that helps."""
+        for _ in range(MAX_REFINED):
+            if not (yield from self._near(self._part(number), [self._across(number)], USUAL_REACH)):
+                return
 
-    @property
-    def usual(self) -> int:
-        """The number of lines, of those found, that is closest to the expected one."""
-        return min(self.found, key=lambda k: abs(k - self.expected))
+    def reroute(self, number: int) -> Iterator[list[Paths]]:
+        """Search near the best cycle of a number of lines after changes of `free`; from scratch if there is none."""
+        cycle = self._part(number)
+        self.graph = self.graph._replace(areas=self.turns.within(self.free))
+        self._forget()
+        starts = cycle[np.unique(np.linspace(0, number, REROUTED, endpoint=False).astype(np.int64))]
+        yield from self._near(cycle, starts.tolist(), WIDE_REACH)
+        if not self.found:
+            yield from self.solve()
+
+    def _near(self, cycle: IntArray, starts: Sequence[int], reach: int) -> Generator[list[Paths], None, bool]:
+        """Search through some lines near a cycle; whether one is better than before."""
+        most, several = min(len(cycle) + SPARE, self.most), []
+        for start in starts:
+            corridor = np.sort(np.mod(cycle - start, self.count)).tolist()
+            several.append(Paths(self.graph, start, most, corridor, reach))
+        return (yield from self._run(several))
+
+    def extend(self, most: int) -> bool:
+        """Let cycles have twice as many lines, at most a number; whether they may have more than before."""
+        before, self.most = self.most, max(self.most, min(2 * self.most, most, self.count))
+        return self.most > before
 
     def cycle(self, number: int) -> IntArray:
         """(parts * number,) the lines of the best cycle, ascending."""
@@ -132,31 +188,17 @@ class RingSearch:
         least = self.free.reshape(2, self.parts, self.count).min(axis=1)
         self.free = np.tile(least, self.parts)
 
+    def _forget(self) -> None:
+        self.totals, self.found, self.improved, self.tried = np.full(self.most + 1, np.inf), {}, 0, 0
+
     def _part(self, number: int) -> IntArray:
         return np.asarray(self.found[number].cycle(number))
 
-    def _first_cycles(self) -> Iterator[list[Paths]]:
-        """Search through the lines that most cycles are likely to have, until there is a cycle."""
-        outline, lines = self.outline, self.lines.take(np.arange(self.count))
-        open_ = np.isfinite(self.areas)
-        onto, off = (np.bincount(ends[open_], minlength=self.count) for ends in (self.turns.target, self.turns.source))
-        hull = outline.vertices[np.unique(np.floor(lines.place).astype(np.int64))]
-        hull = hull[convex_hull(hull)] if len(hull) > 1 else hull
-        above = (lines.right @ hull.T).max(axis=1) - (lines.right * lines.point).sum(axis=1)
-        supports = (above <= ROUND_OFF * outline.length) & (not outline.is_hole)
-        score = off * onto * np.where(supports, SUPPORTING, 1.0)
-        for _ in range(MAX_STARTS):
-            start = int(score.argmax())
-            if self.found or score[start] <= 0.0:
-                return
-            yield from self._search(start)
-            half = 0.5 * outline.size
-            away = np.mod(lines.place - lines.place[start] + half, outline.size) - half
-            score[np.abs(away) < APART * outline.size] = -1.0
+    def _search(self, most: int, *starts: int) -> Generator[list[Paths], None, bool]:
+        """Search cycles of at most a number of lines through some lines; whether one is better than before."""
+        return (yield from self._run([Paths(self.graph, start, most, self.even, BAND) for start in starts]))
 
-    def _search(self, *starts: int) -> Generator[list[Paths], None, bool]:
-        """Search cycles through some lines; whether one is better than before."""
-        several = [Paths(self.turns, self.areas, self.first, start, self.most, self.even, BAND) for start in starts]
+    def _run(self, several: list[Paths]) -> Generator[list[Paths], None, bool]:
         yield several
         kept = [self._keep(paths) for paths in several]
         return any(kept)
@@ -164,7 +206,7 @@ class RingSearch:
     def _keep(self, paths: Paths) -> bool:
         better = np.flatnonzero(paths.totals < self.totals[: len(paths.totals)])
         improved = False
-        for k in better[better >= self.sizes.start].tolist():
+        for k in better[better >= self.minimum].tolist():
             improved |= bool(paths.totals[k] < (1.0 - IMPROVED) * self.totals[k])
             self.totals[k], self.found[k] = paths.totals[k], paths
         return improved
@@ -176,37 +218,41 @@ class RingSearch:
         return int(np.roll(cycle, -own)[number // 2])
 
 
-def run_together(searches: Sequence[Iterator[list[Paths]]]) -> None:
+def run_together(searches: Sequence[Iterator[list[Paths]]], tick: Tick = no_tick) -> None:
     """Run what searches around several outlines ask for, all at once."""
     while searches:
+        tick(0.0)
         asked = [(search, programs) for search in searches if (programs := next(search, None)) is not None]
         run_batched([paths for _, programs in asked for paths in programs])
         searches = [search for search, _ in asked]
 
 
-def least_sums(totals: list[FloatArray], count: int, copies: list[int]) -> tuple[FloatArray, list[IntArray]]:
-    """(n,) the least sum of areas of 0, 1, … lines in all, at most `count`, and the lines of each outline for those.
+def least_sums(totals: list[FloatArray], count: int, copies: list[int]) -> list[FloatArray]:
+    """For the first 0, 1, … outlines (n,) the least sum of areas of 0, 1, … lines in all, at most `count`.
 
     totals: for each outline the least area of each number of lines. copies: of each outline.
     """
-    least, picks = np.zeros(1), list[IntArray]()
+    sums = [np.zeros(1)]
     for total, times in zip(totals, copies, strict=True):
-        sums = np.full((len(total), min(count + 1, len(least) + times * (len(total) - 1))), np.inf)
+        sums.append(np.full(min(count + 1, len(sums[-1]) + times * (len(total) - 1)), np.inf))
         for k in np.flatnonzero(np.isfinite(total)).tolist():
-            part = least[: max(0, sums.shape[1] - times * k)]
-            sums[k, times * k : times * k + len(part)] = total[k] + part
-        picks.append(sums.argmin(axis=0))
-        least = sums.min(axis=0)
-    return least, picks
+            room = sums[-1][times * k :]
+            part = sums[-2][: len(room)] + total[k]
+            np.minimum(room[: len(part)], part, out=room[: len(part)])
+    return sums
 
 
 def allocate(totals: list[FloatArray], count: int, copies: list[int]) -> list[int] | None:
     """Lines of each outline, together at most `count`, of the least sum of areas; None if there are none."""
-    least, picks = least_sums(totals, count, copies)
-    if not np.isfinite(least.min()):
+    sums = least_sums(totals, count, copies)
+    left = int(sums[-1].argmin())
+    if not np.isfinite(sums[-1][left]):
         return None
-    left, numbers = int(least.argmin()), []
-    for pick, times in zip(reversed(picks), reversed(copies), strict=True):
-        numbers.append(int(pick[left]))
+    numbers = []
+    for total, times, before in zip(reversed(totals), reversed(copies), sums[-2::-1], strict=True):
+        fewest = max(0, -(-(left - len(before) + 1) // times))
+        most = min(len(total) - 1, left // times)
+        rest = left - times * np.arange(fewest, most + 1)
+        numbers.append(fewest + int((before[rest] + total[fewest : most + 1]).argmin()))
         left -= times * numbers[-1]
     return numbers[::-1]

@@ -1,4 +1,4 @@
-"""Samples: the vertices of a loop at which stretches for candidate lines begin.
+"""Samples: the vertices of loops at which stretches for candidate lines begin.
 
 A smooth arc needs edges in proportion to the integral of the cube root of its curvature along its length: a triangle
 over a short piece has an area in proportion to curvature times length cubed.
@@ -14,7 +14,7 @@ from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.loops import Loops
 from ..geometry.precision import ROUND_OFF
 from ..geometry.vectors import cross, norm
-from .outline import Outline
+from .outline import Outline, largest
 
 ALL_VERTICES = 1.25
 """Vertices per wanted place up to which each vertex is a place."""
@@ -29,48 +29,61 @@ drawing."""
 FLAT_WEIGHT = 0.1
 """Weight of a straight edge, relative to the mean weight of all per length."""
 
+MAX_SCALE = 1.0 / 3.0
+"""Part of a loop up to which its curvature is measured."""
 
-def weights(outlines: list[Outline], count: int) -> list[FloatArray]:
-    """(S,) for each outline how many of the places its edges deserve; the scale is that of a cage of count vertices."""
-    total = sum(outline.length for outline in outlines)
-    densities = [_density(outline, 0.5 * total / count) for outline in outlines]
-    mean = sum(float((d * outline.lengths).sum()) for d, outline in zip(densities, outlines, strict=True)) / total
+
+def weights(outline: Outline, count: int) -> FloatArray:
+    """(S,) how many of the places each edge deserves; the scale is that of a cage of count vertices."""
+    density = _density(outline, 0.5 * outline.length / count)
+    mean = float((density * outline.lengths).sum()) / outline.length
     if mean == 0.0:  # straight at this scale
-        return [outline.lengths for outline in outlines]
-    return [(d + FLAT_WEIGHT * mean) * outline.lengths for d, outline in zip(densities, outlines, strict=True)]
+        return outline.lengths
+    return np.asarray((density + FLAT_WEIGHT * mean) * outline.lengths)
 
 
 def _density(outline: Outline, scale: float) -> FloatArray:
     """(S,) the cube root of the area of the triangle from a scale before each edge's middle to a scale behind it."""
-    along = np.concatenate(([0.0], np.cumsum(np.tile(outline.lengths, 3))))
-    ring = np.concatenate((np.tile(outline.vertices, (3, 1)), outline.vertices[:1]))
-    middle = along[outline.size : 2 * outline.size] + 0.5 * outline.lengths
+    loop, end = outline.loop, np.cumsum(outline.lengths)
+    begin = end - outline.lengths
+    first, perimeter = begin[outline.begins][loop], outline.perimeters[loop]
+    middle, scales = 0.5 * (begin + end) - first, np.minimum(scale, MAX_SCALE * perimeter)
+    low, high = outline.begins[loop], (outline.begins + outline.sizes - 1)[loop]
 
-    def at(shift: float) -> FloatArray:
-        return np.stack([np.interp(middle + shift, along, axis) for axis in ring.T], axis=1)
+    def at(shift: FloatArray) -> FloatArray:
+        along = first + np.mod(middle + shift, perimeter)
+        edge = np.clip(np.searchsorted(begin, along, "right") - 1, low, high)
+        part = (along - begin[edge]) / outline.lengths[edge]
+        return np.asarray(outline.vertices[edge] + part[:, None] * outline.edges[edge])
 
-    before = at(-scale)
-    area = np.abs(cross(at(scale) - before, at(0.0) - before))
+    before, here = at(-scales), outline.vertices + 0.5 * outline.edges
+    area = np.abs(cross(at(scales) - before, here - before))
     root: FloatArray = np.cbrt(area if outline.weights is None else outline.edge_weights * area)
     return root
 
 
-def samples(outline: Outline, weight: FloatArray, count: int) -> IntArray:
-    """(N,) vertices, ascending: the sharpest of each cell of equal weight, and the sharp corners of the outline."""
-    if outline.size <= ALL_VERTICES * count:
-        return np.arange(outline.size)
+def samples(outline: Outline, weight: FloatArray, count: IntArray) -> IntArray:
+    """(N,) vertices, ascending: of each loop the sharpest of each cell of equal weight, and the sharp corners.
+
+    weight: (S,) of edges. count: (L,) wanted number for each loop.
+    """
+    loop, wanted = outline.loop, count[outline.loop]
+    first = np.cumsum(count) - count
     sums = np.cumsum(weight)
-    cell = np.minimum(np.round((sums - weight) / sums[-1] * count, DECIMALS).astype(np.int64), count - 1)
+    before = sums - weight
+    before -= before[outline.begins][loop]
+    part = before / np.add.reduceat(weight, outline.begins)[loop]
+    cell = first[loop] + np.minimum(np.round(part * wanted, DECIMALS).astype(np.int64), wanted - 1)
     turn = np.round(np.abs(outline.turned(np.arange(outline.size), outline.edges)), DECIMALS)
+    longer = np.maximum(outline.lengths, outline.lengths[outline.loops.back])
+    sharpness = np.round(turn * longer * wanted / outline.perimeters[loop], DECIMALS)
+    chosen = (outline.sizes <= ALL_VERTICES * count)[loop]
     order = np.lexsort((turn, cell))
-    chosen = order[np.flatnonzero(np.diff(cell[order], append=count))]
-    sharpness = np.round(
-        turn * np.maximum(outline.lengths, np.roll(outline.lengths, 1)) * count / outline.length, DECIMALS
-    )
-    corners = np.flatnonzero(sharpness > SHARP)
-    chosen = np.union1d(chosen, corners if len(corners) <= count else np.argsort(-sharpness, kind="stable")[:count])
+    chosen[order[np.flatnonzero(np.diff(cell[order], append=count.sum()))]] = True
+    chosen |= (sharpness > SHARP) & largest(sharpness, loop, count)
     sharpness[chosen] = -1.0
-    return np.union1d(chosen, np.argsort(-sharpness, kind="stable")[: max(0, count - len(chosen))])
+    missing = np.maximum(count - np.bincount(loop[chosen], minlength=len(count)), 0)
+    return np.flatnonzero(chosen | largest(sharpness, loop, missing))
 
 
 @dataclass(frozen=True)

@@ -42,9 +42,6 @@ RESOLVED = 12
 BUILT = 2
 """Outlines around which starts are made before the first is chosen: estimates leave crossings out."""
 
-MANY = 12
-"""Loops from which each must have a vertex more than a triangle: long searches around them would find little."""
-
 FURTHER = 4
 """Further outlines that are tried where the best ones lead to no cage."""
 
@@ -136,7 +133,7 @@ class Outlines:
     def ranked(self, one_loop: bool) -> Iterator[int]:
         """Outlines by the area of the cage around them, the least first; then others of the sequence."""
         loops = self.sequence.loops
-        fits = [k for k, number in enumerate(loops) if (MIN_PER_LOOP + (number > MANY)) * number <= self.count]
+        fits = [k for k, number in enumerate(loops) if MIN_PER_LOOP * number <= self.count]
         fits = fits or [len(loops) - 1]
         if one_loop:
             fits = [k for k in fits if loops[k] == loops[-1]]
@@ -203,9 +200,13 @@ class Outlines:
             mesh, kept = with_images(mesh, symmetry), replace(kept, preferred=None)
         count = min(count, len(mesh.vertices))
         failure: NestingError | None = None
+        tables = self.tables if symmetry is None else None
         for fewer in range(1 if symmetry is None else symmetry.order):  # pairs of loops have even numbers
             try:
-                return next(method.starts(mesh, count - fewer, clearance=self.clearance, kept=kept, tick=self.tick))
+                starts = method.starts(
+                    mesh, count - fewer, clearance=self.clearance, kept=kept, tick=self.tick, tables=tables
+                )
+                return next(starts)
             except NestingError as error:
                 failure = failure or error
         assert failure is not None

@@ -16,9 +16,9 @@ from ..geometry.vectors import dot, norm
 from .outline import Lines, Outline
 from .ring_search import RingSearch
 from .sampling import DECIMALS, NormalFrame
-from .shortest_cycles import Paths
+from .shortest_cycles import Graph, Paths
 from .tangents import supporting_lines
-from .turns import SLACK, Turns, turns
+from .turns import SLACK, Turns
 
 
 def _orbits(loops: Loops, symmetry: Symmetry) -> Orbits:
@@ -176,11 +176,14 @@ class MirrorSearch(RingSearch):
     that has an image, the first of which ends between lines. So one program finds the best cycles of all numbers.
     """
 
-    def __init__(self, outline: Outline, lines: Lines, free: FloatArray, *, width: int, sizes: range) -> None:
-        """lines: of one half and their images. free: (2, K) what is free of each. sizes: possible numbers of lines."""
-        self.outline, self.lines, self.free, self.sizes = outline, lines, free, sizes
-        self.turns: Turns = turns(outline, lines, free, width)
-        self.totals, self.found = np.full(sizes.stop, np.inf), {}
+    def __init__(self, outline: Outline, lines: Lines, free: FloatArray, found: Turns, minimum: int, most: int) -> None:
+        """lines: of one half and their images. free: (2, K) what is free of each. found: the turns between them.
+
+        minimum, most: of the number of lines.
+        """
+        self.outline, self.lines, self.free, self.turns = outline, lines, free, found
+        self.minimum, self.most, self.count = minimum, min(most, len(lines)), len(lines)
+        self._forget()
         middle = 0.5 * outline.size
         self.half = int((lines.place <= middle).sum())
         self.first, self.last = np.flatnonzero(lines.place == 0.0), np.flatnonzero(lines.place == middle)
@@ -188,7 +191,7 @@ class MirrorSearch(RingSearch):
         every = np.arange(len(lines))
         self.image: IntArray = np.where(own, every, len(lines) - 1 + len(self.first) - every)
 
-    def solve(self, through: int | None = None) -> Iterator[list[Paths]]:
+    def solve(self) -> Iterator[list[Paths]]:
         """Search from scratch, after changes of `free`."""
         areas, source, target, half = self.turns.within(self.free), self.turns.source, self.turns.target, self.half
         mirrored = self.image[source] == target
@@ -211,15 +214,23 @@ class MirrorSearch(RingSearch):
         )
         order = np.argsort(end, kind="stable")
         start, end, area = start[order], end[order], area[order].astype(np.float32)
-        first = np.searchsorted(end, np.arange(axis + 2))
-        paths = Paths(Turns(start, end, area, area, area), area, first, 0, self.sizes.stop + 1)
+        paths = Paths(Graph.of(start, end, area, axis + 1), 0, self.most + 2)
         yield [paths]
-        self.totals[self.sizes] = paths.totals[2:][self.sizes]
-        self.found = {number: paths for number in self.sizes if np.isfinite(self.totals[number])}
+        self._forget()
+        self.totals[self.minimum :] = paths.totals[2 + self.minimum :]
+        self.found = dict.fromkeys(np.flatnonzero(np.isfinite(self.totals)).tolist(), paths)
+
+    def improve(self, number: int, *, roughly: bool = False) -> Iterator[list[Paths]]:
+        """The search knows no better cycle."""
+        return iter(())
 
     def refine(self, number: int) -> Iterator[list[Paths]]:
         """The search knows no better cycle."""
         return iter(())
+
+    def reroute(self, number: int) -> Iterator[list[Paths]]:
+        """Search from scratch."""
+        return self.solve()
 
     def cycle(self, number: int) -> IntArray:
         """(number,) the lines of the best cycle, ascending."""

@@ -5,40 +5,69 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.arrays import TINY, FloatArray, IntArray
+from ..geometry.broad_phase import position_in_group
 from ..geometry.precision import ROUND_OFF
 from ..geometry.vectors import dot, norm
-from .outline import Lines
+from .outline import Lines, Outline
 
-BLOCK_EDGES = 16
-"""Consecutive edges that rays look at together."""
+BLOCK_EDGES, BLOCK_LINES = 16, 32
+"""Consecutive edges that rays look at together; consecutive lines that look for these together."""
+
+MANY_BLOCKS, NEAR = 256, 5.0
+"""Number of blocks from which rays are followed as far as this many mean radii of blocks at first: most end there."""
+
+CHUNK = 2**14
+"""Pairs of a block of lines and one of edges that are looked at together, which bounds the memory."""
 
 
 class Obstacles:
     """All loops of a mesh, in blocks of edges with circles around them."""
 
-    def __init__(self, loops: list[FloatArray], regions: IntArray) -> None:
+    def __init__(self, outline: Outline, regions: IntArray) -> None:
         """regions: (L,) the empty region that each loop bounds."""
         # the last edge of each loop is repeated, so that no block has edges of two loops
-        padded = [np.minimum(np.arange(-(-len(loop) // BLOCK_EDGES) * BLOCK_EDGES), len(loop) - 1) for loop in loops]
-        self.region = np.repeat(regions, [len(order) for order in padded])
-        self.starts = np.concatenate([loop[order] for loop, order in zip(loops, padded, strict=True)])
-        self.ends = np.concatenate([loop[(order + 1) % len(loop)] for loop, order in zip(loops, padded, strict=True)])
+        sizes = -(-outline.sizes // BLOCK_EDGES) * BLOCK_EDGES
+        along = np.minimum(position_in_group(sizes), np.repeat(outline.sizes - 1, sizes))
+        edge = np.repeat(outline.begins, sizes) + along
+        self.regions, self.region = regions, np.repeat(regions, sizes)
+        self.starts, self.ends = outline.vertices[edge], outline.loops.ends[edge]
         blocks = np.stack((self.starts.reshape(-1, BLOCK_EDGES, 2), self.ends.reshape(-1, BLOCK_EDGES, 2)), axis=1)
-        self.blocks: FloatArray = blocks.reshape(-1, 2 * BLOCK_EDGES, 2)
-        self.centres: FloatArray = self.blocks.mean(axis=1)
-        self.radii: FloatArray = norm(self.blocks - self.centres[:, None]).max(axis=1) + ROUND_OFF
+        blocks = blocks.reshape(-1, 2 * BLOCK_EDGES, 2)
+        self.centres: FloatArray = blocks.mean(axis=1)
+        self.radii: FloatArray = norm(blocks - self.centres[:, None]).max(axis=1) + ROUND_OFF
+        self.x, self.y = np.moveaxis(blocks, 2, 0).copy()  # (B, 2 * BLOCK_EDGES)
 
-    def free(self, lines: Lines, reach: FloatArray, region: int, distance: float) -> FloatArray:
+    def free(self, lines: Lines, reach: FloatArray, loop: IntArray, distance: FloatArray) -> FloatArray:
         """(2, K) how far each line runs from its point forwards and backwards, at most its reach (K,).
 
-        distance: that it keeps from all edges; 0: it meets none. Negative where the point lies in the solid, too close
-        to it, or in another empty region.
+        loop: (K,) that of each, ascending. distance: (K,) that it keeps from all edges; 0: it meets none. Negative
+        where the point lies in the solid, too close to it, or in another empty region.
         """
-        right, origin = lines.right, lines.point
-        level = dot(right, origin)
-        k, block = self._near(lines, reach + distance, level, distance)
-        near = self.blocks[block]
-        heights = level[k, None] - (right[k, 0, None] * near[:, :, 0] + right[k, 1, None] * near[:, :, 1])
+        free, waiting = np.tile(reach, (2, 1)), np.arange(len(lines))
+        far = NEAR * float(self.radii.mean()) if len(self.radii) > MANY_BLOCKS else np.inf
+        step = max(1, CHUNK // len(self.radii))
+        while len(waiting):
+            begins = np.flatnonzero(position_in_group(np.bincount(loop[waiting])) % BLOCK_LINES == 0)
+            begins, left = np.append(begins, len(waiting)), []
+            for first in range(0, len(begins) - 1, step):
+                some = begins[first : first + step + 1]
+                k = waiting[some[0] : some[-1]]
+                limit = np.minimum(reach[k], far)
+                met = self._within(lines.take(k), limit, loop[k], distance[k], some[:-1] - some[0])
+                free[:, k] = np.where(met < limit, met, reach[k])
+                left.append(k[(limit < reach[k]) & (met >= limit).any(axis=0)])
+            waiting, far = np.concatenate(left), np.inf
+        return free
+
+    def _within(
+        self, lines: Lines, reach: FloatArray, loop: IntArray, distance: FloatArray, begins: IntArray
+    ) -> FloatArray:
+        """`free` of lines in blocks that begin with some of them."""
+        origin, (u, v) = lines.point, lines.direction.T
+        k, block = self._near(lines, reach + distance, distance, begins)
+        level = (v * origin[:, 0] - u * origin[:, 1]).take(k)[:, None]
+        heights = level - v.take(k)[:, None] * self.x.take(block, axis=0)
+        heights += u.take(k)[:, None] * self.y.take(block, axis=0)
         left = heights > 0.0
         hit, edge = np.nonzero(left[:, :BLOCK_EDGES] != left[:, BLOCK_EDGES:])
         here, there, left = heights[hit, edge], heights[hit, BLOCK_EDGES + edge], left[hit, edge]
@@ -49,25 +78,34 @@ class Obstacles:
         way, length = (along < 0.0).astype(np.int64), np.abs(along)
         free, leaving = np.tile(reach, (2, 2, 1))
         np.minimum.at(free, (way, ray), length)
-        out = (left == (along < 0.0)) | (self.region[edge] != region)
+        out = (left == (along < 0.0)) | (self.region[edge] != self.regions[loop[ray]])
         np.minimum.at(leaving, (way[out], ray[out]), length[out])
         inside = ((leaving <= free) & (leaving < reach)).any(axis=0)
-        if distance > 0.0:
+        if distance.any():
             free = np.minimum(free, self._to_distance(distance, lines, k, block, heights))
         return np.where(inside, -1.0, free)
 
-    def _near(self, lines: Lines, reach: FloatArray, level: FloatArray, distance: float) -> tuple[IntArray, IntArray]:
+    def _near(
+        self, lines: Lines, reach: FloatArray, distance: FloatArray, begins: IntArray
+    ) -> tuple[IntArray, IntArray]:
         """Pairs of a line and a block that it can meet within its reach."""
-        middle = 0.5 * (lines.point.min(axis=0) + lines.point.max(axis=0))
-        around = float(norm(lines.point - middle).max() + reach.max())
-        close = np.flatnonzero(norm(self.centres - middle) <= around + self.radii)
-        centres, radii = self.centres[close], self.radii[close]
-        k, block = np.nonzero(np.abs(level[:, None] - lines.right @ centres.T) <= radii + distance)
-        within = np.abs(dot(centres[block] - lines.point[k], lines.direction[k])) <= reach[k] + radii[block]
-        return k[within], close[block[within]]
+        low, high = (each.reduceat(lines.point, begins) for each in (np.minimum, np.maximum))
+        around = 0.5 * norm(high - low) + np.maximum.reduceat(reach, begins)
+        away = 0.5 * (low + high)[:, None] - self.centres
+        group, block = np.nonzero(norm(away) <= around[:, None] + self.radii)
+        counts = np.diff(begins, append=len(lines))[group]
+        k, block = np.repeat(begins[group], counts) + position_in_group(counts), np.repeat(block, counts)
+        (x, y), (u, v), radius = self.centres.T, lines.direction.T, self.radii.take(block)
+        x, y = x.take(block) - lines.point[:, 0].take(k), y.take(block) - lines.point[:, 1].take(k)
+        u, v = u.take(k), v.take(k)
+        met = np.abs(v * x - u * y) <= radius + distance.take(k)
+        met &= np.abs(u * x + v * y) <= reach.take(k) + radius
+        return k[met], block[met]
 
-    def _to_distance(self, d: float, lines: Lines, k: IntArray, block: IntArray, heights: FloatArray) -> FloatArray:
-        """(2, K) how far each line keeps a distance d forwards and backwards; -1 where its point does not.
+    def _to_distance(
+        self, distance: FloatArray, lines: Lines, k: IntArray, block: IntArray, heights: FloatArray
+    ) -> FloatArray:
+        """(2, K) how far each line keeps its distance d forwards and backwards; -1 where its point does not.
 
         k, block: (P,) lines and blocks that can meet; heights: (P, 2 * BLOCK_EDGES) of the starts and ends of the edges
         of these over the lines. Those points of a line that are closer than d to an edge end at a + (d² - h²)½, for the
@@ -75,7 +113,9 @@ class Obstacles:
         or where h = d cos α, with its angle α to the line. They begin likewise.
         """
         here, there = heights[:, :BLOCK_EDGES], heights[:, BLOCK_EDGES:]
-        row, edge = np.nonzero((np.minimum(here, there) < d) & (np.maximum(here, there) > -d))
+        bound = distance[k, None]
+        row, edge = np.nonzero((np.minimum(here, there) < bound) & (np.maximum(here, there) > -bound))
+        d = distance[k[row]]
         here, there, k, edge = here[row, edge], there[row, edge], k[row], block[row] * BLOCK_EDGES + edge
         start = dot(self.starts[edge] - lines.point[k], lines.direction[k])
         run, rise = dot(self.ends[edge] - self.starts[edge], lines.direction[k]), there - here

@@ -45,7 +45,7 @@ class CornerArea(CageEnergy):
     ) -> CornerArea:
         """The energy of a cage whose loops are around those of a hull; weights (P,) at points (P, 2)."""
         loops = [hull.vertices[loop] for loop in hull.loops]
-        return cls(cage, tuple(Outline(loop, weight_at(loop)) for loop in loops), weighted)
+        return cls(cage, tuple(Outline.of(loop, weight_at(loop)) for loop in loops), weighted)
 
     def corners(self, cage: FloatArray) -> Corners:
         """What the edges of a cage (m, 2) touch."""
@@ -54,7 +54,7 @@ class CornerArea(CageEnergy):
             place, point = _touched(outline, cage[loop])
             begin, start = np.roll(place, 1), np.roll(point, 1, axis=0)
             swept = _swept(outline, place, point)
-            way = swept - np.roll(swept, 1) + np.where(place < begin, outline.swept[-1], 0.0)
+            way = swept - np.roll(swept, 1) + np.where(place < begin, outline.areas[0], 0.0)
             at.before[loop], at.after[loop], at.weight[loop] = start, point, outline.mean_weight(begin, place)
             at.inside[loop] = way - cross(start - outline.vertices[0], point - outline.vertices[0])
         return at

@@ -9,7 +9,7 @@ import shapely
 
 from nestedcages_core import LineCycles, Mesh, nested_cages
 from nestedcages_core.decimation.cycle_search import OFFSET, CycleSearch
-from nestedcages_core.decimation.outline import Lines
+from nestedcages_core.decimation.outline import Lines, Outline
 from nestedcages_core.decimation.problem import Problem
 from nestedcages_core.decimation.turns import SLACK
 from nestedcages_core.decimation.visibility import Obstacles
@@ -148,8 +148,12 @@ def test_lines_run_until_they_come_too_close(distance: float) -> None:
     problem, solid, turn = Problem.of(fine, 6), polygon(fine), random.uniform(0.0, 2.0 * np.pi, 150)
     directions = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     lines = Lines.of(random.uniform(-1.6, 1.6, (150, 2)), np.zeros(150), directions)
-    obstacles, reach = Obstacles(problem.outline.split(), problem.regions), np.full(150, 3.0)
-    free = np.max([obstacles.free(lines, reach, region, distance) for region in problem.regions.tolist()], axis=0)
+    obstacles, reach, far = (
+        Obstacles(Outline(problem.outline), problem.regions),
+        np.full(150, 3.0),
+        np.full(150, distance),
+    )
+    free = np.max([obstacles.free(lines, reach, np.full(150, loop), far) for loop in (0, 1)], axis=0)
     for k, way in np.ndindex(150, 2):
         start, length = lines.point[k], free[way, k]
         assert (length < 0.0) == (solid.distance(shapely.Point(start)) < distance)
