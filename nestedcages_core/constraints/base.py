@@ -81,7 +81,8 @@ class Bound:
         """(m,) the length that the cage (m, 2) lacks at each vertex; by default, of the rows that are missed."""
         lack = np.zeros(len(cage))
         for rows, room in self.rows(cage, 0.0):
-            np.maximum.at(lack, rows.vertex, -room)
+            for vertex in rows.vertex:  # numpy 1.26 reads past the end of values that it has to broadcast
+                np.maximum.at(lack, vertex, -room)
         return lack
 
     def eliminated(self, images: Elimination | None, successor: IntArray) -> Elimination | None:
