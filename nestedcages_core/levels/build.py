@@ -69,7 +69,6 @@ def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Mad
     Raises NestedCagesError.
     """
     failures: list[NestedCagesError] = []
-    plan = work.plan
     try:
         others = starts(work, target, failures)
         for start, notes in islice(others, most):
@@ -83,10 +82,7 @@ def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Mad
                 continue
             for rival in rivals(work, start, others, made[0]) if not failures else ():
                 with suppress(*FAILURES):
-                    other = with_room(work, rival, notes)
-                    made = min(
-                        made, other, key=lambda each: (any(plan.missed(each[0].cage, must=False)), each[0].excess)
-                    )
+                    made = min(made, with_room(work, rival, notes), key=lambda each: each[0].excess)
             return made
     except FAILURES as failure:  # there is no start, or no other one
         failures.append(failure)
