@@ -50,6 +50,9 @@ outline is longer than its hull, at most so many times."""
 USUAL_SHARE, SPARE_SHARE = 1.2, 4
 """Lines of each of several loops that are sought at first: per deserved one, and beyond that."""
 
+STEP = 2
+"""Difference of neighbouring numbers of lines, at most: cycles along the axes have even numbers."""
+
 ALIKE = 0.9
 """Ratio of deserved lines down to which a search serves for another number of them."""
 
@@ -133,7 +136,8 @@ class CycleSearch:
             run_together([self.searches[k].solve() for k in waiting], tick)
             waiting = [k for k in loops if not self.searches[k].found]
             if not waiting:  # more lines where a loop would take more than were sought
-                waiting = [k for k, number in self._numbers(self.searches).items() if number == self.searches[k].most]
+                numbers = self._numbers(self.searches)
+                waiting = [k for k in loops if numbers[k] > self.searches[k].most - STEP]
             waiting = [k for k in waiting if self.searches[k].extend(self._limit(k))]
             if not waiting:
                 break
