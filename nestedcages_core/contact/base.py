@@ -43,10 +43,24 @@ class Contact(Protocol):
     def reinflate(
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float, on_step: OnStep = no_step
     ) -> ContactOutcome:
-        """Bring the fine vertices from x[m:] through the targets in ``path`` to exactly the last of them.
-
-        bodies: what does not change; x: (m + n, 2) positions (cage, fine) free of contact; path: fine positions (n, 2)
-        to pass; clearance: wanted distance, for guidance only; on_step: called with every accepted x.
+        """Bring the fine mesh through the targets of a path to exactly the last of them.
 
         Failure is part of the outcome, not an exception.
+
+        Parameters
+        ----------
+        bodies : Bodies
+            What does not change: the edges of cage and fine mesh.
+        x : (m + n, 2) array
+            Positions of the m cage vertices, then of the n fine vertices, free of contact.
+        path : sequence of (n, 2) arrays
+            Positions of the fine vertices to pass.
+        clearance : float
+            Distance that the cage keeps in the end, for guidance only.
+        on_step : callable
+            Called with every accepted state, see `OnStep`.
+
+        Returns
+        -------
+        ContactOutcome
         """

@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.broad_phase import near_pairs
+from ..geometry.broad_phase import BoxTree, near_pairs
 from ..geometry.distance import PointEdge, point_edge
 from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
+from ..geometry.predicates import crossing_pairs
 from ..solver.banded import BandOrder
 from ..solver.quadratic_program import InteriorPoint, QPSolution, QuadraticProgram
 
@@ -96,6 +97,25 @@ class Bodies:
     def n(self) -> int:
         """Number of fine vertices."""
         return len(self.fine.numbers)
+
+    def first_contact(self, x: FloatArray) -> int | None:
+        """Index into x = (C; F) of a vertex whose edge meets the cage; None if nothing meets it; exact.
+
+        From a contained start and by collision-free motion, containment cannot be lost in any other way. (Gurditta &
+        Jacobson 2022, section 3.2, use the parity of ray crossings, which fails for rays through a vertex.)
+        """
+        cage, fine = self.trees(x)
+        edge, _ = crossing_pairs(fine, cage)
+        if len(edge):
+            return self.m + int(edge[0])
+        one, other = crossing_pairs(cage)
+        apart = (self.cage.successor[one] != other) & (self.cage.successor[other] != one)
+        return int(one[apart][0]) if apart.any() else None
+
+    def trees(self, x: FloatArray) -> tuple[BoxTree, BoxTree]:
+        """The edges of cage and fine mesh at x = (C; F), each by its start."""
+        ends = x.take(self.successor, axis=0)
+        return BoxTree(x[: self.m], ends[: self.m]), BoxTree(x[self.m :], ends[self.m :])
 
     def solved(self, solver: InteriorPoint, program: QuadraticProgram, absolute: float, order: BandOrder) -> QPSolution:
         """The solution of a program over the cage vertices that keeps its equalities; order: see :attr:`order`."""

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..energies.containment_energy import ContainmentEnergy
 from ..errors import ReinflationError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
@@ -120,7 +119,7 @@ def _by(contact: Contact, bodies: Bodies, flow_steps: FloatArray, clearance: flo
         logger.debug("reinflation by %s: %d systems, %d steps: %s", contact, iterations, len(steps) - 1,
                      reason or "reached the fine mesh")  # fmt: skip
     if not reason:
-        vertex = ContainmentEnergy(bodies.cage.successor, bodies.fine.successor).first_contact(steps[-1])
+        vertex = bodies.first_contact(steps[-1])
         if vertex is None:
             return _recorded(steps, bodies.m, iterations)
         which = f"cage vertex {vertex}" if vertex < bodies.m else f"fine vertex {vertex - bodies.m}"

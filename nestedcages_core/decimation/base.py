@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 from ..errors import Fault
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
+from ..progress import Tick, no_tick
 
 if TYPE_CHECKING:
     from ..geometry.arrays import FloatArray, IntArray
@@ -23,16 +24,9 @@ Count: TypeAlias = int | Sequence[int]
 MIN_PER_LOOP = 3
 """Vertices of the smallest polygon."""
 
-Tick: TypeAlias = Callable[[float], None]
-"""Told the fraction done; may raise to cancel."""
-
 REACH = 1.5
 """How far new vertices may run away, in diameters: from the centre, or along an edge from its contact. Tightening needs
 no limit, since edges of least area touch what is inside at their middle or on either side of it."""
-
-
-def no_tick(_: float) -> None:
-    """Nobody is told."""
 
 
 class Decimation(Protocol):

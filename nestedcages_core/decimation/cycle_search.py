@@ -15,7 +15,8 @@ from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS, NEGLIGIBLE
 from ..geometry.vectors import norm
-from .base import MIN_PER_LOOP, REACH, Tick, no_tick
+from ..progress import Tick, no_tick
+from .base import MIN_PER_LOOP, REACH
 from .crossings import Choice
 from .outline import Lines, Outline, without_doubles
 from .problem import Problem

@@ -25,7 +25,8 @@ from ..geometry.mesh import Mesh
 from ..geometry.precision import ROUND_OFF
 from ..geometry.thinning import Thinning
 from ..parameters import check_flag, check_side
-from .base import NOTHING_KEPT, Count, Kept, Start, Tick, no_tick
+from ..progress import Tick, no_tick
+from .base import NOTHING_KEPT, Count, Kept, Start
 from .closest_points import closest_on_curve
 from .cycle_search import OFFSET, CycleSearch, NoCyclesError, Tables
 from .problem import Problem

@@ -11,7 +11,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.precision import ROUND_OFF
 from ..geometry.vectors import dot
-from .base import Tick, no_tick
+from ..progress import Tick, no_tick
 from .outline import Lines, Outline
 from .shortest_cycles import Graph, Paths, run_batched
 from .turns import Turns

@@ -18,7 +18,8 @@ from ..geometry.mesh import Mesh
 from ..geometry.precision import INPUT_ROUND_OFF
 from ..geometry.solids import overlay
 from ..libraries import has_shapely
-from .base import MIN_PER_LOOP, NOTHING_KEPT, Count, Kept, Start, Tick, no_tick
+from ..progress import Tick, no_tick
+from .base import MIN_PER_LOOP, NOTHING_KEPT, Count, Kept, Start
 from .cycle_search import Tables
 from .line_cycles import LineCycles, least_areas
 from .loop_sequence import LoopSequence

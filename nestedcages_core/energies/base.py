@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
-from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
@@ -47,9 +47,6 @@ class CageEnergy(ABC):
     Energies without a rest shape are their own choice; those without memory of the steps are their own successors.
     """
 
-    is_area: ClassVar[bool] = False
-    """Whether it is the area of the cage and nothing else."""
-
     def at(self, coarse: Mesh) -> CageEnergy:
         """The energy of a cage whose rest shape is the coarse mesh."""
         return self
@@ -64,7 +61,20 @@ class CageEnergy(ABC):
 
     @abstractmethod
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
-        """The energy; infinite where the cage is invalid."""
+        """The energy; infinite where the cage is invalid.
+
+        Parameters
+        ----------
+        vertices : (m, 2) array
+            Vertices of the cage.
+        successor : (m,) array
+            Index of the vertex after each vertex on its loop.
+
+        Returns
+        -------
+        float
+            In squared units of length, as an area.
+        """
 
     def on_edge(self, vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
         """(K,) the terms that belong to one edge, or to its first vertex, for places (K, 2) of its two ends."""
@@ -72,11 +82,11 @@ class CageEnergy(ABC):
 
     @abstractmethod
     def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
-        """(m, 2) first derivative."""
+        """First derivative, (m, 2), for the parameters of `value`."""
 
     @abstractmethod
     def hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
-        """Exact second derivative, which may be indefinite."""
+        """Exact second derivative for the parameters of `value`; it may be indefinite."""
 
     def projected_hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
         """A positive semi-definite matrix no less than the Hessian: its blocks without their negative eigenvalues."""

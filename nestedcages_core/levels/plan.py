@@ -183,9 +183,9 @@ class Plan:
             energy = energy.with_area(measure)
         terms = [term for each in self.constraints if (term := each.term(coarse, units)) is not None]
         if terms:
-            from ..energies.weighted_sum import BoundSum
+            from ..energies.weighted_sum import WeightedSum
 
-            energy = BoundSum(tuple((1.0, term) for term in (energy, *terms)))
+            energy = WeightedSum(tuple((1.0, term) for term in (energy, *terms)))
         return energy, importance is not None
 
     def missed(self, cage: Mesh, *, must: bool = True, whole: bool = True) -> Iterator[Fault]:

@@ -43,19 +43,38 @@ def animated_cages(
     progress: Callable[[Progress], None] | bool | None = None,
     **options: Unpack[SettingsKeywords],
 ) -> MovingCages:
-    """Cages that follow a moving drawing, each enclosing the one before at every instant.
+    """Make cages that follow a moving drawing, each enclosing the one before at every instant.
 
-    fine: gives the topology.
-    poses: (T, n, 2), or an iterable of (n, 2) that is read once.
-    levels: for each cage its number of vertices, ``"8%"`` of those of ``fine``, or a coarse mesh of the first pose.
-    times: (T,) increasing; default: 0, 1, ...
-    cyclic: the last cage equals the first. If the last pose differs from the first, the motion back to it is added,
-    over the mean interval.
-    progress: may raise to cancel. True: a bar of tqdm, or lines without it.
-    options: fields of `Settings` that replace those of ``settings``.
+    Every key is certified by `verify`, and the straight motion between keys by `verify_motion`.
 
-    Every key is certified by `verify`, and the straight motion between keys by `verify_motion`. Raises a
-    NestedCagesError that names the pose; its ``partial`` is the MovingCages up to there.
+    Parameters
+    ----------
+    fine : Mesh or what `Mesh.of` reads
+        The drawing; it gives the topology.
+    poses : (T, n, 2) array, or an iterable of (n, 2) arrays that is read once
+        The positions of its vertices.
+    levels : int, str, Mesh or a list of these
+        For each cage its number of vertices, ``"8%"`` of those of ``fine``, or a coarse mesh of the first pose.
+    settings : Settings, optional
+        Everything else that can be chosen.
+    times : (T,) array, optional
+        Increasing; by default 0, 1, ...
+    cyclic : bool
+        Whether the last cage equals the first. If the last pose differs from the first, the motion back to it is
+        added, over the mean interval.
+    progress : callable or bool, optional
+        Called at every key; may raise to cancel. True: a bar of tqdm, or lines without it.
+    **options
+        Fields of `Settings` that replace those of ``settings``.
+
+    Returns
+    -------
+    MovingCages
+
+    Raises
+    ------
+    NestedCagesError
+        Names the pose; its ``partial`` is the MovingCages up to there.
     """
     following = _Following(fine, poses, levels, Settings.of(settings, **options), times, cyclic)
     return listened(following.cages, progress)
@@ -143,23 +162,24 @@ class _Following:
                 made = [_finished(level, keys, perf_counter() - began)] if keys else []
                 error.partial = MovingCages(self._fine, (*finished, *made))
                 first = first or error
-                allowance = self._more(allowance, error) if self._again else None
+                allowance = _more(allowance, settings, error) if self._again else None
         assert first is not None
         raise first
-
-    def _more(self, given: Allowance, error: NestedCagesError) -> Allowance | None:
-        """A larger allowance that may help; None if there is none."""
-        if error.code == "certificate.failed" and type_name(self._settings.stored) is not None and given.rooms == 1.0:
-            return replace(given, rooms=MANY_ROOMS)
-        if self._settings.clearance is None and not given.reductions and error.code not in UNPOSED:
-            return Allowance(reductions=1)
-        return None
 
     def _progress(self, index: int, key: Key) -> Progress:
         """Progress of the run at a key of a level; always one half for an iterable of unknown length."""
         done = 0.5 if self._count is None else (key.number + 1) / self._count
         fraction = (index + min(done, 1.0)) / len(self._levels)
         return Progress(index, "following", fraction, f"Level {index + 1} of {len(self._levels)}: pose {key.number}")
+
+
+def _more(given: Allowance, settings: Settings, error: NestedCagesError) -> Allowance | None:
+    """A larger allowance that may help a level of these settings; None if there is none."""
+    if error.code == "certificate.failed" and type_name(settings.stored) is not None and given.rooms == 1.0:
+        return replace(given, rooms=MANY_ROOMS)
+    if settings.clearance is None and not given.reductions and error.code not in UNPOSED:
+        return Allowance(reductions=1)
+    return None
 
 
 def stream_cages(
@@ -170,9 +190,25 @@ def stream_cages(
     *,
     times: ArrayLike | None = None,
 ) -> Iterator[Key]:
-    """The keys of one level of `animated_cages` as they are certified, a few poses behind the input.
+    """Hand out the keys of one level of `animated_cages` as they are certified, a few poses behind the input.
 
     Memory does not grow with the length of the motion.
+
+    Parameters
+    ----------
+    fine, poses, settings, times
+        As for `animated_cages`.
+    level : int or Mesh
+        Number of vertices of the cage, or a coarse mesh of the first pose.
+
+    Yields
+    ------
+    Key
+
+    Raises
+    ------
+    NestedCagesError
+        Names the pose.
     """
     motion = LevelMotion(fine, level, settings if settings is not None else Settings(), cyclic=False)
     return motion.keys(read_poses(fine, poses, times))
@@ -196,9 +232,30 @@ def certified_still(
     clearance: float = 0.0,
     tick: Tick = no_tick,
 ) -> MovingLevel:
-    """A level with one key: a cage that encloses all poses (T, n, 2) of a drawing, and the motion between them.
+    """Certify a cage that stands still around all poses of a drawing and the motion between them.
 
-    tick: called with the fraction done. Its certificates are those of the poses. Raises NestingError with the pose.
+    Parameters
+    ----------
+    cage, fine : Mesh
+        The cage, and the topology of the drawing.
+    poses : (T, n, 2) array
+        Positions of the drawing's vertices.
+    times : (T,) array, optional
+        Increasing; by default 0, 1, ...
+    clearance : float
+        Distance that the cage keeps from the drawing.
+    tick : callable
+        Called with the fraction done.
+
+    Returns
+    -------
+    MovingLevel
+        With one key, and the certificates of the poses.
+
+    Raises
+    ------
+    NestingError
+        Names the pose.
     """
     began, given = perf_counter(), list(read_poses(fine, poses, times))
     certificates = []

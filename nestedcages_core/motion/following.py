@@ -215,11 +215,26 @@ def carried(cage: FloatArray, before: FloatArray, after: FloatArray, weight: Flo
 
 
 def followed(cage: Mesh, before: Mesh, after: Mesh, clearance: float, settings: Settings | None = None) -> Mesh | None:
-    """The cage of a pose moved to another pose and tightened there; None if the motion is blocked.
+    """Move the cage of a pose to another pose and tighten it there.
 
-    before, after: the same topology; cage: one of ``before``; clearance: a length, in the input's units. The
-    result is certified by `verify`, on the numbers of ``settings.stored``. To certify the instants in between too, see
-    `animated_cages`.
+    The result is certified by `verify`, on the numbers of ``settings.stored``. To certify the instants in between too,
+    see `animated_cages`.
+
+    Parameters
+    ----------
+    cage : Mesh
+        A cage of ``before``.
+    before, after : Mesh
+        Two poses of a drawing, of the same topology.
+    clearance : float
+        Distance that the cage keeps, in the units of the input.
+    settings : Settings, optional
+        Of which energy, tightening and constraints count.
+
+    Returns
+    -------
+    Mesh or None
+        None if the motion is blocked.
     """
     promises = Promises.of(settings if settings is not None else Settings(), after)
     units = SolverUnits.of(after, 0.0 if promises.plan.numbers is None else promises.plan.numbers.room)

@@ -12,7 +12,6 @@ from ..contact.ccd import impacts
 from ..contact.incremental_potential import DIRECT_STEP_MARGIN
 from ..contact.pairs import Bodies, Pairs, find_pairs
 from ..energies import Blocks, CageEnergy
-from ..energies.containment_energy import ContainmentEnergy
 from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray
 from ..parameters import check_not_negative
@@ -58,7 +57,7 @@ class PaperPotential:
         self.bodies, self.energy, self.weights, self.d_hat = bodies, energy, weights, d_hat
         self.target, self.ends_at_target = bodies.fine.vertices, False
         self._ceiling = np.inf
-        self._exact = ContainmentEnergy(bodies.cage.successor, bodies.fine.successor) if exact else None
+        self._exact = exact
 
     @cached_property
     def _all_pairs(self) -> Pairs:
@@ -138,7 +137,7 @@ class PaperPotential:
 
     def _contained(self, x: FloatArray) -> bool:
         """Whether E_cont is 0."""
-        if self._exact is not None:
-            return self._exact.value(x) == 0.0
+        if self._exact:
+            return self.bodies.first_contact(x) is None
         m = self.bodies.m
         return contained_by_parity(x[:m], self.bodies.cage.successor, x[m:], self.bodies.fine.successor)

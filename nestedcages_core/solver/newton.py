@@ -50,10 +50,10 @@ class ProjectedNewton:
             gain = values[-1 - STALLED_AFTER] - model.value if iteration >= STALLED_AFTER else np.inf
             if gain <= self.tolerance * first_decrement:
                 return SolverResult(x, iteration, False)
-            step = backtrack(objective, x, model)
-            if step.fraction == 0.0:
+            after = backtrack(objective, x, model)
+            if after is None:
                 return SolverResult(x, iteration + 1, False)
-            x = step.x
+            x = after
             on_step(x)
         return SolverResult(x, self.max_iterations, objective.finished(x))
 
@@ -104,21 +104,14 @@ class Solver(Protocol):
         """Minimise from the valid state x; on_step: called with every accepted state."""
 
 
-class Step(NamedTuple):
-    """An accepted step; ``fraction`` is 0 if there is none."""
-
-    x: FloatArray
-    fraction: float
-
-
-def backtrack(objective: Objective, x: FloatArray, model: NewtonModel) -> Step:
-    """First step with sufficient decrease among the longest safe one and its halvings."""
+def backtrack(objective: Objective, x: FloatArray, model: NewtonModel) -> FloatArray | None:
+    """The first state with sufficient decrease among the longest safe step and its halvings; None if there is none."""
     slope = float((model.gradient * model.direction).sum())
     fraction = longest = objective.largest_step(x, model.direction)
     while fraction > INPUT_ROUND_OFF * longest:
         candidate = x + fraction * model.direction
         value = objective.value(candidate)
         if np.isfinite(value) and value <= model.value + SUFFICIENT_DECREASE * fraction * slope:
-            return Step(candidate, fraction)
+            return candidate
         fraction *= BACKTRACKING
-    return Step(x, 0.0)
+    return None

@@ -235,3 +235,17 @@ def test_holes_that_there_are_too_few_vertices_for_are_filled() -> None:
     assert len(moving.levels[0].cage.loops) == 1 and core.check(fine, moving)
     with rejected("count.too_small", NestingError, least=6):
         animated_cages(fine, poses, [5], loops="keep")
+
+
+def test_the_error_of_a_level_around_one_with_less_clearance_is_raised() -> None:
+    """A bay closes until the first cage needs less than the default clearance; the second one lies elsewhere."""
+
+    def bay(width: float) -> list[tuple[float, float]]:
+        right = [(2 + width, 0), (2 + width, 2), (1 + width, 2), (1 + width, 1)]
+        return [(0, 0), *right, (1, 1), (1, 2), (0, 2)]
+
+    poses = np.array([bay(width) for width in np.linspace(0.2, 3e-5, 4)])
+    with rejected("flow.loops_differ", core.FlowError) as caught:
+        animated_cages([poses[0]], poses, [8, Mesh.from_loops([ring(4) + 50.0])], fallback=None)
+    (first,) = caught.value.partial.levels
+    assert first.report.wanted_clearance < 1e-5

@@ -12,7 +12,7 @@ from ...geometry.triangulation import triangulate
 from ...geometry.vectors import cross
 from ...parameters import check_not_negative
 from ..area import Area
-from ..weighted_sum import BoundSum
+from ..weighted_sum import WeightedSum
 from .shape_matching import LocalFit, ShapeMatching, edge_stiffness, rotation_fit, scale_fit
 
 
@@ -80,6 +80,6 @@ class ShapeKeeping:
     def __post_init__(self) -> None:
         check_not_negative(self, "strength")
 
-    def at(self, coarse: Mesh) -> BoundSum:
+    def at(self, coarse: Mesh) -> WeightedSum:
         """The energy of a cage whose rest shape is the coarse mesh."""
-        return BoundSum(((1.0, Area()), (self.strength, boundary_cells(coarse, scale_fit))))
+        return WeightedSum(((1.0, Area()), (self.strength, boundary_cells(coarse, scale_fit))))
