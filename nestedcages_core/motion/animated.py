@@ -15,6 +15,7 @@ from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh, MeshLike
 from ..levels import Progress, Settings, Wanted, in_order, listed_levels, wanted_levels
 from ..levels.settings import type_name
+from ..levels.work import clearances_for
 from ..progress import Run, Tick, listened, no_tick
 from ..verification import verify, verify_motion
 from .gate import Key
@@ -133,7 +134,8 @@ class _Following:
             level, keys, seconds = self._level(index, inner, wanted, settings, read, finished, report)
             finished.append(_finished(level, keys, seconds))
             poses = [Pose(key.number, key.time, key.cage, key.given) for key in keys]
-            inner, read, settings = level.topology, partial(iter, poses), level.promises.of_next_level(level.topology)
+            inner, read = level.topology, partial(iter, poses)
+            settings = replace(level.promises.of_next_level(inner), clearance=self._settings.clearance)
             self._again, self._count = True, keys[-1].number + 1
         return MovingCages(self._fine, tuple(finished))
 
@@ -162,7 +164,7 @@ class _Following:
                 made = [_finished(level, keys, perf_counter() - began)] if keys else []
                 error.partial = MovingCages(self._fine, (*finished, *made))
                 first = first or error
-                allowance = _more(allowance, settings, error) if self._again else None
+                allowance = _more(allowance, settings, inner, error) if self._again else None
         assert first is not None
         raise first
 
@@ -173,12 +175,13 @@ class _Following:
         return Progress(index, "following", fraction, f"Level {index + 1} of {len(self._levels)}: pose {key.number}")
 
 
-def _more(given: Allowance, settings: Settings, error: NestedCagesError) -> Allowance | None:
-    """A larger allowance that may help a level of these settings; None if there is none."""
+def _more(given: Allowance, settings: Settings, inner: Mesh, error: NestedCagesError) -> Allowance | None:
+    """A larger allowance with which a level around a mesh may be made; None if there is none."""
     if error.code == "certificate.failed" and type_name(settings.stored) is not None and given.rooms == 1.0:
         return replace(given, rooms=MANY_ROOMS)
-    if settings.clearance is None and not given.reductions and error.code not in UNPOSED:
-        return Allowance(reductions=1)
+    narrow = error.code == "clearance.no_room" and given.reductions + 1 < len(clearances_for(settings, inner))
+    if settings.clearance is None and (narrow or not given.reductions) and error.code not in UNPOSED:
+        return Allowance(given.reductions + 1)
     return None
 
 

@@ -45,6 +45,15 @@ def test_every_pose_and_every_instant_is_certified() -> None:
 
 
 @pytest.mark.slow
+def test_each_level_gets_into_gaps_narrower_than_the_default_clearance() -> None:
+    fine = Mesh.from_loops([ring(6), disc(6, 1.0, 2.000012, 0.0)])
+    poses = np.stack([fine.vertices, turned(fine.vertices, 0.05)])
+    inner, outer = animated_cages(fine, poses, [6, 6], loops="keep").levels
+    assert_certified(inner, fine, poses, 0.0)
+    assert_certified(outer, inner.cage, inner.cage_steps, 0.0)
+
+
+@pytest.mark.slow
 def test_about_as_tight_as_a_cage_for_the_pose_alone() -> None:
     fine, poses = waving()
     level = animated_cages(fine, poses, [20]).levels[0]
