@@ -27,11 +27,11 @@ def _routines() -> tuple[Any, ...]:
             spec.loader.exec_module(module)
             sys.modules[NAME] = module  # for scipy.linalg, if that is imported later
         found: Any = sys.modules[NAME]
-        return found.dpbsv, found.dpbtrf, found.dpbtrs
+        return found.dpbtrf, found.dpbtrs
     except (ImportError, AttributeError):  # another scipy may keep it elsewhere
         from scipy.linalg import lapack
 
-        return lapack.dpbsv, lapack.dpbtrf, lapack.dpbtrs
+        return lapack.dpbtrf, lapack.dpbtrs
 
 
-dpbsv, dpbtrf, dpbtrs = _routines()
+dpbtrf, dpbtrs = _routines()

@@ -20,15 +20,18 @@ class Obstacle:
     remedy: str = "change the coarse mesh there or let it be generated"
 
     code: str = "flow.stuck"
-    loops: tuple[int, ...] = ()
+
+    @classmethod
+    def at(cls, place: FloatArray, cause: str, *parts: str) -> Obstacle:
+        """An obstacle at a place (2,)."""
+        return cls(cause, (float(place[0]), float(place[1])), *parts)
 
     def fault(self, scale: float = 1.0, shift: tuple[float, float] = (0.0, 0.0)) -> Fault:
         """The whole sentence, with the place converted to scale · place + shift."""
-        data = {"loops": self.loops} if self.loops else {}
         if self.place is None:
-            return Fault(f"{self.cause}; {self.remedy}.", self.code, **data)
+            return Fault(f"{self.cause}; {self.remedy}.", self.code)
         x, y = (scale * coordinate + offset for coordinate, offset in zip(self.place, shift, strict=True))
-        return Fault(f"{self.cause} near ({x:.6g}, {y:.6g}); {self.remedy}.", self.code, place=(x, y), **data)
+        return Fault(f"{self.cause} near ({x:.6g}, {y:.6g}); {self.remedy}.", self.code, place=(x, y))
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,24 +47,32 @@ class FlowResult:
     obstacle: Obstacle | None = None
     """What blocks the last step; None if it is inside."""
 
-    @property
-    def reason(self) -> Fault:
-        """Why the last step is not inside, as a sentence; empty if it is."""
-        return Fault("") if self.obstacle is None else self.obstacle.fault()
-
 
 class FlowMethod(Protocol):
     """Brings the fine mesh strictly inside the coarse one, which stays in place."""
 
     def run(self, fine: Mesh, coarse: Mesh, *, tick: Tick = no_tick) -> FlowResult:
-        """All steps from the fine mesh to a certified position inside.
+        """Move the fine mesh step by step to a certified position inside the coarse one.
 
-        tick: called with the fraction done while it works.
+        Parameters
+        ----------
+        fine, coarse : Mesh
+            Both in units of the bounding-box diagonal of the fine mesh.
+        tick : callable
+            Called with the fraction done while it works.
 
-        Raises: FlowError with the loop, the place and the cause, and the FlowResult so far as `partial`.
+        Returns
+        -------
+        FlowResult
+
+        Raises
+        ------
+        FlowError
+            With the place and the cause, and the FlowResult so far as ``partial``.
         """
 
 
 def stuck(result: FlowResult) -> FlowError:
     """The error of a flow that did not get inside."""
-    return FlowError(result.reason, partial=result)
+    assert result.obstacle is not None
+    return FlowError(result.obstacle.fault(), partial=result)

@@ -15,17 +15,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry.arrays import TINY, FloatArray, IntArray
-from ..geometry.broad_phase import near_pairs, position_in_group, split_by
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.broad_phase import position_in_group, split_by
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
 from ..geometry.precision import INPUT_ROUND_OFF, PART_OF_GAP
 from ..geometry.signed_distance import SignedDistance
-from ..geometry.vectors import inner, norm
-from .loop_matching import Matching, outer_loops
-
-MARGIN_PER_INRADIUS = 0.1
-"""Largest margin, as a fraction of 2 · area / perimeter of the coarse loop, the inradius of a regular polygon."""
+from ..geometry.vectors import inner
+from .matching import Matching
 
 
 class Penetration(NamedTuple):
@@ -50,163 +47,74 @@ class Penetration(NamedTuple):
 class PenetrationEnergy:
     """E as a function of the positions of the fine mesh, with fixed samples."""
 
-    def __init__(self, matching: Matching, margin: float, spacing: Spacing, *, from_coarse: bool = True) -> None:
+    def __init__(
+        self, fine: Mesh, coarse: Mesh, matching: Matching, margin: float, spacing: Spacing, *, from_coarse: bool = True
+    ) -> None:
         """margin: wanted distance between the meshes, a length. from_coarse: with samples of the coarse mesh."""
-        self.matching = matching
-        fine, coarse = matching.fine, matching.coarse
+        self.fine, self.coarse = fine, coarse
         self.margins = local_margins(coarse, margin)
+        """(m,) that of each coarse edge."""
         self.samples = even_samples(fine, spacing)
-        self._target = fine.successor[self.samples.edge]
-        self._between_vertices = bool(self.samples.parameter.any())
         around = matching.component[fine.component_of_loop[fine.loop_of_vertex[self.samples.edge]]]
         subjects = split_by(around, int(coarse.component_of_loop.max()) + 1)
-        self._push_fine = [
-            _FinePush(matching, self.samples, loop, subjects[component])
-            for loop, component in enumerate(coarse.component_of_loop.tolist())
+        signs = coarse.loop_signs.tolist()
+        self._fields = [
+            (_field(coarse.vertices[loop], sign), loop, subjects[component])
+            for loop, sign, component in zip(coarse.loops, signs, coarse.component_of_loop, strict=True)
         ]
-        self._push_coarse: list[_CoarsePush] = []
-        if not from_coarse:
-            return
         on_coarse = even_samples(coarse, spacing)
         at = coarse.vertices[on_coarse.edge]
-        points = at + on_coarse.parameter[:, None] * (coarse.vertices[coarse.successor[on_coarse.edge]] - at)
-        loop_of_point = coarse.loop_of_vertex[on_coarse.edge]
-        of_loop = split_by(loop_of_point, len(coarse.loops))
-        self._push_coarse = [
-            _CoarsePush(matching, on_coarse, points, of_loop[coarse_loop], fine_loop)
-            for fine_loop, coarse_loop in _facing_loops(matching)
-        ]
+        self._points: FloatArray = at + on_coarse.parameter[:, None] * (coarse.edge_ends[on_coarse.edge] - at)
+        self._on_coarse = on_coarse
+        of_loop = split_by(coarse.loop_of_vertex[on_coarse.edge], len(coarse.loops))
+        facing = _facing_loops(fine, coarse, matching) if from_coarse else []
+        self._facing = [(fine_loop, of_loop[coarse_loop]) for fine_loop, coarse_loop in facing]
 
     def at(self, vertices: FloatArray) -> Penetration:
         """The penetration of the fine mesh with vertices (n, 2)."""
-        samples = self.samples
-        points = vertices.take(samples.edge, axis=0)
-        if self._between_vertices:
-            points = points + samples.parameter[:, None] * (vertices.take(self._target, axis=0) - points)
-        found = [push.find(points, self.margins) for push in self._push_fine]
-        found += [push.find(vertices, self.margins) for push in self._push_coarse]
-        edge, parameter, weight, depth, margin = (np.concatenate([part[k] for part in found]) for k in range(5))
-        direction = np.concatenate([part.direction for part in found])
-        return Penetration(
-            energy=0.5 * inner(weight, depth * depth),
-            overlap=float((depth - margin).max(initial=-np.inf)),
-            edge=edge,
-            parameter=parameter,
-            weight=weight,
-            direction=direction,
-            depth=depth,
-        )
-
-
-class _Pushed(NamedTuple):
-    edge: IntArray
-    parameter: FloatArray
-    weight: FloatArray
-    depth: FloatArray
-    margin: FloatArray
-    direction: FloatArray
-
-
-class _FinePush:
-    """One coarse loop pushes samples of the fine mesh."""
-
-    def __init__(self, matching: Matching, samples: EdgeSamples, loop: int, subject: IntArray) -> None:
-        """subject: the samples that it pushes."""
-        coarse = matching.coarse
-        self.samples = samples
-        self.start = coarse.loops[loop]
-        self.field = _field(coarse.vertices[self.start], int(coarse.loop_signs[loop]))
-        self.subject = subject
-        # distances are 1-Lipschitz, so points deep inside need not be measured again until they have moved far
-        self._known: FloatArray = np.full(len(self.subject), np.inf)
-        self._known_at: FloatArray = np.zeros((len(self.subject), 2))
-
-    def find(self, points: FloatArray, margins: FloatArray) -> _Pushed:
-        here = points.take(self.subject, axis=0)
-        motion = here - self._known_at
-        around = margins.take(self.start)
-        near = self._known + np.hypot(motion[:, 0], motion[:, 1]) + around.max() > 0.0
-        k = near.nonzero()[0]
-        measured = here.take(k, axis=0)
-        sample = self.field.at(measured)
-        self._known[k] = sample.distance
-        self._known_at[k] = measured
-        margin = around.take(sample.edge)
-        depth = sample.distance + margin
-        pushed = (depth > 0.0).nonzero()[0]
-        who = self.subject.take(k.take(pushed))
-        return _Pushed(
-            self.samples.edge.take(who),
-            self.samples.parameter.take(who),
-            self.samples.weight.take(who),
-            depth.take(pushed),
-            margin.take(pushed),
-            sample.gradient.take(pushed, axis=0),
-        )
-
-
-class _CoarsePush:
-    """Samples of the coarse mesh push one fine loop until they are outside its solid."""
-
-    def __init__(
-        self, matching: Matching, samples: EdgeSamples, points: FloatArray, which: IntArray, fine_loop: int
-    ) -> None:
-        self.points = points[which]
-        self.weight = samples.weight[which]
-        self.coarse_edge = samples.edge[which]
-        self.start = matching.fine.loops[fine_loop]
-        self.sign = int(matching.fine.loop_signs[fine_loop])
-        # distances change by no more than the loop moves, so points on the right side are not measured until it has
-        self._beyond: FloatArray = np.full(len(self.points), -np.inf)
-        """Lower bound on the distance from the wrong side when the loop was last looked at."""
-        self._loop: FloatArray = matching.fine.vertices.take(self.start, axis=0)
-
-    def find(self, vertices: FloatArray, margins: FloatArray) -> _Pushed:
-        loop = vertices.take(self.start, axis=0)
-        margin = margins.take(self.coarse_edge)
-        self._beyond -= float(norm(loop - self._loop).max())
-        self._loop = loop
-        near = (margin > self._beyond).nonzero()[0]
-        sample = _field(loop, self.sign).at(self.points.take(near, axis=0))
-        self._beyond[near] = sample.distance
-        depth = margin.take(near) - sample.distance
+        edge, parameter, weight = self.samples
+        points = vertices.take(edge, axis=0)
+        points = points + parameter[:, None] * (vertices.take(self.fine.successor[edge], axis=0) - points)
+        found = []
+        for field, loop, subject in self._fields:
+            near = field.at(points.take(subject, axis=0))
+            margin = self.margins[loop].take(near.edge)
+            depth = near.distance + margin
+            found.append((edge[subject], parameter[subject], weight[subject], near.gradient, depth, margin))
+        for fine_loop, which in self._facing:
+            loop = self.fine.loops[fine_loop]
+            field = _field(vertices.take(loop, axis=0), int(self.fine.loop_signs[fine_loop]))
+            near = field.at(self._points.take(which, axis=0))
+            margin = self.margins.take(self._on_coarse.edge.take(which))
+            depth = margin - near.distance
+            moved = loop.take(near.edge)
+            found.append((moved, near.parameter, self._on_coarse.weight[which], near.gradient, depth, margin))
+        edge, parameter, weight, direction, depth, margin = (np.concatenate(part) for part in zip(*found, strict=True))
         k = (depth > 0.0).nonzero()[0]
-        who = near.take(k)
-        return _Pushed(
-            self.start.take(sample.edge.take(k)),
-            sample.parameter.take(k),
-            self.weight.take(who),
-            depth.take(k),
-            margin.take(who),
-            sample.gradient.take(k, axis=0),
-        )
+        overlap = float((depth - margin).take(k).max(initial=-np.inf))
+        edge, parameter, weight, direction, depth = edge[k], parameter[k], weight[k], direction[k], depth[k]
+        return Penetration(0.5 * inner(weight, depth * depth), overlap, edge, parameter, weight, direction, depth)
 
 
-def _field(loop: FloatArray, sign: int) -> SignedDistance:
+def _field(ring: FloatArray, sign: int) -> SignedDistance:
     """Signed distance to the solid side of one oriented loop (k, 2); sign +1 for an outer loop, -1 for a hole."""
-    ends = np.concatenate([loop[1:], loop[:1]])
-    return SignedDistance(loop, ends, outside=0 if sign > 0 else -1, tolerance=INPUT_ROUND_OFF)
+    ends = np.concatenate([ring[1:], ring[:1]])
+    return SignedDistance(ring, ends, outside=0 if sign > 0 else -1, tolerance=INPUT_ROUND_OFF)
 
 
-def _facing_loops(matching: Matching) -> list[tuple[int, int]]:
+def _facing_loops(fine: Mesh, coarse: Mesh, matching: Matching) -> list[tuple[int, int]]:
     """Loop pairs (fine, coarse) that penalise penetration: matched loops, and holes next to other components."""
-    fine, coarse = matching.fine, matching.coarse
     pairs = [(k, int(loop)) for k, loop in enumerate(matching.partner) if loop >= 0]
-    outers = outer_loops(fine)
-    for loop in np.nonzero(coarse.loop_signs < 0)[0].tolist():
-        owners = fine.component_of_loop[matching.partner == loop]
-        own = outers[matching.component == coarse.component_of_loop[loop]]
+    outers = np.flatnonzero(fine.loop_signs > 0)
+    for hole in np.flatnonzero(coarse.loop_signs < 0).tolist():
+        owners = fine.component_of_loop[matching.partner == hole]
+        own = outers[matching.component == coarse.component_of_loop[hole]]
+        ring = coarse.vertices[coarse.loops[hole]]
         for k in own[~np.isin(fine.component_of_loop[own], owners)].tolist():
-            if not _around(matching, k, loop):
-                pairs.append((k, loop))
+            # not where most of the hole lies in a covered hole of that component
+            if 2 * np.count_nonzero(_field(fine.vertices[fine.loops[k]], 1).at(ring).distance < 0.0) <= len(ring):
+                pairs.append((k, hole))
     return pairs
-
-
-def _around(matching: Matching, fine_loop: int, coarse_loop: int) -> bool:
-    """Whether most of a coarse loop lies inside an outer fine loop: in one of its covered holes, not next to it."""
-    field = _field(matching.fine.vertices[matching.fine.loops[fine_loop]], 1)
-    inside = field.at(matching.coarse.vertices[matching.coarse.loops[coarse_loop]]).distance < 0.0
-    return bool(2 * np.count_nonzero(inside) > len(inside))
 
 
 class Spacing(NamedTuple):
@@ -240,18 +148,14 @@ def even_samples(mesh: Mesh, spacing: Spacing) -> EdgeSamples:
 
 
 def local_margins(coarse: Mesh, margin: float) -> FloatArray:
-    """(m,) margin of each coarse edge, a length: at most ``margin``, less in slits and in small loops."""
-    starts, ends = coarse.vertices, coarse.vertices[coarse.successor]
-    perimeters = np.bincount(coarse.loop_of_vertex, coarse.edge_lengths)
-    sizes = 2.0 * np.abs(coarse.loop_areas) / np.maximum(perimeters, TINY)  # far smaller loops than others underflow
-    result = np.minimum(margin, MARGIN_PER_INRADIUS * sizes)[coarse.loop_of_vertex]
-
-    point, edge = near_pairs(starts, starts, ends, margin / PART_OF_GAP)
-    successor, predecessor = coarse.successor, coarse.predecessor
+    """(m,) margin of each coarse edge, a length: at most ``margin``, less in slits."""
+    search, successor, predecessor = coarse.edge_search, coarse.successor, coarse.predecessor
+    point, edge = search.near(coarse.vertices, margin / PART_OF_GAP)
     neighbours = (edge, successor[edge], predecessor[edge], successor[successor[edge]])
     apart = np.logical_and.reduce([point != neighbour for neighbour in neighbours])
     point, edge = point[apart], edge[apart]
-    share = PART_OF_GAP * point_edge(starts[point], starts[edge], ends[edge]).distance
+    share = PART_OF_GAP * point_edge(coarse.vertices[point], *search.segments(edge)).distance
+    result: FloatArray = np.full(len(successor), margin)
     for place in (edge, point, predecessor[point]):
         np.minimum.at(result, place, share)
-    return np.asarray(result, np.float64)
+    return result

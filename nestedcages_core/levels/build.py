@@ -25,7 +25,7 @@ from ..decimation.problem import shared_anew
 from ..decimation.starts import AlongSequence, lacks_shapely
 from ..energies import Area
 from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError, note
-from ..flow.loop_matching import match_loops
+from ..flow.matching import match_loops
 from ..geometry.mesh import Mesh
 from .draft import OWN, PAPER_PREFERENCE, at_rest, tight_draft
 from .finish import finished

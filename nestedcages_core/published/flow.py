@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..flow.base import FlowResult, Obstacle, stuck
-from ..flow.containment import Containment
-from ..flow.loop_matching import match_loops
+from ..flow.containment import obstacle
+from ..flow.matching import match_loops
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import winding_number
@@ -61,22 +61,22 @@ class PaperFlow:
 
         Raises: FlowError after ``limit`` steps with the cause, and the FlowResult so far as `partial`.
         """
-        containment = Containment(match_loops(fine, coarse))
+        match_loops(fine, coarse)
         length = self.step * (1.0 if self.absolute else fine.diagonal)
         steps = [fine.vertices]
-        while not self._inside(steps[-1], fine, coarse, containment):
+        while not self._inside(steps[-1], fine, coarse):
             if len(steps) > self.limit:
-                obstacle = containment.obstacle(steps[-1]) or Obstacle("A ray through a vertex deceives the parity")
-                raise stuck(FlowResult(np.array(steps), self.limit, "paper", obstacle))
+                blocked = obstacle(fine, coarse, steps[-1]) or Obstacle("A ray through a vertex deceives the parity")
+                raise stuck(FlowResult(np.array(steps), self.limit, "paper", blocked))
             tick((len(steps) - 1) / self.limit)
             gradient = self._averaged_gradient(fine.moved(steps[-1]), coarse)
             outside = self._sign(steps[-1], coarse)
             steps.append(steps[-1] - length * outside[:, None] * gradient)
         return FlowResult(np.array(steps), len(steps) - 1, "paper")
 
-    def _inside(self, vertices: FloatArray, fine: Mesh, coarse: Mesh, containment: Containment) -> bool:
+    def _inside(self, vertices: FloatArray, fine: Mesh, coarse: Mesh) -> bool:
         if self.exact_parity:
-            return containment.obstacle(vertices) is None
+            return obstacle(fine, coarse, vertices) is None
         return contained_by_parity(coarse.vertices, coarse.successor, vertices, fine.successor)
 
     def _sign(self, vertices: FloatArray, coarse: Mesh) -> FloatArray:

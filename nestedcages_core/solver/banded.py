@@ -124,20 +124,15 @@ class BandedSystem:
     """Solution (2m,) of the system that was factorised last."""
 
     def __init__(self, order: BandOrder, hessian: Blocks, rows: Sequence[Rows], axes: FloatArray) -> None:
-        size = 2 * len(order.position)
-        height = 2 * order.bandwidth + 2  # diagonals stored: the main one and 2 bandwidth + 1 below
+        size, height = _shape(order)
         self._shape = size, height
         self._unknowns = np.stack([2 * order.position, 2 * order.position + 1])
         self._axes = np.ascontiguousarray(axes.reshape(-1, 4).T).reshape(2, 2, -1)
-
         before, after = self._axes.take(hessian.row, axis=2), self._axes.take(hessian.column, axis=2)
         value = hessian.value.reshape(-1, 4).T.reshape(2, 2, -1)
         value = before[:, 0, None] * value[0] + before[:, 1, None] * value[1]
         value = value[:, 0, None] * after[:, 0] + value[:, 1, None] * after[:, 1]
-        # blocks above the diagonal are stored transposed, blocks on it as their lower triangle
-        value[0, 1, hessian.row == hessian.column] = 0.0
-        row, column = self._unknowns.take(hessian.row, axis=1), self._unknowns.take(hessian.column, axis=1)
-        self._W = np.bincount(_place(row[:, None], column, height).ravel(), value.ravel(), size * height)
+        self._W = _band(order, hessian.row, hessian.column, value)
 
         # entries of A, and products of the entries of each row for Aᵀ diag(h) A
         rows = [group for group in rows if group.count]
@@ -238,6 +233,40 @@ class _Matrix(NamedTuple):
     def transposed_times(self, y: FloatArray) -> FloatArray:
         """The transpose of the matrix times y (rows,)."""
         return cast(FloatArray, np.bincount(self.column, self.value * y.take(self.row), self.columns))
+
+
+def banded_solver(matrix: Blocks, order: BandOrder) -> Solve | None:
+    """Solver for right sides (m, 2) of a matrix over m vertices; None if it is not positive definite."""
+    size, height = _shape(order)
+    values = matrix.value.reshape(-1, 4).T.reshape(2, 2, -1).copy()
+    solve = factorised(_band(order, matrix.row, matrix.column, values).reshape(size, height))
+    if solve is None:
+        return None
+    place = (2 * order.position[:, None] + np.arange(2)).ravel()
+
+    def solution(right: FloatArray) -> FloatArray:
+        ordered = np.empty(size)
+        ordered[place] = right.ravel()
+        return np.asarray(solve(ordered)[place].reshape(-1, 2))
+
+    return solution
+
+
+def _shape(order: BandOrder) -> tuple[int, int]:
+    """Unknowns of the vertices in an order, and diagonals of their band: the main one and those below it."""
+    return 2 * len(order.position), 2 * order.bandwidth + 2
+
+
+def _band(order: BandOrder, row: IntArray, column: IntArray, values: FloatArray) -> FloatArray:
+    """The band, column by column, of a symmetric matrix with blocks (2, 2, B), which are changed.
+
+    Blocks above the diagonal are stored transposed, blocks on it as their lower triangle.
+    """
+    size, height = _shape(order)
+    values[0, 1, row == column] = 0.0
+    axis = np.arange(2)[:, None]
+    place = _place((2 * order.position[row] + axis)[:, None], 2 * order.position[column] + axis, height)
+    return cast(FloatArray, np.bincount(place.ravel(), values.ravel(), size * height))
 
 
 @cache
