@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from math import cos, pi
+from typing import Any
 
+import numpy as np
+
+from ..errors import InvalidMeshError
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE
 from ..geometry.solids import mesh_of
-from ..libraries import load_shapely
+from ..libraries import has_shapely, load_shapely
 from .base import MIN_PER_LOOP
 from .line_cycles import is_narrow
 from .problem import Problem
@@ -15,8 +19,8 @@ from .problem import Problem
 WIDE = 1e-3
 """Clearance, in diagonals, from which the rounded offset is looked at."""
 
-ARC, SMOOTH = 16, 1e-3
-"""Edges of a quarter of a circle of the offset; detail that it leaves out, in clearances."""
+ARC, FINE_ARC, SMOOTH = 16, 64, 1e-3
+"""Edges of a quarter of a circle of the offset, and of a fine one; detail that is left out, in clearances."""
 
 
 def is_wide(fine: Mesh, count: int, clearance: float) -> bool:
@@ -42,7 +46,28 @@ def rounded_offset(fine: Mesh, distance: float) -> Mesh:
 
     Raises NestedCagesError where shapely is missing.
     """
-    solid = load_shapely("A rounded offset").geometry.shape(fine.__geo_interface__)
-    wide = solid.buffer(distance / cos(pi / (4 * ARC)), quad_segs=ARC)
+    wide = _buffered(fine, distance, ARC)
     smooth = wide.simplify(SMOOTH * distance).buffer((SMOOTH + NEGLIGIBLE) * distance, join_style="mitre")
     return mesh_of(smooth)
+
+
+def offset_loop_by_loop(fine: Mesh, distance: float, side: int) -> Mesh | None:
+    """A mesh whose loops k are at least a distance outside those of the fine one (side 1), or inside (-1), and little
+    more; None where some vanish or meet, for small distances, and without shapely."""
+    if distance <= WIDE * fine.diagonal or not has_shapely():
+        return None
+    try:
+        mesh = mesh_of(_buffered(fine, side * distance, FINE_ARC))
+    except InvalidMeshError:
+        return None
+    owner = fine.loop_of_vertex[fine.edge_search.closest(mesh.vertices).edge]
+    loops = {int(np.bincount(owner[loop]).argmax()): mesh.vertices[loop] for loop in mesh.loops}
+    if not mesh.has_loops_like(fine) or len(loops) < len(mesh.loops):
+        return None
+    return Mesh.from_loops([loops[k] for k in range(len(loops))])
+
+
+def _buffered(fine: Mesh, distance: float, arc: int) -> Any:
+    """The solid with all within a distance, or without where that is negative; arcs have edges beyond it."""
+    solid = load_shapely("A rounded offset").geometry.shape(fine.__geo_interface__)
+    return solid.buffer(distance / cos(pi / (4 * arc)), quad_segs=arc)

@@ -20,11 +20,11 @@ from math import inf
 from ..decimation import Count, Decimation, LineCycles, Start, Starts
 from ..decimation.base import in_words
 from ..decimation.cycle_search import OFFSET
-from ..decimation.offset import is_wide
+from ..decimation.offset import is_wide, offset_loop_by_loop
 from ..decimation.problem import shared_anew
 from ..decimation.starts import AlongSequence, lacks_shapely
 from ..energies import Area
-from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError, note
+from ..errors import Fault, FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError, note
 from ..flow.matching import match_loops
 from ..geometry.mesh import Mesh
 from .draft import OWN, PAPER_PREFERENCE, at_rest, tight_draft
@@ -219,9 +219,13 @@ def decimated(work: Work, decimation: Decimation, count: Count) -> Iterator[Star
     outline, clearance = work.plan.outline.mesh, work.clearances[0]
     if isinstance(decimation, LineCycles) and work.along and isinstance(count, int):
         decimation = AlongSequence(decimation, work.settings.loops == "one")
+    tick, kept = work.watch.tick("decimation"), work.plan.kept()
+    if isinstance(decimation, LineCycles):  # at large clearances
+        wide = offset_loop_by_loop(outline, clearance, work.plan.side)
+        with suppress(NestingError, InvalidMeshError):
+            yield from () if wide is None else decimation.outside.starts(wide, count, kept=kept, tick=tick)
     if isinstance(decimation, Starts):
-        tick = work.watch.tick("decimation")
-        yield from decimation.starts(outline, count, clearance=clearance, kept=work.plan.kept(), tick=tick)
+        yield from decimation.starts(outline, count, clearance=clearance, kept=kept, tick=tick)
     else:
         yield Start(decimation.decimate(outline, count, clearance=clearance), in_words(decimation))
 

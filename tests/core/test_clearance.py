@@ -64,12 +64,20 @@ def test_around_a_square_a_clearance_is_a_larger_square() -> None:
 
 
 @pytest.mark.parametrize("name", HOLES)
-@pytest.mark.parametrize("share", slow_after(0, [0.8, 0.6], thorough_after=1))
+@pytest.mark.parametrize("share", slow_after(0, [0.99, 0.6], thorough_after=1))
 def test_a_clearance_may_fill_a_hole_nearly(name: str, share: float) -> None:
     fine = HOLES[name]
     clearance = share * inradius(fine)
     level = nested_cages(fine, 10, clearance=clearance, loops="keep")[0]
     assert len(level.cage.loops) == 2 and verify(level.cage, fine, clearance)
+
+
+@pytest.mark.parametrize("points", [[(0, 0), (2, 0), (1, 1)], star().vertices], ids=["triangle", "star"])
+def test_a_clearance_may_fill_a_cage_inside_nearly(points: np.ndarray) -> None:
+    fine = Mesh.of(points)
+    clearance = NEARLY_ALL * float(shapely.maximum_inscribed_circle(polygon(fine), 1e-7).length)
+    level = inner_cages(fine, 5, clearance=clearance)[0]
+    assert verify(fine, level.cage, clearance)
 
 
 @pytest.mark.parametrize("name", slow_after(1, ["bent", "ring", "star"], thorough_after=2))
