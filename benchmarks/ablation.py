@@ -68,7 +68,7 @@ MECHANISMS: dict[str, Off] = {
     "sequential QPs first (IPC first)": Off(contacts("IPC", "SequentialQP")),
     "sequential QPs (IPC only)": Off(contacts("IPC")),
     "IPC behind sequential QPs": Off(contacts("SequentialQP")),
-    "IPC: stiffening": Off(patches={"contact.ipc:MOST_ROUNDS": 0}),
+    "IPC: stiffening": Off(patches={"contact.ipc:MOST_ROUNDS": 1}),
     "pruning of implied constraints": Off(
         patches={"contact.contact_response:not_implied": ALL_KEPT, "tightening.quadratic_model:not_implied": ALL_KEPT}
     ),

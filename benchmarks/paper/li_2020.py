@@ -60,7 +60,7 @@ class SquaredBarrier:
     def terms(self) -> BarrierTerms:
         """b and its derivatives with respect to the squared distance."""
         squared = self.measured.distance**2
-        return barrier(squared, np.full(len(squared), self.d_hat**2))
+        return barrier(squared, self.d_hat**2)
 
     @cached_property
     def slope(self) -> Array:
@@ -129,7 +129,7 @@ class StiffnessBounds:
     def of(cls, d_hat: float, stiffness: float) -> StiffnessBounds:
         """κ that gives the barrier the curvature ``stiffness`` at the reference distance, and a hundred times that."""
         squared = REFERENCE_DISTANCE**2
-        curvature = float(barrier(np.array([squared]), np.array([d_hat**2])).second[0])
+        curvature = float(barrier(np.array([squared]), d_hat**2).second[0])
         least = stiffness / (4.0 * squared * curvature)
         return cls(least, STIFFNESS_RANGE * least)
 

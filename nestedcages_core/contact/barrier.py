@@ -2,8 +2,7 @@
 
     b(d) = -(d - d̂)² log(d / d̂) for 0 < d < d̂,  0 beyond,  infinite at contact          (Li et al. 2020, equation 6)
 
-B in Gurditta & Jacobson 2022, section 3.2, is the sum over all pairs. Here each pair has its own range d̂ and weight: a
-single range locks where two walls of the fine mesh face each other across a slit narrower than the range.
+B in Gurditta & Jacobson 2022, section 3.2, is the sum over all pairs. Here each pair has its own weight.
 """
 
 from __future__ import annotations
@@ -14,13 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..energies import Blocks
-from ..energies.base import assembled_gradient
-from ..geometry.arrays import TINY, FloatArray, IntArray
-from ..geometry.broad_phase import near_pairs
-from ..geometry.distance import PointEdge, bending, coefficients, distance_gradient, interior, point_edge, tangents
-from ..geometry.vectors import dot, inner, norm, rotated_right
-from .condensation import newton_direction
-from .pairs import Bodies, Pairs
+from ..energies.base import assembled_gradient, assembled_hessian
+from ..geometry.arrays import FloatArray
+from ..geometry.distance import PointEdge, bending, coefficients, distance_gradient, interior, tangents
+from ..geometry.vectors import inner
+from ..solver.sparse_lu import definite_solution
+from .pairs import Pairs
 
 
 class BarrierTerms(NamedTuple):
@@ -34,8 +32,8 @@ class BarrierTerms(NamedTuple):
     """(K,) b'', without unit."""
 
 
-def barrier(distance: FloatArray, d_hat: FloatArray) -> BarrierTerms:
-    """b(d), b'(d), b''(d) for distances (K,) and ranges d̂ (K,); infinite where d ≤ 0."""
+def barrier(distance: FloatArray, d_hat: float) -> BarrierTerms:
+    """b(d), b'(d), b''(d) for distances (K,); infinite where d ≤ 0."""
     inside = (distance < d_hat) & (distance > 0.0)
     d = np.where(inside, distance, d_hat)
     gap = d - d_hat
@@ -88,12 +86,10 @@ class BarrierSum:
 
     @classmethod
     def at(
-        cls, x: FloatArray, pairs: Pairs, measured: PointEdge, *, weight: FloatArray | float, d_hat: FloatArray | float
+        cls, x: FloatArray, pairs: Pairs, measured: PointEdge, *, weight: FloatArray | float, d_hat: float
     ) -> BarrierSum:
-        """The sum for one weight and range or (K,) of them."""
-        count = len(pairs)
-        terms = barrier(measured.distance, np.broadcast_to(d_hat, count))
-        return cls(x, pairs, measured, np.broadcast_to(weight, count), terms)
+        """The sum for one range and one weight or (K,) of them."""
+        return cls(x, pairs, measured, np.broadcast_to(weight, len(pairs)), barrier(measured.distance, d_hat))
 
     @property
     def value(self) -> float:
@@ -113,68 +109,7 @@ class BarrierSum:
         """
         starts, ends = self.x[self.pairs.start], self.x[self.pairs.end]
         factors = barrier_hessian_factors(self.terms, self.weight, self.measured, starts, ends)
-        return newton_direction(self.pairs.corners, factors, restoring, cage, gradient)
-
-
-@dataclass(frozen=True, eq=False)
-class BarrierRanges:
-    """Range d̂ of each vertex and edge; lengths."""
-
-    cage_vertex: FloatArray
-    """(m,) against the cage itself."""
-    cage_edge: FloatArray
-    """(m,) by start vertex, against the cage itself."""
-    fine_vertex: FloatArray
-    """(n,) against cage edges."""
-    fine_edge: FloatArray
-    """(n,) by start vertex, against cage vertices."""
-
-    @classmethod
-    def local(cls, bodies: Bodies, cage: FloatArray, home: FloatArray, base: float) -> BarrierRanges:
-        """``base`` (a length), or half the gap between walls that face each other where that is less.
-
-        home, cage: final positions (n, 2) of the fine mesh and positions (m, 2) of the cage, where gaps are measured.
-        """
-        fine_gap = facing_gaps(home, bodies.fine.successor, bodies.fine.predecessor, 2.0 * base)
-        cage_gap = facing_gaps(cage, bodies.cage.successor, bodies.cage.predecessor, 2.0 * base)
-        fine = np.minimum(base, 0.5 * fine_gap)
-        own = np.minimum(base, 0.5 * cage_gap)  # cage against cage
-        return cls(
-            own,
-            np.minimum(own, own[bodies.cage.successor]),
-            fine,
-            np.minimum(fine, fine[bodies.fine.successor]),
-        )
-
-    def of(self, bodies: Bodies, pairs: Pairs) -> FloatArray:
-        """(K,) d̂ of each pair; of a vertex and an edge of the cage, the smaller one."""
-        m = bodies.m
-        d_hat = np.empty(len(pairs))
-        d_hat[pairs.fine_cage] = self.fine_vertex[pairs.point[pairs.fine_cage] - m]
-        d_hat[pairs.cage_fine] = self.fine_edge[pairs.start[pairs.cage_fine] - m]
-        own = pairs.cage_cage
-        d_hat[own] = np.minimum(self.cage_vertex[pairs.point[own]], self.cage_edge[pairs.start[own]])
-        return d_hat
-
-    @property
-    def largest(self) -> float:
-        """Distance beyond which no pair has a barrier."""
-        return float(max(self.cage_vertex.max(), self.fine_vertex.max()))
-
-
-def facing_gaps(vertices: FloatArray, successor: IntArray, predecessor: IntArray, reach: float) -> FloatArray:
-    """(k,) distance from each vertex to the nearest edge that faces it across the outside, infinite beyond ``reach``.
-
-    A vertex and an edge face each other if each is on the outer side of the other and their normals are opposed.
-    """
-    ends = vertices[successor]
-    normal = rotated_right(ends - vertices) / np.maximum(norm(ends - vertices), TINY)[:, None]
-    vertex_normal = normal + normal[predecessor]
-    point, edge = near_pairs(vertices, vertices, ends, reach)
-    opposed = (point != edge) & (point != successor[edge]) & (dot(vertex_normal[point], normal[edge]) < 0.0)
-    point, edge = point[opposed], edge[opposed]
-    pair = point_edge(vertices[point], vertices[edge], ends[edge])
-    facing = (dot(pair.normal, normal[edge]) > 0.0) & (dot(pair.normal, vertex_normal[point]) < 0.0)
-    gap = np.full(len(vertices), np.inf)
-    np.minimum.at(gap, point[facing], pair.distance[facing])
-    return gap
+        own = assembled_hessian(self.pairs.corners, factors.transpose(0, 2, 1) @ factors)
+        fine = np.arange(len(self.x) - len(restoring), len(self.x))
+        home = Blocks(fine, fine, restoring[:, None, None] * np.eye(2))
+        return -definite_solution(Blocks.sum([(1.0, own), (1.0, home), (1.0, cage)]), gradient)

@@ -9,12 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..energies import Area, Energy
-from ..energies.restoring import Restoring
 from ..geometry.arrays import FloatArray
-from ..geometry.precision import MOST_ROUNDS, PATIENCE, PROGRESS_RATIO
+from ..geometry.precision import MOST_ROUNDS
 from ..parameters import check_not_negative, check_part, check_positive
 from ..solver.newton import ProjectedNewton, Solver
-from .barrier import BarrierRanges
 from .base import ContactOutcome, OnStep, farthest_vertex, no_step
 from .incremental_potential import IncrementalPotential, PotentialWeights
 from .pairs import Bodies, CandidateList
@@ -23,9 +21,9 @@ __all__ = ["IPC"]
 
 logger = logging.getLogger(__name__)
 
+
 STIFFENING = 4.0
-"""Factor on λ_R when the minimum of the energy leaves the fine mesh short of its target (docs/ablation.md: IPC:
-stiffening)."""
+"""Factor on λ_R where the minimum of the energy leaves the fine mesh short of its target."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +38,7 @@ class IPC:
     energy: Energy = field(default_factory=Area)
     """E_cages."""
     barrier_range: float = 0.1
-    """d̂ as a fraction of the mean coarse edge length, where the local gap allows it."""
+    """d̂ as a fraction of the mean coarse edge length."""
     restoring: float = 100.0
     """λ_R · d̂: pull towards the target at the distance d̂, relative to the pressure of the area."""
     cages: float = 1.0
@@ -60,41 +58,23 @@ class IPC:
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float, on_step: OnStep = no_step
     ) -> ContactOutcome:
         """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`."""
-        m = bodies.m
-        energy = self.energy.at(bodies.coarse)
-        base = self.barrier_range * bodies.cage_edge_length
-        ranges = BarrierRanges.local(bodies, x[:m], path[-1], base)
-        candidates = CandidateList(bodies)
-        iterations = 0
+        m, energy, candidates, iterations = bodies.m, self.energy.at(bodies.coarse), CandidateList(bodies), 0
+        d_hat = self.barrier_range * bodies.cage_edge_length
         for target in waypoints(x[m:], path, self.stride * bodies.cage_edge_length):
-            stiffness, idle = self.restoring / base, 0
-            least = _distances(x[m:], target)
             step_energy = energy.after(x[:m])
-            for _ in range(1 + MOST_ROUNDS):
-                objective = IncrementalPotential(
-                    bodies,
-                    step_energy,
-                    Restoring(target, bodies.fine_weight),
-                    PotentialWeights(stiffness, self.cages, self.barrier),
-                    ranges,
-                    candidates,
-                )
+            for k in range(MOST_ROUNDS):
+                weights = PotentialWeights(STIFFENING**k * self.restoring / d_hat, self.cages, self.barrier)
+                objective = IncrementalPotential(bodies, step_energy, target, weights, d_hat, candidates)
                 solution = self.solver.minimise(objective, x, on_step)
-                x = solution.x
-                iterations += solution.iterations
-                logger.debug("IPC: %d iterations to a target, stiffness %.2e", solution.iterations, stiffness)
-                if objective.finished(x):
-                    x = np.concatenate([x[:m], target])
-                    on_step(x)
+                x, iterations = solution.x, iterations + solution.iterations
+                logger.debug("IPC: %d iterations to a target, stiffened %d times", solution.iterations, k)
+                reached = objective.finished(x)
+                if reached or not solution.converged:
                     break
-                left = _distances(x[m:], target)
-                idle = 0 if (left < PROGRESS_RATIO * least).any() else idle + 1
-                least = np.minimum(least, left)
-                if idle >= PATIENCE or not solution.converged:
-                    return ContactOutcome(x, False, iterations, farthest_vertex(x[m:], target))
-                stiffness *= STIFFENING
-            else:
+            if not reached:
                 return ContactOutcome(x, False, iterations, farthest_vertex(x[m:], target))
+            x = np.concatenate([x[:m], target])
+            on_step(x)
         return ContactOutcome(x, True, iterations)
 
 
@@ -108,9 +88,3 @@ def waypoints(start: FloatArray, path: Sequence[FloatArray], stride: float) -> I
             yield start + (k / pieces) * motion
         yield target
         start = target
-
-
-def _distances(fine: FloatArray, target: FloatArray) -> FloatArray:
-    """(2,) distance to the target, summed over the vertices and at the farthest one."""
-    length = np.hypot(*(target - fine).T)
-    return np.array([length.sum(), length.max()])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -18,8 +17,6 @@ class Area(CageEnergy):
 
     Holes run clockwise, so their area counts negatively: the sum is the area of the solid.
     """
-
-    is_area: ClassVar[bool] = True
 
     def with_area(self, measure: CageEnergy) -> CageEnergy:
         """The measure."""
@@ -48,18 +45,6 @@ class Area(CageEnergy):
         """Constant: the block ½ (0 1; -1 0) for each edge a → b, since u × w = uᵀ (0 1; -1 0) w."""
         m = len(successor)
         return Blocks(np.arange(m), successor, np.broadcast_to(0.5 * rotated_left(np.eye(2)), (m, 2, 2)))
-
-    def projected_hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
-        """Edge by edge in closed form: the 4 × 4 Hessian A has A² = I/4, so its positive part is (A + I/2)/2."""
-        m = len(successor)
-        vertex = np.arange(m)
-        return Blocks(
-            np.concatenate([vertex, vertex]),
-            np.concatenate([vertex, successor]),
-            np.concatenate(
-                [np.broadcast_to(block, (m, 2, 2)) for block in (0.5 * np.eye(2), 0.25 * rotated_left(np.eye(2)))]
-            ),
-        )
 
 
 def signed_area(vertices: FloatArray, successor: IntArray) -> float:

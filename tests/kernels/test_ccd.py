@@ -7,13 +7,12 @@ import pytest
 import shapely
 
 from nestedcages_core import Area, Mesh
-from nestedcages_core.contact.barrier import BarrierRanges, barrier, barrier_hessian_factors
+from nestedcages_core.contact.barrier import barrier, barrier_hessian_factors
 from nestedcages_core.contact.ccd import SAFETY, impacts, largest_safe_step
 from nestedcages_core.contact.incremental_potential import IncrementalPotential, PotentialWeights
 from nestedcages_core.contact.linearisation import constraint_rows, distance_change, measure, resolve_corners
 from nestedcages_core.contact.pairs import Bodies, CandidateList, Pairs, find_pairs
 from nestedcages_core.contact.pruning import not_implied
-from nestedcages_core.energies.restoring import Restoring
 from nestedcages_core.geometry.distance import PointEdge, distance_gradient, point_edge
 from nestedcages_core.tightening.quadratic_model import EdgeLoads, contact_curvature
 from support.marks import slow_after
@@ -201,7 +200,7 @@ def test_the_barrier_and_its_derivatives_are_those_of_ipc_toolkit() -> None:
 
 
 def test_the_barrier_vanishes_smoothly_at_its_range_and_is_infinite_at_contact() -> None:
-    terms = barrier(np.array([D_HAT, 1.0, 0.0]), np.full(3, D_HAT))
+    terms = barrier(np.array([D_HAT, 1.0, 0.0]), D_HAT)
     assert terms.value.tolist() == [0.0, 0.0, np.inf]
     assert terms.first[:2].tolist() == terms.second[:2].tolist() == [0.0, 0.0]
 
@@ -211,7 +210,7 @@ def test_the_projected_hessian_is_semi_definite_no_less_than_the_hessian_and_exa
     corners = random.normal(size=(2000, 6))
     corners = corners[measured(corners).distance < D_HAT]
     pair, weight = measured(corners), random.uniform(0.5, 2.0, len(corners))
-    terms = barrier(pair.distance, np.full(len(weight), D_HAT))
+    terms = barrier(pair.distance, D_HAT)
     gradient = distance_gradient(pair)
     outer = gradient[:, :, None] * gradient[:, None, :]
     bend = distance_hessians(corners)
@@ -235,12 +234,11 @@ def test_the_potential_has_its_derivative_and_descends_along_newton_directions()
     start = fine.vertices * np.where(np.arange(80) < 40, 0.85, 1.15)[:, None]
     x = np.concatenate([coarse.vertices, start])
     x += 0.004 * np.random.default_rng(3).normal(size=x.shape)
-    ranges = BarrierRanges.local(bodies, x[:16], x[16:], 0.3)
-    restoring, weights = Restoring(fine.vertices, bodies.fine_weight), PotentialWeights(500.0, 1.0, 1.0)
-    potential = IncrementalPotential(bodies, Area(), restoring, weights, ranges, CandidateList(bodies))
+    weights = PotentialWeights(500.0, 1.0, 1.0)
+    potential = IncrementalPotential(bodies, Area(), fine.vertices, weights, 0.3, CandidateList(bodies))
     pairs = find_pairs(bodies, x, 0.3)
     for family in (pairs.fine_cage, pairs.cage_fine, pairs.cage_cage):
-        assert (pairs.measure(x).distance < ranges.of(bodies, pairs))[family].any()
+        assert (pairs.measure(x).distance < 0.3)[family].any()
     for _ in range(3):
         model = potential.newton(x)
         assert model.value == pytest.approx(potential.value(x), rel=1e-12)

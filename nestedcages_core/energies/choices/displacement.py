@@ -68,7 +68,3 @@ class Displacement(CageEnergy):
         """Constant: w on the diagonal."""
         vertex = np.arange(len(self.weight))
         return Blocks(vertex, vertex, self.weight[:, None, None] * np.eye(2))
-
-    def projected_hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
-        """The Hessian, which is positive definite."""
-        return self.hessian(vertices, successor)
