@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
+from ..parameters import has_method
 from .base import Blocks, CageEnergy, Energy
 
 
@@ -24,7 +25,7 @@ class WeightedSum(CageEnergy):
         for weight, energy in self.terms:
             if not 0.0 <= weight < np.inf:
                 raise invalid_setting(f"WeightedSum: weights must be finite and at least 0, not {weight!r}.")
-            if isinstance(energy, type) or not callable(getattr(energy, "at", None)):
+            if not has_method(energy, "at"):
                 raise invalid_setting(f"WeightedSum: a term must be an energy such as Area(), not {energy!r}.")
 
     def at(self, coarse: Mesh) -> WeightedSum:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
@@ -14,6 +14,14 @@ from ..geometry.vectors import bounds
 from ..tightening.tightening import CLEARANCE_MARGIN
 
 Method = TypeVar("Method")
+
+
+@runtime_checkable
+class AbsoluteLengths(Protocol):
+    """A flow or contact that may have lengths in the units of the input."""
+
+    def scaled(self, factor: float) -> Any:
+        """The same method for meshes scaled by a factor."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +54,8 @@ class SolverUnits:
         return points * self.scale + self.centre
 
     def method(self, method: Method) -> Method:
-        """A flow or contact with its lengths in the units of the solvers, if it has absolute ones (`scaled`)."""
-        scaled = getattr(method, "scaled", None)
-        return method if scaled is None else scaled(1.0 / self.scale)
+        """A flow or contact with its lengths in the units of the solvers, if it has absolute ones."""
+        return method.scaled(1.0 / self.scale) if isinstance(method, AbsoluteLengths) else method
 
     def clearance(self, length: float) -> float:
         """A clearance of the input in the units of the solvers, with a margin for rounding."""
