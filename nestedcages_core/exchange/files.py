@@ -12,7 +12,7 @@ from ..errors import invalid_file
 from .limits import Limits
 
 try:
-    from fcntl import LOCK_EX, LOCK_NB, flock
+    from fcntl import LOCK_EX, LOCK_NB, flock  # noqa: TID251 - guarded
 
     LOCKS = True
 except ImportError:  # on Windows, where files that are open cannot be removed

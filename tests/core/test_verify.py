@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import shapely
 import shapely.geometry
 
 from nestedcages_core import Certificate, InvalidMeshError, Mesh, check, verify, verify_motion

@@ -37,7 +37,7 @@ def region(left: float, name: str | None, count: int = 40) -> dict[str, Any]:
 
 def reported(path: Path) -> list[dict[str, Any]]:
     """The entries of a report."""
-    document = json.loads(path.read_text())
+    document = json.loads(path.read_text(encoding="utf-8"))
     assert (document["format"], document["version"]) == ("nested-cages report", 1)
     return document["inputs"]
 
@@ -352,7 +352,7 @@ def test_streams_in_and_out(drawing: Path) -> None:
     def piped(given: str | bytes, *options: object) -> Any:
         return run("-", "--quiet", "--levels", 8, "-o", "-", *options, stdin=given)
 
-    done = run_alone("-", "--quiet", "--levels", 24, "-o", "-", input=drawing.read_text())
+    done = run_alone("-", "--quiet", "--levels", 24, "-o", "-", input=drawing.read_text(encoding="utf-8"))
     assert done.returncode == 0 and "24" in done.stderr
     assert len(from_svg(done.stdout, element="cage-1").vertices) == 24
     west = json.dumps(region(0.0, "West"))

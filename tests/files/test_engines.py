@@ -256,7 +256,7 @@ def animated(folder: Path, place: Path) -> dict[str, Any]:
     turned = {name: [0.0, 20.0] for name in names}
     swing = {"name": "swing", "times": [0.0, 1.0], "turned": turned, "shifted": {names[0]: [[0, 0], [5, 7]]}}
     kept["animations"] = [{**swing, "loops": True}]
-    place.write_text(json.dumps(kept))
+    place.write_text(json.dumps(kept), encoding="utf-8")
     return kept
 
 

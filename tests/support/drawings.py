@@ -29,12 +29,6 @@ def star(count: int = 60, depth: float = 0.25, waves: int = 5) -> Loop:
     return np.column_stack([np.cos(angles), np.sin(angles)]) * (1.0 + depth * np.cos(waves * angles))[:, None]
 
 
-def polygon_area(loop: Loop) -> float:
-    """The area inside a loop (k, 2)."""
-    x, y = loop.T
-    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
-
-
 def raised(loop: Loop, z: float = 0.0) -> NDArray[np.float64]:
     """Points (k, 2) as (k, 3), or (k, 3) as they are."""
     return loop if loop.shape[1] == 3 else np.column_stack([loop, np.full(len(loop), z)])
