@@ -16,7 +16,7 @@ import numpy as np
 
 import nestedcages_core as core
 from common import DETAILS, Options, forget, table
-from nestedcages_core import ArcLength, Mesh, NestedCagesError, Settings, Tightening, nested_cages, verify
+from nestedcages_core import ArcLength, Mesh, NestedCagesError, Settings, nested_cages, verify
 from random_shapes import KINDS, random_shape
 from shapes import GROWING
 
@@ -73,10 +73,8 @@ MECHANISMS: dict[str, Off] = {
         patches={"contact.contact_response:not_implied": ALL_KEPT, "tightening.quadratic_model:not_implied": ALL_KEPT}
     ),
     "escapes from saddles": Off(patches={"tightening.tightening:negative_curvature": NOTHING}),
-    "widening in small steps": Off(patches={f"{CLEARANCE}:MOST_STEPS": 0}),
     "trials of shortened steps (3 to 1)": Off(patches={"tightening.trust_region:MAX_ATTEMPTS": 1}),
     "overshoot of restoration": Off(patches={f"{CLEARANCE}:OVERSHOOT": 1.0}),
-    "patience (3 quiet steps to 1)": Off(partial(Settings, tightening=Tightening(patience=1))),
 }
 """Name, and how it is switched off; "(a to b)" where it is not all or nothing. Names that are gone are told."""
 

@@ -23,13 +23,13 @@ from ..geometry.broad_phase import near_pairs
 from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
 from ..geometry.precision import ROUND_OFF
-from ..geometry.thinning import Thinning
+from ..geometry.thinning import thinned, tolerance_for
 from ..parameters import check_flag, check_side
 from ..progress import Tick, no_tick
 from .base import NOTHING_KEPT, Count, Kept, Start
 from .closest_points import closest_on_curve
 from .cycle_search import OFFSET, CycleSearch, NoCyclesError, Tables
-from .problem import Problem
+from .problem import Problem, canonical_order, checked_count
 from .symmetric import symmetrised
 
 SOURCE = "line cycles"
@@ -100,19 +100,17 @@ class LineCycles:
 
         Raises NestingError where no cycles are found.
         """
-        problem = Problem.of(fine, count, self.side, kept)
-        known = tables is not None and tables.knows(problem.outline)
-        thin = None if known else _around_thinned(problem, clearance, tick)
-        if thin is not None:
-            yield self._start(thin, fine, kept)
-            return
-        try:
-            mesh = _least_mesh(problem, clearance, tick, tables=tables)
-        except NoCyclesError:
-            if not kept.rules:
-                raise
-            free = replace(problem, kept=replace(kept, rules=()))  # the tightening moves it to where rules hold
-            mesh = _least_mesh(free, clearance, tick)
+        known = tables is not None and tables.knows(canonical_order(fine)[0])
+        mesh = None if known else _around_thinned(fine, count, self.side, kept, clearance, tick)
+        if mesh is None:
+            problem = Problem.of(fine, count, self.side, kept)
+            try:
+                mesh = _least_mesh(problem, clearance, tick, tables=tables)
+            except NoCyclesError:
+                if not kept.rules:
+                    raise
+                free = replace(problem, kept=replace(kept, rules=()))  # the tightening moves it to where rules hold
+                mesh = _least_mesh(free, clearance, tick)
         yield self._start(mesh, fine, kept)
 
     def _start(self, mesh: Mesh, fine: Mesh, kept: Kept) -> Start:
@@ -136,18 +134,19 @@ def least_areas(
     return search.least
 
 
-def _around_thinned(problem: Problem, clearance: float, tick: Tick) -> Mesh | None:
+def _around_thinned(fine: Mesh, count: Count, side: int, kept: Kept, clearance: float, tick: Tick) -> Mesh | None:
     """The mesh of the best cycles around a large mesh with fewer vertices, as far away from it as these miss of the
-    whole one; None where that is no use."""
-    fine, points = problem.fine, max(MIN_POINTS, POINTS_PER_VERTEX * problem.target)
-    if problem.side < 0 or not problem.kept.is_free or len(fine.vertices) <= max(ALL_POINTS, 2 * points):
+    whole one; None where that is no use. Raises NestingError for a count that no mesh has."""
+    total, _ = checked_count(fine, count)
+    points = max(MIN_POINTS, POINTS_PER_VERTEX * total)
+    if side < 0 or not kept.is_free or len(fine.vertices) <= max(ALL_POINTS, 2 * points):
         return None
-    thinning, most = Thinning(fine), MAX_TOLERANCE * float(fine.edge_lengths.sum()) / problem.target
-    tolerance = min(thinning.tolerance(points), most)
+    told, most = fine.loop_order.significance, MAX_TOLERANCE * float(fine.edge_lengths.sum()) / total
     for finer in FINER:
+        tolerance = finer * min(tolerance_for(told, points, fine.diagonal), most)
         with suppress(NestingError, InvalidMeshError):
-            thin = replace(problem.around(thinning.mesh(finer * tolerance)), kept=problem.kept)
-            return _least_mesh(thin, clearance + finer * tolerance, tick, finer * tolerance)
+            thin = Problem.of(thinned(fine, told > tolerance), count, side, kept)
+            return _least_mesh(thin, clearance + tolerance, tick, tolerance)
     return None
 
 

@@ -52,17 +52,6 @@ class Problem:
         per_loop = None if numbers is None else np.array(numbers)[loop_order]
         return cls(fine, outline, loop_order, total, per_loop, side, kept)
 
-    def around(self, fine: Mesh) -> Problem:
-        """The same around another mesh whose loop k stands for loop k of this one."""
-        return Problem.of(fine, self.total if self.per_loop is None else self.numbers, self.side)
-
-    @property
-    def numbers(self) -> list[int]:
-        """(L,) vertices per loop of the fine mesh."""
-        assert self.per_loop is not None
-        numbers: list[int] = self.per_loop[np.argsort(self.loop_order)].tolist()
-        return numbers
-
     @property
     def minimum(self) -> list[int]:
         """Vertices that each loop keeps: the wanted number, at most its own."""
@@ -122,8 +111,13 @@ def _first_of(candidates: IntArray, points: FloatArray, tie: float) -> int:
     step = np.roll(points, -1, axis=0) - points
     before = np.roll(step, 1, axis=0)
     edges = np.round(np.stack((norm(step), cross(before, step) / norm(before)), axis=1) / tie)
-    sequences = [np.roll(edges, -k, axis=0).ravel() for k in candidates[:MAX_TIED].tolist()]
-    return int(candidates[min(range(len(sequences)), key=lambda k: tuple(sequences[k]))])
+    candidates, first = candidates[:MAX_TIED], 0
+    while len(candidates) > 1 and first < len(edges):  # twice as many edges each time
+        places = np.arange(first, min(2 * first + 8, len(edges)))
+        sequences = edges[(candidates[:, None] + places) % len(edges)].reshape(len(candidates), -1)
+        candidates = candidates[(sequences == min(sequences.tolist())).all(axis=1)]
+        first = 2 * first + 8
+    return int(candidates[0])
 
 
 def canonical_order(fine: Mesh) -> tuple[Loops, IntArray]:

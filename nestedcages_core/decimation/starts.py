@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import inf
 
 import numpy as np
@@ -95,6 +96,9 @@ class AlongSequence:
         none = not around.made
         for start in around.last_resorts():
             none = False
+            if box is not None and len(start.coarse.vertices) <= len(box.coarse.vertices):
+                yield box
+                box = None
             yield start
         if box is not None:
             yield box
@@ -127,9 +131,13 @@ class Outlines:
         if is_wide(fine, count, clearance) and has_shapely():
             self.base, self.clearance = rounded_offset(fine, clearance), 0.0
         self.sequence = LoopSequence(self.base)
-        self.tables = Tables(NormalFrame.of(canonical_order(self.base)[0]))
         self.made: dict[int, Start] = {}
         self.failed: dict[int, NestedCagesError] = {}
+
+    @cached_property
+    def tables(self) -> Tables:
+        """Searches that outlines share."""
+        return Tables(NormalFrame.of(canonical_order(self.base)[0]))
 
     def ranked(self, one_loop: bool) -> Iterator[int]:
         """Outlines by the area of the cage around them, the least first; then others of the sequence."""
@@ -201,7 +209,7 @@ class Outlines:
             mesh, kept = with_images(mesh, symmetry), replace(kept, preferred=None)
         count = min(count, len(mesh.vertices))
         failure: NestingError | None = None
-        tables = self.tables if symmetry is None else None
+        tables = self.tables if symmetry is None and len(self.sequence.loops) > 1 else None
         for fewer in range(1 if symmetry is None else symmetry.order):  # pairs of loops have even numbers
             try:
                 starts = method.starts(

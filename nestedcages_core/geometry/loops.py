@@ -13,6 +13,7 @@ import numpy as np
 from .arrays import BoolArray, FloatArray, IntArray
 from .broad_phase import BoxTree
 from .predicates import Signs, as_integers, loop_windings, orientation
+from .significance import significance
 from .vectors import norm
 
 CONNECTIVITY = ("begins", "loop", "ahead", "back", "successor", "predecessor")
@@ -96,6 +97,11 @@ class Loops:
     @cached_property
     def _areas(self) -> tuple[FloatArray, float]:
         return signed_areas(self)
+
+    @cached_property
+    def significance(self) -> FloatArray:
+        """(n,) distance up to which each place may be left out; see `significance`."""
+        return significance(self.split())
 
     @cached_property
     def centre(self) -> FloatArray:

@@ -161,7 +161,7 @@ def ways(work: Work, start: Start, drafts: Sequence[Draft]) -> Iterator[Start]:
     drafts: the cages so far.
     """
     fine = work.plan.outline.mesh
-    if start.on_curve is not None and work.settings.steps:
+    if start.on_curve is not None:
         yield Start(start.on_curve, "on the curve")
         if work.settings.fallback is None:
             return

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 
@@ -10,11 +9,11 @@ from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Start
 from ..energies import signed_area
-from ..errors import FlowError, InvalidMeshError
+from ..errors import FlowError
 from ..flow import FlowResult
 from ..geometry.arrays import TINY, FloatArray
 from ..geometry.mesh import Mesh, Nesting
-from ..geometry.thinning import Thinning
+from ..tightening.coarse_to_fine import coarse_to_fine
 from .progress import OutOfTimeError
 from .work import Draft, Work, contacts_for
 
@@ -28,15 +27,12 @@ MISSED = 1e6
 OWN = "coarse mesh"
 """What a start from the user's own coarse mesh is called."""
 
-MIN_POINTS, POINTS_PER_VERTEX, MANY = 1000, 30, 3
-"""Vertices of the mesh that tightening begins with: at least, and per vertex of the cage; how many times as many a mesh
-has for which there is one."""
-
 
 def tight_draft(work: Work, start: Start) -> Draft:
     """The tight cage from a start. Raises FlowError, ReinflationError."""
     draft = at_rest(work, start)
-    if not work.rests and work.watch.over is None:
+    still = work.rests or work.watch.over is not None
+    if not still and (work.settings.steps or not Nesting(start.coarse, work.plan.fine).encloses()):
         draft = reinflated(work, flowed(work, draft))
     return tightened(work, draft, work.clearances[0])
 
@@ -88,7 +84,10 @@ def reinflated(work: Work, draft: Draft) -> Draft:
 def tightened(work: Work, draft: Draft, clearance: float) -> Draft:
     """The cage at its optimum for a clearance in input units, or as far as time allows."""
     plan, units, watch, coarse = work.plan, work.units, work.watch, draft.unit_coarse
-    bounds, wide = plan.bounds(coarse, units), plan.clearances(units)
+    bounds, wanted = plan.bounds(coarse, units), units.clearance(clearance + work.room)
+    meshes = iter([(work.unit_fine, plan.clearances(units))])
+    if plan.is_free and plan.side > 0:
+        meshes = coarse_to_fine(work.unit_fine, plan.fine, coarse, wanted, lambda: cages[-1] if cages else draft.cage)
     steps, programs, cages = 0, 0, list[FloatArray]()
 
     def on_step(vertices: FloatArray) -> None:
@@ -97,12 +96,12 @@ def tightened(work: Work, draft: Draft, clearance: float) -> Draft:
 
     with suppress(OutOfTimeError):
         watch.begin("tightening")
-        for fine, away in () if watch.over else _coarse_to_fine(work, coarse):
+        for fine, clearances in () if watch.over else meshes:
             outcome = work.settings.tightening.run(
-                Bodies.of(coarse, fine, side=plan.side, bounds=bounds, clearances=wide),
+                Bodies.of(coarse, fine, side=plan.side, bounds=bounds, clearances=clearances),
                 cages[-1] if cages else draft.cage,
                 fine.vertices,
-                clearance=units.clearance(clearance + work.room) + away,
+                clearance=wanted,
                 energy=draft.energy,
                 on_step=on_step,
             )
@@ -120,14 +119,3 @@ def _excess(work: Work, coarse: Mesh, cage: FloatArray) -> float:
     """The excess of a cage (m, 2), or the area that it loses inside."""
     area = max(work.unit_fine.area, TINY)  # of slivers it may round to 0
     return work.plan.side * (signed_area(cage, coarse.successor) / area - 1.0)
-
-
-def _coarse_to_fine(work: Work, cage: Mesh) -> Iterator[tuple[Mesh, float]]:
-    """Meshes to tighten around in turn, and how far from each: of a large one first one with fewer vertices."""
-    fine, points = work.unit_fine, MIN_POINTS + POINTS_PER_VERTEX * len(cage.vertices)
-    if work.plan.is_free and work.plan.side > 0 and len(fine.vertices) > MANY * points:
-        thinning = Thinning(fine)
-        tolerance = thinning.tolerance(points)
-        with suppress(InvalidMeshError):
-            yield thinning.mesh(tolerance), tolerance
-    yield fine, 0.0

@@ -88,7 +88,6 @@ class _Kept:
     ) -> TighteningOutcome:
         """As that of the tightening, looked at after the first steps, and whenever there are twice as many."""
         held, number, look = list[FloatArray](), 0, FIRST_LOOK
-        left = TighteningOutcome(cage, 0, 0, "The cage would leave the tolerance.")
 
         def pass_on() -> bool:
             """Hand on what is held as far as it is within the tolerance; whether all of it is."""
@@ -113,8 +112,8 @@ class _Kept:
         try:
             outcome = self.tightening.run(bodies, cage, fine, clearance=clearance, energy=energy, on_step=hold)
         except _LeftTolerance:
-            return left._replace(iterations=number)
-        return outcome if pass_on() else left._replace(iterations=number)
+            return TighteningOutcome(number, 0)
+        return outcome if pass_on() else TighteningOutcome(number, 0)
 
 
 class _LeftTolerance(Exception):  # noqa: N818 - no error

@@ -54,6 +54,8 @@ def finished(work: Work, draft: Draft, notes: tuple[Fault, ...]) -> Level:
 def in_input_units(work: Work, draft: Draft) -> Path:
     """The steps of a draft in input units; input coordinates are restored exactly."""
     units, fine, coarse = work.units, work.plan.fine, draft.start.coarse
+    if not work.settings.steps and len(draft.flow.steps) == 1:
+        return Path.at_rest(fine, coarse.moved(work.plan.snapped(coarse, units.to_input(draft.cage[None]))[0]))
     reinflation = draft.reinflation.with_tightening(draft.tightening)
     flow_steps = units.to_input(draft.flow.steps)
     flow_steps[0] = fine.vertices

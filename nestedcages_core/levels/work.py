@@ -102,6 +102,8 @@ def methods_for(settings: Settings, plan: Plan) -> Settings:
     Convex cages are made around hulls: from lines outside, and of least area. Cages inside start from lines inside.
     """
     decimation = settings.decimation
+    if isinstance(decimation, LineCycles) and not settings.steps:
+        settings = replace(settings, decimation=decimation.outside)
     if plan.outline.per_loop:
         decimation = decimation.outside if isinstance(decimation, LineCycles) else LineCycles(on_curve=False)
         settings = replace(settings, decimation=decimation, fallback=None, energy=Area())

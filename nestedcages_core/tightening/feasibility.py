@@ -59,7 +59,7 @@ def feasible(
 ) -> FloatArray:
     """Positions (m + n, 2) at which the cage keeps its bounds, or as many as small steps reach, and its distances.
 
-    on_step: called with every intermediate x.
+    on_step: called with every cage on the way.
     """
     m, unit, lack, still = bodies.m, bodies.cage_edge_length, Lack(bodies.bounds), EdgeLoads.none(bodies.m)
     lacking, radius = lack.value(x[:m], bodies.coarse.successor), LONGEST_STEP * unit
@@ -72,7 +72,7 @@ def feasible(
         trial = find_trial(bodies, model.around, x, step, value=lacking, decrease=0.0, energy=lack)
         if trial.accepted:
             x = trial.x
-            on_step(x)
+            on_step(x[:m].copy())
         if trial.value > (1.0 - LEAST_GAIN) * lacking:
             radius *= STEP_REDUCTION
         lacking = trial.value

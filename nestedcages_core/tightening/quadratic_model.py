@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -28,11 +28,6 @@ class QuadraticModel:
     """All pairs that can meet in a step."""
     _rows: Pairs
     _row_contacts: Contacts
-
-    def measured_at(self, x: FloatArray) -> QuadraticModel:
-        """The model with its pairs measured at x (m + n, 2), close to where it was made."""
-        contacts = measure(self.around.pairs, x)
-        return replace(self, around=replace(self.around, distance=contacts.distance, side=contacts.side))
 
     def loads(self, solution: QPSolution) -> EdgeLoads:
         """Loads of the edges in the solution of the program."""

@@ -22,14 +22,14 @@ import numpy as np
 from ..contact.base import OnStep, no_step
 from ..contact.pairs import Bodies, CandidateList
 from ..energies import CageEnergy, signed_area
-from ..geometry.arrays import TINY, FloatArray
-from ..geometry.precision import MOST_STEPS, NEGLIGIBLE, PATIENCE
+from ..geometry.arrays import FloatArray
+from ..geometry.precision import MOST_STEPS, NEGLIGIBLE
 from ..parameters import check_count, check_not_negative, check_part, check_positive
-from ..solver.negative_curvature import negative_curvature
-from ..solver.quadratic_program import InteriorPoint, QPSolution
-from .quadratic_model import EdgeLoads, QuadraticModel, model_at
-from .reach_clearance import widen
-from .trust_region import Trial, TrustRegion, find_trial
+from ..solver.negative_curvature import NegativeCurvature, negative_curvature
+from ..solver.quadratic_program import InteriorPoint, QPSolution, QuadraticProgram
+from .quadratic_model import EdgeLoads, model_at
+from .reach_clearance import reach_clearance
+from .trust_region import find_trial, next_radius
 
 logger = logging.getLogger(__name__)
 
@@ -39,24 +39,18 @@ CLEARANCE_MARGIN = 1e-7
 THINNEST_SKIN = 0.75
 """Lower bound on the skin of the list of candidate pairs, in units of the mean coarse edge length."""
 
-ACTIVE_MULTIPLIER = 1e-3
-"""Multipliers above this fraction of the largest mark constraints that are active at a saddle."""
 
-ESCAPE_LENGTH = 0.5
-"""Length of the step off a saddle, in first radii."""
+ACTIVE_MULTIPLIER = 1e-5
+"""Multipliers above this fraction of the largest mark constraints that are active at a saddle."""
 
 
 class TighteningOutcome(NamedTuple):
-    """Where a tightening ended."""
+    """What a tightening took."""
 
-    cage: FloatArray
-    """(m, 2) vertices of the cage."""
     iterations: int
     """Steps of the trust-region method."""
     quadratic_programs: int
     """Linear systems factorised within their quadratic programs."""
-    reason: str
-    """Why it stopped, in a sentence."""
 
 
 @dataclass(frozen=True)
@@ -69,12 +63,8 @@ class Tightening:
     """First Δ."""
     largest_radius: float = 0.1
     """Largest Δ: steps of a whole L converge in fewer iterations, but to worse optima."""
-    tolerance: float = NEGLIGIBLE
-    """Stop when the predicted decrease stays below this fraction of the cage's area ..."""
-    share: float = 2e-4
-    """... or below this fraction of all decrease so far."""
-    patience: int = PATIENCE
-    """... for this many iterations (docs/ablation.md: patience)."""
+    least_gain: float = 1e-3
+    """Stop when a step gains less than this fraction of the area between cage and fine mesh."""
     solver: InteriorPoint = field(default_factory=InteriorPoint)
     """Solves the quadratic programs."""
     apart: float = 0.0
@@ -82,9 +72,8 @@ class Tightening:
 
     def __post_init__(self) -> None:
         check_count(self, "iterations", least=0)
-        check_count(self, "patience")
         check_positive(self, "first_radius", "largest_radius")
-        check_not_negative(self, "tolerance", "share", "apart")
+        check_not_negative(self, "least_gain", "apart")
         check_part(self, "solver", "solve", "InteriorPoint()")
 
     def run(
@@ -101,122 +90,76 @@ class Tightening:
 
         on_step: called with the cage after every accepted step.
         """
-        return _Run(self, bodies, np.concatenate([cage, fine]), clearance, energy.after(cage), on_step).minimise()
-
-
-class _Run:
-    """State of one tightening."""
-
-    def __init__(
-        self,
-        settings: Tightening,
-        bodies: Bodies,
-        x: FloatArray,
-        clearance: float,
-        energy: CageEnergy,
-        on_step: OnStep,
-    ) -> None:
-        self.settings, self.bodies, self.energy, self.on_step = settings, bodies, energy, on_step
-        self.x = x
-        self.clearance = clearance * (1.0 + CLEARANCE_MARGIN)
-        self.m = bodies.m
-        self.candidates = CandidateList(bodies, thinnest_skin=THINNEST_SKIN * bodies.cage_edge_length)
-        self.order = bodies.order
-        self.systems = 0
-
-    def minimise(self) -> TighteningOutcome:
-        apart = self.settings.apart * self.clearance
-        solver = self.settings.solver
-        widened = widen(self.bodies, self.x, self.clearance, self.candidates, solver, self._moved, apart)
-        self.x, self.wanted = widened.x, widened.wanted
-        self.systems += widened.systems
-        if widened.closest >= 0:
-            return self._outcome(0, f"There is no room for the clearance at {self._name(widened.closest)}.")
-        if self.bodies.bounds:
+        m, unit, successor, energy = bodies.m, bodies.cage_edge_length, bodies.coarse.successor, energy.after(cage)
+        clearance *= 1.0 + CLEARANCE_MARGIN
+        candidates = CandidateList(bodies, thinnest_skin=THINNEST_SKIN * unit)
+        cleared = reach_clearance(
+            bodies, np.concatenate([cage, fine]), clearance, candidates, self.apart * clearance, on_step
+        )
+        if cleared is None:
+            return TighteningOutcome(0, 0)
+        x, wanted = cleared
+        if bodies.bounds:
             from .feasibility import feasible
 
-            self.x = feasible(self.bodies, self.x, self.candidates, self.wanted, solver, self._moved)
-        settings, energy, successor = self.settings, self.energy, self.bodies.coarse.successor
-        unit = self.bodies.cage_edge_length
-        first = settings.first_radius * unit
-        region = TrustRegion(first, first, settings.largest_radius * unit, unit)
-        value = first_value = energy.value(self.x[: self.m], successor)
-        negligible = settings.tolerance * abs(signed_area(self.x[: self.m], successor))
-        slope = float(np.abs(energy.gradient(self.x[: self.m], successor)).sum())
-        if slope * region.largest <= negligible:
-            return self._outcome(0, "The cage is at a minimum of its energy.")
-        loads = EdgeLoads.none(self.m)
-        quiet = 0
-        previous = 0.0
-        for iteration in range(1, settings.iterations + 1):
-            threshold = max(negligible, settings.share * (first_value - value))
-            model = model_at(self.x, self.bodies, self.candidates, energy, self.wanted, region.radius, loads)
-            solved = settings.solver.complementarity * negligible
-            solution = self.bodies.solved(settings.solver, model.program, solved, self.order)
-            self.order = solution.order
-            self.systems += solution.iterations
-            loads = model.loads(solution)
-            trial = self._try(model, solution.step, value, solution.decrease)
+            x = feasible(bodies, x, candidates, wanted, self.solver, on_step)
+        fine_area = signed_area(fine, bodies.fine.successor)
+        radius = first = self.first_radius * unit
+        largest = self.largest_radius * unit
+        value, order, loads = energy.value(x[:m], successor), bodies.order, EdgeLoads.none(m)
+        slope = float(np.abs(energy.gradient(x[:m], successor)).sum())
+        steps, systems, at_saddle = 0, 0, False
+        while steps < self.iterations and radius >= NEGLIGIBLE * unit:
+            area = signed_area(x[:m], bodies.cage.successor)
+            negligible = NEGLIGIBLE * abs(area)
+            little = max(negligible, self.least_gain * min(value, abs(area - fine_area)))
+            if slope * largest <= little:
+                break
+            enough = negligible if at_saddle else little
+            model = model_at(x, bodies, candidates, energy, wanted, radius, loads)
+            solution = bodies.solved(self.solver, model.program, enough, order)
+            systems, order, loads = systems + solution.iterations, solution.order, model.loads(solution)
+            trial = find_trial(
+                bodies, model.around, x, solution.step, value=value, decrease=solution.decrease, energy=energy
+            )
+            gain = value - trial.value
             logger.debug(
                 "tightening %d: energy %.9g, predicted %.2e, actual %.2e, %d pairs, systems %d%s",
-                iteration, value, solution.decrease, value - trial.value, len(model.around.pairs),
+                steps, value, solution.decrease, gain, len(model.around.pairs),
                 solution.iterations, "" if solution.converged else "!",
             )  # fmt: skip
-            gain = value - trial.value
-            quiet = quiet + 1 if solution.converged and max(solution.decrease, gain) < threshold else 0
-            further = solution.decrease**2 / max(previous - solution.decrease, TINY)  # if all steps gain less alike
-            still = quiet > 0 and trial.accepted and further < settings.solver.complementarity * threshold
-            previous = solution.decrease
-            region.update(solution, trial, value)
-            value = self._accept(trial)
-            if still or quiet >= settings.patience:
-                escape = self._escape(model, solution, value)
-                if escape is None or value - escape.value < negligible:
-                    return self._outcome(iteration, "The model predicts no further decrease of the energy.")
-                logger.debug("tightening %d: off a saddle, actual %.2e", iteration, value - escape.value)
-                value = self._accept(escape)
-                region.reset()
-                quiet = 0
-            elif region.collapsed:
-                return self._outcome(iteration, "No step, however short, lowers the energy.")
-        return self._outcome(settings.iterations, f"Stopped after {settings.iterations} iterations.")
+            steps, x, value = steps + 1, trial.x, trial.value
+            if trial.accepted:
+                on_step(x[:m].copy())
+            if not solution.converged or max(solution.decrease, gain) >= enough:
+                radius = next_radius(radius, largest, solution, trial, gain)
+                continue
+            softest = soft_motion(bodies, model.program, solution)
+            if softest is None or -0.5 * softest.curvature * unit**2 < little:
+                break
+            if at_saddle:
+                radius, decrease = max(radius, first), -0.125 * softest.curvature * first**2
+                around = model_at(x, bodies, candidates, energy, wanted, radius, loads).around
+                for length in (0.5 * first, -0.5 * first):
+                    motion = length * softest.direction
+                    trial = find_trial(bodies, around, x, motion, value=value, decrease=decrease, energy=energy)
+                    if trial.accepted:
+                        break
+                else:
+                    break
+                x, value = trial.x, trial.value
+                on_step(x[:m].copy())
+            at_saddle = not at_saddle
+        return TighteningOutcome(steps, systems)
 
-    def _try(self, model: QuadraticModel, step: FloatArray, value: float, decrease: float) -> Trial:
-        return find_trial(self.bodies, model.around, self.x, step, value=value, decrease=decrease, energy=self.energy)
 
-    def _accept(self, trial: Trial) -> float:
-        """Move to the result of the trial, if it was accepted; returns the energy there."""
-        if trial.accepted:
-            self.x = trial.x
-            self._moved(self.x)
-        return trial.value
+def soft_motion(bodies: Bodies, program: QuadraticProgram, solution: QPSolution) -> NegativeCurvature | None:
+    """The motion that leads off a saddle, its longest row of length 1; None at a local minimum.
 
-    def _moved(self, x: FloatArray) -> None:
-        self.on_step(x[: self.m].copy())
-
-    def _escape(self, model: QuadraticModel, solution: QPSolution, value: float) -> Trial | None:
-        """A step off a saddle that lowers the energy; None at a local minimum (docs/ablation.md: escapes from saddles).
-
-        The model is that of the step before, which was short; its contacts are measured again.
-        """
-        multipliers = solution.multipliers
-        active = multipliers > ACTIVE_MULTIPLIER * multipliers.max(initial=0.0)
-        elimination = self.bodies.elimination
-        program = model.program if elimination is None else elimination.program(model.program)
-        softest = negative_curvature(program, self.order, active)
-        if softest is None:
-            return None
-        direction = softest.direction if elimination is None else elimination.motion(softest.direction)
-        length = ESCAPE_LENGTH * self.settings.first_radius * self.bodies.cage_edge_length
-        decrease = -0.5 * softest.curvature * length**2
-        model = model.measured_at(self.x)
-        trials = [self._try(model, sign * length * direction, value, decrease) for sign in (1.0, -1.0)]
-        best = min(trials, key=lambda trial: trial.value)
-        return best if best.accepted else None
-
-    def _name(self, vertex: int) -> str:
-        return f"cage vertex {vertex}" if vertex < self.m else f"fine vertex {vertex - self.m}"
-
-    def _outcome(self, iterations: int, reason: str) -> TighteningOutcome:
-        logger.debug("tightening ended after %d iterations, %d systems: %s", iterations, self.systems, reason)
-        return TighteningOutcome(self.x[: self.m].copy(), iterations, self.systems, reason)
+    See docs/ablation.md: escapes from saddles.
+    """
+    active = solution.multipliers > ACTIVE_MULTIPLIER * solution.multipliers.max(initial=0.0)
+    if bodies.elimination is None:
+        return negative_curvature(program, solution.order, active)
+    softest = negative_curvature(bodies.elimination.program(program), solution.order, active)
+    return softest and softest._replace(direction=bodies.elimination.motion(softest.direction))

@@ -11,7 +11,7 @@ from ..contact.ccd import impacts
 from ..contact.pairs import Bodies, Pairs
 from ..energies import CageEnergy
 from ..geometry.arrays import TINY, FloatArray
-from ..geometry.precision import NEGLIGIBLE, SUFFICIENT_DECREASE
+from ..geometry.precision import SUFFICIENT_DECREASE
 from ..solver.quadratic_program import QPSolution
 from .reach_clearance import restore
 
@@ -34,48 +34,23 @@ EXPECTED_MOTION = 2.0
 steps of its neighbours."""
 
 
-@dataclass(eq=False)
-class TrustRegion:
-    """The radius Δ of all vertices, updated by every step; lengths."""
-
-    radius: float
-    """Δ."""
-    first: float
-    """First Δ."""
-    largest: float
-    """Largest Δ allowed."""
-    unit: float
-    """Mean coarse edge length."""
-
-    def reset(self) -> None:
-        """Raise the radius to the first one at least."""
-        self.radius = max(self.radius, self.first)
-
-    @property
-    def collapsed(self) -> bool:
-        """Whether the radius is too small for any progress."""
-        return self.radius < NEGLIGIBLE * self.unit
-
-    def update(self, solution: QPSolution, trial: Trial, value: float) -> None:
-        """Update after a trial; value: the energy before it."""
-        longest = float(np.hypot(solution.step[:, 0], solution.step[:, 1]).max())
-        gain = (value - trial.value) / max(solution.decrease, TINY)
-        if not trial.accepted or gain < POOR_GAIN:
-            self.radius = min(self.radius, STEP_REDUCTION * longest)
-        elif gain > FAIR_GAIN:
-            self.radius = max(self.radius, min(GROWTH * longest, self.largest))
-
-
 class Trial(NamedTuple):
     """The outcome of a step."""
 
     x: FloatArray
     """(m + n, 2) positions after the step, or before it if it was rejected."""
-    fraction: FloatArray
-    """(m,) fraction of each vertex's step that was taken."""
     value: float
     """Energy at x."""
     accepted: bool
+
+
+def next_radius(radius: float, largest: float, solution: QPSolution, trial: Trial, gain: float) -> float:
+    """The radius Δ after a trial that gained an energy; largest: that is allowed."""
+    longest = float(np.hypot(solution.step[:, 0], solution.step[:, 1]).max())
+    part = gain / max(solution.decrease, TINY)
+    if not trial.accepted or part < POOR_GAIN:
+        return min(radius, STEP_REDUCTION * longest)
+    return max(radius, min(GROWTH * longest, largest)) if part > FAIR_GAIN else radius
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +116,7 @@ def find_trial(
         if len(failing) == 0 and len(missed) == 0:
             restored_value = energy.value(restored[:m], bodies.coarse.successor)
             if restored_value < value - SUFFICIENT_DECREASE * float(fraction.min()) * max(decrease, 0.0):
-                return Trial(restored, fraction, restored_value, True)
+                return Trial(restored, restored_value, True)
             # reductions of single vertices may have turned the step uphill: reduce all alike
             shortest = float(fraction.min())
             fraction = np.full(m, shortest if shortest < float(fraction.max()) else STEP_REDUCTION * shortest)
@@ -154,7 +129,7 @@ def find_trial(
         fraction[np.unique(vertex[vertex < m])] *= STEP_REDUCTION
         if bodies.elimination is not None:
             fraction = bodies.elimination.least(fraction)
-    return Trial(x, fraction, value, False)
+    return Trial(x, value, False)
 
 
 def _expected(bodies: Bodies, step: FloatArray, around: Surroundings) -> FloatArray:

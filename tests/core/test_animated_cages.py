@@ -253,7 +253,7 @@ def test_the_error_of_a_level_around_one_with_less_clearance_is_raised() -> None
         right = [(2 + width, 0), (2 + width, 2), (1 + width, 2), (1 + width, 1)]
         return [(0, 0), *right, (1, 1), (1, 2), (0, 2)]
 
-    poses = np.array([bay(width) for width in np.linspace(0.2, 3e-5, 4)])
+    poses = np.array([bay(width) for width in np.linspace(0.2, 1e-5, 4)])
     with rejected("flow.loops_differ", core.FlowError) as caught:
         animated_cages([poses[0]], poses, [8, Mesh.from_loops([ring(4) + 50.0])], fallback=None)
     (first,) = caught.value.partial.levels

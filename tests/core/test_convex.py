@@ -50,7 +50,8 @@ def test_as_small_as_the_best_of_all_choices_of_edges(seed: int) -> None:
     corners = shapely.get_coordinates(shapely.MultiPoint(points).convex_hull.exterior.normalize())[:-1][::-1]
     fine = Mesh.from_loops([corners])
     for count in range(3, min(6, len(corners)) + 1):
-        assert cage_of(fine, count).cage.area <= smallest_around(fine.rings[0], count) * (1.0 + 1e-6)
+        best = smallest_around(fine.rings[0], count)
+        assert cage_of(fine, count).cage.area <= best + 1e-3 * (best - fine.area) + 1e-6 * best
 
 
 @pytest.mark.parametrize("seed", slow_after(1, range(40), thorough_after=4))
@@ -64,7 +65,7 @@ def test_every_edge_touches_the_shape(seed: int) -> None:
     assert_convex_cage(level, min(count, len(level.cage.vertices)))
     widened = polygon(fine).convex_hull.buffer(clearance, quad_segs=64)
     for start, end in level.cage.vertices[level.cage.edges]:
-        assert shapely.LineString([start, end]).distance(widened) <= 1e-3 * clearance + 1e-6
+        assert shapely.LineString([start, end]).distance(widened) <= 1e-3 * clearance + 1e-5
 
 
 def test_every_part_gets_its_own_on_each_level() -> None:

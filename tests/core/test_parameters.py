@@ -28,9 +28,8 @@ RULES: dict[type, dict[str, tuple[list[Any], Any]]] = {  # of each parameter, wh
     IPC: {**dict.fromkeys(("barrier_range", "restoring", "barrier", "stride"), POSITIVE), "cages": NOT_NEGATIVE},
     Tightening: {
         **dict.fromkeys(("first_radius", "largest_radius"), POSITIVE),
-        **dict.fromkeys(("tolerance", "share", "apart"), NOT_NEGATIVE),
+        **dict.fromkeys(("least_gain", "apart"), NOT_NEGATIVE),
         "iterations": count(0),
-        "patience": count(1),
     },
     core.TwoSidedFlow: {
         **dict.fromkeys(("margin", "spacing", "smoothing", "longest_step"), POSITIVE),

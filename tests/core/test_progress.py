@@ -184,7 +184,7 @@ if kind == "levels":
 else:
     whole, stages = asked(works[kind], 8, lambda k, p: 0.0, **options)
     late = [(last, asked(works[kind], 8, lambda k, p: 9.0 * (k == last), seconds=1.0, **options)[0])
-            for last in range(0, len(stages), 3)]
+            for last, stage in enumerate(stages) if last % 3 == 0 or stage == "tightening"]
     print(json.dumps([whole, stages, late]))
 """
 
