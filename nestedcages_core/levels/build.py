@@ -82,7 +82,7 @@ def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Mad
                 continue
             for rival in rivals(work, start, others, made[0]) if not failures else ():
                 with suppress(*FAILURES):
-                    made = min(made, with_room(work, rival, notes), key=lambda each: each[0].excess)
+                    made = min(made, with_room(work, rival, notes), key=lambda each: work.merit(each[0]))
             return made
     except FAILURES as failure:  # there is no start, or no other one
         failures.append(failure)

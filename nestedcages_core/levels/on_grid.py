@@ -21,7 +21,7 @@ CLEARLY_FEWER, STRIDE, TRIES_WITH_FEWER, NEAR = 0.8, 3, 3, 1.2
 excess of the best of them, relative to the least one, up to which those next to it are tried too."""
 
 Make = Callable[[Work, int], tuple[Level, float]]
-"""Makes the level of a number of vertices; returns it with the excess of the cage before it moved onto the grid."""
+"""Makes the level of a number of vertices; returns it with the loss of the cage before it moved onto the grid."""
 
 
 def tightest_on_grid(work: Work, count: int, make: Make) -> Level | None:
@@ -34,31 +34,31 @@ def tightest_on_grid(work: Work, count: int, make: Make) -> Level | None:
     near, tries = dict[int, float](), TRIES_WITH_FEWER
     first = sum(each <= CLEARLY_FEWER * number for each in fewer) - 1
     for k in range(first, -1, -STRIDE):
-        if tries == 0 or (best is not None and best.excess <= (1.0 + LOOSE_ON_GRID) * off_grid):
+        if tries == 0 or (best is not None and work.loss(best) <= (1.0 + LOOSE_ON_GRID) * off_grid):
             return best
-        found, excess = _made(work, fewer[k], make, best)
+        found, loss = _made(work, fewer[k], make, best)
         if found is not None:
-            near[k] = found.excess
-            tries -= best is not None and found.excess >= best.excess
-            best = min(found, best or found, key=lambda each: each.excess)
-        elif best is not None and excess >= best.excess:
+            near[k] = work.loss(found)
+            tries -= best is not None and work.loss(found) >= work.loss(best)
+            best = min(found, best or found, key=work.merit)
+        elif best is not None and loss >= work.loss(best):
             break
-    if best is None or not near or min(near.values()) > NEAR * best.excess:
+    if best is None or not near or min(near.values()) > NEAR * work.loss(best):
         return best
     k = min(near, key=lambda k: near[k])
-    below = fewer[max(0, k - STRIDE + 1) : k] if near[k] <= best.excess else []
+    below = fewer[max(0, k - STRIDE + 1) : k] if near[k] <= work.loss(best) else []
     for number in (*below, *fewer[k + 1 : k + STRIDE]):
         found, _ = _made(work, number, make, best)
-        best = min(found or best, best, key=lambda each: each.excess)
+        best = min(found or best, best, key=work.merit)
     return best
 
 
 def _made(work: Work, number: int, make: Make, best: Level | None) -> tuple[Level | None, float]:
-    """The level of a number of vertices, if it may be tighter than the best one; and the excess off the grid."""
+    """The level of a number of vertices, if it may be tighter than the best one; and what it loses off the grid."""
     if work.watch.over is not None and best is not None:
         return None, np.inf
     try:
-        return make(work if best is None else replace(work, below=best.excess), number)
+        return make(work if best is None else replace(work, below=work.loss(best)), number)
     except UnsettledError as error:
         return None, work.plan.side * (error.path.cage.area / work.plan.fine.area - 1.0)
     except (FlowError, ReinflationError, NestingError, OutOfTimeError):

@@ -18,6 +18,7 @@ from ..geometry.mesh import Mesh
 from ..geometry.precision import INPUT_ROUND_OFF
 from .plan import Plan
 from .progress import Watch
+from .report import Level
 from .settings import DEFAULT_CLEARANCE, Settings
 from .units import SolverUnits
 
@@ -45,7 +46,7 @@ class Work:
     room: float = 0.0
     """Kept in addition to the clearance until the cage is put on certain numbers, which takes it."""
     below: float = inf
-    """Excess from which on a cage is not worth moving onto certain numbers."""
+    """Loss from which on a cage is not worth moving onto certain numbers."""
 
     @cached_property
     def units(self) -> SolverUnits:
@@ -67,6 +68,14 @@ class Work:
         """Whether the area decides between cages from rival starts."""
         free = self.settings.fallback is not None and self.plan.importance is None
         return free and isinstance(self.settings.energy, Area)
+
+    def loss(self, level: Level) -> float:
+        """The excess of a cage, or the part of the area that one inside loses."""
+        return self.plan.side * level.excess
+
+    def merit(self, level: Level) -> tuple[bool, float]:
+        """Smaller is better: cages that keep all wishes, and then those that lose less."""
+        return any(self.plan.missed(level.cage, must=False)), self.loss(level)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from ..contact.base import OnStep
 from ..contact.ccd import impacts
 from ..contact.linearisation import OVERSHOOT, Contacts, measure
 from ..contact.pairs import Bodies, CandidateList, Pairs, WantedDistances
-from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.arrays import TINY, FloatArray, IntArray
 from ..geometry.precision import MOST_ROUNDS, MOST_STEPS, NEGLIGIBLE, ROUND_OFF
 from ..geometry.vectors import dot
 
@@ -135,7 +135,7 @@ def outward_correction(
 def shift_edges(bodies: Bodies, cage: FloatArray, shift: FloatArray) -> FloatArray:
     """(m, 2) smallest motions of the vertices that move each edge outwards by ``shift`` (m,)."""
     edge = cage[bodies.cage.successor] - cage
-    length = np.hypot(edge[:, 0], edge[:, 1])
+    length = np.maximum(np.hypot(edge[:, 0], edge[:, 1]), TINY)
     n_x, n_y = edge[:, 1] / length, -edge[:, 0] / length
     before = bodies.cage.predecessor
     p_x, p_y, before_shift = n_x[before], n_y[before], shift[before]
