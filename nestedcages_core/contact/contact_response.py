@@ -13,7 +13,6 @@ fine mesh is still away.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -21,11 +20,12 @@ import numpy as np
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray
 from ..geometry.precision import BACKTRACKING, MOST_ROUNDS, NEGLIGIBLE
+from ..geometry.vectors import norm
 from ..solver.banded import Rows
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram
 from .ccd import impacts, largest_safe_step
 from .linearisation import Contacts, constraint_rows, distance_change, local_axes, measure, resolve_corners
-from .pairs import Bodies, CandidateList, Pairs, WantedDistances
+from .pairs import Bodies, CandidateList, Pairs
 from .pruning import not_implied
 
 HARD_COMPLIANCE = 3e-5
@@ -50,24 +50,6 @@ KEPT_GAP = 0.05
 """Distance that a motion must leave on top, as a fraction of the distance or of the working gap."""
 
 
-@dataclass(frozen=True)
-class Distances(WantedDistances):
-    """Final distances to keep, and the working gap."""
-
-    gap: float
-    """Distance to keep in addition during the motion, where there is space; a length."""
-
-
-class Prepared(NamedTuple):
-    """A motion of the fine mesh, and the quadratic program whose solution is the motion of the cage."""
-
-    motion: FloatArray
-    """(m + n, 2), the cage at rest."""
-    pairs: Pairs
-    contacts: Contacts
-    program: QuadraticProgram
-
-
 class Response(NamedTuple):
     """A motion of cage and fine mesh, and the pairs that can meet in it."""
 
@@ -81,42 +63,32 @@ class Response(NamedTuple):
     """Number of linear systems solved."""
 
 
-@dataclass(eq=False)
 class ContactResponse:
     """Computes responses; reuses candidate pairs."""
 
-    bodies: Bodies
-    distances: Distances
-    solver: InteriorPoint
-    candidates: CandidateList = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.candidates = CandidateList(self.bodies)
-        self._order = self.bodies.order
-        still = np.arange(self.bodies.m)
-        self._proximal = Blocks(still, still, np.broadcast_to(np.eye(2), (self.bodies.m, 2, 2)))
+    def __init__(self, bodies: Bodies, clearance: float, gap: float, solver: InteriorPoint) -> None:
+        """clearance: distance to keep in the end; gap: to keep in addition, where there is space; lengths."""
+        self.bodies, self.clearance, self.gap, self.solver = bodies, clearance, gap, solver
+        self.candidates = CandidateList(bodies)
+        self._order = bodies.order
+        still = np.arange(bodies.m)
+        self._proximal = Blocks(still, still, np.broadcast_to(np.eye(2), (bodies.m, 2, 2)))
 
     def to(self, fine_motion: FloatArray, x: FloatArray, radius: float) -> Response:
         """The response to a motion (n, 2) of the fine mesh at x (m + n, 2), at most ``radius`` along each axis."""
-        return self.solved(self.prepared(fine_motion, x, radius))
-
-    def prepared(self, fine_motion: FloatArray, x: FloatArray, radius: float) -> Prepared:
-        """The first half of :meth:`to`: the pairs that can meet and their constraints."""
-        m, gap = self.bodies.m, self.distances.gap
-        length = np.hypot(fine_motion[:, 0], fine_motion[:, 1])
+        m, gap = self.bodies.m, self.gap
+        length = norm(fine_motion)
         longest = float(length.max())
-        farthest = self.distances.largest + gap
+        farthest = self.clearance + gap
         farthest_cage = float(np.sqrt(2.0)) * radius  # along both axes
         farthest_motion = np.concatenate([np.full(m, farthest_cage), length])
         reach = farthest_cage + longest
-        all_pairs = self.candidates.meeting(x, farthest, farthest_motion, farthest + reach, SKIN * reach)
-        all_contacts = measure(all_pairs, x)
-
-        near = np.flatnonzero(all_contacts.distance - farthest < all_pairs.approach(farthest_motion))
-        pairs, contacts = resolve_corners(self.bodies, all_pairs.take(near), all_contacts.take(near), x, 0.0)
+        pairs = self.candidates.meeting(x, farthest, farthest_motion, farthest + reach, SKIN * reach)
+        contacts = measure(pairs, x)
         motion = np.concatenate([np.zeros((m, 2)), fine_motion])
         farthest_motion[m:] = 0.0
-        rows, room, softness = self._constraints(pairs, contacts, motion, farthest_motion)
+        resolved = resolve_corners(self.bodies, pairs, contacts, x, 0.0)
+        rows, room, softness = self._constraints(*resolved, motion, farthest_motion)
         if self.bodies.bounds:
             from ..constraints.base import terms_of
 
@@ -133,17 +105,11 @@ class ContactResponse:
             softness=softness,
             scale=max(longest, SMALLEST_SCALE * gap),
         )
-        return Prepared(motion, all_pairs, all_contacts, program)
-
-    def solved(self, prepared: Prepared) -> Response:
-        """The second half of :meth:`to`: the motion of the cage."""
-        tolerance = NEGLIGIBLE * self.distances.gap**2
-        solution = self.bodies.solved(self.solver, prepared.program, tolerance, self._order)
+        solution = self.bodies.solved(self.solver, program, NEGLIGIBLE * gap**2, self._order)
         self._order = solution.order
-        motion = prepared.motion
         if np.isfinite(solution.step).all():
-            motion = np.concatenate([solution.step, motion[self.bodies.m :]])
-        return Response(motion, prepared.pairs, prepared.contacts, solution.iterations)
+            motion[:m] = solution.step
+        return Response(motion, pairs, contacts, solution.iterations)
 
     def _constraints(
         self, pairs: Pairs, contacts: Contacts, motion: FloatArray, farthest_motion: FloatArray
@@ -152,9 +118,7 @@ class ContactResponse:
 
         farthest_motion: (m + n,) longest motion of each vertex in the response; constraints out of reach are left out.
         """
-        d = contacts.distance
-        clearance = self.distances.of(pairs)
-        gap = self.distances.gap
+        d, clearance, gap = contacts.distance, self.clearance, self.gap
         after = d + distance_change(pairs, contacts, motion)
         hard = np.minimum(0.5 * (d + clearance), clearance + gap)
         larger = np.minimum(d + GAP_GROWTH * gap, clearance + gap)
@@ -175,54 +139,43 @@ class ContactResponse:
         return rows, np.concatenate(rooms), np.concatenate(softness)
 
 
-class FeasibilityRule(NamedTuple):
-    """Bounds motions of cage and fine mesh.
+class FeasibleMotion:
+    """Bounds the motion of a response.
 
-    Continuous collision detection bounds a motion (Li et al. 2020, section 5). The rule also bounds how fast distances
-    shrink, so that the next motion is not blocked.
+    Continuous collision detection bounds it (Li et al. 2020, section 5). So does how fast distances shrink, so that the
+    next motion is not blocked.
     """
 
-    bodies: Bodies
-    clearance: float
-    """Final distance; a motion may use up the distance above it."""
-    gap: float
-    """Working gap of the cage, a length."""
+    def __init__(self, response: Response, x: FloatArray, clearance: float, gap: float) -> None:
+        """x: (m + n, 2) where it begins; clearance: final distance, of which it may use up what is above it; gap:
+        working gap of the cage, a length."""
+        self._x, self._motion, self._clearance = x, response.motion, clearance
+        d = response.contacts.distance
+        least = np.minimum(clearance, KEPT_DISTANCE * d) + KEPT_GAP * np.minimum(d, gap)
+        near = np.flatnonzero(d - response.pairs.approach(norm(response.motion)) <= least)
+        self._pairs, self._distance, self._least = response.pairs.take(near), d.take(near), least.take(near)
 
-    def concerned(self, pairs: Pairs, contacts: Contacts, motion: FloatArray) -> tuple[Pairs, Contacts]:
-        """The pairs that the motion (m + n, 2), or part of it, can bring closer than the rule allows."""
-        length = np.hypot(motion[:, 0], motion[:, 1])
-        near = np.flatnonzero(contacts.distance - pairs.approach(length) <= self._least(contacts))
-        return pairs.take(near), contacts.take(near)
-
-    def _least(self, contacts: Contacts) -> FloatArray:
-        """(K,) distances that a motion must leave."""
-        d = contacts.distance
-        least: FloatArray = np.minimum(self.clearance, KEPT_DISTANCE * d) + KEPT_GAP * np.minimum(d, self.gap)
-        return least
-
-    def fraction(self, pairs: Pairs, contacts: Contacts, x: FloatArray, motion: FloatArray, shortest: float) -> float:
-        """A feasible fraction of the motion (m + n, 2) from x; below ``shortest`` it may be infeasible."""
-        least = self._least(contacts)
-        fraction = largest_safe_step(pairs, x, motion, contacts.distance, self.clearance)
-        while fraction > shortest:
-            if bool((measure(pairs, x + fraction * motion).distance > least).all()):
-                break
+    def fraction(self, shortest: float) -> float:
+        """A feasible fraction; below ``shortest`` it may be infeasible."""
+        fraction = largest_safe_step(self._pairs, self._x, self._motion, self._distance, self._clearance)
+        while fraction > shortest and (self._after(fraction * self._motion) <= self._least).any():
             fraction *= BACKTRACKING
         return fraction
 
-    def fractions(self, pairs: Pairs, contacts: Contacts, x: FloatArray, motion: FloatArray) -> FloatArray:
+    def fractions(self, bodies: Bodies) -> FloatArray:
         """(m + n,) a feasible fraction per vertex; used where a common one would be too short."""
-        least = self._least(contacts)
-        kept = np.ones(len(x))
+        pairs, kept = self._pairs, np.ones(len(self._x))
         for _ in range(MOST_ROUNDS):
-            moved = self.bodies.scaled(motion, kept)
-            hit, _ = impacts(pairs, x, moved, contacts.distance, self.clearance)
-            close = np.flatnonzero(measure(pairs, x + moved).distance < least)
-            failing = np.concatenate([hit, close])
+            moved = bodies.scaled(self._motion, kept)
+            hit, _ = impacts(pairs, self._x, moved, self._distance, self._clearance)
+            failing = np.concatenate([hit, np.flatnonzero(self._after(moved) < self._least)])
             if len(failing) == 0:
                 return kept
             vertex = np.unique(np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing]]))
             kept[vertex] *= BACKTRACKING
-            if self.bodies.elimination is not None:
-                kept[: self.bodies.m] = self.bodies.elimination.least(kept[: self.bodies.m])
-        return np.zeros(len(x))
+            if bodies.elimination is not None:
+                kept[: bodies.m] = bodies.elimination.least(kept[: bodies.m])
+        return np.zeros(len(self._x))
+
+    def _after(self, motion: FloatArray) -> FloatArray:
+        return measure(self._pairs, self._x + motion).distance

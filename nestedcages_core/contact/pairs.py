@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.broad_phase import BoxTree, near_pairs
+from ..geometry.broad_phase import BoxTree
 from ..geometry.distance import PointEdge, point_edge
 from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
@@ -195,27 +195,21 @@ def find_pairs(bodies: Bodies, x: FloatArray, radius: float) -> Pairs:
 
     Both sides of a pair C-C may move: with twice the radius a `CandidateList` lasts as long as for the others.
     """
-    m = bodies.m
-    cage, fine = x[:m], x[m:]
-    cage_end, fine_end = cage[bodies.cage.successor], fine[bodies.fine.successor]
-    fine_vertex, cage_edge = near_pairs(fine, cage, cage_end, radius)
-    order = np.argsort(cage_edge, kind="stable")
-    fine_vertex, cage_edge = fine_vertex[order], cage_edge[order]
-    cage_vertex, fine_edge = near_pairs(cage, fine, fine_end, radius)
-    own_vertex, own_edge = near_pairs(cage, cage, cage_end, 2.0 * radius)
-    foreign = (own_vertex != own_edge) & (own_vertex != bodies.cage.successor[own_edge])
-    own_vertex, own_edge = own_vertex[foreign], own_edge[foreign]
-    first = len(fine_vertex)
-    second = first + len(cage_vertex)
+    m, successor = bodies.m, bodies.successor
+    cage, fine = bodies.trees(x)
+    fine_vertex, cage_edge = cage.near(fine.starts, radius)
+    cage_vertex, fine_edge = fine.near(cage.starts, radius)
+    own_vertex, own_edge = cage.near(cage.starts, 2.0 * radius)
+    foreign = (own_vertex != own_edge) & (own_vertex != successor[own_edge])
+    start = np.concatenate([cage_edge, fine_edge + m, own_edge[foreign]])
+    first, second = len(fine_vertex), len(fine_vertex) + len(cage_vertex)
     return Pairs(
-        np.concatenate([fine_vertex + m, cage_vertex, own_vertex]),
-        np.concatenate([cage_edge, fine_edge + m, own_edge]),
-        np.concatenate(
-            [bodies.cage.successor[cage_edge], bodies.fine.successor[fine_edge] + m, bodies.cage.successor[own_edge]]
-        ),
+        np.concatenate([fine_vertex + m, cage_vertex, own_vertex[foreign]]),
+        start,
+        successor.take(start),
         slice(0, first),
         slice(first, second),
-        slice(second, second + len(own_vertex)),
+        slice(second, len(start)),
     )
 
 

@@ -1,4 +1,4 @@
-"""Redundant contacts: those above the lower convex hull of the contacts of their cage edge, or cage vertex.
+"""Redundant contacts: those above the lower convex hull of the contacts of their cage edge.
 
 All fine vertices on the inner side of a cage edge share its normal. Their constraints room + (1 - t) u + t v ≥ 0 on the
 motions u, v of its ends are implied by those on the lower convex hull of the points (t, room). What steps then miss of
@@ -12,8 +12,6 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.broad_phase import CACHED_PAIRS
-from ..geometry.vectors import column_cross, column_dot
 from .linearisation import Contacts
 from .pairs import Pairs
 
@@ -34,35 +32,14 @@ def not_implied(pairs: Pairs, contacts: Contacts, room: FloatArray) -> BoolArray
     keep = np.ones(len(pairs), bool)
     which = np.flatnonzero(contacts.on_line[pairs.fine_cage] & (contacts.side[pairs.fine_cage] > 0.0))
     group, t, height = pairs.start.take(which), contacts.parameter.take(which), room.take(which)
-    many = len(pairs) > CACHED_PAIRS
-    if many:  # keeping few costs less than comparing them
-        outer, slope, lever = _about_vertices(pairs, contacts, room)
-        which, group = np.concatenate((which, outer)), np.concatenate((group, -1 - pairs.point.take(outer)))
-        t, height = np.concatenate((t, slope)), np.concatenate((height, lever))
     if len(which) < 3:
         return keep
     order = np.lexsort((t, group))
     group, t, height, which = group.take(order), t.take(order), height.take(order), which.take(order)
-    kept = _lower_hull(group, t, height, NEGLIGIBLE_SAG * (np.abs(height) if many else height))
+    kept = _lower_hull(group, t, height, NEGLIGIBLE_SAG * height)
     keep[which] = False
     keep[which.take(kept)] = True
     return keep
-
-
-def _about_vertices(pairs: Pairs, contacts: Contacts, room: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Pairs (P,) of cage vertices and fine edges that face alike, slopes t of their normals and their rooms (P,).
-
-    With the normal of the least room of the vertex as unit e, and its perpendicular f, the constraint
-    room + n · D ≥ 0 is room / (n · e) + e · D + t f · D ≥ 0.
-    """
-    outer = pairs.cage_fine.start + np.flatnonzero(contacts.on_line[pairs.cage_fine])
-    vertex, room, normal = pairs.point.take(outer), room.take(outer), contacts.normal.T.take(outer, axis=1)
-    order = np.lexsort((room, vertex))
-    unit = normal.take(order.take(vertex.take(order).searchsorted(vertex)), axis=1)
-    cosine, sine = column_dot(normal, unit), column_cross(unit, normal)
-    alike = np.flatnonzero(cosine > np.abs(sine))
-    cosine = cosine.take(alike)
-    return outer.take(alike), sine.take(alike) / cosine, room.take(alike) / cosine
 
 
 def _lower_hull(group: IntArray, t: FloatArray, height: FloatArray, sag: FloatArray) -> IntArray:

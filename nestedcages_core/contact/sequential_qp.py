@@ -16,11 +16,11 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 from ..geometry.precision import BACKTRACKING
-from ..geometry.vectors import inner
+from ..geometry.vectors import inner, norm
 from ..parameters import check_count, check_part, check_positive
 from ..solver.quadratic_program import InteriorPoint
 from .base import ContactOutcome, OnStep, farthest_vertex, no_step
-from .contact_response import ContactResponse, Distances, FeasibilityRule
+from .contact_response import ContactResponse, FeasibleMotion
 from .pairs import Bodies
 
 logger = logging.getLogger(__name__)
@@ -88,12 +88,9 @@ class _Motion:
         self, settings: SequentialQP, bodies: Bodies, x: FloatArray, clearance: float, on_step: OnStep
     ) -> None:
         self.settings, self.bodies, self.x, self.on_step = settings, bodies, x, on_step
-        self.m = bodies.m
-        self.unit = bodies.cage_edge_length
+        self.m, self.clearance, self.unit = bodies.m, clearance, bodies.cage_edge_length
         self.gap = settings.gap * self.unit
-        distances = Distances(clearance, clearance, self.gap)
-        self.response = ContactResponse(bodies, distances, settings.quadratic_programs)
-        self.rule = FeasibilityRule(bodies, clearance, self.gap)
+        self.response = ContactResponse(bodies, clearance, self.gap, settings.quadratic_programs)
         self.systems = 0
 
     def step_to(self, target: FloatArray) -> bool:
@@ -104,7 +101,7 @@ class _Motion:
             remaining = target - self.x[self.m :]
             if not remaining.any():
                 return True
-            length = np.hypot(remaining[:, 0], remaining[:, 1])
+            length = norm(remaining)
             total = float(length.sum())
             if total <= (1.0 - SUFFICIENT_PROGRESS) * left:
                 left, stalled = total, 0
@@ -115,20 +112,18 @@ class _Motion:
 
             part: FloatArray = stride / np.maximum(length, stride)
             longest = float((part * length).max())
-            radius = max(REACH * longest, self.gap)
-            prepared = self.response.prepared(part[:, None] * remaining, self.x, radius)
-            self.on_step(self.x)  # each half of a large response takes a while
-            response = self.response.solved(prepared)
+            self.on_step(self.x)  # a large response takes a while
+            response = self.response.to(part[:, None] * remaining, self.x, max(REACH * longest, self.gap))
             self.systems += response.systems
-            step = *self.rule.concerned(response.pairs, response.contacts, response.motion), self.x, response.motion
-            fraction = self.rule.fraction(*step, SHORT_FRACTION)
+            feasible = FeasibleMotion(response, self.x, self.clearance, self.gap)
+            fraction = feasible.fraction(SHORT_FRACTION)
             logger.debug(
                 "reinflation: left %.3e, motion %.2e, fraction %.3f, %d pairs, systems %d",
                 total, longest, fraction, len(response.pairs), response.systems,
             )  # fmt: skip
             kept = np.full(len(self.x), fraction)
             if fraction < LONG_FRACTION:
-                single = self.rule.fractions(*step)
+                single = feasible.fractions(self.bodies)
                 covered = inner(single[self.m :], part * length) / float((part * length).sum())
                 if covered > fraction or fraction <= SHORT_FRACTION:  # a fraction as short as this may be infeasible
                     kept, fraction = single, covered
