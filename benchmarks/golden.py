@@ -52,6 +52,7 @@ def sized(name: str, fraction: float) -> Callable[[Mesh, int], object]:
     return lambda f, n: core.nested_cages(f, n, **{name: fraction * f.diagonal})
 
 
+DetectSymmetry = getattr(core, "DetectSymmetry", None) or core.Found  # in trees of other commits
 Request = Callable[[Mesh, int], object]
 PLAIN: dict[str, Request] = {
     "plain": lambda f, n: core.nested_cages(f, n),
@@ -66,7 +67,7 @@ OTHERS: dict[str, Request] = {
     "grid": sized("grid", 0.01),
     "stored": lambda f, n: core.nested_cages(f, n, stored=np.float32),
     "convex": lambda f, n: core.nested_cages(f, n, convex=True),
-    "symmetry": lambda f, n: core.nested_cages(f, n, symmetry=core.Found()),
+    "symmetry": lambda f, n: core.nested_cages(f, n, symmetry=DetectSymmetry()),
     "one loop": lambda f, n: core.nested_cages(f, n, loops="one"),
     "within": lambda f, n: core.nested_cages(f, core.Within(distance=0.02 * f.diagonal)),
     "excess": lambda f, n: core.nested_cages(f, core.Within(excess=0.3)),

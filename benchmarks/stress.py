@@ -104,7 +104,9 @@ def settings(random: np.random.Generator, fine: Mesh) -> dict[str, Any]:
         "clearance": size * 10.0 ** random.uniform(-8.0, 0.0),
         "grid": size * 10.0 ** random.uniform(-4.0, 0.0),
         "stored": str(pick(["float32", "float16"])),
-        "symmetry": [core.Found(), core.Mirror(None, (1.0, 0.0)), core.Rotation(None, int(pick([2, 3, 6])))][pick(3)],
+        "symmetry": [core.DetectSymmetry(), core.Mirror(None, (1.0, 0.0)), core.Rotation(None, int(pick([2, 3, 6])))][
+            pick(3)
+        ],
         "convex": True,
         "loops": str(pick(["keep", "one"])),
         "constraints": [

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nestedcages_core import Found, Mesh, Settings, nested_cages, verify, write_svg
+from nestedcages_core import DetectSymmetry, Mesh, Settings, nested_cages, verify, write_svg
 from plot import BLUE, BODY, GREEN, INK, ORANGE, RED, arguments, fill, line, panels, save
 
 COUNT = 24
@@ -42,9 +42,9 @@ def main() -> None:
     is_head = (fine.vertices[:, 1] > HEAD) & (np.abs(fine.vertices[:, 0]) < 0.5)
     chosen = {
         "free": Settings(),
-        "symmetric": Settings(symmetry=Found()),
-        "the head matters": Settings(symmetry=Found(), weights=np.where(is_head, 8.0, 1.0)),
-        "tips of the wings pinned": Settings(symmetry=Found(), pins=tips),
+        "symmetric": Settings(symmetry=DetectSymmetry()),
+        "the head matters": Settings(symmetry=DetectSymmetry(), weights=np.where(is_head, 8.0, 1.0)),
+        "tips of the wings pinned": Settings(symmetry=DetectSymmetry(), pins=tips),
     }
     cages = []
     figure, axes = panels(len(chosen), width=3.2, height=3.4)

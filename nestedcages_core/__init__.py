@@ -112,7 +112,7 @@ if TYPE_CHECKING:
     from .exchange.pictures import collision_outline, read_png
     from .exchange.puppet_parts import puppet_parts as puppet_parts
     from .exchange.swept import swept
-    from .geometry.symmetry import Found as Found
+    from .geometry.symmetry import DetectSymmetry as DetectSymmetry
     from .geometry.symmetry import Mirror as Mirror
     from .geometry.symmetry import Rotation as Rotation
     from .levels.check_constraint import check_constraint as check_constraint
@@ -209,7 +209,7 @@ _LATER = {
     "contact.ipc": "IPC",
     "decimation": "OnCurve ArcLength OwnDecimation",
     "energies.choices": "BoundaryARAP ElementEnergy InitialDisplacement InteriorARAP ShapeKeeping StepDisplacement",
-    "geometry.symmetry": "Found Mirror Rotation",
+    "geometry.symmetry": "DetectSymmetry Mirror Rotation",
     "solver.banded": "Rows",
     "solver.newton": "ProjectedNewton",
     "solver.quadratic_program": "InteriorPoint",

@@ -100,7 +100,7 @@ class Rules:
         if self.symmetry == NONE:
             return None
         if self.symmetry == FOUND:
-            return core.Found()
+            return core.DetectSymmetry()
         x, y = _middle(fine)
         if self.symmetry == ROTATION:
             return core.Rotation((x, y), self.symmetry_order)

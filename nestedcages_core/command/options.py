@@ -18,7 +18,7 @@ from ..errors import NestedCagesError
 from ..exchange import DRAWING_LIMITS, Limits
 from ..exchange.decimals import MAX_DECIMALS
 from ..geometry.lattice import Grid
-from ..geometry.symmetry import Found, Mirror, Rotation
+from ..geometry.symmetry import DetectSymmetry, Mirror, Rotation
 from ..levels import level_words, parse_level
 from ..levels.settings import LOOPS
 from .outputs import STEM, WRITTEN
@@ -99,9 +99,9 @@ _share = _number("a number from 0 to 1", lambda value: 0.0 <= value <= 1.0)
 _order = _number("x, y, found or a whole number of at least 2", lambda value: value >= 2 and value % 1 == 0, int)
 
 
-def symmetry(text: str) -> Mirror | Rotation | Found:
+def symmetry(text: str) -> Mirror | Rotation | DetectSymmetry:
     if text == "found":
-        return Found()
+        return DetectSymmetry()
     return Mirror(None, AXES[text]) if text in AXES else Rotation(None, _order(text))
 
 

@@ -16,7 +16,7 @@ from ..geometry.precision import NEGLIGIBLE, ROUNDING_ULPS
 from ..geometry.predicates import winding_number
 from ..geometry.solids import overlay
 from ..geometry.symmetry import Mirror, Rotation
-from ..geometry.symmetry.detection import Found
+from ..geometry.symmetry.detection import DetectSymmetry
 from ..geometry.vectors import rotated_right
 from ..solver.elimination import Elimination
 from .base import Bound, Constraint, Rounding, Units
@@ -103,14 +103,14 @@ class BoundImages(Bound):
 
 
 def symmetric(
-    asked: Symmetry | Found, fine: Mesh, numbers: Numbers | None
+    asked: Symmetry | DetectSymmetry, fine: Mesh, numbers: Numbers | None
 ) -> tuple[Symmetric | None, tuple[Fault, ...]]:
     """The symmetry with its place, that of a drawing if it is to be found, and notes about that; None if it has none.
 
     On a grid the place is moved to it. Raises NestingError if no grid has such a symmetry.
     """
     notes: tuple[Fault, ...] = ()
-    if isinstance(asked, Found):
+    if isinstance(asked, DetectSymmetry):
         found, difference = asked.of(fine)
         if found is None:
             return None, (note("note.symmetry", on="none", tolerance=float(asked.tolerance)),)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..flow import FlowMethod
     from ..geometry.group import Symmetry
     from ..geometry.mesh import Mesh
-    from ..geometry.symmetry import Found
+    from ..geometry.symmetry import DetectSymmetry
     from ..tightening import Tightening
 
 
@@ -34,7 +34,7 @@ class SettingsKeywords(TypedDict, total=False):
     stored: DTypeLike | None
     loops: Literal["auto", "keep", "one"]
     convex: bool
-    symmetry: Symmetry | Found | None
+    symmetry: Symmetry | DetectSymmetry | None
     weights: ArrayLike | None
     pins: Sequence[int | Sequence[float]]
     joints: Sequence[Sequence[float]]

@@ -22,7 +22,7 @@ from ..tightening import Tightening
 
 if TYPE_CHECKING:
     from ..constraints.base import Constraint
-    from ..geometry.symmetry import Found
+    from ..geometry.symmetry import DetectSymmetry
     from .keywords import SettingsKeywords
 
 DEFAULT_CLEARANCE = 1e-5
@@ -70,7 +70,7 @@ class Settings:
             enough vertices. Default: "auto".
         convex: Around each part the convex polygon of least area found, with holes filled. Not with pins,
             joints and limits; `energy` and `fallback` do not matter then. Default: False.
-        symmetry: A symmetry that the cages have exactly: `Mirror`, `Rotation`, or `Found` for that of the drawing.
+        symmetry: A symmetry that cages have exactly: `Mirror`, `Rotation`, or `DetectSymmetry` for that of the drawing.
             Needs shapely where the drawing does not have it. Default: None.
         weights: (n,) how much each fine vertex matters, at least 0: less excess where weights are high. Default: alike.
         pins: Corners that keep a cage vertex: fine vertices by number, or places (x, y) on the outline. Default: none.
@@ -106,7 +106,7 @@ class Settings:
     stored: DTypeLike | None = None
     loops: Literal["auto", "keep", "one"] = "auto"
     convex: bool = False
-    symmetry: Symmetry | Found | None = None
+    symmetry: Symmetry | DetectSymmetry | None = None
     weights: ArrayLike | None = field(default=None, repr=False)
     pins: Sequence[int | Sequence[float]] = ()
     joints: Sequence[Sequence[float]] = ()
@@ -168,8 +168,8 @@ class Settings:
         symmetry: object = self.symmetry
         if not (symmetry is None or has_method(symmetry, "of") or has_method(symmetry, "image")):
             raise invalid_setting(
-                f"The symmetry must be an object such as Mirror(point, direction), Rotation(centre, order) or Found(), "
-                f"not {symmetry!r}."
+                "The symmetry must be an object such as Mirror(point, direction), Rotation(centre, order) or "
+                f"DetectSymmetry(), not {symmetry!r}."
             )
         if self.convex and (self.pins or self.joints or self.has_limits):
             raise NestedCagesError(

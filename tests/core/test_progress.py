@@ -142,7 +142,7 @@ now = [0.0]
 time.perf_counter = time.monotonic = lambda: now[0]
 import numpy as np
 from nestedcages_core import (
-    Found, NestedCagesError, Within, check, inner_cages, nested_cages, verify, verify_motion)
+    DetectSymmetry, NestedCagesError, Within, check, inner_cages, nested_cages, verify, verify_motion)
 from support.shapes import star
 
 fresh = itertools.count()
@@ -178,7 +178,7 @@ if kind == "levels":
         asked(nested_cages, [8, 6, 4], lambda k, p: float(p.level > 0), seconds=1.0)[0],
         asked(nested_cages, [12, 6], lambda k, p: 9.0 * (p.stage == "tightening"), seconds=1.0)[0],
         *(asked(nested_cages, 8, lambda k, p: 0.3, seconds=0.5, **needs)[0]
-          for needs in ({"grid": 0.01}, {"symmetry": Found()}, {"stored": np.float32})),
+          for needs in ({"grid": 0.01}, {"symmetry": DetectSymmetry()}, {"stored": np.float32})),
         asked(inner_cages, Within(excess=0.5), lambda k, p: 0.3, seconds=0.5)[0],
     ]))
 else:

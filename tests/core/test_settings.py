@@ -111,7 +111,7 @@ PARTS: list[tuple[Any, list[tuple[Any, ...]], list[tuple[Any, ...]]]] = [
     (core.Outside, [(OBSTACLE, -0.5), (OBSTACLE, np.inf)], [(OBSTACLE,), (OBSTACLE, 0.5)]),
     (core.Mirror, [((0.0, np.nan),), ((0, 0), (0, 0)), ("up",)], [(), (None,)]),
     (core.Rotation, [((0, 0), 1)], [(None, 2)]),
-    (core.Found, [(-1.0,)], [()]),
+    (core.DetectSymmetry, [(-1.0,)], [()]),
 ]  # fmt: skip
 
 

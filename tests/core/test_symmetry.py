@@ -7,7 +7,17 @@ import pytest
 import shapely
 
 import nestedcages_core as core
-from nestedcages_core import Area, Found, Mesh, Mirror, NestedCagesError, Rotation, inner_cages, nested_cages, verify
+from nestedcages_core import (
+    Area,
+    DetectSymmetry,
+    Mesh,
+    Mirror,
+    NestedCagesError,
+    Rotation,
+    inner_cages,
+    nested_cages,
+    verify,
+)
 from support.judging import codes, is_mirrored, is_symmetric, note, rejected
 from support.marks import slow_after
 from support.shapes import letter_a, polygon, ring, star
@@ -116,15 +126,15 @@ def test_counts_that_cannot_be_had() -> None:
     assert len(nested_cages(star(9), 4, symmetry=Rotation((0, 0), 9))[0].cage.vertices) == 9
 
 
-# Found
+# Detected
 
 
 @pytest.mark.parametrize("turn", slow_after(1, [0.7, 0.0]))
 def test_a_mirror_is_found(turn: float) -> None:
     c, s = np.cos(turn), np.sin(turn)
     moved = Mesh(letter_a().vertices @ np.array([[c, s], [-s, c]]) + [3.0, -1.0], letter_a().edges)
-    level = nested_cages(moved, 24, symmetry=Found(), loops="keep")[0]
-    found, difference = Found().of(moved)
+    level = nested_cages(moved, 24, symmetry=DetectSymmetry(), loops="keep")[0]
+    found, difference = DetectSymmetry().of(moved)
     assert isinstance(found, Mirror) and difference < 1e-6 * moved.diagonal
     assert_symmetric(level, found)
     assert note(level, "note.symmetry").data["on"] == "found"
@@ -136,12 +146,12 @@ def test_a_mirror_is_found(turn: float) -> None:
 def test_rotations_are_found_and_where_there_is_nothing_that_is_noted() -> None:
     turn = np.linspace(0.0, 2.0 * np.pi, 150, endpoint=False)
     whirl = Mesh.from_loops([(1.0 + 0.2 * np.cos(5 * turn) + 0.1 * np.sin(10 * turn))[:, None] * ring(150)])
-    found, _ = Found().of(whirl)
+    found, _ = DetectSymmetry().of(whirl)
     assert isinstance(found, Rotation) and found.order == 5
-    level = nested_cages(whirl, 20, symmetry=Found())[0]
+    level = nested_cages(whirl, 20, symmetry=DetectSymmetry())[0]
     assert_symmetric(level, found)
     crooked = Mesh.from_loops([[(0, 0), (4, 0), (4.3, 1), (1, 1.4), (0.5, 5)]])
-    assert note(nested_cages(crooked, 4, symmetry=Found())[0], "note.symmetry").data["on"] == "none"
+    assert note(nested_cages(crooked, 4, symmetry=DetectSymmetry())[0], "note.symmetry").data["on"] == "none"
 
 
 @pytest.mark.slow
@@ -162,12 +172,12 @@ def test_cages_of_mirrored_drawings_are_mirrored_where_that_costs_little() -> No
 # Drawings that are nearly symmetric, or not
 
 
-@pytest.mark.parametrize("symmetry", slow_after(1, [Mirror(), Found(tolerance=0.02)]))
-def test_a_drawing_by_hand_is_enclosed_with_its_image(symmetry: Mirror | Found) -> None:
+@pytest.mark.parametrize("symmetry", slow_after(1, [Mirror(), DetectSymmetry(tolerance=0.02)]))
+def test_a_drawing_by_hand_is_enclosed_with_its_image(symmetry: Mirror | DetectSymmetry) -> None:
     fine = letter_a()  # not quite symmetric:
     fine = Mesh(fine.vertices + 0.02 * np.sin(3.0 * fine.vertices[:, ::-1] + 1.0), fine.edges)
     level = nested_cages(fine, 30, symmetry=symmetry)[0]
-    mirror = symmetry.of(fine)[0] if isinstance(symmetry, Found) else symmetry
+    mirror = symmetry.of(fine)[0] if isinstance(symmetry, DetectSymmetry) else symmetry
     assert mirror is not None
     assert_symmetric(level, mirror)
     image = Mesh.from_loops([mirror.image(loop) for loop in fine.rings])

@@ -8,7 +8,17 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import nestedcages_core as core
-from nestedcages_core import Box, Found, Mesh, Mirror, NestedCagesError, Rotation, Settings, Within, nested_cages
+from nestedcages_core import (
+    Box,
+    DetectSymmetry,
+    Mesh,
+    Mirror,
+    NestedCagesError,
+    Rotation,
+    Settings,
+    Within,
+    nested_cages,
+)
 from support.families import drawing, simple
 from support.judging import is_convex, is_on_grid, is_symmetric, lengths_of, lies_within, sharpest
 from support.shapes import annulus, islands, letter_a, ring, star
@@ -21,7 +31,7 @@ SHAPES = [star(5, 30), annulus(24), letter_a(), islands(), Mesh.from_loops([ring
 WISHES: dict[str, st.SearchStrategy[Any]] = {
     "clearance": st.sampled_from([0.0, 1e-9, 1e-3, 0.05]),
     "grid": st.sampled_from([1e-9, 0.01, 0.1, 0.3]),
-    "symmetry": st.sampled_from([Mirror(None), Mirror((0.0, 0.0), (1.0, 0.2)), Rotation(None, 2), Found()]),
+    "symmetry": st.sampled_from([Mirror(None), Mirror((0.0, 0.0), (1.0, 0.2)), Rotation(None, 2), DetectSymmetry()]),
     "convex": st.just(True),
     "min_edge": st.sampled_from([1e-6, 0.1, 1.0]),
     "min_angle": st.sampled_from([5.0, 40.0]),
@@ -73,7 +83,7 @@ def fulfilled(fine: Mesh, wanted: dict[str, Any], count: Any, inside: bool = Fal
         return False
     cage, symmetry, distance = level.cage, wanted.get("symmetry"), getattr(count, "distance", None)
     loops = False if {"convex", "loops"} & set(wanted) else None
-    placed = None if isinstance(symmetry, Found) or "stored" in wanted else symmetry  # exact on doubles alone
+    placed = None if isinstance(symmetry, DetectSymmetry) or "stored" in wanted else symmetry  # exact on doubles alone
     verdict = core.check(fine, level, wanted.get("clearance"), same_loops=loops, grid=wanted.get("grid"),
                          symmetry=placed, distance=None if inside else distance, motions=4)  # fmt: skip
     assert verdict, (wanted, count, inside, verdict.problems[:3])

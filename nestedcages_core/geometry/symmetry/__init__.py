@@ -8,8 +8,8 @@ from ...libraries import imported_later
 from .maps import Mirror, Rotation
 
 if TYPE_CHECKING:
-    from .detection import Found as Found
+    from .detection import DetectSymmetry as DetectSymmetry
 else:
-    __getattr__ = imported_later(__name__, {"detection": "Found"})
+    __getattr__ = imported_later(__name__, {"detection": "DetectSymmetry"})
 
-__all__ = ["Found", "Mirror", "Rotation"]
+__all__ = ["DetectSymmetry", "Mirror", "Rotation"]

@@ -32,7 +32,7 @@ AS_GOOD = 1.05
 
 
 @dataclass(frozen=True)
-class Found:
+class DetectSymmetry:
     """The symmetry of the drawing, found automatically: a mirror if there is one, else rotations of the highest
     order."""
 
