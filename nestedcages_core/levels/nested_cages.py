@@ -122,62 +122,58 @@ class InnerCagesRun(NestedCagesRun):
 def _hierarchy(
     fine: MeshLike, levels: Sequence[Wanted], settings: Settings, side: int, report: Callable[[Progress], None]
 ) -> Hierarchy:
-    """All levels."""
+    """All levels; where one finds no room, all are made again, with room between their loops."""
     deadline = perf_counter() + (inf if settings.seconds is None else settings.seconds)
     if side < 0 and settings.loops == "one":
         raise NestingError('Inner cages keep all loops; leave out loops="one".', code="setting.conflict")
     keeps = side < 0 or settings.loops == "keep"
     fine, wanted = _checked(fine, levels, convex=settings.convex, keeps=keeps)
     about = _about(settings, fine, side)
-    asked = constraints_of(settings, about, side)
-    run = _Levels(fine, about, settings, asked, wanted, keeps, side, deadline, report)
-    try:
-        return run.hierarchy(settings)
-    except NestedCagesError as failure:
-        # the levels before may have taken the room between their loops
-        made, tightening = failure.partial, settings.tightening
-        if failure.code != "clearance.no_room" or not made or not isinstance(tightening, Tightening):
-            raise
+    asked, clearances = constraints_of(settings, about, side), clearances_for(settings, fine)
+    every = _Levels(about, asked, settings, len(wanted), clearances, keeps, side, deadline, report)
+    failure: NestedCagesError | None = None
+    for room in (0.0, ROOM_OF_A_LEVEL):
+        made: list[Level] = []
         try:
-            return run.hierarchy(settings, room=True)
+            for index, target in enumerate(wanted):
+                inner = made[-1].cage if made else fine
+                made.append(every.level(index, target, inner, apart=room * (len(wanted) - 1 - index)))
+                logger.debug("level %d: %s", index, made[-1].report)
+            return Hierarchy(fine, tuple(made))
         except NestedCagesError as error:
-            raise failure from error
+            error.partial = Hierarchy(fine, tuple(made))
+            failure = failure or error
+            # the levels before may have taken the room between their loops
+            if error.code != "clearance.no_room" or not made or not isinstance(settings.tightening, Tightening):
+                break
+    assert failure is not None
+    raise failure
 
 
 class _Levels(NamedTuple):
-    """What the levels of a run are made from."""
+    """What the levels of a run have in common."""
 
-    fine: Mesh
     about: Mesh
-    settings: Settings
     asked: Asked
-    wanted: list[int | Mesh | Within]
+    settings: Settings
+    number: int
+    """How many there are."""
+    clearances: tuple[float, ...]
+    """To try in turn, in the input's units."""
     keeps: bool
     """Whether all loops are kept."""
     side: int
     deadline: float
     report: Callable[[Progress], None]
 
-    def hierarchy(self, settings: Settings, *, room: bool = False) -> Hierarchy:
-        """All levels; room: whether each leaves room between its loops for those around it."""
-        made: list[Level] = []
-        for index, target in enumerate(self.wanted):
-            if room:
-                apart = ROOM_OF_A_LEVEL * (len(self.wanted) - 1 - index)
-                settings = replace(settings, tightening=replace(settings.tightening, apart=apart))
-            try:
-                made.append(self.level(index, target, made[-1].cage if made else self.fine, settings))
-            except NestedCagesError as error:
-                error.partial = Hierarchy(self.fine, tuple(made))
-                raise
-            logger.debug("level %d: %s", index, made[-1].report)
-        return Hierarchy(self.fine, tuple(made))
-
-    def level(self, index: int, target: int | Mesh | Within, inner: Mesh, settings: Settings) -> Level:
-        """One level, with more vertices where its number may rise."""
+    def level(self, index: int, target: int | Mesh | Within, inner: Mesh, *, apart: float) -> Level:
+        """One level, with more vertices where its number may rise; apart: see `Tightening`."""
+        settings = self.settings
+        if apart > 0.0:
+            settings = replace(settings, tightening=replace(settings.tightening, apart=apart))
         watch = Watch(
             index,
-            len(self.wanted),
+            self.number,
             self.report,
             seconds=settings.seconds,
             deadline=self.deadline,
@@ -185,10 +181,15 @@ class _Levels(NamedTuple):
         )
         plan = Plan.of(inner, self.asked.constraints, self.asked.importance, side=self.side)
         along = isinstance(target, int) and not self.keeps and not settings.convex
-        work = Work(plan, settings, clearances_for(settings, self.fine), watch, along)
+        work = Work(plan, settings, self.clearances, watch, along)
         while True:
             try:
-                level = self._made(work, target)
+                if isinstance(target, Within):
+                    from .fewest import fewest
+
+                    level = fewest(target, self.about, work)
+                else:
+                    level = build_level(work, target)
                 break
             except OutOfTimeError:
                 raise
@@ -201,13 +202,6 @@ class _Levels(NamedTuple):
         if isinstance(target, int) and count < target and not any(each.code == "note.count" for each in notes):
             notes += (note("note.count", on="fewer", asked=int(target), given=count),)
         return replace(level, report=replace(level.report, notes=(*notes, *watch.note)))
-
-    def _made(self, work: Work, target: int | Mesh | Within) -> Level:
-        if isinstance(target, Within):
-            from .fewest import fewest
-
-            return fewest(target, self.about, work)
-        return build_level(work, target)
 
 
 def _about(settings: Settings, fine: Mesh, side: int) -> Mesh:
