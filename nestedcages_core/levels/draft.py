@@ -8,6 +8,7 @@ from dataclasses import replace
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Start
+from ..decimation.line_cycles import SOURCE
 from ..energies import signed_area
 from ..errors import FlowError
 from ..flow import FlowResult
@@ -31,8 +32,8 @@ OWN = "coarse mesh"
 def tight_draft(work: Work, start: Start) -> Draft:
     """The tight cage from a start. Raises FlowError, ReinflationError."""
     draft = at_rest(work, start)
-    still = work.rests or work.watch.over is not None
-    if not still and (work.settings.steps or not Nesting(start.coarse, work.plan.fine).encloses()):
+    moves = not work.rests and work.watch.over is None
+    if moves and (work.settings.steps or not _encloses(start, work.plan.fine)):
         draft = reinflated(work, flowed(work, draft))
     return tightened(work, draft, work.clearances[0])
 
@@ -113,6 +114,11 @@ def tightened(work: Work, draft: Draft, clearance: float) -> Draft:
         rank = draft.energy.after(draft.cage).value(draft.cage, coarse.successor) / max(work.unit_fine.area, TINY)
     missed = any(bound.short(draft.cage).any() for bound in bounds)
     return replace(draft, excess=excess, rank=rank + MISSED * missed)
+
+
+def _encloses(start: Start, fine: Mesh) -> bool:
+    """Whether a start is around a mesh, or all but for what thinning leaves out, which tightening brings inside."""
+    return start.source == SOURCE or Nesting(start.coarse, fine).encloses()
 
 
 def _excess(work: Work, coarse: Mesh, cage: FloatArray) -> float:

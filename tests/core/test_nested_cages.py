@@ -59,6 +59,22 @@ def test_several_levels_by_every_decimation(shape: Callable[[], Mesh], decimatio
 FAR_AWAY = Mesh(letter_a_coarse().vertices + 100.0, letter_a_coarse().edges)
 
 
+@pytest.mark.parametrize(("fine", "coarse"), [LETTER, PLATE], ids=["letter", "plate"])
+def test_without_steps_the_drawing_flows_into_an_own_mesh(fine: Mesh, coarse: Mesh) -> None:
+    moving, still = (nested_cages(fine, [coarse], steps=steps)[0] for steps in (True, False))
+    assert_sound(Hierarchy(fine, (still,)))
+    assert moving.report.start == still.report.start == "flow"
+    assert still.cage == moving.cage
+
+
+@pytest.mark.parametrize("count", [10, 24])
+def test_without_steps_cages_are_as_tight_and_stand_still(count: int) -> None:
+    moving, still = (nested_cages(star(), count, steps=steps)[0] for steps in (True, False))
+    assert_sound(Hierarchy(still.fine, (still,)))
+    assert still.excess == pytest.approx(moving.excess, rel=0.01)
+    assert len(still.reinflation.cage_steps) == len(still.flow.steps) == 1
+
+
 @dataclass(frozen=True)
 class Failing:
     """A decimation that never succeeds."""
