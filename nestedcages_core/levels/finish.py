@@ -10,7 +10,7 @@ from ..energies import Area
 from ..errors import Fault, NestingError, note
 from ..flow import FlowResult
 from ..geometry.mesh import Mesh
-from ..verification.certificate import loops_in_words
+from ..verification.certificate import Certificate, loops_in_words
 from .certify import Path, Verdict, certify, judge
 from .draft import tightened
 from .plan import Plan
@@ -78,7 +78,7 @@ def _around(inner: Mesh, plan: Plan, path: Path, report: NestingReport) -> Level
     rest = inner.vertices[None]
     path = Path(path.coarse, FlowResult(rest, 0, "inside"), replace(path.reinflation, moving_steps=rest))
     verdict = judge(replace(plan, fine=inner), cage, report.wanted_clearance)
-    report = replace(report, notes=(*_loops(verdict), *report.notes))
+    report = replace(report, notes=(*lost_loops(cage, inner, verdict.certificate), *report.notes))
     return certify(verdict, path, report, stored=stored)
 
 
@@ -87,7 +87,7 @@ def _deviations(work: Work, verdict: Verdict, path: Path, draft: Draft, wanted: 
     if verdict.wanted < wanted:
         on = "inside" if work.plan.side < 0 else "gaps"
         yield note("note.clearance", on=on, wanted=wanted, given=verdict.wanted)
-    yield from _loops(verdict)
+    yield from lost_loops(verdict.cage, verdict.plan.fine, verdict.certificate)
     if work.plan.numbers is None:
         yield from work.plan.notes(verdict.cage)
     energy = work.settings.energy
@@ -97,9 +97,8 @@ def _deviations(work: Work, verdict: Verdict, path: Path, draft: Draft, wanted: 
         yield note("note.energy", energy=type(energy).__name__)
 
 
-def _loops(verdict: Verdict) -> Iterator[Fault]:
+def lost_loops(cage: Mesh, fine: Mesh, certificate: Certificate) -> tuple[Fault, ...]:
     """What became of loops, where a cage has others than the mesh in it."""
-    cage, fine = verdict.cage, verdict.plan.fine
-    if not cage.has_loops_like(fine):
-        lost = verdict.certificate.lost.note
-        yield note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(fine), **lost)
+    if cage.has_loops_like(fine):
+        return ()
+    return (note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(fine), **certificate.lost.note),)

@@ -66,8 +66,7 @@ class Settings:
             which all steps have but for the fine mesh. Default: doubles.
         loops: Which loops cages keep. "auto": those worth their vertices; holes are filled and parts share a loop where
             that is tighter (joining needs shapely). "keep": all; counts below three for each are an error. "one": one
-            around all. Cages inside, from one's own meshes and by a tolerance keep all, and so do moving ones with
-            enough vertices. Default: "auto".
+            around all. Cages inside, from one's own meshes and by a tolerance keep all. Default: "auto".
         convex: Around each part the convex polygon of least area found, with holes filled. Not with pins,
             joints and limits; `energy` and `fallback` do not matter then. Default: False.
         symmetry: A symmetry that cages have exactly: `Mirror`, `Rotation`, or `DetectSymmetry` for that of the drawing.

@@ -12,6 +12,7 @@ from ..errors import Fault, NestedCagesError, NestingError, note
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..levels import Settings, Within, nested_cages
+from ..levels.finish import lost_loops
 from ..levels.settings import type_name
 from ..levels.units import SolverUnits
 from ..levels.work import clearances_for
@@ -60,7 +61,7 @@ class LevelMotion:
         first = self.fine.moved(ahead[0].vertices).validated()
         self.clearance = clearances_for(self.settings, first)[self.allowance.reductions]
         self.settings = replace(self.settings, clearance=self.clearance) if self.allowance.reductions else self.settings
-        self.promises = Promises.of(self.settings, first, self.wanted)
+        self.promises = Promises.of(self.settings, first)
         self.notes += self.promises.notes
         self.units = SolverUnits.of(first, self._room(ahead))
 
@@ -78,6 +79,8 @@ class LevelMotion:
         key: Key | None = None
         for instant in keys:
             key = self._gate.key(self._posed(instant), key, None if last is None else last.seal)
+            if last is None:
+                self.notes += lost_loops(self.topology, first, key.certificate)
             last = instant
             yield key
 

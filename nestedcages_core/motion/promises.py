@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..decimation.base import MIN_PER_LOOP
 from ..errors import Fault
 from ..geometry.broad_phase import ClosestEdge
 from ..geometry.mesh import Mesh
@@ -28,13 +27,8 @@ class Promises:
     notes: tuple[Fault, ...] = ()
 
     @classmethod
-    def of(cls, settings: Settings, first: Mesh, wanted: int | Mesh = 0) -> Promises:
-        """The promises about a drawing, from its first pose. Raises NestingError.
-
-        wanted: all loops are kept, unless there are not enough vertices.
-        """
-        few = isinstance(wanted, int) and 0 < wanted < MIN_PER_LOOP * len(first.loops)
-        settings = settings if few else replace(settings, loops="keep")
+    def of(cls, settings: Settings, first: Mesh) -> Promises:
+        """The promises about a drawing, from its first pose. Raises NestingError."""
         constraints, importance, notes = constraints_of(settings, first, 1)
         plan = Plan.of(first, constraints, importance)
         close = first.edge_search.closest(np.empty((0, 2)) if importance is None else importance.pins)

@@ -242,6 +242,9 @@ def test_holes_that_there_are_too_few_vertices_for_are_filled() -> None:
     assert moved is not None and verify(moved, fine.moved(poses[1]), same_loops=False)
     moving = animated_cages(fine, poses, [5])
     assert len(moving.levels[0].cage.loops) == 1 and core.check(fine, moving)
+    assert [each.code for each in moving.levels[0].report.notes] == ["note.loops"]
+    loops = [len(animated_cages(fine, poses, 12, loops=kept).levels[0].cage.loops) for kept in ("keep", "one")]
+    assert loops == [2, 1]
     with rejected("count.too_small", NestingError, least=6):
         animated_cages(fine, poses, [5], loops="keep")
 
