@@ -1,10 +1,12 @@
-"""Convex cages: around each part the tightest cage of its convex hull, which is convex since it is the tightest."""
+"""Convex cages: around each part the tightest cage of its convex hull, which is convex since it is the tightest.
+
+Parts whose hulls leave no room for two cages get one, around their common hull.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
@@ -13,6 +15,7 @@ from ..errors import Fault, NestingError, note
 from ..geometry.arrays import FloatArray
 from ..geometry.broad_phase import BoxTree
 from ..geometry.convex_hull import convex_hull
+from ..geometry.distance import point_edge
 from ..geometry.group import Symmetry, orbits_of
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE
@@ -23,17 +26,21 @@ from .base import Constraint
 
 @dataclass(frozen=True)
 class Convex(Constraint):
-    """Convex cages, one around each part; holes are filled."""
+    """Convex cages, one around each part, or around parts next to each other; holes are filled."""
 
     on = "hull"
     is_rule = False
     kept: Symmetry | None = None
     """Symmetry that hulls have, too."""
+    room: float = 0.0
+    """Distance between hulls that leaves room for two cages."""
+    joins: bool = True
+    """Whether parts without that room are joined."""
 
     def outline(self, outline: LevelTarget, side: int) -> LevelTarget:
         """The hulls of the parts, each with the number of vertices asked for, to be enclosed instead of the fine mesh.
 
-        Raises NestingError for cages inside, whose complement is not convex, and where hulls overlap.
+        Raises NestingError for cages inside, whose complement is not convex, and where parts must not be joined.
         """
         if side < 0:
             raise NestingError(
@@ -41,18 +48,23 @@ class Convex(Constraint):
                 code="convex.impossible",
             )
         mesh, fine = outline.mesh, outline.fine
-        parts = [k for k in range(len(mesh.loops)) if mesh.parent_of_loop[k] < 0]
-        hulls = _hulls(mesh, parts)
-        for one, other in combinations(range(len(parts)), 2):
-            if _overlap(hulls[one], hulls[other]):
-                names = parts[one], parts[other]
+        waiting, groups = [[k] for k in range(len(mesh.loops)) if mesh.parent_of_loop[k] < 0], list[list[int]]()
+        while waiting:
+            group = waiting.pop()
+            close = next((other for other in groups if self._meet(mesh, group, other)), None)
+            if close is None:
+                groups.append(group)
+                continue
+            if not self.joins:
                 raise NestingError(
-                    "There is no convex cage around this shape: those of loop {} and loop {} would overlap, since one "
-                    "reaches into the other; unite them or leave out convex.".format(*names),
+                    f"There are no convex cages around each part: those of loop {group[0]} and loop {close[0]} would "
+                    "overlap; unite these parts, allow fewer loops, or leave out convex.",
                     code="convex.overlapping",
-                    loops=names,
+                    loops=(group[0], close[0]),
                 )
-        alike = Mesh.from_loops(_hulls(mesh, parts, self.kept))
+            groups.remove(close)
+            waiting.append(close + group)
+        hulls, alike = _hulls(mesh, groups), Mesh.from_loops(_hulls(mesh, groups, self.kept))
         if mesh is not fine:  # accurate to round-off
             loops = [fine.vertices[loop] for loop in fine.loops]
             part = [int(np.argmin([_outside(hull, loop[0]) for hull in hulls])) for loop in loops]
@@ -60,6 +72,12 @@ class Convex(Constraint):
                 points = np.concatenate([loop for loop, of in zip(loops, part, strict=True) if of == k])
                 hulls[k] = points[convex_hull(points)]
         return LevelTarget(alike, Mesh.from_loops(hulls), fine, True, outline.notes)
+
+    def _meet(self, mesh: Mesh, *groups: Sequence[int]) -> bool:
+        """Whether the hulls of two groups of loops leave no room for two cages."""
+        one, other = _hulls(mesh, groups)
+        near = min(_distances(one, other).min(), _distances(other, one).min())
+        return bool(near < self.room) or _overlap(one, other)
 
     def count(self, outline: Mesh, count: int) -> int:
         """At most the number of corners of a hull."""
@@ -74,7 +92,7 @@ class Convex(Constraint):
 
     def mended(self, cage: Mesh) -> tuple[Mesh, Fault] | None:
         """The convex hull of a cage with dents or straight angles; None for one that is inside out or flat."""
-        hulls = [] if is_convex(cage) else _hulls(cage, range(len(cage.loops)), self.kept)
+        hulls = [] if is_convex(cage) else _hulls(cage, [[k] for k in range(len(cage.loops))], self.kept)
         if not hulls or min(map(len, hulls)) < MIN_PER_LOOP or sum(map(len, hulls)) == len(cage.vertices):
             return None
         hull = Mesh.from_loops(hulls)
@@ -89,15 +107,22 @@ def is_convex(mesh: Mesh) -> bool:
     return bool((mesh.loop_signs > 0).all() and (orientation(before, mesh.vertices, after) > 0).all())
 
 
-def _hulls(mesh: Mesh, loops: Sequence[int], group: Symmetry | None = None) -> list[FloatArray]:
-    """The corners (h, 2) of the hulls of some outer loops; of a symmetric mesh, those whose images are corners too."""
-    kept = np.zeros(len(mesh.vertices), bool)
-    for loop in mesh.loops:
-        kept[loop[convex_hull(mesh.vertices[loop])]] = True
+def _hulls(mesh: Mesh, groups: Sequence[Sequence[int]], group: Symmetry | None = None) -> list[FloatArray]:
+    """The corners (h, 2) of the hulls of groups of loops; of a symmetric mesh, those whose images are corners too."""
+    every = [np.concatenate([mesh.loops[k] for k in loops]) for loops in groups]
+    corners = [vertices[convex_hull(mesh.vertices[vertices])] for vertices in every]
     orbits = None if group is None else orbits_of(mesh, group)
     if orbits is not None:
-        kept &= (np.bincount(orbits.orbit, ~kept) == 0)[orbits.orbit]
-    return [mesh.vertices[mesh.loops[k]][kept[mesh.loops[k]]] for k in loops]
+        missed = np.ones(len(mesh.vertices), bool)
+        missed[np.concatenate(corners)] = False
+        alike = (np.bincount(orbits.orbit, missed) == 0)[orbits.orbit]
+        corners = [vertices[alike[vertices]] for vertices in corners]
+    return [mesh.vertices[vertices] for vertices in corners]
+
+
+def _distances(points: FloatArray, ring: FloatArray) -> FloatArray:
+    """(K, h) distances of points (K, 2) from the edges of a ring (h, 2)."""
+    return point_edge(points[:, None], ring, np.roll(ring, -1, axis=0)).distance
 
 
 def _overlap(one: FloatArray, other: FloatArray) -> bool:

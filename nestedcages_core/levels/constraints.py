@@ -55,7 +55,7 @@ def constraints_of(settings: Settings, about: Mesh, side: int) -> Asked:
     if settings.convex:
         from ..constraints.convex import Convex
 
-        kept.append(Convex(group))
+        kept.append(Convex(group, 2.0 * (settings.clearance or 0.0), settings.loops != "keep"))
     if numbers is not None:
         kept = [*(each.rounded(numbers) for each in kept), numbers]
     importance = _importance(settings, about, group) if settings.has_priorities else None

@@ -89,13 +89,30 @@ def test_parts_close_to_each_other_keep_apart(count: int, angle: float) -> None:
     assert_convex_cage(cage_of(fine, count, 1e-3), count, parts=3)
 
 
-def test_parts_whose_polygons_would_overlap_are_an_error_that_names_them() -> None:
+def test_parts_whose_polygons_would_overlap_have_one_together() -> None:
+    """Also where only the clearance leaves no room; an error names them where loops are kept."""
     bay = [[0, 0], [5, 0], [5, 5], [4, 5], [4, 1], [1, 1], [1, 5], [0, 5]]
+    reaching = Mesh.from_loops([bay, [[2, 2], [3, 2], [3, 3], [2, 3]]])
+    for fine, count, clearance in (
+        (reaching, 4, 1e-9),
+        (Mesh.from_loops([ring(24), disc(24, 1.0, 2.05, 0.0)]), 6, 0.1),
+    ):
+        level = cage_of(fine, count, clearance)
+        assert_convex_cage(level, count)
+        assert level.report.lost.joined and "note.loops" in codes(level)
     with rejected("convex.overlapping", NestingError) as caught:
-        cage_of(Mesh.from_loops([bay, [[2, 2], [3, 2], [3, 3], [2, 3]]]), 6)
+        nested_cages(reaching, 6, convex=True, loops="keep")
     assert sorted(caught.value.data["loops"]) == [0, 1]
-    with pytest.raises(NestingError):
-        cage_of(Mesh.from_loops([ring(24), disc(24, 1.0, 2.05, 0.0)]), 6, clearance=0.1)
+
+
+def test_a_row_of_parts_is_joined_as_far_as_their_polygons_meet() -> None:
+    """Two of three, also once the common hull of two reaches a further one, and with a mirror."""
+    parts = [disc(24, 0.5, x, 0.0) for x in (-1.05, 1.05, 4.0)]
+    (cage,) = nested_cages(parts, 6, convex=True, clearance=0.6).cages
+    assert [len(loop) for loop in cage.loops] == [6, 6] and is_convex(cage)
+    hat = [disc(24, 0.2, 0.0, 0.9), disc(24, 0.5, -1.0, 0.4), disc(24, 0.5, 1.0, 0.4)]
+    (cage,) = nested_cages(hat, 6, convex=True, clearance=0.45, symmetry=Mirror()).cages
+    assert len(cage.loops) == 1 and is_convex(cage) and is_symmetric(cage.vertices, Mirror())
 
 
 def test_no_more_vertices_than_the_hull_has() -> None:
