@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray
-from ..geometry.broad_phase import BoxTree
+from ..geometry.broad_phase import nearest
 from ..geometry.group import Symmetry
 from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
@@ -45,42 +45,29 @@ class Importance:
         relative: FloatArray = np.maximum(self.weights / mean, LEAST_WEIGHT)
         return relative
 
-    @cached_property
-    def _edges(self) -> BoxTree:
-        return self.fine.edge_search
-
     def at(self, points: FloatArray) -> FloatArray:
         """(P,) weight at the closest place on the fine mesh to each of the points (P, 2)."""
         if self.weights is None:
             return np.ones(len(points))
         group = self.symmetry
         images = [points] if group is None else [group.image(points, k) for k in range(group.order)]
-        ends = self.relative[self.fine.successor]
-        return np.asarray(np.max([self._edges.closest(image).between(self.relative, ends) for image in images], axis=0))
+        ends, close = self.relative[self.fine.successor], map(self.fine.edge_search.closest, images)
+        return np.asarray(np.max([each.between(self.relative, ends) for each in close], axis=0))
 
     def pinned(self, outline: Loops) -> BoolArray:
         """(n,) the vertices of an outline that are closest to pins; with `with_vertices` all pins have one."""
         held = np.zeros(len(outline.vertices), bool)
-        for pin in self.pins:
-            distance = norm(outline.vertices - pin)
-            held[int(np.argmin(distance))] |= bool(distance.min() <= FARTHEST_PIN * self.fine.diagonal)
+        distance, vertex = nearest(self.pins, outline.vertices)
+        held[vertex[distance <= FARTHEST_PIN * self.fine.diagonal]] = True
         return held
 
     def with_vertices(self, outline: Loops, most: float = np.inf) -> Loops:
         """The outline with additional vertices at pins without one, as long as it has at most so many."""
         for pin in self.pins:
-            missed = len(outline.vertices) < most and norm(outline.vertices - pin).min()
-            if missed > 0.5 * PIN_REACH * self.fine.diagonal:
-                outline = _with_vertex(outline, pin)
+            missed = norm(outline.vertices - pin).min()
+            if len(outline.vertices) < most and missed > 0.5 * PIN_REACH * self.fine.diagonal:
+                close = outline.tree.closest(pin[None])
+                edge, new = int(close.edge[0]), close.between(outline.vertices, outline.ends)
+                sizes = outline.sizes + (np.arange(len(outline.sizes)) == outline.loop[edge])
+                outline = Loops.of(np.insert(outline.vertices, edge + 1, new, axis=0), sizes)
         return outline
-
-
-def _with_vertex(outline: Loops, place: FloatArray) -> Loops:
-    """The outline with a vertex at the point on it that is closest to a place."""
-    starts, ends = outline.vertices, outline.vertices[outline.successor]
-    close = BoxTree(starts, ends).closest(place[None])
-    edge, new = int(close.edge[0]), close.between(starts, ends)[0]
-    loop = int(np.searchsorted(outline.begins, edge, side="right")) - 1
-    sizes: list[int] = outline.sizes.tolist()
-    sizes[loop] += 1
-    return Loops.of(np.insert(starts, edge + 1, new, axis=0), sizes)
