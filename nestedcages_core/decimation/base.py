@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias, runtime_checkable
@@ -123,8 +122,3 @@ class Starts(Protocol):
 
         Otherwise like `Decimation.decimate`; raises NestingError where there is none.
         """
-
-
-def in_words(decimation: Decimation) -> str:
-    """The name of a decimation in words: "arc length" for ``ArcLength()``."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(decimation).__name__).lower()

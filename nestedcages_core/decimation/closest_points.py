@@ -28,5 +28,4 @@ def closest_on_curve(cage: Mesh, fine: Mesh, symmetry: Symmetry | None = None) -
         coarse = Mesh.from_loops([places[own] for own in cage.loops])
     except InvalidMeshError:
         return None
-    same = (coarse.loop_signs == fine.loop_signs).all() and (coarse.component_of_loop == fine.component_of_loop).all()
-    return coarse if same else None
+    return coarse if coarse.has_roles_of(fine) else None

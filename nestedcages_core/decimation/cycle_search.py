@@ -22,7 +22,7 @@ from .outline import Lines, Outline, without_doubles
 from .problem import Problem
 from .ring_search import RingSearch, allocate, least_sums, run_together
 from .sampling import NormalFrame, samples, weights
-from .symmetric import Images, MirrorSearch, padded_alike
+from .symmetric import Images, MirrorSearch, exact
 from .tangents import tangents
 from .turns import SLACK, Turns, turns
 from .visibility import Obstacles
@@ -71,7 +71,7 @@ class Tables:
     def __init__(self, frame: NormalFrame) -> None:
         self.frame = frame
         self._rings: set[bytes] = set()
-        self._known: dict[tuple[bytes, float], tuple[float, RingSearch]] = {}
+        self._known: dict[tuple[bytes, float, tuple[float, float]], tuple[float, RingSearch]] = {}
 
     def knows(self, loops: Loops) -> bool:
         """Whether there were searches around all of some loops."""
@@ -79,7 +79,10 @@ class Tables:
 
     def searches(self, around: CycleSearch, loops: Sequence[int]) -> list[RingSearch]:
         """The searches around some loops, for as many lines as each may have there. Raises NoCyclesError."""
-        keys = list(zip(self._keys(around.loops), around.shift.tolist(), strict=True))
+        limits = around.outline.limits
+        keys = [
+            (ring, shift, limits) for ring, shift in zip(self._keys(around.loops), around.shift.tolist(), strict=True)
+        ]
         deserved, new = around.deserved.tolist(), []
         for k in loops:
             known = self._known.get(keys[k])
@@ -103,23 +106,22 @@ class CycleSearch:
         kept from all loops. tables: searches around loops of other outlines, in whose frame this one is."""
         self.problem, self.kept, self.shift, self.tables = problem, problem.kept, shift, tables
         self.frame = NormalFrame.of(loops) if tables is None else tables.frame
-        symmetry, target = self.kept.symmetry, problem.target
+        symmetry, total = self.kept.symmetry, problem.total
         self.images = None if symmetry is None else Images.of(loops, symmetry, self.frame)
         self.outline = self._outline(loops)
         self.loops, perimeters = self.outline.loops, self.outline.perimeters
         if perimeters.min() == 0.0:
             raise NoCyclesError("A loop is as small as round-off.")
-        self.weights = weights(self.outline, target)
+        self.weights = weights(self.outline, total)
         sums = np.add.reduceat(self.weights, self.loops.begins)
         shares, lengths = sums / sums.sum(), perimeters / perimeters.sum()
-        places = np.round(max(MIN_SAMPLES, SAMPLES_PER_VERTEX * target) * shares).astype(np.int64)
+        places = np.round(max(MIN_SAMPLES, SAMPLES_PER_VERTEX * total) * shares).astype(np.int64)
         self.places: IntArray = np.minimum(np.maximum(MIN_SAMPLES_OF_A_LOOP, places), np.maximum(self.loops.sizes, 6))
         """(L,) samples that each loop deserves."""
-        self.deserved: FloatArray = USUAL_SHARE * target * np.maximum(shares, lengths)
+        self.deserved: FloatArray = USUAL_SHARE * total * np.maximum(shares, lengths)
         """(L,) lines that each loop deserves: long edges deserve few samples, but a line each."""
         self.is_thorough = self.outline.is_convex & (problem.per_loop is not None)
         """(L,) whether a search around each loop may take long: convex, with one number of lines to seek."""
-        self.is_alone, self.minimum = len(perimeters) == 1, problem.minimum
         self.obstacles = Obstacles(self.outline, problem.regions)
         self.searches: dict[int, RingSearch] = {}
         """Of each loop that stands for its images."""
@@ -129,7 +131,7 @@ class CycleSearch:
 
         roughly: whether an estimate is enough.
         """
-        loops = [k for k in range(len(self.loops.sizes)) if self.images is None or self.images.loops[k][0] == k]
+        loops = [k for k in range(len(self.loops.sizes)) if self._stand_in(k) == k]
         searches = self.around(loops) if self.tables is None else self.tables.searches(self, loops)
         self.searches = dict(zip(loops, searches, strict=True))
         waiting = [k for k in loops if not self.searches[k].found]
@@ -142,7 +144,7 @@ class CycleSearch:
             waiting = [k for k in waiting if self.searches[k].extend(self._limit(k))]
             if not waiting:
                 break
-        if not all(search.found for search in searches):
+        if not all(self.searches[k].found or k in self.problem.optional for k in loops):
             raise self._none()
         numbers = self._numbers(self.searches)
         run_together([self.searches[k].improve(numbers[k], roughly=roughly) for k in loops], tick)
@@ -165,12 +167,17 @@ class CycleSearch:
             numbers = self._numbers(searches)
         return *self._mesh(choice), rounds
 
-    @property
-    def least(self) -> FloatArray:
-        """(n,) the least area of cycles of 0, 1, … lines in all, crossings aside, in the input's units."""
-        copies = [self._copies(loop) for loop in self.searches]
-        totals = [number * search.totals for number, search in zip(copies, self.searches.values(), strict=True)]
-        return (least_sums(totals, self.problem.target, copies)[-1] + self.loops.area) * self.frame.scale**2
+    def least(self) -> tuple[FloatArray, list[int]]:
+        """(n,) the least area of cycles of 0, 1, … lines in all, crossings aside, in the input's units; and the holes
+        that the least of all leave out."""
+        totals, copies = self._totals(self.searches)
+        least = (least_sums(totals, self.problem.total, copies)[-1] + self.loops.area) * self.frame.scale**2
+        numbers = self._numbers(self.searches)
+        return least, [k for k in range(len(self.loops.sizes)) if numbers[self._stand_in(k)] == 0]
+
+    def _stand_in(self, loop: int) -> int:
+        """The loop that stands for another one and its images."""
+        return loop if self.images is None else self.images.loops[loop][0]
 
     def _outline(self, loops: Loops) -> Outline:
         """The loops in the frame of the search, with what matters there."""
@@ -186,14 +193,23 @@ class CycleSearch:
         """Lines of the cage for each one that is counted around a loop."""
         return 1 if self.images is None or self.images.is_halved(loop) else self.images.symmetry.order
 
-    def _numbers(self, searches: Mapping[int, RingSearch]) -> dict[int, int]:
-        """Lines of each loop. Raises NoCyclesError."""
+    def _totals(self, searches: Mapping[int, RingSearch]) -> tuple[list[FloatArray], list[int]]:
+        """The least area of 0, 1, … lines around each loop and its images, and lines of the cage for each of these; no
+        lines leave an optional hole out."""
         copies = [self._copies(loop) for loop in searches]
         totals = [number * search.totals for number, search in zip(copies, searches.values(), strict=True)]
-        numbers = allocate(totals, self.problem.target, copies)
+        for k, loop in enumerate(searches):
+            if loop in self.problem.optional:
+                totals[k][0] = -(copies[k] // self._parts(loop)) * self.loops.areas[loop]
+        return totals, copies
+
+    def _numbers(self, searches: Mapping[int, RingSearch]) -> dict[int, int]:
+        """Lines of each loop. Raises NoCyclesError."""
+        totals, copies = self._totals(searches)
+        numbers = allocate(totals, self.problem.total, copies)
         if numbers is None:
             least = [number * int(np.isfinite(total).argmax()) for number, total in zip(copies, totals, strict=True)]
-            known: dict[str, Any] = {"least": sum(least)} if all(least) and sum(least) > self.problem.target else {}
+            known: dict[str, Any] = {"least": sum(least)} if all(least) and sum(least) > self.problem.total else {}
             raise NoCyclesError(total=self.problem.total, **known)
         return dict(zip(searches, numbers, strict=True))
 
@@ -253,7 +269,8 @@ class CycleSearch:
         return lines.take(usable), (free + np.where(shift < OFFSET, SLACK, 0.0))[:, usable]
 
     def _search(self, k: int, outline: Outline, lines: Lines, free: FloatArray, found: Turns) -> RingSearch:
-        minimum, most, known = self._minimum(k), self._limit(k), self.problem.per_loop is not None or self.is_alone
+        minimum, most = self._minimum(k), self._limit(k)
+        known = self.problem.per_loop is not None or len(self.loops.sizes) == 1
         if not known:
             most = min(most, max(minimum, (int(self.deserved[k]) + SPARE_SHARE) // self._parts(k)))
         if self.images is not None and self.images.is_halved(k):
@@ -267,15 +284,16 @@ class CycleSearch:
 
     def _minimum(self, loop: int) -> int:
         """The least number of lines of a part of a loop."""
-        return -(-self.minimum[loop] // self._parts(loop))
+        return -(-MIN_PER_LOOP // self._parts(loop))
 
     def _limit(self, loop: int) -> int:
         """The largest number of lines that a part of a loop may have, with as many for others like it."""
-        if self.problem.per_loop is not None:
-            return self.minimum[loop] // self._parts(loop)
-        copies = self._copies(loop)
-        spare = self.problem.target - sum(self.minimum)
-        return (spare + copies // self._parts(loop) * self.minimum[loop]) // copies
+        problem, copies = self.problem, self._copies(loop)
+        if problem.per_loop is not None:
+            return int(problem.per_loop[loop]) // self._parts(loop)
+        others = {k for k in range(len(self.loops.sizes)) if self._stand_in(k) != loop}.difference(problem.optional)
+        limit = (problem.total - MIN_PER_LOOP * len(others)) // copies
+        return max(limit, self._minimum(loop)) if loop in problem.optional else limit
 
     def _none(self) -> NoCyclesError:
         return NoCyclesError("There are no such cycles around some loops.", total=self.problem.total)
@@ -291,14 +309,13 @@ class CycleSearch:
             self.kept.importance,
         )
         try:
-            if choice.images is not None:
-                mesh = problem.mesh(padded_alike(loops, problem.total, choice.images.symmetry))
-            else:
-                if importance is not None and problem.per_loop is None:  # straight sides have pins too
-                    loops = importance.with_vertices(loops, problem.total)
-                mesh = problem.coarse(loops)
+            if self.kept.symmetry is not None:
+                loops = exact(loops, self.kept.symmetry)
+            elif importance is not None and problem.per_loop is None:  # straight sides have pins too
+                loops = importance.with_vertices(loops, problem.total)
+            mesh = problem.mesh(loops.split())
         except (InvalidMeshError, NestingError) as error:
-            raise NoCyclesError(str(error), total=self.problem.total) from error
+            raise NoCyclesError(str(error), total=problem.total) from error
         if len(rings) > 1 and not problem.nests(mesh):  # the certificate says it of one loop
             raise NoCyclesError("The cycles do not enclose the loops.", total=self.problem.total)
         return loops.area, mesh

@@ -29,6 +29,7 @@ from ..progress import Tick, no_tick
 from .base import NOTHING_KEPT, Count, Kept, Start
 from .closest_points import closest_on_curve
 from .cycle_search import OFFSET, CycleSearch, NoCyclesError, Tables
+from .loop_sequence import empty_holes
 from .problem import Problem, canonical_order, checked_count
 from .symmetric import symmetrised
 
@@ -120,18 +121,18 @@ class LineCycles:
 
 def least_areas(
     fine: Mesh, most: int, kept: Kept = NOTHING_KEPT, clearance: float = 0.0, tables: Tables | None = None
-) -> FloatArray:
-    """(n,) about the least area of a mesh of 0, 1, … vertices around the fine one; infinite where none was found.
+) -> tuple[FloatArray, list[int]]:
+    """(n,) about the least area of a mesh of 0, 1, … vertices around the fine one; infinite where none was found; and
+    the holes that the mesh of least area leaves out.
 
     One search knows all numbers of lines up to the last.
     """
-    problem = Problem.of(fine, most, kept=replace(kept, symmetry=None, preferred=None))
-    search = CycleSearch(problem, problem.outline, _shifts(problem, problem.outline, clearance)[0], tables)
-    try:
-        search.search(roughly=True)
-    except NoCyclesError:
-        return np.full(most + 1, np.inf)
-    return search.least
+    problem = Problem.of(fine, most, kept=replace(kept, preferred=None), optional=empty_holes(fine))
+    loops = symmetrised(problem.outline, kept.symmetry)
+    search = CycleSearch(problem, loops, _shifts(problem, loops, clearance)[0], tables)
+    search.search(roughly=True)
+    least, filled = search.least()
+    return least, problem.loop_order[filled].tolist()
 
 
 def _around_thinned(fine: Mesh, count: Count, side: int, kept: Kept, clearance: float, tick: Tick) -> Mesh | None:

@@ -1,14 +1,14 @@
-"""The sequence of outlines: meshes that contain a drawing, from all of its loops to one.
+"""The sequence of outlines: meshes that contain a drawing, from the drawing itself to its hull.
 
-A cage around any of them is a cage around the drawing, so the tightest one that is certified is the answer. Each step
-fills the hole, or joins the two parts, that adds the least area for each loop that it saves.
+A cage around any of them is a cage around the drawing, so the tightest one that is certified is the answer. At each
+step the two closest parts are joined. Each outline may have holes less, too.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
-from heapq import heapify, heappop, heappush
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -18,21 +18,10 @@ from ..geometry.solids import mesh_of
 from ..libraries import has_shapely, load_shapely
 
 
-class Step(NamedTuple):
-    """One step of the sequence: a hole is filled, or two parts are joined."""
-
-    saved: int
-    """Loops that it saves."""
-    hole: int | None
-    """The loop of the hole that it fills, with all that lies in it."""
-    bridge: tuple[int, int, Any] | None
-    """The components that it joins, and the polygon that does."""
-
-
 class LoopSequence:
-    """The outlines around a mesh, finest first: the mesh itself, then one step more each time; last, the convex hull.
+    """The outlines around a mesh, by the number of joins; last, the convex hull.
 
-    Joins need shapely; without it there are holes to fill alone.
+    Joins need shapely; without it there are the mesh and its hull.
     """
 
     def __init__(self, fine: Mesh) -> None:
@@ -40,20 +29,23 @@ class LoopSequence:
         self._meshes: dict[int, Mesh] = {0: fine}
 
     def __len__(self) -> int:
-        return len(self.loops)
+        return 1 + len(self.joins) + (len(self.fine.loops) > 1)
 
-    @cached_property
-    def loops(self) -> list[int]:
-        """(len,) number of loops of each outline."""
-        saved = np.cumsum([0, *(step.saved for step in self.steps)])
-        hull = [1] if len(self.fine.loops) > 1 else []
-        return [len(self.fine.loops) - int(number) for number in saved] + hull
+    def parts(self, k: int) -> int:
+        """The number of parts of an outline."""
+        return int((self.fine.loop_signs > 0).sum()) - k if k <= len(self.joins) else 1
 
     def mesh(self, k: int) -> Mesh:
-        """The outline after k steps. Raises InvalidMeshError."""
+        """The outline after k joins. Raises InvalidMeshError."""
         if k not in self._meshes:
-            self._meshes[k] = self._after(self.steps[:k]) if k <= len(self.steps) else self.hull
+            self._meshes[k] = self._joined(self.joins[:k]) if k <= len(self.joins) else self.hull
         return self._meshes[k]
+
+    def without_holes(self, k: int) -> Mesh:
+        """An outline with all its holes filled."""
+        mesh = self.mesh(k)
+        outer = np.flatnonzero((mesh.loop_signs > 0) & (mesh.parent_of_loop < 0)).tolist()
+        return Mesh.from_loops([mesh.vertices[mesh.loops[k]] for k in outer])
 
     @cached_property
     def hull(self) -> Mesh:
@@ -62,87 +54,32 @@ class LoopSequence:
         return Mesh.from_loops([points[convex_hull(points)]])
 
     @cached_property
-    def steps(self) -> list[Step]:
-        """All steps, the cheapest first."""
-        fine = self.fine
-        holes = np.flatnonzero(fine.loop_signs < 0).tolist()
-        outer = np.flatnonzero(fine.loop_signs > 0).tolist()
-        inside = {hole: [k for k in outer if fine.parent_of_loop[k] == hole] for hole in holes}
-        empty = {hole: -float(fine.loop_areas[[hole, *inside[hole]]].sum()) for hole in holes}
-        component = fine.component_of_loop
-        waiting: list[tuple[float, int, Any]] = []
-        if len(outer) > 1:
-            waiting = [(cost, n, (i, j, patch)) for n, (i, j, patch, cost) in enumerate(self._bridges(outer))]
-        waiting += [(empty[hole] / (1 + len(inside[hole])), len(waiting) + n, hole) for n, hole in enumerate(holes)]
-        heapify(waiting)
-        leader, steps = list(range(len(outer))), list[Step]()
-
-        def group(part: int) -> int:
-            while leader[part] != part:
-                part = leader[part]
-            return part
-
-        while waiting:
-            cost, number, what = heappop(waiting)
-            if isinstance(what, int):
-                own = group(int(component[what]))
-                apart = {group(int(component[k])) for k in inside[what]} - {own}
-                now = empty[what] / (1 + len(apart))
-                if now > cost:  # some of what lies in it was joined
-                    heappush(waiting, (now, number, what))
-                    continue
-                steps.append(Step(1 + len(apart), what, None))
-                for each in apart:
-                    leader[each] = own
-            elif group(what[0]) != group(what[1]):
-                leader[group(what[0])] = group(what[1])
-                steps.append(Step(1, None, what))
-        return steps
-
-    @cached_property
-    def _polygons(self) -> list[Any]:
-        """A polygon of shapely for each component."""
-        shape, fine = load_shapely("Joining parts"), self.fine
-        rings: list[list[Any]] = [[] for _ in range(int(fine.component_of_loop.max()) + 1)]
-        for k in np.argsort(-fine.loop_signs, kind="stable").tolist():
-            rings[int(fine.component_of_loop[k])].append(fine.vertices[fine.loops[k]])
-        return [shape.Polygon(first, others) for first, *others in rings]
-
-    def _bridges(self, outer: list[int]) -> list[tuple[int, int, Any, float]]:
+    def joins(self) -> list[Any]:
+        """The polygon of each join, the shortest first."""
+        if not (self.fine.loop_signs > 0).sum() > 1 or not has_shapely():
+            return []
         from .bridging import bridges  # with more of scipy
 
-        return list(bridges(load_shapely("Joining parts"), self._polygons)) if has_shapely() else []
+        return bridges(load_shapely("Joining parts"), self.fine)
 
-    def _after(self, steps: list[Step]) -> Mesh:
-        fine = self.fine
-        gone = {step.hole for step in steps if step.hole is not None}
-        filled = list(gone)
-        while filled:  # what lies in a filled hole is gone, and the holes of that
-            loop = filled.pop()
-            below = fine.parent_of_loop == loop
-            if fine.loop_signs[loop] > 0:
-                below = (fine.component_of_loop == fine.component_of_loop[loop]) & (fine.loop_signs < 0)
-            new = set(np.flatnonzero(below).tolist()) - gone
-            gone |= new
-            filled += new
-        left = [k for k in range(len(fine.loops)) if k not in gone]
-        outer = {int(fine.component_of_loop[k]) for k in left if fine.loop_signs[k] > 0}
-        joins = [step.bridge[2] for step in steps if step.bridge is not None and outer >= set(step.bridge[:2])]
-        mesh = Mesh.from_loops([fine.vertices[fine.loops[k]] for k in left])
-        return mesh if not joins else self._joined(mesh, joins)
-
-    def _joined(self, mesh: Mesh, patches: list[Any]) -> Mesh:
-        """A mesh with patches, and the gaps that these close filled."""
+    def _joined(self, patches: list[Any]) -> Mesh:
+        """The mesh with patches, and the gaps that these close filled."""
         shapely = load_shapely("Joining parts")
-        solid = shapely.geometry.shape(mesh.__geo_interface__)
-        parts = list(getattr(solid, "geoms", [solid]))
-        places = []
-        for ring in (ring for part in parts for ring in part.interiors):
-            places.append(shapely.difference(shapely.Polygon(ring), solid).representative_point())
-        holes, solid = shapely.STRtree(places), shapely.union_all([*parts, *patches])
-        parts = []
-        for part in getattr(solid, "geoms", [solid]):
-            rings = [ring for ring in part.interiors if len(holes.query(shapely.Polygon(ring), predicate="contains"))]
-            parts.append(shapely.Polygon(part.exterior, rings))
-        solid = shapely.union_all(parts)  # parts that lay in gaps are gone
-        return mesh_of(solid)
+        parts = shapely.geometry.shape(self.fine.__geo_interface__).geoms
+        holes = shapely.STRtree([shapely.Polygon(ring) for part in parts for ring in part.interiors])
+        solid = shapely.union_all([*parts, *patches])
+        rings = [ring for part in getattr(solid, "geoms", [solid]) for ring in part.interiors]
+        gaps = [gap for ring in rings for gap in shapely.get_parts(shapely.difference(shapely.Polygon(ring), solid))]
+        closed = [gap for gap in gaps if len(holes.query(gap.representative_point(), predicate="within")) == 0]
+        return mesh_of(shapely.union_all([solid, *closed]))
+
+
+def empty_holes(mesh: Mesh) -> list[int]:
+    """The holes with nothing in them."""
+    return [k for k in np.flatnonzero(mesh.loop_signs < 0).tolist() if k not in mesh.parent_of_loop]
+
+
+def filled(mesh: Mesh, holes: Iterable[int]) -> Mesh:
+    """A mesh without some holes with nothing in them."""
+    left = np.setdiff1d(np.arange(len(mesh.loops)), list(holes)).tolist()
+    return mesh if len(left) == len(mesh.loops) else Mesh.from_loops([mesh.vertices[mesh.loops[k]] for k in left])

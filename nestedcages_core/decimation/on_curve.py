@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from ..errors import NestingError
@@ -26,13 +27,9 @@ class OnCurve:
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A coarse mesh whose vertices lie on the fine one, whatever the clearance; loop k on loop k.
 
-        Where its loops would cross, they are resampled by `ArcLength` instead. Raises NestingError as that does.
+        Where there is none, or its loops would cross, `ArcLength` makes it. Raises NestingError as that does.
         """
-        try:
-            around = self.around.decimate(fine, count, clearance=clearance)
-        except NestingError as error:
-            try:
-                return ArcLength().decimate(fine, count, clearance=clearance)
-            except NestingError:
-                raise error from None
-        return closest_on_curve(around, fine) or ArcLength().decimate(fine, count, clearance=clearance)
+        coarse = None
+        with suppress(NestingError):
+            coarse = closest_on_curve(self.around.decimate(fine, count, clearance=clearance), fine)
+        return coarse or ArcLength().decimate(fine, count, clearance=clearance)

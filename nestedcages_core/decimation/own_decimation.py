@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import InvalidMeshError, NestingError
 from ..geometry.mesh import Mesh
+from ..parameters import check_part
 from .base import Count
 from .problem import checked_count
 
@@ -22,10 +23,7 @@ class OwnDecimation:
     return fewer vertices than wanted, but not more."""
 
     def __post_init__(self) -> None:
-        if not callable(self.function):
-            raise NestingError(
-                f"OwnDecimation: function must be callable, not {self.function!r}.", code="setting.invalid"
-            )
+        check_part(self, "function", "__call__", "a function")
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """The result of the function as a mesh. Raises NestingError where it is not valid or has too many vertices."""

@@ -5,11 +5,10 @@ from __future__ import annotations
 import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
-from heapq import heapify, heappop, heapreplace
 
 import numpy as np
 
-from ..errors import Fault, InvalidMeshError, NestingError, note
+from ..errors import NestingError
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh, Nesting
@@ -28,7 +27,7 @@ class Problem:
     outline: the loops, largest first, each starting with the vertex farthest from its centre, so that nothing depends
     on the numbering of the vertices.
     loop_order: (L,) for each loop of the outline its number in the mesh.
-    total: vertices of the coarse mesh. per_loop: (L,) vertices per loop of the outline; None: distributed freely.
+    total: most vertices of the coarse mesh. per_loop: (L,) those of each loop of the outline; None: distributed freely.
     """
 
     fine: Mesh
@@ -41,27 +40,23 @@ class Problem:
     outline then have that on their left."""
     kept: Kept = NOTHING_KEPT
     """What the coarse mesh keeps."""
+    optional: frozenset[int] = frozenset()
+    """Loops of the outline that it may leave out, which are holes."""
 
     @classmethod
-    def of(cls, fine: Mesh, count: Count, side: int = 1, kept: Kept = NOTHING_KEPT) -> Problem:
-        """The request for a count as in `Decimation.decimate`. Raises NestingError."""
-        total, numbers = checked_count(fine, count)
+    def of(
+        cls, fine: Mesh, count: Count, side: int = 1, kept: Kept = NOTHING_KEPT, optional: Sequence[int] = ()
+    ) -> Problem:
+        """The request for a count as in `Decimation.decimate`. optional: holes of the mesh. Raises NestingError."""
+        total, numbers = checked_count(fine, count, len(optional))
+        if numbers is None and not kept.rules:  # along the axes, more than the mesh has are of use
+            total = min(total, len(fine.vertices))
         outline, loop_order = canonical_order(fine)
         if side < 0:
             outline = Loops.of(outline.turned(np.ones(len(outline.sizes), bool)).vertices, outline.sizes)
         per_loop = None if numbers is None else np.array(numbers)[loop_order]
-        return cls(fine, outline, loop_order, total, per_loop, side, kept)
-
-    @property
-    def minimum(self) -> list[int]:
-        """Vertices that each loop keeps: the wanted number, at most its own."""
-        sizes = self.outline.sizes
-        return [MIN_PER_LOOP] * len(sizes) if self.per_loop is None else np.minimum(self.per_loop, sizes).tolist()
-
-    @property
-    def target(self) -> int:
-        """Number of vertices to decimate to. Loops that want more than their own get them by divided edges."""
-        return self.total if self.per_loop is None else sum(self.minimum)
+        may_miss = frozenset(np.flatnonzero(np.isin(loop_order, optional)).tolist())
+        return cls(fine, outline, loop_order, total, per_loop, side, kept, may_miss)
 
     @property
     def regions(self) -> IntArray:
@@ -69,18 +64,6 @@ class Problem:
         fine = self.fine
         outside = np.where(fine.loop_signs > 0, fine.parent_of_loop, np.arange(len(fine.loops)))
         return np.asarray((outside if self.side > 0 else fine.component_of_loop)[self.loop_order])
-
-    def coarse(self, outline: Loops) -> Mesh:
-        """The coarse mesh of an outline with at most `target` vertices: edges are divided until there are enough or
-        constraints allow no more.
-
-        Raises InvalidMeshError where loops cross.
-        """
-        enough = outline.sizes.sum() == self.total if self.per_loop is None else (outline.sizes == self.per_loop).all()
-        if enough:
-            return self.mesh(outline.split())
-        spacing = max((short for short, _ in (rule.turn_limits for rule in self.kept.rules)), default=0.0)
-        return self.mesh(padded(outline, self.total, self.per_loop, (1.0 + ROUND_OFF) * spacing))
 
     def mesh(self, loops: Sequence[FloatArray]) -> Mesh:
         """A mesh of loops (k, 2) in the order of the outline; its loop k stands for loop k of the fine mesh."""
@@ -90,17 +73,6 @@ class Problem:
         """Whether each loop of the coarse mesh lies on the right side of its fine one, by exact predicates."""
         outer, inner = (coarse, self.fine) if self.side > 0 else (self.fine, coarse)
         return Nesting(outer, inner).encloses_loop_by_loop()
-
-    def same_roles(self, coarse: Mesh) -> Mesh:
-        """The coarse mesh. Raises InvalidMeshError if its loops do not lie in each other as those of the fine mesh."""
-        fine = self.fine
-        changed = (coarse.loop_signs != fine.loop_signs) | (coarse.component_of_loop != fine.component_of_loop)
-        if changed.any():
-            k = int(np.flatnonzero(changed)[0])
-            raise InvalidMeshError(
-                f"Loop {k} comes to lie in another loop than in the mesh inside.", code="mesh.nesting"
-            )
-        return coarse
 
 
 def _first_of(candidates: IntArray, points: FloatArray, tie: float) -> int:
@@ -141,122 +113,36 @@ def canonical_order(fine: Mesh) -> tuple[Loops, IntArray]:
     return Loops.of(fine.vertices[np.concatenate(ordered)], [len(ring) for ring in ordered]), order
 
 
-def apportioned(total: int, lengths: FloatArray, least: int, spacing: float = 0.0) -> IntArray:
-    """Numbers (K,) in proportion to lengths (K,), at least `least` each, whose sum is `total` or the least possible.
-
-    Each vertex in turn goes where the spacing is longest (D'Hondt's method), which minimises the longest spacing. Ties
-    go to the first. The sum is smaller where none is left whose spacing would stay above the given one.
-    """
-    numbers = np.full(len(lengths), least, dtype=np.int64)
-    most = np.maximum(least, lengths / spacing) if spacing > 0.0 else np.full(len(lengths), np.inf)
-    queue = [(-length / least, k) for k, length in enumerate(lengths.tolist()) if most[k] >= least + 1]
-    heapify(queue)
-    for _ in range(total - least * len(lengths)):
-        if not queue:
-            break
-        k = queue[0][1]
-        numbers[k] += 1
-        if most[k] >= numbers[k] + 1:
-            heapreplace(queue, (-float(lengths[k]) / int(numbers[k]), k))
-        else:
-            heappop(queue)
-    return numbers
-
-
-def padded(outline: Loops, total: int, per_loop: IntArray | None, spacing: float = 0.0) -> list[FloatArray]:
-    """The loops (k, 2) of an outline with edges divided evenly until there are enough vertices.
-
-    total: wanted number of vertices. per_loop: (L,) wanted number for each loop, instead of the total. spacing: the
-    least length of parts of edges.
-    """
-    steps = outline.vertices[outline.successor] - outline.vertices
-    lengths = norm(steps)
-    if per_loop is None:
-        pieces = apportioned(total, lengths, 1, spacing)
-    else:
-        of_loop = np.split(lengths, outline.begins[1:])
-        pieces = np.concatenate([apportioned(k, edges, 1) for k, edges in zip(per_loop.tolist(), of_loop, strict=True)])
-    begin = np.cumsum(pieces) - pieces
-    fraction = (np.arange(pieces.sum()) - np.repeat(begin, pieces)) / np.repeat(pieces, pieces)
-    vertices = np.repeat(outline.vertices, pieces, axis=0) + fraction[:, None] * np.repeat(steps, pieces, axis=0)
-    return np.split(vertices, begin[outline.begins[1:]])
-
-
-def clamped(count: int, fine: Mesh) -> tuple[int, tuple[Fault, ...]]:
-    """A number of vertices, clamped to that of the fine mesh, with a note if it was larger."""
-    available = len(fine.vertices)
-    if count <= available:
-        return count, ()
-    return available, (note("note.count", on="mesh", asked=count, given=available),)
-
-
-def shared_anew(count: Count, coarse: Mesh) -> tuple[Fault, ...]:
-    """A note if the numbers of vertices per loop of a coarse mesh differ from the request."""
-    if isinstance(count, int | np.integer) or list(count) == [len(loop) for loop in coarse.loops]:
-        return ()
-    return (note("note.count", on="loops", asked=list(count), given=[len(loop) for loop in coarse.loops]),)
-
-
-def count_fault(total: int, least: int) -> Fault:
-    """The message for a number of vertices below the least for which a coarse mesh was found."""
-    return Fault(
-        f"A level of {total} vertices is too small for this shape, whose loops block each other: the smallest that was "
-        f"found has {least}; ask for at least {least}.",
-        "count.too_small",
-        total=total,
-        least=least,
-    )
-
-
-def checked_count(fine: Mesh, count: Count) -> tuple[int, tuple[int, ...] | None]:
+def checked_count(fine: Mesh, count: Count, optional: int = 0) -> tuple[int, tuple[int, ...] | None]:
     """The total, and the numbers per loop in the order of `fine.loops`, if those are given.
 
-    Raises NestingError unless every loop gets 3 and the total is at most that of `fine`.
-
-    Numbers per loop may exceed those of the fine mesh, as they come from a given coarse mesh.
+    Raises NestingError unless every loop gets 3, but for some that are optional. Numbers per loop may exceed those of
+    the fine mesh, as they come from a given coarse mesh.
     """
-    loops, available = len(fine.loops), len(fine.vertices)
+    loops, per_loop = len(fine.loops), None
     try:
         if isinstance(count, Sequence | np.ndarray):
             per_loop = tuple(operator.index(k) for k in count)
             total = sum(per_loop)
         else:
-            per_loop = None
             total = operator.index(count)
     except TypeError:
         raise NestingError(
             f"A level needs a whole number of vertices, or one per loop, not {count!r}.", code="level.invalid"
         ) from None
-    if per_loop is not None:
-        if len(per_loop) != loops:
-            raise NestingError(
-                f"The level lists vertices for {len(per_loop)} loops, but the mesh inside it has {loops}; give one "
-                "number per loop, or only their sum.",
-                code="count.per_loop",
-            )
-        if min(per_loop) < MIN_PER_LOOP:
-            k = int(np.argmin(per_loop))
-            raise NestingError(
-                f"The level gives {per_loop[k]} vertices to loop {k}, but a loop needs at least {MIN_PER_LOOP}.",
-                code="count.too_small",
-                total=total,
-                least=MIN_PER_LOOP * loops,
-            )
-    elif total < MIN_PER_LOOP * loops:
+    if per_loop is not None and len(per_loop) != loops:
         raise NestingError(
-            f"A level of {total} vertices is too small: the mesh inside it has {loops} "
-            f"loop{'s' if loops > 1 else ''} and each needs at least {MIN_PER_LOOP}, so ask for at least "
-            f"{MIN_PER_LOOP * loops}.",
+            f"The level lists vertices for {len(per_loop)} loops, but the mesh inside it has {loops}; give one number "
+            "per loop, or only their sum.",
+            code="count.per_loop",
+        )
+    least = MIN_PER_LOOP * (loops - optional)
+    if total < least or min(per_loop or (total,)) < MIN_PER_LOOP:
+        raise NestingError(
+            f"A level of {count} vertices is too small: the mesh inside it has {loops} loop{'s' * (loops > 1)} and each"
+            f" needs at least {MIN_PER_LOOP}, so ask for at least {least}.",
             code="count.too_small",
             total=total,
-            least=MIN_PER_LOOP * loops,
-        )
-    elif total > available:
-        raise NestingError(
-            f"A level of {total} vertices has more than the {available} of the mesh inside it; ask for at most "
-            f"{available}.",
-            code="count.too_large",
-            total=total,
-            largest=available,
+            least=least,
         )
     return total, per_loop

@@ -144,7 +144,7 @@ class RingSearch:
         self.improved = most
         more = self.more if self.more > MAX_MORE else min(spare, MAX_MORE)
         if more:
-            cycle = self._part(number)
+            cycle = self._part(number) if self.parts == 1 else np.zeros(1, np.int64)  # any line of a part
             gaps = np.mod(np.roll(cycle, -1) - cycle - 1, self.count) + 1
             g = int(gaps.argmin())
             steps = np.unique(np.linspace(0, gaps[g], more + 2)[1:-1].astype(np.int64)).tolist()

@@ -6,24 +6,25 @@ What cannot be certified around one outline, for its clearance, a constraint or 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
+from itertools import pairwise
 from math import inf
 
 import numpy as np
 
 from ..errors import InvalidMeshError, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
-from ..geometry.group import Symmetry
+from ..geometry.group import Symmetry, orbits_of
 from ..geometry.mesh import Mesh
 from ..geometry.precision import INPUT_ROUND_OFF
 from ..geometry.solids import overlay
 from ..libraries import has_shapely
 from ..progress import Tick, no_tick
-from .base import MIN_PER_LOOP, NOTHING_KEPT, Count, Kept, Start
+from .base import MIN_PER_LOOP, NOTHING_KEPT, Kept, Start
 from .cycle_search import Tables
 from .line_cycles import LineCycles, least_areas
-from .loop_sequence import LoopSequence
+from .loop_sequence import LoopSequence, filled
 from .offset import is_round, is_wide, rounded_offset
 from .problem import canonical_order
 from .sampling import NormalFrame
@@ -51,67 +52,12 @@ HULL_COUNTS = (8, 4, 3)
 """Smaller numbers of vertices around the hull that are tried at last."""
 
 
-@dataclass(frozen=True)
-class AlongSequence:
-    """Coarse meshes around the outlines of a sequence."""
-
-    method: LineCycles = field(default_factory=LineCycles)
-    one_loop: bool = False
-    """Whether cages have one loop."""
-
-    @property
-    def on_curve(self) -> bool:
-        """Whether the first start may come with a mesh on the fine one."""
-        return self.method.on_curve
-
-    @property
-    def outside(self) -> AlongSequence:
-        """The same without meshes on the curve."""
-        return replace(self, method=self.method.outside)
-
-    def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
-        """The mesh of least area; see `starts`."""
-        return next(self.starts(fine, count, clearance=clearance)).coarse
-
-    def starts(
-        self, fine: Mesh, count: Count, *, clearance: float = 0.0, kept: Kept = NOTHING_KEPT, tick: Tick = no_tick
-    ) -> Iterator[Start]:
-        """Meshes around outlines of the sequence, the tightest first. Raises NestingError."""
-        if not isinstance(count, int | np.integer):
-            yield from self.method.starts(fine, count, clearance=clearance, kept=kept, tick=tick)
-            return
-        around = Outlines(fine, int(count), clearance, kept, self.method, tick)
-        failures: list[NestedCagesError] = []
-        box = around.box()
-        for k in around.ranked(self.one_loop):
-            try:
-                start = around.start(k)
-            except (NestingError, InvalidMeshError) as error:
-                failures.append(error)
-                continue
-            if box is not None and box.coarse.area < start.coarse.area and kept.importance is None:
-                yield box
-                box = None
-            yield start._replace(rivals=around.rivals(start, box))
-        none = not around.made
-        for start in around.last_resorts():
-            none = False
-            if box is not None and len(start.coarse.vertices) <= len(box.coarse.vertices):
-                yield box
-                box = None
-            yield start
-        if box is not None:
-            yield box
-        elif failures and none:
-            raise failures[0]
-
-
-WITHOUT_CURVE = LineCycles(on_curve=False)
-
-
 def lacks_shapely(fine: Mesh, count: int, clearance: float) -> bool:
     """Whether shapely is missing to join parts, or to round a large clearance."""
     return bool((fine.loop_signs > 0).sum() > 1 or is_round(fine, count, clearance)) and not has_shapely()
+
+
+WITHOUT_CURVE = LineCycles(on_curve=False)
 
 
 class Outlines:
@@ -129,71 +75,109 @@ class Outlines:
         self.fine, self.count, self.kept, self.method, self.tick = fine, count, kept, method, tick
         self.base, self.clearance = fine, clearance
         if is_wide(fine, count, clearance) and has_shapely():
-            self.base, self.clearance = rounded_offset(fine, clearance), 0.0
+            self.base, self.clearance, self.method = rounded_offset(fine, clearance), 0.0, method.outside
         self.sequence = LoopSequence(self.base)
-        self.made: dict[int, Start] = {}
-        self.failed: dict[int, NestedCagesError] = {}
+        self.made: dict[tuple[Mesh, int], Start | None] = {}
+        self.failures: list[NestedCagesError] = []
 
     @cached_property
     def tables(self) -> Tables:
         """Searches that outlines share."""
         return Tables(NormalFrame.of(canonical_order(self.base)[0]))
 
-    def ranked(self, one_loop: bool) -> Iterator[int]:
-        """Outlines by the area of the cage around them, the least first; then others of the sequence."""
-        loops = self.sequence.loops
-        fits = [k for k, number in enumerate(loops) if MIN_PER_LOOP * number <= self.count]
-        fits = fits or [len(loops) - 1]
-        if one_loop:
-            fits = [k for k in fits if loops[k] == loops[-1]]
-        order = fits if len(fits) == 1 else self._by_estimate(fits[0], fits[-1])
-        best = []
-        for k in order[:BUILT] if len(order) > 1 else []:
-            try:
-                best.append((self.start(k).coarse.area, k))
-            except (NestingError, InvalidMeshError):
+    def starts(self, *, one_loop: bool = False) -> Iterator[Start]:
+        """Starts around outlines, or those of one loop, the tightest first; then further ones.
+
+        Raises NestedCagesError where there is none.
+        """
+        box = self._box()
+        for outline in self._ranked(one_loop):
+            start = self._start(outline)
+            if start is None:
                 continue
-        first = [k for _, k in sorted(best)]
-        yield from first
-        further = np.unique(np.linspace(fits[0], fits[-1], FURTHER).round().astype(int)).tolist()
-        yield from (k for k in dict.fromkeys([*order, *further]) if k not in first)
+            if box is not None and box.coarse.area < start.coarse.area and self.kept.importance is None:
+                yield box
+                box = None
+            yield start._replace(rivals=self._rivals(start, box))
+        for count in (self.count, *(few for few in HULL_COUNTS if few < self.count)):
+            tried = (self.sequence.hull, count) in self.made
+            if not tried and (start := self._start(self.sequence.hull, count)) is not None:
+                if box is not None and len(start.coarse.vertices) <= len(box.coarse.vertices):
+                    yield box
+                    box = None
+                yield start
+        if box is not None:
+            yield box
+        elif not any(self.made.values()):
+            raise self.failures[0]
 
-    def start(self, k: int) -> Start:
-        """A start around an outline. Raises NestedCagesError."""
-        if k in self.failed:
-            raise self.failed[k]
-        if k not in self.made:
-            method = self.method if self.base is self.fine else self.method.outside
+    def least_areas(self, k: int) -> tuple[FloatArray, Mesh]:
+        """(n,) about the least area of a cage of 0, 1, … vertices around an outline of the sequence, infinite where
+        none was found; and the outline without holes that the cage of least area fills. Raises NestedCagesError."""
+        mesh = with_images(self.sequence.mesh(k), self.kept.symmetry)
+        least, holes = least_areas(mesh, self.count, self.kept, self.clearance, self.tables)
+        return least, filled(mesh, holes)
+
+    def _ranked(self, one_loop: bool) -> Iterator[Mesh]:
+        """Outlines by the area of the cage around them, the least first; then others of the sequence."""
+        sequence, last = self.sequence, len(self.sequence) - 1
+        parts = [sequence.parts(k) for k in range(last + 1)]
+        fits = [k for k, number in enumerate(parts) if MIN_PER_LOOP * number <= self.count] or [last]
+        order = [self.base]
+        if one_loop:
+            fits, order = [k for k in fits if parts[k] == 1], []
+        elif last > 0:
+            order = self._by_estimate(fits[0], fits[-1])
+        best = [(start.coarse.area, k) for k in range(min(BUILT, len(order))) if (start := self._start(order[k]))]
+        yield from (order[k] for _, k in sorted(best))
+        yield from order[BUILT:]
+        yield from (sequence.without_holes(k) for k in _spread(fits[0], fits[-1], FURTHER))
+
+    def _by_estimate(self, first: int, last: int) -> list[Mesh]:
+        """Some outlines, by about the least area of a cage around them."""
+        areas: dict[int, float] = {}
+        outlines: dict[int, Mesh] = {}
+        waiting = _spread(first, last, PROBES)
+        while waiting:
+            for k in waiting:
+                self.tick(0.0)
+                try:
+                    least, outlines[k] = self.least_areas(k)
+                    areas[k] = float(least.min())
+                except NestedCagesError:
+                    areas[k] = inf
+                if last - first > EVERY_PROBE and inf > areas[k] > min(areas.values()):
+                    break  # large loops take long
+            known = sorted(areas)
+            best = known.index(min(known, key=areas.__getitem__))
+            near = pairwise(known[max(0, best - 1) : best + 2])
+            waiting = [(one + other + 1) // 2 for one, other in near if other - one > 1 + (last - first) // RESOLVED]
+        return [outlines[k] for k in sorted(areas, key=areas.__getitem__) if areas[k] < inf]
+
+    def _start(self, outline: Mesh, count: int | None = None) -> Start | None:
+        """A start around an outline; None where there is none."""
+        key = outline, count or self.count
+        if key not in self.made:
+            kept = self.kept if outline is self.fine else replace(self.kept, preferred=None)
+            self.made[key] = None
             try:
-                self.made[k] = self._around(self.sequence.mesh(k), self.count, method)
+                about = with_images(outline, kept.symmetry)
+                tables = self.tables if len(self.sequence) > 1 else None
+                starts = self.method.starts(
+                    about, key[1], clearance=self.clearance, kept=kept, tick=self.tick, tables=tables
+                )
+                self.made[key] = next(starts)
             except (NestingError, InvalidMeshError) as error:
-                self.failed[k] = error
-                raise
-        return self.made[k]
+                self.failures.append(error)
+        return self.made[key]
 
-    def least_areas(self, k: int) -> FloatArray:
-        """(n,) about the least area of a cage of 0, 1, … vertices around an outline; infinite where none was found."""
-        try:
-            mesh = self.sequence.mesh(k)
-            return least_areas(mesh, min(self.count, len(mesh.vertices)), self.kept, self.clearance, self.tables)
-        except NestedCagesError:
-            return np.full(1, np.inf)
-
-    def rivals(self, start: Start, box: Start | None) -> tuple[Start, ...]:
+    def _rivals(self, start: Start, box: Start | None) -> tuple[Start, ...]:
         """Other starts that were made and are about as good, and a box where constraints may take more than that."""
         most = self.fine.area + RIVAL * (start.coarse.area - self.fine.area)
-        others = [each for each in self.made.values() if each is not start and each.coarse.area <= most]
+        others = [each for each in self.made.values() if each and each is not start and each.coarse.area <= most]
         return (*others, box) if box is not None and self.kept.rules else tuple(others)
 
-    def last_resorts(self) -> Iterator[Start]:
-        """Starts around the convex hull."""
-        for count in dict.fromkeys((self.count, *(few for few in HULL_COUNTS if few < self.count))):
-            try:
-                yield self._around(self.sequence.hull, count, self.method.outside)
-            except (NestingError, InvalidMeshError):
-                continue
-
-    def box(self) -> Start | None:
+    def _box(self) -> Start | None:
         """The box around all, for what nothing else satisfies; None for a triangle."""
         if self.count < 4:
             return None
@@ -202,46 +186,14 @@ class Outlines:
         box = Mesh.from_loops([np.array([low, (high[0], low[1]), high, (low[0], high[1])])])
         return Start(with_images(box, self.kept.symmetry), "box")
 
-    def _around(self, mesh: Mesh, count: int, method: LineCycles) -> Start:
-        """The start of fewer vertices where symmetry or the outline has no more. Raises NestedCagesError."""
-        symmetry, kept = self.kept.symmetry, self.kept
-        if mesh is not self.fine:
-            mesh, kept = with_images(mesh, symmetry), replace(kept, preferred=None)
-        count = min(count, len(mesh.vertices))
-        failure: NestingError | None = None
-        tables = self.tables if symmetry is None and len(self.sequence.loops) > 1 else None
-        for fewer in range(1 if symmetry is None else symmetry.order):  # pairs of loops have even numbers
-            try:
-                starts = method.starts(
-                    mesh, count - fewer, clearance=self.clearance, kept=kept, tick=self.tick, tables=tables
-                )
-                return next(starts)
-            except NestingError as error:
-                failure = failure or error
-        assert failure is not None
-        raise failure
 
-    def _by_estimate(self, first: int, last: int) -> list[int]:
-        """Some outlines, by about the least area of a cage around them."""
-        areas: dict[int, float] = {}
-        waiting = np.unique(np.linspace(first, last, PROBES).round().astype(int)).tolist()
-        while waiting:
-            for k in waiting:
-                self.tick(0.0)
-                areas[k] = float(self.least_areas(k).min())
-                if last - first > EVERY_PROBE and inf > areas[k] > min(areas.values()):
-                    break  # large loops take long
-            best = min(areas, key=lambda k: areas[k])
-            below = max((k for k in areas if k < best), default=best)
-            above = min((k for k in areas if k > best), default=best)
-            near = (last - first) // RESOLVED
-            halves = ((best - below, (below + best) // 2), (above - best, (best + above + 1) // 2))
-            waiting = [k for wide, k in halves if wide > near and k not in areas]
-        return [k for k in sorted(areas, key=lambda k: areas[k]) if areas[k] < inf] or [last]
+def _spread(first: int, last: int, number: int) -> list[int]:
+    """At most so many numbers from the first to the last, evenly spread."""
+    return sorted({round(k) for k in np.linspace(first, last, number).tolist()})
 
 
 def with_images(mesh: Mesh, symmetry: Symmetry | None) -> Mesh:
     """A mesh with its images under a symmetry. Raises InvalidMeshError."""
-    if symmetry is None:
+    if symmetry is None or orbits_of(mesh, symmetry) is not None:
         return mesh
     return overlay([mesh.moved(symmetry.image(mesh.vertices, k)).validated() for k in range(symmetry.order)])

@@ -12,12 +12,11 @@ from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.group import Orbits, Symmetry
 from ..geometry.loops import Loops
 from ..geometry.precision import NEGLIGIBLE, ROUND_OFF
-from ..geometry.vectors import dot, norm
+from ..geometry.vectors import dot, norm, rotated_right
 from .outline import Lines, Outline
 from .ring_search import RingSearch
-from .sampling import DECIMALS, NormalFrame
+from .sampling import NormalFrame
 from .shortest_cycles import Graph, Paths
-from .tangents import supporting_lines
 from .turns import SLACK, Turns
 
 
@@ -54,34 +53,6 @@ def _from_axis(ring: FloatArray, image: int, mirror: Symmetry) -> FloatArray:
     low, high = np.floor((begin, end)).astype(np.int64) % size, np.ceil((begin, end)).astype(np.int64) % size
     first, last = mirror.fixed(0.5 * (ring[low] + ring[high]))
     return np.concatenate(([first], half, [last], mirror.image(half)[::-1]))
-
-
-def padded_alike(outline: Loops, total: int, symmetry: Symmetry) -> list[FloatArray]:
-    """The loops (k, 2) of a symmetric outline with edges divided evenly, images alike, up to `total` vertices.
-
-    May have fewer vertices where edges come in orbits. Raises NestingError.
-    """
-    successor = outline.successor
-    steps = outline.vertices[successor] - outline.vertices
-    _, orbit, sizes = np.unique(
-        _orbits(outline, symmetry).edge_orbit(successor), return_inverse=True, return_counts=True
-    )
-    lengths = np.zeros(len(sizes))
-    lengths[orbit] = norm(steps)
-    pieces, missing = np.ones(len(sizes), np.int64), total - len(outline.vertices)
-    while (sizes <= missing).any():
-        spacing = np.where((sizes <= missing) & ((sizes > 1) | (missing % symmetry.order > 0)), lengths / pieces, -1.0)
-        chosen = int(np.argmax(spacing))
-        if spacing[chosen] < 0.0:
-            chosen = int(np.argmax(np.where(sizes <= missing, lengths / pieces, -1.0)))
-        pieces[chosen] += 1
-        missing -= int(sizes[chosen])
-    of_edge = pieces[orbit]
-    begin = np.cumsum(of_edge) - of_edge
-    fraction = (np.arange(of_edge.sum()) - np.repeat(begin, of_edge)) / np.repeat(of_edge, of_edge)
-    vertices = np.repeat(outline.vertices, of_edge, axis=0) + fraction[:, None] * np.repeat(steps, of_edge, axis=0)
-    padded = Loops.of(vertices, np.add.reduceat(of_edge, outline.begins))
-    return exact(padded, symmetry).split()
 
 
 class Images(NamedTuple):
@@ -135,12 +106,11 @@ class Images(NamedTuple):
         """
         if not self.is_halved(loop):
             return lines.take(lines.place < outline.size // self.parts(loop))
-        middle = 0.5 * outline.size
+        middle = outline.size // 2
         half = lines.take((lines.place > ROUND_OFF * middle) & (lines.place < (1.0 - ROUND_OFF) * middle))
         ahead = at[(at > 0) & (at < middle)]
-        first = supporting_lines(outline, outline.size - ahead, outline.size + ahead).shifted(shift)
-        last = supporting_lines(outline, ahead, outline.size - ahead).shifted(shift)
-        return Lines.joined([self._across(first, outline, 0.0), half, self._across(last, outline, middle)])
+        first, last = (self._across(outline, place, ahead, shift) for place in (0, middle))
+        return Lines.joined([first, half, last])
 
     def all_parts(self, loop: int, outline: Outline, part: Lines, free: FloatArray) -> tuple[Lines, FloatArray]:
         """Lines of the first part and their images, and what is free (2, K) of them."""
@@ -149,24 +119,31 @@ class Images(NamedTuple):
             step = pow(self.shift[loop] // part_size, -1, number) if number > 1 else 0  # to the next part
             every = [self.lines(part, k * step).but(place=part.place + k * part_size) for k in range(number)]
             return Lines.joined(every), np.tile(free, number)
-        half = np.flatnonzero((part.place > 0.0) & (part.place < 0.5 * outline.size))
-        image = self.lines(part)
-        away, along = part.point - image.point, part.direction + image.direction
-        with np.errstate(divide="ignore", invalid="ignore"):
-            to_axis = np.array([[-1.0], [1.0]]) * dot(away, along) / dot(along, along)
-        own = np.tile(free.min(axis=0), (2, 1))
-        own[:, half] = np.minimum(free, np.where(to_axis > 0.0, to_axis, np.inf) + SLACK)[:, half]
-        image = image.take(half[::-1])
+        is_half = (part.place > 0.0) & (part.place < outline.size // 2)
+        across = _across_axis(outline, 0)
+        away, speed = dot(across, part.point - outline.vertices[0]), dot(across, part.direction)
+        to_axis = away / np.maximum(np.stack((-speed, speed)), ROUND_OFF)
+        own = np.where(is_half, np.minimum(free, to_axis + SLACK), free.min(axis=0))
+        half = np.flatnonzero(is_half)[::-1]
+        image = self.lines(part.take(half))
         every = [part, image.but(place=outline.size - image.place)]
-        return Lines.joined(every), np.concatenate((own, own[::-1, half[::-1]]), axis=1)
+        return Lines.joined(every), np.concatenate((own, own[::-1, half]), axis=1)
 
-    def _across(self, lines: Lines, outline: Outline, place: float) -> Lines:
-        """Lines across the axis at a place, made their own images, without doubles."""
-        image = self.lines(lines)
-        point, direction = 0.5 * (lines.point + image.point), lines.direction + image.direction
-        lines = Lines.of(point, np.full(len(point), place), direction / norm(direction)[:, None])
-        height = np.round(dot(lines.right, point - outline.vertices[0]) / outline.length, DECIMALS)
-        return lines.take(np.unique(height, return_index=True)[1])
+    def _across(self, outline: Outline, place: int, ahead: IntArray, shift: float) -> Lines:
+        """Tangents across the axis at a place on it: of stretches from some vertices (N,) to their images."""
+        vertices, direction = outline.vertices, _across_axis(outline, place)
+        heights = dot(rotated_right(direction), vertices[: outline.size // 2 + 1] - vertices[place])
+        highest = np.maximum.accumulate(heights if place == 0 else heights[::-1])
+        rise = np.unique(highest[ahead if place == 0 else place - ahead]) + shift
+        point = vertices[place] + rise[:, None] * rotated_right(direction)
+        return Lines.of(point, np.full(len(rise), place), np.tile(direction, (len(rise), 1)))
+
+
+def _across_axis(outline: Outline, place: int) -> FloatArray:
+    """The direction (2,) across the axis of an outline at a place on it."""
+    step = outline.vertices[place + 1] - outline.vertices[place - 1]
+    across: FloatArray = step / norm(step)
+    return across
 
 
 class MirrorSearch(RingSearch):
@@ -194,24 +171,18 @@ class MirrorSearch(RingSearch):
     def solve(self) -> Iterator[list[Paths]]:
         """Search from scratch, after changes of `free`."""
         areas, source, target, half = self.turns.within(self.free), self.turns.source, self.turns.target, self.half
-        mirrored = self.image[source] == target
-        on, from_axis, to_axis = (
-            (source < target) & (target < half),
-            mirrored & (source > target),
-            mirrored & (source < target),
-        )
+        mirrored, onward = self.image[source] == target, (source < target) & (target < half)
+        begins, ends = mirrored & (source > target), mirrored & (source < target)
         every, axis = np.arange(half), 2 * half + 1
         steps = (  # to a line k comes 2 k + 2, to the vertex before it 2 k + 1
             (0, 2 * self.first + 2, 0.0),
-            (0, 2 * target[from_axis] + 1, areas[from_axis]),
+            (0, 2 * target[begins] + 1, areas[begins]),
             (2 * every + 1, 2 * every + 2, 0.0),
-            (2 * source[on] + 2, 2 * target[on] + 1, 2.0 * areas[on]),
-            (2 * source[to_axis] + 2, axis, areas[to_axis]),
+            (2 * source[onward] + 2, 2 * target[onward] + 1, 2.0 * areas[onward]),
+            (2 * source[ends] + 2, axis, areas[ends]),
             (np.append(2 * self.last + 2, axis), 0, 0.0),
         )
-        start, end, area = (
-            np.concatenate(each) for each in zip(*(np.broadcast_arrays(*step) for step in steps), strict=True)
-        )
+        start, end, area = map(np.concatenate, zip(*(np.broadcast_arrays(*step) for step in steps), strict=True))
         order = np.argsort(end, kind="stable")
         start, end, area = start[order], end[order], area[order].astype(np.float32)
         paths = Paths(Graph.of(start, end, area, axis + 1), 0, self.most + 2)

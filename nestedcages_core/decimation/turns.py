@@ -28,7 +28,7 @@ PIN_LOST = 0.5
 PIN_COST = 10.0
 """Cost of a vertex for its distance from a pin that it stands for, in diameters, beyond `PIN_REACH`."""
 
-LIMIT_COST = 1.0
+LIMIT_COST = 0.25
 """Cost of edges for what each half lacks of the least length, and of angles, by the cosine."""
 
 FAR_PART = 0.5

@@ -25,7 +25,6 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "setting.conflict": ("names",),
     "level.invalid": (),
     "count.too_small": ("total", "least"),
-    "count.too_large": ("total", "largest"),
     "count.per_loop": (),
     "clearance.too_large": ("wanted", "largest"),
     "clearance.no_room": ("wanted", "largest", "loops", "place"),

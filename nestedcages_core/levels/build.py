@@ -11,6 +11,7 @@ that region, so start and solvers push it away from the fine mesh as they do wit
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -18,11 +19,9 @@ from itertools import islice
 from math import inf
 
 from ..decimation import Count, Decimation, LineCycles, Start, Starts
-from ..decimation.base import in_words
 from ..decimation.cycle_search import OFFSET
 from ..decimation.offset import is_wide, offset_loop_by_loop
-from ..decimation.problem import shared_anew
-from ..decimation.starts import AlongSequence, lacks_shapely
+from ..decimation.starts import Outlines, lacks_shapely
 from ..energies import Area
 from ..errors import Fault, FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError, note
 from ..flow.matching import match_loops
@@ -209,17 +208,22 @@ def starts(work: Work, target: int | Mesh, failures: Sequence[NestedCagesError])
             raise failures[0]
         return
     for start in decimated(work, other, count):
-        reason = note("note.start", on="fallback", source=start.source, text=str(failures[0]))
-        yield start, (*notes, reason, *shared_anew(count, start.coarse))
+        told = (*notes, note("note.start", on="fallback", source=start.source, text=str(failures[0])))
+        numbers = [len(loop) for loop in start.coarse.loops]
+        if not isinstance(count, int) and numbers != list(count):
+            told = (*told, note("note.count", on="loops", asked=count, given=numbers))
+        yield start, told
 
 
 def decimated(work: Work, decimation: Decimation, count: Count) -> Iterator[Start]:
     """The coarse meshes of a decimation, along the sequence of outlines. Raises NestingError."""
     work.watch.begin("decimation")
     outline, clearance = work.plan.outline.mesh, work.clearances[0]
-    if isinstance(decimation, LineCycles) and work.along and isinstance(count, int):
-        decimation = AlongSequence(decimation, work.settings.loops == "one")
     tick, kept = work.watch.tick("decimation"), work.plan.kept()
+    if isinstance(decimation, LineCycles) and work.along and isinstance(count, int):
+        outlines = Outlines(outline, count, clearance, kept, decimation, tick)
+        yield from outlines.starts(one_loop=work.settings.loops == "one")
+        return
     if isinstance(decimation, LineCycles):  # at large clearances
         wide = offset_loop_by_loop(outline, clearance, work.plan.side)
         with suppress(NestingError, InvalidMeshError):
@@ -227,7 +231,8 @@ def decimated(work: Work, decimation: Decimation, count: Count) -> Iterator[Star
     if isinstance(decimation, Starts):
         yield from decimation.starts(outline, count, clearance=clearance, kept=kept, tick=tick)
     else:
-        yield Start(decimation.decimate(outline, count, clearance=clearance), in_words(decimation))
+        name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(decimation).__name__).lower()
+        yield Start(decimation.decimate(outline, count, clearance=clearance), name)
 
 
 def explained(work: Work, target: int | Mesh, failure: NestedCagesError) -> NestedCagesError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -106,7 +107,8 @@ def excess_by_count(shape: MeshLike, most: int, *, clearance: float = 0.0) -> Ex
     around = Outlines(fine, int(most), Settings(clearance=clearance).clearance or 0.0)
     least: FloatArray = np.full(most + 1, np.inf)
     for k in np.unique(np.linspace(0, len(around.sequence) - 1, OUTLINES).round().astype(int)).tolist():
-        areas = around.least_areas(k)
-        least[: len(areas)] = np.minimum(least[: len(areas)], areas)
+        with suppress(NestedCagesError):  # too many parts, or no room between them
+            areas, _ = around.least_areas(k)
+            least[: len(areas)] = np.minimum(least[: len(areas)], areas)
     least = np.minimum.accumulate(least)
     return ExcessByCount({k: float(least[k] / fine.area - 1.0) for k in np.flatnonzero(np.isfinite(least)).tolist()})

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from math import ceil
 
 from ..decimation import Decimation
-from ..decimation.problem import count_fault
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
 from ..geometry.precision import INPUT_ROUND_OFF, MOST_ROUNDS
@@ -48,7 +47,13 @@ def with_least(
             least = number
         else:
             too_few = number
-    return NestingError(count_fault(total, least))
+    return NestingError(
+        f"A level of {total} vertices is too small for this shape, whose loops block each other: the smallest that was "
+        f"found has {least}; ask for at least {least}.",
+        code="count.too_small",
+        total=total,
+        least=least,
+    )
 
 
 def _failure(decimation: Decimation, outline: Mesh, count: int, clearance: float) -> NestingError | None:

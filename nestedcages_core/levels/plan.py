@@ -11,7 +11,6 @@ import numpy as np
 
 from ..decimation import Count, Start
 from ..decimation.base import NOTHING_KEPT, Kept, LevelTarget
-from ..decimation.problem import clamped
 from ..energies import CageEnergy
 from ..errors import Fault, NestingError, note
 from ..geometry.arrays import FloatArray
@@ -97,10 +96,10 @@ class Plan:
         """A number of vertices that the outline and all constraints allow, or one per loop; and notes, of the least
         one. unlimited: whether it may be larger than that of the outline."""
         outline = self.outline.mesh
-        if unlimited and not self.outline.per_loop:
-            return self._agreed(outline, wanted, ())
         if not self.outline.per_loop:
-            return self._agreed(outline, *clamped(wanted, outline))
+            available = wanted if unlimited else min(wanted, len(outline.vertices))
+            fewer = (note("note.count", on="mesh", asked=wanted, given=available),) if available < wanted else ()
+            return self._agreed(outline, available, fewer)
         loops = [Mesh.from_loops([outline.vertices[loop]]) for loop in outline.loops]
         agreed = [self._agreed(loop, wanted, ()) for loop in loops]
         return [count for count, _ in agreed], min(agreed, key=lambda each: each[0])[1]

@@ -39,7 +39,6 @@ def dense_square(per_side: int = 25) -> Mesh:
     ("count", "code", "data"),
     [
         (5, "count.too_small", {"total": 5, "least": 6}),
-        (81, "count.too_large", {"largest": 80}),
         ([3, 3, 3], "count.per_loop", {}),
         ([12, 2], "count.too_small", {}),
         (12.5, "level.invalid", {}),
@@ -53,12 +52,17 @@ def test_impossible_counts_are_refused(method: Any, count: Any, code: str, data:
 
 
 @ALL
-def test_each_loop_gets_the_vertices_that_are_listed_for_it(method: Any) -> None:
-    """Even where the drawing has fewer."""
-    coarse = method.decimate(islands(), [10, 7, 3, 30, 14])
-    assert [len(loop) for loop in coarse.loops] == [10, 7, 3, 30, 14]
-    assert (coarse.loop_signs == islands().loop_signs).all()
-    assert [len(loop) for loop in method.decimate(annulus(5), np.array([9, 4])).loops] == [9, 4]
+def test_each_loop_gets_at_most_the_vertices_that_are_listed_for_it(method: Any) -> None:
+    """Also where the drawing has fewer."""
+    for fine, counts in ((islands(), [10, 7, 3, 30, 14]), (annulus(5), np.array([9, 4]))):
+        coarse = method.decimate(fine, counts)
+        assert (coarse.loop_signs == fine.loop_signs).all()
+        assert all(3 <= len(loop) <= count for loop, count in zip(coarse.loops, counts, strict=True))
+
+
+@ALL
+def test_more_vertices_than_the_drawing_has_are_as_many(method: Any) -> None:
+    assert len(method.decimate(annulus(40), 200).vertices) <= 80
 
 
 @ALL
@@ -297,7 +301,7 @@ def test_a_decimation_of_ones_own_is_used_and_checked() -> None:
     for wrong in (OwnDecimation(every_fourth), crossed):
         with pytest.raises(NestingError):
             wrong.decimate(fine, 20)
-    with rejected("setting.invalid", NestingError):
+    with rejected("setting.invalid"):
         OwnDecimation(3)  # type: ignore[arg-type]
 
 

@@ -77,6 +77,23 @@ def test_a_few_more_vertices_are_not_looser(shape: Any, counts: tuple[int, ...],
     assert_never_looser(shape, counts, **options)
 
 
+@pytest.mark.parametrize("seed", slow_after(0, range(8), thorough_after=1))
+def test_holes_are_filled_where_that_is_best(seed: int) -> None:
+    """Of a head with eyes, a mouth and ears, next to all choices of holes; the ears stay where they are."""
+    random = np.random.default_rng(seed)
+    holes = [ring(12, random.uniform(0.06, 0.2), 0.0, place) for place in ((-0.35, 0.3), (0.35, 0.3), (0.0, -0.4))]
+    parts = [ring(40), *(ring(14, random.uniform(0.15, 0.3), 0.0, (x, 0.3)) for x in (-1.7, 1.7))]
+    area = Mesh.from_loops([*parts, *holes]).area
+    for count in (14, 20):
+        level = nested_cages([*parts, *holes], count)[0]
+        least = np.inf
+        for chosen in range(8):
+            kept = [hole for k, hole in enumerate(holes) if chosen >> k & 1]
+            if count >= 3 * (3 + len(kept)):
+                least = min(least, nested_cages([*parts, *kept], count, loops="keep")[0].cage.area)
+        assert level.cage.area <= least + 0.01 * (least - area)
+
+
 @pytest.mark.slow
 def test_more_vertices_around_a_sprite_on_whole_pixels_are_not_looser() -> None:
     y, x = np.mgrid[:32, :32]

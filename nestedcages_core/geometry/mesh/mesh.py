@@ -285,6 +285,11 @@ class Mesh(Drawable):
         """Whether another mesh has as many outer loops and as many holes."""
         return np.array_equal(np.sort(self.loop_signs), np.sort(other.loop_signs))
 
+    def has_roles_of(self, other: Mesh) -> bool:
+        """Whether each loop lies in the others as that of the same number in another mesh of as many loops."""
+        same = (self.loop_signs == other.loop_signs) & (self.component_of_loop == other.component_of_loop)
+        return bool(same.all())
+
     @property
     def predecessor(self) -> IntArray:
         """(n,) the vertex before each vertex."""
