@@ -85,7 +85,6 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "note.edge": ("wanted", "given"),
     "note.angle": ("wanted", "given"),
     "note.tolerance": ("limit", "taken", "count", "fewest", "on"),
-    "note.pose": ("pose",),
     "note.time": ("seconds", "level", "stage"),
     "note.work": ("steps", "level", "stage"),
     "note.library": ("library",),

@@ -38,7 +38,6 @@ NOTES: Mapping[str, str] = {
     "{limit_percent:.6g} % was allowed.",
     "time": "The time of {seconds:g} s was over during the {stage}: the cage is the best certified one by then.",
     "work": "The search was ended after {steps} steps, during the {stage}: the cage is the best certified one by then.",
-    "pose": "The path to pose {pose} is blocked: a new cage was made there.",
     "library": "Without {library}, parts do not share a loop, and corners at a large clearance are not round.",
     "text": "{text}",
 }

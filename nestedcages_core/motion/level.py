@@ -8,10 +8,10 @@ from itertools import chain
 
 import numpy as np
 
-from ..errors import Fault, NestedCagesError, NestingError, note
+from ..errors import Fault, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..levels import Settings, Within, nested_cages
+from ..levels import Settings, Within
 from ..levels.finish import lost_loops
 from ..levels.settings import type_name
 from ..levels.units import SolverUnits
@@ -147,27 +147,17 @@ class LevelMotion:
                 key = self._straightener.instant(pose, [cage])
             else:
                 cages = self._follower.next(key.cage, key.fine, self.units.points(pose.vertices))
-                after = self._straightener.instant(pose, cages or [self._anew(pose, key.cage)])
+                if cages is None:
+                    raise NestingError(
+                        f"The cage cannot follow to pose {pose.number}: the drawing blocks its path; give more poses "
+                        "before it, or use more cage vertices.",
+                        code="motion.blocked",
+                        pose=pose.number,
+                    )
+                after = self._straightener.instant(pose, cages)
                 self._straightener.append(key, after)
                 key = after
             yield key
-
-    def _anew(self, pose: Pose, cage: FloatArray) -> FloatArray:
-        """A cage of a pose by flow and reinflation, with the cage of the previous pose as the coarse mesh."""
-        fine = self.fine.moved(pose.vertices).validated()
-        try:
-            coarse = self.topology.moved(self.units.to_input(cage)).validated()
-            settings = replace(self.promises.settings_at(fine), fallback=None)
-            level = nested_cages(fine, [coarse], settings).levels[0]
-        except NestedCagesError as error:
-            raise NestingError(
-                f"The cage cannot follow to pose {pose.number}: the drawing blocks its path, and no cage with the same "
-                "vertices was found there; give more poses before it, or use more cage vertices.",
-                code="motion.blocked",
-                pose=pose.number,
-            ) from error
-        self.notes.append(note("note.pose", pose=pose.number))
-        return self.units.points(level.cage.vertices)
 
     def _is_free(self, begin: Instant, end: Instant) -> bool:
         """Certify the straight motion between two keys in the input's units."""
