@@ -25,7 +25,7 @@ from .base import MIN_PER_LOOP, NOTHING_KEPT, Kept, Start
 from .cycle_search import Tables
 from .line_cycles import LineCycles, least_areas
 from .loop_sequence import LoopSequence, filled
-from .offset import is_round, is_wide, rounded_offset
+from .offset import WIDE, is_round, is_wide, rounded_offset
 from .problem import canonical_order
 from .sampling import NormalFrame
 
@@ -172,10 +172,12 @@ class Outlines:
         return self.made[key]
 
     def _rivals(self, start: Start, box: Start | None) -> tuple[Start, ...]:
-        """Other starts that were made and are about as good, and a box where constraints may take more than that."""
+        """Other starts that were made and are about as good, and a box where constraints or a large clearance may take
+        more than that."""
         most = self.fine.area + RIVAL * (start.coarse.area - self.fine.area)
         others = [each for each in self.made.values() if each and each is not start and each.coarse.area <= most]
-        return (*others, box) if box is not None and self.kept.rules else tuple(others)
+        may_win = self.kept.rules or self.clearance > WIDE * self.fine.diagonal
+        return (*others, box) if box is not None and may_win else tuple(others)
 
     def _box(self) -> Start | None:
         """The box around all, for what nothing else satisfies; None for a triangle."""
