@@ -105,7 +105,7 @@ class Outlines:
                 if box is not None and len(start.coarse.vertices) <= len(box.coarse.vertices):
                     yield box
                     box = None
-                yield start
+                yield start._replace(rivals=self._rivals(start, box))
         if box is not None:
             yield box
         elif not any(self.made.values()):

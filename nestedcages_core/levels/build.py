@@ -67,7 +67,7 @@ def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Mad
 
     Raises NestedCagesError.
     """
-    failures: list[NestedCagesError] = []
+    failures, failed = list[NestedCagesError](), list[Mesh]()
     try:
         others = starts(work, target, failures)
         for start, notes in islice(others, most):
@@ -76,10 +76,13 @@ def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Mad
             except FAILURES as failure:
                 logger.debug("no level from %s: %s", start.source, failure)
                 failures.append(failure)
+                failed.append(start.coarse)
                 if work.watch.over is not None:
                     break
                 continue
-            for rival in rivals(work, start, others, made[0]) if not failures else ():
+            for rival in rivals(work, start, others, made[0]):
+                if any(rival.coarse is mesh for mesh in failed):
+                    continue
                 with suppress(*FAILURES):
                     made = min(made, with_room(work, rival, notes), key=lambda each: work.merit(each[0]))
             return made
