@@ -64,8 +64,6 @@ class Instant:
     """Length of the interval to the next key, as a fraction of that between two poses."""
     rounds: int = 0
     """Number of pushes of that interval so far."""
-    seal: bytes | None = None
-    """The gate's seal of the motion to the next key."""
 
     def __post_init__(self) -> None:
         self.cage = self.cages[-1]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from hashlib import blake2b
 from typing import NamedTuple
 
 import numpy as np
@@ -53,16 +52,13 @@ class MotionGate:
     wanted: float
     """The clearance that is promised."""
 
-    def link(self, before: Posed | Key, after: Posed) -> bytes | None:
-        """The seal of the straight motion from one pose to another; None if it may collide."""
+    def is_free(self, before: Posed | Key, after: Posed) -> bool:
+        """Whether the straight motion from one pose to another is certified free of collisions."""
         cages, fines = np.stack([before.cage, after.cage]), np.stack([before.fine, after.fine])
-        return _link(before, after) if verify_motion(self.topology, self.plan.fine, cages, fines) else None
+        return bool(verify_motion(self.topology, self.plan.fine, cages, fines))
 
-    def key(self, posed: Posed, before: Key | None, link: bytes | None) -> Key:
-        """A key after the one before, if any. Raises NestingError.
-
-        link: the seal of the motion from there; that motion is judged if the seal is that of another.
-        """
+    def key(self, posed: Posed, before: Key | None) -> Key:
+        """A key after the one before, if any. Raises NestingError."""
         number, time, fine, points, given = posed
         plan = replace(self.plan, fine=self.plan.fine.moved(fine))
         cage = judge(plan, self.topology.moved(points), self.wanted)
@@ -73,18 +69,10 @@ class MotionGate:
                 problems=cage.certificate.problems or (cage.fault,),
                 pose=number,
             )
-        if before is not None and link != _link(before, posed) and self.link(before, posed) is None:
+        if before is not None and not self.is_free(before, posed):
             raise NestingError(
                 f"The motion from pose {before.number} to the next could not be certified free of collisions.",
                 code="motion.collides",
                 pose=before.number,
             )
         return Key(number, time, fine, points, cage.certificate, given)
-
-
-def _link(before: Posed | Key, after: Posed) -> bytes:
-    """A digest of the straight motion from one pose to another."""
-    digest = blake2b(digest_size=8)  # changes are mistakes, not attacks
-    for array in (before.fine, before.cage, after.fine, after.cage):
-        digest.update(array.tobytes())
-    return digest.digest()

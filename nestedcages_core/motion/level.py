@@ -75,13 +75,12 @@ class LevelMotion:
         keys = self._ring([*ahead, *poses]) if self.cyclic else self._stream(chain(ahead, poses))
         wanted = 0.0 if self.settings.clearance is None else self.clearance
         self._gate = MotionGate(self.promises.plan, self.topology, wanted)
-        last: Instant | None = None
-        key: Key | None = None
+        before: Key | None = None
         for instant in keys:
-            key = self._gate.key(self._posed(instant), key, None if last is None else last.seal)
-            if last is None:
+            key = self._gate.key(self._posed(instant), before)
+            if before is None:
                 self.notes += lost_loops(self.topology, first, key.certificate)
-            last = instant
+            before = key
             yield key
 
     def _room(self, poses: Iterable[Pose]) -> float:
@@ -161,8 +160,7 @@ class LevelMotion:
 
     def _is_free(self, begin: Instant, end: Instant) -> bool:
         """Certify the straight motion between two keys in the input's units."""
-        begin.seal = self._gate.link(self._posed(begin), self._posed(end))
-        return begin.seal is not None
+        return self._gate.is_free(self._posed(begin), self._posed(end))
 
     def _posed(self, instant: Instant) -> Posed:
         """A key in the input's units."""
