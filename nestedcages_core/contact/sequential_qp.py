@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..geometry.arrays import FloatArray
-from ..geometry.precision import BACKTRACKING
+from ..geometry.precision import BACKTRACKING, PATIENCE
 from ..geometry.vectors import inner, norm
 from ..parameters import check_count, check_part, check_positive
 from ..solver.quadratic_program import InteriorPoint
@@ -50,16 +50,13 @@ class SequentialQP:
     stride: float = 1.0 / 3.0
     """Maximum motion of a fine vertex in one step."""
     iterations: int = 300
-    """Maximum number of steps to one target."""
-    patience: int = 20
-    """Consecutive steps without progress after which the path to a target counts as blocked."""
+    """Maximum number of steps to one target, which counts as blocked after a few without progress."""
     quadratic_programs: InteriorPoint = field(default_factory=lambda: InteriorPoint(iterations=25))
     """Solves the quadratic programs."""
 
     def __post_init__(self) -> None:
         check_positive(self, "gap", "stride")
         check_count(self, "iterations")
-        check_count(self, "patience")
         check_part(self, "quadratic_programs", "solve", "InteriorPoint()")
 
     def reinflate(
@@ -103,13 +100,11 @@ class _Motion:
                 return True
             length = norm(remaining)
             total = float(length.sum())
+            stalled += 1
             if total <= (1.0 - SUFFICIENT_PROGRESS) * left:
                 left, stalled = total, 0
-            else:
-                stalled += 1
-                if stalled > self.settings.patience:
-                    return False
-
+            if stalled > PATIENCE:
+                return False
             part: FloatArray = stride / np.maximum(length, stride)
             longest = float((part * length).max())
             self.on_step(self.x)  # a large response takes a while
@@ -138,5 +133,5 @@ class _Motion:
                 self.x = x
                 self.on_step(x)
             else:  # a shorter motion seldom helps where a small part of this one is blocked
-                stride, stalled = min(stride, BACKTRACKING * longest), max(stalled, self.settings.patience - 1)
+                stride, stalled = min(stride, BACKTRACKING * longest), max(stalled, PATIENCE - 1)
         return not bool((target - self.x[self.m :]).any())

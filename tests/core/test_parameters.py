@@ -24,7 +24,7 @@ def count(least: int) -> tuple[list[Any], Any]:
 RULES: dict[type, dict[str, tuple[list[Any], Any]]] = {  # of each parameter, what is refused and what is taken
     core.InteriorPoint: {"complementarity": POSITIVE, "primal": POSITIVE, "dual": POSITIVE, "iterations": count(0)},
     core.ProjectedNewton: {"tolerance": NOT_NEGATIVE, "max_iterations": count(0)},
-    SequentialQP: {"gap": POSITIVE, "stride": POSITIVE, "iterations": count(1), "patience": count(1)},
+    SequentialQP: {"gap": POSITIVE, "stride": POSITIVE, "iterations": count(1)},
     IPC: {**dict.fromkeys(("barrier_range", "restoring", "barrier", "stride"), POSITIVE), "cages": NOT_NEGATIVE},
     Tightening: {
         **dict.fromkeys(("first_radius", "largest_radius"), POSITIVE),
