@@ -31,6 +31,7 @@ NEEDLES = ("needles", "star")  # kinds whose excess is decided by round-off: the
 
 
 NEVER: Any = lambda *_, **__: False  # noqa: E731
+NOTHING: Any = lambda *_, **__: None  # noqa: E731
 ALL_KEPT: Any = lambda pairs, *_, **__: np.ones(len(pairs), bool)  # noqa: E731
 
 
@@ -71,6 +72,7 @@ MECHANISMS: dict[str, Off] = {
     "pruning of implied constraints": Off(
         patches={"contact.contact_response:not_implied": ALL_KEPT, "tightening.quadratic_model:not_implied": ALL_KEPT}
     ),
+    "escapes from saddles": Off(patches={"tightening.tightening:negative_curvature": NOTHING}),
     "trials of shortened steps (3 to 1)": Off(patches={"tightening.trust_region:MAX_ATTEMPTS": 1}),
     "overshoot of restoration": Off(patches={f"{CLEARANCE}:OVERSHOOT": 1.0}),
 }

@@ -25,7 +25,8 @@ from ..energies import CageEnergy, signed_area
 from ..geometry.arrays import FloatArray
 from ..geometry.precision import MOST_STEPS, NEGLIGIBLE
 from ..parameters import check_count, check_not_negative, check_part, check_positive
-from ..solver.quadratic_program import InteriorPoint
+from ..solver.negative_curvature import NegativeCurvature, negative_curvature
+from ..solver.quadratic_program import InteriorPoint, QPSolution, QuadraticProgram
 from .quadratic_model import EdgeLoads, model_at
 from .reach_clearance import reach_clearance
 from .trust_region import find_trial, next_radius
@@ -37,6 +38,10 @@ CLEARANCE_MARGIN = 1e-7
 
 THINNEST_SKIN = 0.75
 """Lower bound on the skin of the list of candidate pairs, in units of the mean coarse edge length."""
+
+
+ACTIVE_MULTIPLIER = 1e-5
+"""Multipliers above this fraction of the largest mark constraints that are active at a saddle."""
 
 
 class TighteningOutcome(NamedTuple):
@@ -99,17 +104,20 @@ class Tightening:
 
             x = feasible(bodies, x, candidates, wanted, self.solver, on_step)
         fine_area = signed_area(fine, bodies.fine.successor)
-        radius, largest = self.first_radius * unit, self.largest_radius * unit
+        radius = first = self.first_radius * unit
+        largest = self.largest_radius * unit
         value, order, loads = energy.value(x[:m], successor), bodies.order, EdgeLoads.none(m)
         slope = float(np.abs(energy.gradient(x[:m], successor)).sum())
-        steps, systems = 0, 0
+        steps, systems, at_saddle = 0, 0, False
         while steps < self.iterations and radius >= NEGLIGIBLE * unit:
             area = signed_area(x[:m], bodies.cage.successor)
-            little = max(NEGLIGIBLE * abs(area), self.least_gain * min(value, abs(area - fine_area)))
+            negligible = NEGLIGIBLE * abs(area)
+            little = max(negligible, self.least_gain * min(value, abs(area - fine_area)))
             if slope * largest <= little:
                 break
+            enough = negligible if at_saddle else little
             model = model_at(x, bodies, candidates, energy, wanted, radius, loads)
-            solution = bodies.solved(self.solver, model.program, little, order)
+            solution = bodies.solved(self.solver, model.program, enough, order)
             systems, order, loads = systems + solution.iterations, solution.order, model.loads(solution)
             trial = find_trial(
                 bodies, model.around, x, solution.step, value=value, decrease=solution.decrease, energy=energy
@@ -123,7 +131,35 @@ class Tightening:
             steps, x, value = steps + 1, trial.x, trial.value
             if trial.accepted:
                 on_step(x[:m].copy())
-            if solution.converged and max(solution.decrease, gain) < little:
+            if not solution.converged or max(solution.decrease, gain) >= enough:
+                radius = next_radius(radius, largest, solution, trial, gain)
+                continue
+            softest = soft_motion(bodies, model.program, solution)
+            if softest is None or -0.5 * softest.curvature * unit**2 < little:
                 break
-            radius = next_radius(radius, largest, solution, trial, gain)
+            if at_saddle:
+                radius, decrease = max(radius, first), -0.125 * softest.curvature * first**2
+                around = model_at(x, bodies, candidates, energy, wanted, radius, loads).around
+                for length in (0.5 * first, -0.5 * first):
+                    motion = length * softest.direction
+                    trial = find_trial(bodies, around, x, motion, value=value, decrease=decrease, energy=energy)
+                    if trial.accepted:
+                        break
+                else:
+                    break
+                x, value = trial.x, trial.value
+                on_step(x[:m].copy())
+            at_saddle = not at_saddle
         return TighteningOutcome(steps, systems)
+
+
+def soft_motion(bodies: Bodies, program: QuadraticProgram, solution: QPSolution) -> NegativeCurvature | None:
+    """The motion that leads off a saddle, its longest row of length 1; None at a local minimum.
+
+    See docs/ablation.md: escapes from saddles.
+    """
+    active = solution.multipliers > ACTIVE_MULTIPLIER * solution.multipliers.max(initial=0.0)
+    if bodies.elimination is None:
+        return negative_curvature(program, solution.order, active)
+    softest = negative_curvature(bodies.elimination.program(program), solution.order, active)
+    return softest and softest._replace(direction=bodies.elimination.motion(softest.direction))

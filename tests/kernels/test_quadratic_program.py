@@ -13,6 +13,7 @@ from nestedcages_core.energies import Blocks
 from nestedcages_core.geometry.group import Orbits
 from nestedcages_core.solver.banded import BandOrder, Rows, factorised
 from nestedcages_core.solver.elimination import Elimination
+from nestedcages_core.solver.negative_curvature import negative_curvature
 from nestedcages_core.solver.newton import NewtonModel, ProjectedNewton
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
 from support.judging import rejected
@@ -186,8 +187,33 @@ def test_derivatives_that_are_no_numbers_are_refused() -> None:
     value = program.hessian.value.copy()
     value[2, 0, 0] = np.nan
     broken = replace(program, hessian=program.hessian._replace(value=value))
-    with rejected("solver.not_finite"):
-        InteriorPoint().solve(broken)
+    for solve in (InteriorPoint().solve, lambda given: negative_curvature(given, ORDER, np.zeros(20, bool))):
+        with rejected("solver.not_finite"):
+            solve(broken)
+
+
+ORDER = BandOrder.of(7, np.arange(7), np.roll(np.arange(7), -1))
+
+
+def test_the_softest_motion_keeps_what_is_active_and_has_negative_curvature() -> None:
+    m = 6
+    ring = np.arange(m)
+    saddle = np.broadcast_to(np.diag([1.0, -0.5]), (m, 2, 2))
+    couplings = np.broadcast_to(0.05 * np.eye(2), (m, 2, 2))
+    hessian = Blocks.sum([(1.0, Blocks(ring, ring, saddle)), (1.0, Blocks(ring, np.roll(ring, -1), couplings))])
+    upwards = np.broadcast_to(np.array([[0.0], [1.0]]), (2, m))
+    held = Rows(ring[None], np.ones((1, m)), upwards)
+    program = QuadraticProgram(np.zeros((m, 2)), hessian, [held], np.zeros(m), np.ones(m), upright(m))
+    order = BandOrder.of(m, ring, np.roll(ring, -1))
+    some = ring < 4
+    softest = negative_curvature(program, order, some)
+    assert softest is not None
+    d = softest.direction.ravel()
+    assert np.abs(softest.direction[some, 1]).max() < 1e-4
+    assert np.hypot(*softest.direction.T).max() == pytest.approx(1.0)
+    assert d @ hessian.dense(m) @ d == pytest.approx(softest.curvature, rel=1e-3)
+    assert softest.curvature < -0.3
+    assert negative_curvature(program, order, np.ones(m, bool)) is None
 
 
 # Matrices
