@@ -243,11 +243,9 @@ class CycleSearch:
             following = int(FOLLOWING * min(depth, MAX_DEPTH) * numbers[n] / expected[n]) + SPARE_FOLLOWING
             width[n] = min(width[n], following)
         found = turns(outline, lines, free, width)
-        parts = zip(outline.split(), outline.apart(lines), np.split(free, np.cumsum(numbers)[:-1], axis=1), strict=True)
         bounds = pairwise([0, *np.cumsum(numbers).tolist()])
-        return [
-            self._search(k, *part, found.of_loop(*bound)) for k, part, bound in zip(which, parts, bounds, strict=True)
-        ]
+        parts = [(lines.take(slice(*each)), free[:, slice(*each)], found.of_loop(*each)) for each in bounds]
+        return [self._search(k, outline.size, *part) for k, part in zip(which, parts, strict=True)]
 
     def _usable(
         self, outline: Outline, which: IntArray, lines: Lines, mean_edge: FloatArray
@@ -268,15 +266,15 @@ class CycleSearch:
         usable = ends & (free > 0.0).all(axis=0)
         return lines.take(usable), (free + np.where(shift < OFFSET, SLACK, 0.0))[:, usable]
 
-    def _search(self, k: int, outline: Outline, lines: Lines, free: FloatArray, found: Turns) -> RingSearch:
+    def _search(self, k: int, size: int, lines: Lines, free: FloatArray, found: Turns) -> RingSearch:
         minimum, most = self._minimum(k), self._limit(k)
         known = self.problem.per_loop is not None or len(self.loops.sizes) == 1
         if not known:
             most = min(most, max(minimum, (int(self.deserved[k]) + SPARE_SHARE) // self._parts(k)))
         if self.images is not None and self.images.is_halved(k):
-            return MirrorSearch(outline, lines, free, found, minimum, most)
+            return MirrorSearch(size, lines, free, found, minimum, most)
         thorough = bool(self.is_thorough[k])
-        return RingSearch(outline, lines, free, found, minimum, most, self._parts(k), thorough=thorough, known=known)
+        return RingSearch(lines, free, found, minimum, most, self._parts(k), thorough=thorough, known=known)
 
     def _parts(self, loop: int) -> int:
         """The number of parts of a loop that rotations take to each other."""

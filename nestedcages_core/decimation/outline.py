@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -73,16 +72,6 @@ class Outline:
         weights = None if self.weights is None else self.weights[own]
         pinned = None if self.pinned is None else self.pinned[own]
         return Outline(Loops.of(self.vertices[own], self.sizes[loops]), weights, pinned, self.limits)
-
-    def split(self) -> list[Outline]:
-        """Each loop by itself."""
-        return [self.only([k]) for k in range(len(self.sizes))]
-
-    def apart(self, lines: Lines) -> list[Lines]:
-        """The lines of each loop, with places on that loop by itself."""
-        ends = [0, *np.searchsorted(lines.place, self.begins[1:]).tolist(), len(lines)]
-        parts = [lines.take(slice(*bounds)) for bounds in pairwise(ends)]
-        return [part.but(place=part.place - begin) for part, begin in zip(parts, self.begins, strict=True)]
 
     @property
     def twice(self) -> IntArray:

@@ -12,12 +12,12 @@ from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.precision import ROUND_OFF
 from ..geometry.vectors import dot
 from ..progress import Tick, no_tick
-from .outline import Lines, Outline
+from .outline import Lines
 from .shortest_cycles import Graph, Paths, run_batched
 from .turns import Turns
 
 MAX_STARTS, APART = 4, 0.1
-"""Number of lines through which a first cycle is sought; part of the outline in which no second such line lies."""
+"""Number of lines through which a first cycle is sought; part of all lines among which no second such line lies."""
 
 SUPPORTING = 1e6
 """Preference of lines that have the whole outline on one side: a cage is likely to follow one of them."""
@@ -74,7 +74,6 @@ class RingSearch:
 
     def __init__(
         self,
-        outline: Outline,
         lines: Lines,
         free: FloatArray,
         found: Turns,
@@ -91,7 +90,7 @@ class RingSearch:
         are counted and sought in the first one. thorough: whether cycles are sought through all lines between two of a
         cycle, as far as these are few. known: whether cycles of the largest number alone matter.
         """
-        self.outline, self.lines, self.free, self.minimum = outline, lines, free, minimum
+        self.lines, self.free, self.minimum = lines, free, minimum
         self.parts, self.count = parts, len(lines) // parts
         self.most = min(most, self.count)
         self.more = MAX_MORE_IN_PARTS if parts > 1 else MAX_MORE_IF_THOROUGH if thorough else MAX_MORE
@@ -109,23 +108,20 @@ class RingSearch:
     def solve(self) -> Iterator[list[Paths]]:
         """Search from scratch through the lines that most cycles are likely to have, until there is a cycle."""
         self._forget()
-        outline, lines = self.outline, self.lines.take(slice(self.count))
+        lines, points = self.lines.take(slice(self.count)), self.lines.point
         open_ = np.isfinite(self.graph.areas)
         onto, off = (np.bincount(ends[open_], minlength=self.count) for ends in (self.turns.target, self.turns.source))
         turn = 2.0 * np.pi / CORNERS * np.arange(CORNERS)
-        extreme = (outline.vertices @ np.stack((np.cos(turn), np.sin(turn)))).argmax(axis=0)
-        corners = outline.vertices[np.unique(extreme)]
+        corners = points[np.unique((points @ np.stack((np.cos(turn), np.sin(turn)))).argmax(axis=0))]
         above = (lines.right @ corners.T).max(axis=1) - dot(lines.right, lines.point)
-        supports = (above <= ROUND_OFF * outline.length) & ~outline.is_hole
-        score = off * onto * np.where(supports, SUPPORTING, 1.0)
+        score = off * onto * np.where(above <= ROUND_OFF, SUPPORTING, 1.0)
         for _ in range(MAX_STARTS):
             start = int(score.argmax())
             if self.found or score[start] <= 0.0:
                 return
             yield from self._search(self.most, start)
-            half = 0.5 * outline.size
-            away = np.mod(lines.place - lines.place[start] + half, outline.size) - half
-            score[np.abs(away) < APART * outline.size] = -1.0
+            near = int(APART * self.count)
+            score[np.arange(start - near, start + near + 1) % self.count] = -1.0
 
     def improve(self, number: int, *, roughly: bool = False) -> Iterator[list[Paths]]:
         """Search through other lines of the best cycle of a number of lines, as long as that takes little time.

@@ -153,15 +153,15 @@ class MirrorSearch(RingSearch):
     that has an image, the first of which ends between lines. So one program finds the best cycles of all numbers.
     """
 
-    def __init__(self, outline: Outline, lines: Lines, free: FloatArray, found: Turns, minimum: int, most: int) -> None:
+    def __init__(self, size: int, lines: Lines, free: FloatArray, found: Turns, minimum: int, most: int) -> None:
         """lines: of one half and their images. free: (2, K) what is free of each. found: the turns between them.
 
-        minimum, most: of the number of lines.
+        size: of the outline. minimum, most: of the number of lines.
         """
-        self.outline, self.lines, self.free, self.turns = outline, lines, free, found
+        self.lines, self.free, self.turns = lines, free, found
         self.minimum, self.most, self.count = minimum, min(most, len(lines)), len(lines)
         self._forget()
-        middle = 0.5 * outline.size
+        middle = 0.5 * size
         self.half = int((lines.place <= middle).sum())
         self.first, self.last = np.flatnonzero(lines.place == 0.0), np.flatnonzero(lines.place == middle)
         own = (lines.place == 0.0) | (lines.place == middle)

@@ -57,14 +57,14 @@ def searches(request: pytest.FixtureRequest) -> list[Searched]:
     around = CycleSearch(problem, problem.outline, np.full(len(problem.outline.sizes), OFFSET))
     around.search()
     found = []
-    for search in around.searches.values():
+    for loop, search in around.searches.items():
         lines, turns = search.lines, search.turns
         pairs = zip(turns.source.tolist(), turns.target.tolist(), strict=True)
         data = zip(turns.forth.tolist(), turns.back.tolist(), turns.area.tolist(), strict=True)
         turn = dict(zip(pairs, data, strict=True))
         found.append(
             Searched(
-                search.outline.vertices, lines.place, lines.point, lines.direction,
+                around.loops.split()[loop], lines.place - around.loops.begins[loop], lines.point, lines.direction,
                 search.free, turn, search.totals, search.cycle, turns.within,
             )
         )  # fmt: skip
