@@ -9,7 +9,6 @@ from math import radians
 
 import numpy as np
 
-from ..decimation.base import MIN_PER_LOOP
 from ..errors import Fault, invalid_setting, note
 from ..geometry.arrays import TINY, BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
@@ -23,6 +22,9 @@ LENGTH_MARGIN, ANGLE_MARGIN = 1e-9, 1e-7
 
 FILLED = 0.8
 """Fraction of an outline's length up to which edges of least length can be placed freely along it."""
+
+OF_A_BOX = 4
+"""Vertices that each loop may have in any case: those of a box."""
 
 NO_FOLDS = 15.0
 """Least angle in degrees if edges have a least length: without it, edges without space would fold into spikes."""
@@ -87,7 +89,7 @@ class LeastEdge(Constraint):
     def count(self, outline: Mesh, count: int) -> int:
         """At most as many vertices as edges of this length fit along the outline."""
         lengths = [float(outline.edge_lengths[loop].sum()) for loop in outline.loops]
-        return min(count, sum(max(MIN_PER_LOOP, int(FILLED * length / self.length)) for length in lengths))
+        return min(count, sum(max(OF_A_BOX, int(FILLED * length / self.length)) for length in lengths))
 
     @property
     def turn_limits(self) -> tuple[float, float]:

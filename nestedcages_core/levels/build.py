@@ -19,6 +19,7 @@ from itertools import islice
 from math import inf
 
 from ..decimation import Count, Decimation, LineCycles, Start, Starts
+from ..decimation.base import MIN_PER_LOOP
 from ..decimation.cycle_search import OFFSET
 from ..decimation.offset import is_wide, offset_loop_by_loop
 from ..decimation.starts import Outlines, lacks_shapely
@@ -43,6 +44,9 @@ NO_EXCESS = 3e-4
 FURTHER_ON_GRID = 2
 """Further starts along the sequence that are tried where they may be tighter on a grid."""
 
+FEWER, TRIES_WITH_FEWER = 0.8, 6
+"""Factor on the number of vertices where wishes are missed, and how often it is tried."""
+
 Offered = Iterator[tuple[Start, tuple[Fault, ...]]]
 """Starts, and what is to be said of each."""
 
@@ -55,11 +59,24 @@ def build_level(work: Work, target: int | Mesh) -> Level:
     work = replace(work, settings=methods_for(work.settings, work.plan))
     numbers = work.plan.numbers
     if numbers is None or numbers.grid is None or isinstance(target, Mesh):
-        return along_starts(work, target)[0]
+        level = along_starts(work, target)[0]
+        return with_fewer(work, level) if isinstance(target, int) and work.compares else level
     from .on_grid import tightest_on_grid
 
     found = tightest_on_grid(work, target, lambda of, count: along_starts(of, count, most=1))
     return along_starts(work, target)[0] if found is None else found
+
+
+def with_fewer(work: Work, level: Level) -> Level:
+    """A better level with fewer vertices, where there are too many for the edges and angles that are wished for."""
+    best, count = level, len(level.cage.vertices)
+    for _ in range(TRIES_WITH_FEWER):
+        count = int(FEWER * count)
+        if count < MIN_PER_LOOP or not work.misses(best):
+            break
+        with suppress(*FAILURES):
+            best = min(best, along_starts(work, count)[0], key=work.merit)
+    return best
 
 
 def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Made:

@@ -34,7 +34,7 @@ def tightest_on_grid(work: Work, count: int, make: Make) -> Level | None:
     near, tries = dict[int, float](), TRIES_WITH_FEWER
     first = sum(each <= CLEARLY_FEWER * number for each in fewer) - 1
     for k in range(first, -1, -STRIDE):
-        if tries == 0 or (best is not None and work.loss(best) <= (1.0 + LOOSE_ON_GRID) * off_grid):
+        if tries == 0 or (best is not None and work.merit(best) <= (1.0 + LOOSE_ON_GRID) * off_grid):
             return best
         found, loss = _made(work, fewer[k], make, best)
         if found is not None:

@@ -73,9 +73,13 @@ class Work:
         """The excess of a cage, or the part of the area that one inside loses."""
         return self.plan.side * level.excess
 
-    def merit(self, level: Level) -> tuple[bool, float]:
-        """Smaller is better: cages that keep all wishes, and then those that lose less."""
-        return any(self.plan.missed(level.cage, must=False)), self.loss(level)
+    def misses(self, level: Level) -> bool:
+        """Whether a cage misses a wish."""
+        return any(self.plan.missed(level.cage, must=False))
+
+    def merit(self, level: Level) -> float:
+        """Smaller is better: what a cage loses; a wish that it misses is worth the area of the drawing."""
+        return self.loss(level) + self.misses(level)
 
 
 @dataclass(frozen=True, eq=False)

@@ -136,6 +136,7 @@ def test_more_vertices_are_never_looser_with(kind: Callable[..., Mesh], kept: st
 VALLEYS = [
     (row, 1, "grid", (30, 40, 100)),
     (rings, 6, "edge", (40, 55, 75)),
+    (scattered, 0, "edge", (55, 75)),
     (plate, 5, "grid", (8, 17, 40, 100)),
     (rings, 8, "grid", (40, 55, 100)),
     (rings, 7, "edge", (55, 75)),
@@ -143,7 +144,7 @@ VALLEYS = [
 """More vertices than a grid or a least edge has a use for."""
 
 
-@pytest.mark.parametrize(("kind", "seed", "kept", "counts"), slow_after(0, VALLEYS, thorough_after=2))
+@pytest.mark.parametrize(("kind", "seed", "kept", "counts"), slow_after(0, VALLEYS, thorough_after=3))
 def test_more_vertices_than_are_of_use_are_not_looser(
     kind: Callable[..., Mesh], seed: int, kept: str, counts: tuple[int, ...]
 ) -> None:
