@@ -66,7 +66,7 @@ def test_the_start_of_loops_and_their_order_do_not_matter(shape: Callable[[], Me
     loops = [fine.vertices[loop] for loop in fine.loops]
     other = Mesh.from_loops([np.roll(loop, 5 + k, axis=0)[:: (-1) ** k] for k, loop in enumerate(loops)][::-1])
     cage, cage_other = (nested_cages(mesh, [24]).cages[0] for mesh in (fine, other))
-    assert polygon(cage).hausdorff_distance(polygon(cage_other)) < 1e-6 * fine.diagonal
+    assert polygon(cage).hausdorff_distance(polygon(cage_other)) < 1e-5 * fine.diagonal
 
 
 WRAP = np.array([(-0.5, -0.5), (0.6, -0.45), (1.7, -0.5), (1.7, 0.5), (0.6, 0.45), (-0.5, 0.5)])
