@@ -44,8 +44,8 @@ NO_EXCESS = 3e-4
 FURTHER_ON_GRID = 2
 """Further starts along the sequence that are tried where they may be tighter on a grid."""
 
-FEWER, TRIES_WITH_FEWER = 0.8, 6
-"""Factor on the number of vertices where wishes are missed, and how often it is tried."""
+FEWER, TRIES_WITH_FEWER = 0.8, 8
+"""Factor on the number of vertices where wishes are missed, and how many numbers are tried, the last by bisection."""
 
 Offered = Iterator[tuple[Start, tuple[Fault, ...]]]
 """Starts, and what is to be said of each."""
@@ -69,13 +69,18 @@ def build_level(work: Work, target: int | Mesh) -> Level:
 
 def with_fewer(work: Work, level: Level) -> Level:
     """A better level with fewer vertices, where there are too many for the edges and angles that are wished for."""
-    best, count = level, len(level.cage.vertices)
-    for _ in range(TRIES_WITH_FEWER):
-        count = int(FEWER * count)
-        if count < MIN_PER_LOOP or not work.misses(best):
+    best, kept, missed = level, 0, len(level.cage.vertices)
+    for _ in range(TRIES_WITH_FEWER if work.misses(level) else 0):
+        count = (kept + missed) // 2 if kept else int(FEWER * missed)
+        if count < max(MIN_PER_LOOP, kept + 1):
             break
         with suppress(*FAILURES):
-            best = min(best, along_starts(work, count)[0], key=work.merit)
+            other = along_starts(work, count)[0]
+            best = min(best, other, key=work.merit)
+            if not work.misses(other):
+                kept = count
+        if kept < count:
+            missed = count
     return best
 
 

@@ -3,7 +3,6 @@ treats its errors, or the system; nothing warns."""
 
 import json
 import os
-import platform
 import subprocess
 import sys
 
@@ -104,27 +103,6 @@ def test_threads_of_the_linear_algebra_do_not_matter() -> None:
 @pytest.mark.slow
 def test_nothing_warns_and_no_error_of_numpy_is_left_to_chance(plain: list[str]) -> None:
     assert bits("raise", options=("-W", "error")) == plain
-
-
-GROWING = """
-import resource, numpy as np
-import nestedcages_core
-faults = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_minflt
-before = faults()
-for size in range(1, 32):
-    np.empty(size * 2**14).fill(1.0)
-print((faults() - before) * resource.getpagesize() / (size * 2**17))
-"""
-"""Prints how much fresh memory arrays take of which each is larger than those before, in parts of the largest."""
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="other libraries keep memory by rules of their own")
-def test_freed_memory_is_used_again() -> None:
-    own = {name: value for name, value in os.environ.items() if not name.startswith("MALLOC_")}  # dask sets some
-    own["PYTHONPATH"] = str(ROOT)
-    done = subprocess.run([sys.executable, "-c", GROWING], capture_output=True, text=True, check=True, env=own)
-    assert float(done.stdout) < 2.0
 
 
 SHAPE = Mesh.from_loops([np.array([[0, 0], [10, 0], [10, 10], [6, 10], [5, 4], [4, 10], [0, 10]], float)])
