@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import FlowError, NestingError, ReinflationError
+from .draft import PAPER_PREFERENCE
 from .progress import OutOfTimeError
 from .report import Level
 from .snap import UnsettledError
-from .work import LOOSE_ON_GRID, Work
+from .work import LOOSE_ON_GRID, Work, methods_for
 
 FEWER = (3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 36, 40, 48, 56, 64, 80, 96, 128, 192, 256, 384, 512)
 """Numbers of vertices that are tried below the wanted one, where a vertex too many is moved outwards."""
@@ -26,9 +27,19 @@ Make = Callable[[Work, int], tuple[Level, float]]
 
 def tightest_on_grid(work: Work, count: int, make: Make) -> Level | None:
     """The tightest level found with at most a number of vertices; None if there is none."""
-    best, off_grid = _made(work, count, make, None)
+    first, off_grid = _made(work, count, make, None)
     if not np.isfinite(off_grid):
+        return first
+    still = replace(work, settings=methods_for(replace(work.settings, steps=False), work.plan))
+    best = _tightest_of_fewer(still, count, make, first, off_grid)
+    if best is None or best is first or work.rests or not work.settings.steps or work.watch.over is not None:
         return best
+    moving, _ = _made(work, len(best.cage.vertices), make, None)
+    return best if moving is None or work.merit(moving) > (1.0 + PAPER_PREFERENCE) * work.merit(best) else moving
+
+
+def _tightest_of_fewer(work: Work, count: int, make: Make, best: Level | None, off_grid: float) -> Level | None:
+    """The tightest level with fewer vertices than a number, or the best one so far."""
     number = count if best is None else min(count, len(best.cage.vertices))
     fewer = [each for each in FEWER if each < number]
     near, tries = dict[int, float](), TRIES_WITH_FEWER

@@ -19,6 +19,9 @@ FAIR_GAIN, POOR_GAIN = 0.5, 0.25
 """Gain, the actual decrease of the energy over the predicted one, above which the radius may grow and below which it
 shrinks."""
 
+LINEAR = 0.9999
+"""Gain above which the model is exact, as where a cage slides along needles: radii are doubled beyond the largest."""
+
 GROWTH = 2.5
 """Factor on the longest motion of a good step, for the radius after it."""
 
@@ -45,12 +48,15 @@ class Trial(NamedTuple):
 
 
 def next_radius(radius: float, largest: float, solution: QPSolution, trial: Trial, gain: float) -> float:
-    """The radius Δ after a trial that gained an energy; largest: that is allowed."""
+    """The radius Δ after a trial that gained an energy; largest: that is allowed while the model is not exact."""
     longest = float(np.hypot(solution.step[:, 0], solution.step[:, 1]).max())
     part = gain / max(solution.decrease, TINY)
     if not trial.accepted or part < POOR_GAIN:
         return min(radius, STEP_REDUCTION * longest)
-    return max(radius, min(GROWTH * longest, largest)) if part > FAIR_GAIN else radius
+    if part <= FAIR_GAIN:
+        return radius
+    most = 2.0 * radius if part > LINEAR and radius >= largest else largest
+    return max(radius, min(GROWTH * longest, most))
 
 
 @dataclass(frozen=True, eq=False)
