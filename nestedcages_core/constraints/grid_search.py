@@ -132,8 +132,8 @@ class _CoordinateDescent:
         if self.edge_cost is not None:
             p, q = self.grid.points(one), self.grid.points(other)
             begins = np.flatnonzero(np.diff(edge, prepend=-1))
-            parts = zip(edge[begins].tolist(), np.split(p, begins[1:]), np.split(q, begins[1:]), strict=True)
-            shares = np.concatenate([self.edge_cost(*part) for part in parts]) / self.grid.spacing**2
+            parts = zip(edge[begins].tolist(), np.split(p, begins)[1:], np.split(q, begins)[1:], strict=True)
+            shares = np.concatenate([np.zeros(0), *(self.edge_cost(*part) for part in parts)]) / self.grid.spacing**2
             return np.asarray(shares + NEGLIGIBLE * norm((other - one).astype(np.float64)))
         a, b = (one - self.origin).astype(np.float64), (other - self.origin).astype(np.float64)
         return np.asarray(0.5 * self.side * cross(a, b) + NEGLIGIBLE * norm(b - a))
