@@ -189,7 +189,7 @@ def test_clips_repeat_and_fold_nothing(fox: tuple[Any, dict[str, np.ndarray]]) -
     assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
     armature.animation_data.action = None
     tip.constraints.remove(tip.constraints["Proved Range"])
-    for frame, angle in ((3, 0.0), (5, 2.9), (7, 0.0)):
+    for frame, angle in ((3, 0.0), (5, 3.1), (7, 0.0)):
         tip.rotation_euler[2] = angle
         tip.keyframe_insert("rotation_euler", frame=frame)
     assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
