@@ -14,6 +14,7 @@ from support.blender import refused
 from support.drawings import (
     Loop,
     add,
+    apart,
     base,
     bind,
     certificate,
@@ -22,6 +23,7 @@ from support.drawings import (
     faces_of,
     generate,
     in_world,
+    silhouette,
     solid,
     verify,
 )
@@ -97,17 +99,6 @@ def seen(obj: Any, **options: Any) -> Shape:
     bpy.data.objects.remove(found)
     choose(*chosen, obj)
     return area
-
-
-def silhouette(**options: Any) -> Any:
-    assert bpy.ops.object.nested_cages_silhouette(**options) == {"FINISHED"}
-    bpy.context.view_layer.update()
-    return bpy.context.object
-
-
-def apart(one: Shape, other: Shape) -> float:
-    """The area that only one of the two has, as a part of the other."""
-    return float(one.symmetric_difference(other).area / other.area)
 
 
 def upright(obj: Any) -> Shape:

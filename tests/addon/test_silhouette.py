@@ -7,27 +7,27 @@ import numpy as np
 import pytest
 import shapely
 
+from support import drawings
 from support.blender import refused
-from support.drawings import base, circle, evaluated, faces_of, generate, poly_curve, solid, star, text, wire
+from support.drawings import (
+    base,
+    circle,
+    evaluated,
+    faces_of,
+    generate,
+    poly_curve,
+    silhouette,
+    solid,
+    star,
+    text,
+    wire,
+)
 from support.marks import slow_after
-
-
-def silhouette(*objects: Any, **options: Any) -> Any:
-    for obj in objects:
-        obj.select_set(True)
-    bpy.context.view_layer.update()
-    assert bpy.ops.object.nested_cages_silhouette(**options) == {"FINISHED"}
-    return bpy.context.object
 
 
 def filled(made: Any) -> Any:
     """The faces of a flat mesh object in its own x and y, united."""
     return faces_of(made, base(made)[:, :2])
-
-
-def in_common(made: Any, expected: shapely.Geometry) -> float:
-    """The area that only one of the two has, as a part of the expected one."""
-    return float(filled(made).symmetric_difference(expected).area / expected.area)
 
 
 def disc(radius: float, middle: tuple[float, float] = (0.0, 0.0), count: int = 48) -> Any:
@@ -43,7 +43,7 @@ def test_layers_in_different_depths_that_cross_are_one_outline() -> None:
     two.location.z, three.location.z = 0.001, 2.0
     made = silhouette(one, two, three)
     assert made.name == "Far Silhouette" and len(made.data.polygons) > 0
-    assert in_common(made, disc(1.0) | disc(1.0, (0.9, 0.0)) | disc(0.5, (5.0, 0.0))) < 1e-6
+    assert drawings.apart(filled(made), disc(1.0) | disc(1.0, (0.9, 0.0)) | disc(0.5, (5.0, 0.0))) < 1e-6
     generate("30")
 
 
@@ -56,8 +56,10 @@ def test_coordinates_stay_where_nothing_crosses() -> None:
 def test_holes_are_kept_filled_or_hidden_by_other_layers() -> None:
     ring, spot = wire("Ring", [circle(48), circle(24, 0.5)]), wire("Spot", [circle(24, 0.2)])
     bpy.context.view_layer.objects.active = ring
-    assert in_common(silhouette(ring, spot), (disc(1.0) - disc(0.5, count=24)) | disc(0.2, count=24)) < 1e-6
-    assert in_common(silhouette(ring, spot, fill_holes=True), disc(1.0)) < 1e-6
+    assert (
+        drawings.apart(filled(silhouette(ring, spot)), (disc(1.0) - disc(0.5, count=24)) | disc(0.2, count=24)) < 1e-6
+    )
+    assert drawings.apart(filled(silhouette(ring, spot, fill_holes=True)), disc(1.0)) < 1e-6
 
 
 def test_a_solid_seen_from_each_side() -> None:
@@ -87,7 +89,7 @@ def test_an_open_line_without_a_width_is_told_and_skipped(reports) -> None:
     with refused("'Line'"):
         silhouette(line)
     reports.read()
-    assert in_common(silhouette(line, wire("Ring", [circle(48)])), disc(1.0)) < 1e-6
+    assert drawings.apart(filled(silhouette(line, wire("Ring", [circle(48)]))), disc(1.0)) < 1e-6
     assert "'Line'" in reports.read("Warning")
 
 

@@ -14,17 +14,12 @@ from nestedcages_core import ArcLength, LineCycles, Mesh, NestingError, OnCurve,
 from support.families import drawing, smallest_around
 from support.judging import codes, gap, never_rises, rejected
 from support.marks import slow_after
-from support.shapes import annulus, assert_nested, comb, islands, letter_a, polygon, resampled, ring, star
+from support.shapes import annulus, assert_nested, comb, islands, letter_a, polygon, resampled, ring, star, turned
 
 ALL = pytest.mark.parametrize("method", [LineCycles(), ArcLength(), OnCurve()], ids=lambda each: type(each).__name__)
 ON_CURVE = pytest.mark.parametrize("method", [ArcLength(), OnCurve()], ids=lambda each: type(each).__name__)
 SHAPES = {"letter": letter_a(), "star": star(), "ring": annulus(60), "islands": islands()}
 SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
-
-
-def turned(fine: Mesh, angle: float, scale: float = 1.0, place: tuple[float, float] = (0.0, 0.0)) -> Mesh:
-    c, s = np.cos(angle), np.sin(angle)
-    return Mesh(scale * fine.vertices @ np.array([[c, s], [-s, c]]) + place, fine.edges)
 
 
 def dense_square(per_side: int = 25) -> Mesh:
@@ -83,7 +78,8 @@ def test_the_numbering_of_vertices_and_loops_changes_nothing(method: Any, name: 
 def test_place_size_and_angle_change_nothing(method: Any, angle: float, scale: float, place: Any) -> None:
     for name in ("letter", "islands"):
         fine = SHAPES[name]
-        areas = [method.decimate(each, 30).area for each in (fine, turned(fine, angle, scale, place))]
+        moved = fine.moved(scale * turned(fine.vertices, angle) + place).validated()
+        areas = [method.decimate(each, 30).area for each in (fine, moved)]
         exact = 1e-9 if isinstance(method, ArcLength) else 5e-3  # of alike lines, rounding may take another
         assert areas[1] / scale**2 == pytest.approx(areas[0], rel=exact)
 
@@ -335,7 +331,7 @@ def test_around_a_disc_the_regular_polygon_is_found(count: int) -> None:
 
 def test_straight_sides_cost_nothing() -> None:
     """The smallest triangle around a square is twice as large; parallelograms and their holes are themselves."""
-    fine = turned(dense_square(), 0.4, 3.0, (5.0, -2.0))
+    fine = dense_square().moved(3.0 * turned(dense_square().vertices, 0.4) + (5.0, -2.0)).validated()
     areas = {count: nested_cages(fine, count, clearance=1e-9)[0].cage.area / 9.0 for count in (3, 4, 9)}
     assert areas == pytest.approx({3: 2.0, 4: 1.0, 9: 1.0}, rel=1e-5)
     frame = Mesh.from_loops([resampled(Mesh.from_loops([each]), 60).vertices for each in (3.0 * SQUARE, SQUARE + 1.0)])

@@ -19,8 +19,8 @@ from nestedcages_core import (
     Within,
     nested_cages,
 )
-from support.families import drawing, simple
-from support.judging import is_convex, is_on_grid, is_symmetric, lengths_of, lies_within, sharpest
+from support.families import drawing
+from support.judging import is_convex, is_on_grid, lengths_of, lies_within, sharpest
 from support.shapes import annulus, islands, letter_a, ring, star
 
 pytestmark = [pytest.mark.thorough, pytest.mark.timeout(900)]
@@ -122,15 +122,3 @@ def test_settings_on_drawings_and_on_shapes_with_the_smallest_details() -> None:
 
     one()
     assert sum(found) > len(found) // 4
-
-
-@pytest.mark.parametrize("start", range(0, 60, 10))
-def test_symmetric_requests(start: int) -> None:
-    for seed in range(start, start + 10):
-        random = np.random.default_rng(seed)
-        symmetry = [Mirror(), Mirror((0.1, 0.2), (1.0, 1.0)), Rotation((0.0, 0.0), 3), Rotation((0.2, 0.0), 2)][
-            seed % 4
-        ]
-        level = nested_cages(simple(random, 10, 50), int(random.integers(6, 30)), symmetry=symmetry)[0]
-        assert is_symmetric(level.cage.vertices, symmetry)
-        assert all(is_symmetric(step, symmetry) for step in level.reinflation.cage_steps)

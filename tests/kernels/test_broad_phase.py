@@ -16,7 +16,7 @@ from nestedcages_core.geometry.broad_phase import BoxTree, near_pairs
 from nestedcages_core.geometry.signed_distance import SignedDistance
 from nestedcages_core.geometry.smallest_gap import smallest_gap
 from support.marks import slow_after, slowly
-from support.shapes import annulus, as_set, islands, jagged, letter_a, letter_a_coarse, polygon, ring, star
+from support.shapes import annulus, as_set, islands, jagged, letter_a, letter_a_coarse, polygon, ring, segments_of, star
 
 # Points near edges
 
@@ -75,26 +75,6 @@ def test_nothing_is_near_nothing() -> None:
 
 
 # Boxes
-
-
-def segments_of(kind: str, count: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Segments (count, 2) -> (count, 2) of a kind that trees find easy or hard."""
-    if kind == "soup":
-        starts = random.uniform(size=(count, 2))
-        return starts, starts + random.normal(scale=0.05 * min(1.0, 300.0 / max(count, 1)), size=(count, 2))
-    if kind == "loop":
-        angle = np.arange(count) / max(count, 1) * 2 * np.pi
-        radius = 1 + 0.3 * np.sin(5 * angle)
-        points = np.stack((radius * np.cos(angle), radius * np.sin(angle)), axis=1)
-    elif kind == "star":
-        angle, radius = np.sort(random.uniform(0, 2 * np.pi, count)), random.uniform(0.5, 1.5, count)
-        points = np.stack((radius * np.cos(angle), radius * np.sin(angle)), axis=1)
-    elif kind == "comb":
-        x = np.arange(count) / max(count, 1)
-        points = np.stack((x, np.arange(count) % 2), axis=1) @ np.array([[0.8, 0.6], [-0.6, 0.8]])
-    else:
-        points = random.integers(0, 6, size=(count, 2)).astype(float)
-    return points, np.roll(points, -1, axis=0)
 
 
 KINDS = ("soup", "loop", "star", "comb", "grid")

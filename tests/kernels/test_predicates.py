@@ -23,7 +23,7 @@ from nestedcages_core.geometry.predicates import (
 )
 from nestedcages_core.published.ray_parity import edges_meet, inside_by_parity
 from support.marks import slow_after, slowly
-from support.shapes import as_set
+from support.shapes import as_set, segments_of
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -157,21 +157,10 @@ def test_segments_that_almost_touch(count: int) -> None:
     assert np.array_equal(found, segments_intersect(d, c, a, b))
 
 
-def segments_of(kind: str, count: int) -> tuple[np.ndarray, np.ndarray]:
+def whole_segments(kind: str, count: int) -> list[np.ndarray]:
     """Segments (count, 2) -> (count, 2) of whole numbers below 2^12."""
-    random = np.random.default_rng(count)
-    if kind == "soup":
-        starts = random.integers(0, 4000, size=(count, 2))
-        return starts, starts + random.integers(-60, 60, size=(count, 2))
-    if kind == "star":  # long spikes, whose boxes overlap by hundreds
-        angle, radius = np.sort(random.uniform(0, 2 * np.pi, count)), random.uniform(0.1, 1.0, count)
-        points = np.rint(2000 * radius[:, None] * np.stack((np.cos(angle), np.sin(angle)), axis=1)).astype(int)
-    elif kind == "comb":  # slanted teeth
-        k = np.arange(count)
-        points = np.stack((k + 1000 * (k % 2), 2 * k - 500 * (k % 2)), axis=1)
-    else:  # few places, where all kinds of contact occur
-        points = random.integers(0, 6, size=(count, 2))
-    return points, np.roll(points, -1, axis=0)
+    scale = 1 if kind == "grid" else 1500
+    return [np.rint(scale * ends).astype(int) for ends in segments_of(kind, count, np.random.default_rng(count))]
 
 
 def all_meet(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
@@ -193,8 +182,8 @@ def test_crossing_pairs(kind: str, count: int, exponent: int) -> None:
     """The same at every scale: all is a power of two times whole numbers."""
     if kind == "grid" or exponent < -1070:
         count = min(count, 150)  # all pairs meet, or need unbounded integers
-    a, b = segments_of(kind, count)
-    c, d = segments_of("star", 90)
+    a, b = whole_segments(kind, count)
+    c, d = whole_segments("star", 90)
     tree, other = (BoxTree(*(np.ldexp(p.astype(float), exponent) for p in pair)) for pair in ((a, b), (c, d)))
     own, others = np.argwhere(np.triu(all_meet(a, b, a, b), 1)), np.argwhere(all_meet(a, b, c, d))
     assert as_set(crossing_pairs(tree)) == set(map(tuple, own.tolist()))

@@ -65,13 +65,8 @@ def random_program(seed: int, m: int = 7, counts: tuple[int, int, int] = (6, 9, 
         random_rows(rng, m, counts),
         rng.uniform(0.0, 0.2, sum(counts)),
         rng.uniform(0.1, 1.0, m),
-        upright(m),
+        turned_axes(m, np.zeros(m)),
     )
-
-
-def upright(m: int) -> np.ndarray:
-    """Axes along the coordinates."""
-    return np.broadcast_to(np.eye(2), (m, 2, 2))
 
 
 def objective(program: QuadraticProgram):
@@ -154,7 +149,7 @@ def test_the_bounds_end_the_descent_of_an_indefinite_program() -> None:
     ring = np.arange(4)
     saddle = np.broadcast_to(np.diag([1.0, -1.0]), (4, 2, 2))
     hessian = Blocks(ring, ring, saddle)
-    program = QuadraticProgram(np.ones((4, 2)), hessian, [], np.zeros(0), np.full(4, 0.1), upright(4))
+    program = QuadraticProgram(np.ones((4, 2)), hessian, [], np.zeros(0), np.full(4, 0.1), turned_axes(4, np.zeros(4)))
     solution = EXACT.solve(program)
     assert solution.converged
     np.testing.assert_allclose(np.abs(solution.step[:, 1]), 0.1, atol=1e-6)
@@ -203,7 +198,7 @@ def test_the_softest_motion_keeps_what_is_active_and_has_negative_curvature() ->
     hessian = Blocks.sum([(1.0, Blocks(ring, ring, saddle)), (1.0, Blocks(ring, np.roll(ring, -1), couplings))])
     upwards = np.broadcast_to(np.array([[0.0], [1.0]]), (2, m))
     held = Rows(ring[None], np.ones((1, m)), upwards)
-    program = QuadraticProgram(np.zeros((m, 2)), hessian, [held], np.zeros(m), np.ones(m), upright(m))
+    program = QuadraticProgram(np.zeros((m, 2)), hessian, [held], np.zeros(m), np.ones(m), turned_axes(m, np.zeros(m)))
     order = BandOrder.of(m, ring, np.roll(ring, -1))
     some = ring < 4
     softest = negative_curvature(program, order, some)

@@ -11,6 +11,8 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
+from .shapes import ring
+
 Loop = NDArray[np.float64]
 
 PACKAGE = "nested_cages_extension"
@@ -19,8 +21,7 @@ PACKAGE = "nested_cages_extension"
 
 def circle(count: int = 48, radius: float = 1.0, middle: tuple[float, float] = (0.0, 0.0)) -> Loop:
     """A regular polygon (count, 2)."""
-    angles = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
-    return np.column_stack([np.cos(angles), np.sin(angles)]) * radius + np.array(middle)
+    return ring(count, radius, 0.0, middle)
 
 
 def star(count: int = 60, depth: float = 0.25, waves: int = 5) -> Loop:
@@ -63,6 +64,21 @@ def armature(name: str, **bones: Any) -> Any:
         made.head, made.tail = head, tail
     bpy.ops.object.mode_set(mode="OBJECT")
     return rig
+
+
+def silhouette(*objects: Any, **options: Any) -> Any:
+    """The outline of these objects, selected too, and of what is selected."""
+    for obj in objects:
+        obj.select_set(True)
+    bpy.context.view_layer.update()
+    assert bpy.ops.object.nested_cages_silhouette(**options) == {"FINISHED"}
+    bpy.context.view_layer.update()
+    return bpy.context.object
+
+
+def apart(one: shapely.Geometry, other: shapely.Geometry) -> float:
+    """The area that only one of the two has, as a part of the other."""
+    return float(one.symmetric_difference(other).area / other.area)
 
 
 def choose(*objects: Any) -> None:
@@ -371,8 +387,8 @@ def solid(obj: Any, depsgraph: Any = None) -> Any:
     """The area that the evaluated edges of a mesh object bound, by shapely: loops in loops are holes."""
     faces = shapely.polygonize(shapely.get_parts(lines(obj, depsgraph)))
     area = shapely.Polygon()
-    for ring in sorted((shapely.Polygon(face.exterior) for face in faces.geoms), key=lambda p: -p.area):
-        area = area.symmetric_difference(ring)
+    for part in sorted((shapely.Polygon(face.exterior) for face in faces.geoms), key=lambda p: -p.area):
+        area = area.symmetric_difference(part)
     return area
 
 

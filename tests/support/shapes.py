@@ -116,6 +116,26 @@ def resampled(mesh: Mesh, count: int, shift: float = 0.0) -> Mesh:
     return Mesh.from_loops(loops)
 
 
+def segments_of(kind: str, count: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Segments (count, 2) -> (count, 2) of a kind that trees find easy or hard."""
+    if kind == "soup":
+        starts = random.uniform(size=(count, 2))
+        return starts, starts + random.normal(scale=0.05 * min(1.0, 300.0 / max(count, 1)), size=(count, 2))
+    if kind == "loop":
+        angle = np.arange(count) / max(count, 1) * 2 * np.pi
+        radius = 1 + 0.3 * np.sin(5 * angle)
+        points = np.stack((radius * np.cos(angle), radius * np.sin(angle)), axis=1)
+    elif kind == "star":
+        angle, radius = np.sort(random.uniform(0, 2 * np.pi, count)), random.uniform(0.5, 1.5, count)
+        points = np.stack((radius * np.cos(angle), radius * np.sin(angle)), axis=1)
+    elif kind == "comb":
+        x = np.arange(count) / max(count, 1)
+        points = np.stack((x, np.arange(count) % 2), axis=1) @ np.array([[0.8, 0.6], [-0.6, 0.8]])
+    else:
+        points = random.integers(0, 6, size=(count, 2)).astype(float)
+    return points, np.roll(points, -1, axis=0)
+
+
 def derivative(function: Callable[[np.ndarray], np.ndarray | float], x: np.ndarray, step: float = 1e-6) -> np.ndarray:
     """Central differences with respect to each coordinate of x (m, 2), which become the last two axes."""
     columns = []
