@@ -9,25 +9,13 @@ import shapely
 
 from support import drawings
 from support.blender import refused
-from support.drawings import (
-    base,
-    circle,
-    evaluated,
-    faces_of,
-    generate,
-    poly_curve,
-    silhouette,
-    solid,
-    star,
-    text,
-    wire,
-)
+from support.drawings import apart, circle, evaluated, faces_of, generate, poly_curve, silhouette, solid, star, wire
 from support.marks import slow_after
 
 
 def filled(made: Any) -> Any:
     """The faces of a flat mesh object in its own x and y, united."""
-    return faces_of(made, base(made)[:, :2])
+    return faces_of(made, drawings.base(made)[:, :2])
 
 
 def disc(radius: float, middle: tuple[float, float] = (0.0, 0.0), count: int = 48) -> Any:
@@ -43,7 +31,7 @@ def test_layers_in_different_depths_that_cross_are_one_outline() -> None:
     two.location.z, three.location.z = 0.001, 2.0
     made = silhouette(one, two, three)
     assert made.name == "Far Silhouette" and len(made.data.polygons) > 0
-    assert drawings.apart(filled(made), disc(1.0) | disc(1.0, (0.9, 0.0)) | disc(0.5, (5.0, 0.0))) < 1e-6
+    assert apart(filled(made), disc(1.0) | disc(1.0, (0.9, 0.0)) | disc(0.5, (5.0, 0.0))) < 1e-6
     generate("30")
 
 
@@ -56,10 +44,8 @@ def test_coordinates_stay_where_nothing_crosses() -> None:
 def test_holes_are_kept_filled_or_hidden_by_other_layers() -> None:
     ring, spot = wire("Ring", [circle(48), circle(24, 0.5)]), wire("Spot", [circle(24, 0.2)])
     bpy.context.view_layer.objects.active = ring
-    assert (
-        drawings.apart(filled(silhouette(ring, spot)), (disc(1.0) - disc(0.5, count=24)) | disc(0.2, count=24)) < 1e-6
-    )
-    assert drawings.apart(filled(silhouette(ring, spot, fill_holes=True)), disc(1.0)) < 1e-6
+    assert apart(filled(silhouette(ring, spot)), (disc(1.0) - disc(0.5, count=24)) | disc(0.2, count=24)) < 1e-6
+    assert apart(filled(silhouette(ring, spot, fill_holes=True)), disc(1.0)) < 1e-6
 
 
 def test_a_solid_seen_from_each_side() -> None:
@@ -89,13 +75,13 @@ def test_an_open_line_without_a_width_is_told_and_skipped(reports) -> None:
     with refused("'Line'"):
         silhouette(line)
     reports.read()
-    assert drawings.apart(filled(silhouette(line, wire("Ring", [circle(48)]))), disc(1.0)) < 1e-6
+    assert apart(filled(silhouette(line, wire("Ring", [circle(48)]))), disc(1.0)) < 1e-6
     assert "'Line'" in reports.read("Warning")
 
 
 @pytest.mark.parametrize("body", slow_after(2, ["Q", "€", "π", "__", "AVA"]))
 def test_letters_that_touch_or_overlap_are_united(body: str) -> None:
-    obj = text("Text", body)
+    obj = drawings.text("Text", body)
     if body == "AVA":
         obj.data.space_character = 0.7
     generate("40%")
@@ -106,10 +92,10 @@ def test_letters_that_touch_or_overlap_are_united(body: str) -> None:
 
 @pytest.mark.slow
 def test_letters_that_do_not_touch_keep_their_coordinates() -> None:
-    obj = text("Text", "Ag&")
+    obj = drawings.text("Text", "Ag&")
     obj.data.fill_mode = "NONE"
     bpy.context.view_layer.update()
     shown = {tuple(point) for point in evaluated(obj).tolist()}
     obj.data.fill_mode = "FRONT"
     generate("40%")
-    assert {tuple(point) for point in base(bpy.data.objects["Text Fine"]).tolist()} == shown
+    assert {tuple(point) for point in drawings.base(bpy.data.objects["Text Fine"]).tolist()} == shown
