@@ -48,13 +48,20 @@ class Convex(Constraint):
                 code="convex.impossible",
             )
         mesh, fine = outline.mesh, outline.fine
-        waiting, groups = [[k] for k in range(len(mesh.loops)) if mesh.parent_of_loop[k] < 0], list[list[int]]()
+        parts = [[k] for k in range(len(mesh.loops)) if mesh.parent_of_loop[k] < 0]
+        waiting, groups, hulls = (
+            list(zip(parts, _hulls(mesh, parts), strict=True)),
+            list[list[int]](),
+            list[FloatArray](),
+        )
         while waiting:
-            group = waiting.pop()
-            close = next((other for other in groups if self._meet(mesh, group, other)), None)
-            if close is None:
+            group, hull = waiting.pop()
+            met = next((k for k, other in enumerate(hulls) if self._meet(hull, other)), None)
+            if met is None:
                 groups.append(group)
+                hulls.append(hull)
                 continue
+            close, _ = groups.pop(met), hulls.pop(met)
             if not self.joins:
                 raise NestingError(
                     f"There are no convex cages around each part: those of loop {group[0]} and loop {close[0]} would "
@@ -62,9 +69,9 @@ class Convex(Constraint):
                     code="convex.overlapping",
                     loops=(group[0], close[0]),
                 )
-            groups.remove(close)
-            waiting.append(close + group)
-        hulls, alike = _hulls(mesh, groups), Mesh.from_loops(_hulls(mesh, groups, self.kept))
+            joined = close + group
+            waiting.append((joined, _hulls(mesh, [joined])[0]))
+        alike = Mesh.from_loops(_hulls(mesh, groups, self.kept))
         if mesh is not fine:  # accurate to round-off
             loops = [fine.vertices[loop] for loop in fine.loops]
             part = [int(np.argmin([_outside(hull, loop[0]) for hull in hulls])) for loop in loops]
@@ -73,9 +80,11 @@ class Convex(Constraint):
                 hulls[k] = points[convex_hull(points)]
         return LevelTarget(alike, Mesh.from_loops(hulls), fine, True, outline.notes)
 
-    def _meet(self, mesh: Mesh, *groups: Sequence[int]) -> bool:
-        """Whether the hulls of two groups of loops leave no room for two cages."""
-        one, other = _hulls(mesh, groups)
+    def _meet(self, one: FloatArray, other: FloatArray) -> bool:
+        """Whether two hulls leave no room for two cages."""
+        gaps = one.min(axis=0) - other.max(axis=0), other.min(axis=0) - one.max(axis=0)
+        if max(gap.max() for gap in gaps) > 2.0 * self.room:
+            return False  # as their boxes show
         near = min(_distances(one, other).min(), _distances(other, one).min())
         return bool(near < self.room) or _overlap(one, other)
 
