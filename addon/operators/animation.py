@@ -14,7 +14,7 @@ from ..errors import UserError, counted
 from ..following import live, moving, writing
 from ..generation.job import Work, share
 from ..generation.levels import OWN, are_counts, lengths, parse_levels
-from ..notes import is_told, larger
+from ..notes import in_scene, is_told, larger
 from ..properties import groups
 from ..properties.kinds import flag, whole
 from ..properties.settings import all_values, filled, options_of
@@ -108,9 +108,14 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
         for sentence in writing.write(scene_again(name), results, self.thickness, all_values(self)):
             self.report({"WARNING"}, sentence)
         cages = [cage for result in results for cage in result.cages]
-        for note in dict.fromkeys(note for cage in cages for note in cage.report.notes):
-            if is_told(note.code, note.data):
-                self.report({"WARNING"}, note)
+        said = (
+            in_scene(note, result.poses.scale)
+            for result in results
+            for cage in result.cages
+            for note in cage.report.notes
+        )
+        for note in dict.fromkeys(note for note in said if is_told(note.code, note.data)):
+            self.report({"WARNING"}, note)
         # as the panel has them
         sizes = [
             np.cumprod([1.0 + np.median([each.excess for each in cage.report.certificates]) for cage in result.cages])

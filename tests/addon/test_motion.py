@@ -140,6 +140,13 @@ def test_the_stored_coordinates_are_certified_key_by_key(core) -> None:
     assert core.verify_motion(outer, inner, np.stack([keyed[f] for f in frames]), np.stack(inside)).free
 
 
+def test_holes_that_moving_cages_fill_are_told_as_in_the_panel(reports) -> None:
+    obj = wire("Ring", [circle(12), circle(6, 0.1)])
+    obj.keyframe_insert("location", frame=FIRST)
+    follow(obj, levels="5")
+    assert reports.read("Warning").startswith("Warning: 1 hole is filled")
+
+
 def test_a_cyclic_motion_closes(core) -> None:
     collection = follow(bent_by_armature(), cyclic=True, levels="12", frame_end=LAST - 1, frame_step=1)
     _, cage = members(collection)
