@@ -32,6 +32,7 @@ class Options:
     against: Path | None = None  # a checkout of another commit, whose package is measured side by side
     commit: str = ""  # the name of that commit
     seed: int = 0
+    meshes: Path | None = None  # a folder with the meshes of the paper, which are not ours to distribute
     only: tuple[str, ...] = ()  # words, one of which the name of a part has to contain; all parts if there are none
 
     def wants(self, name: str) -> bool:

@@ -62,6 +62,7 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="a small part of the work, to try the program")
     parser.add_argument("--seed", type=int, default=0, help="first seed of what is random (%(default)s)")
     parser.add_argument("--only", nargs="+", default=[], metavar="WORD", help="parts whose names contain a word")
+    parser.add_argument("--meshes", type=Path, metavar="FOLDER", help="the meshes of the paper, for figures --check")
     parser.add_argument("--check", action="store_true", help="compare with values that are known: status 1 if wrong")
     parser.add_argument("--write", action="store_true", help="into docs/measured/NAME.txt and the pages that show it")
     given = parser.parse_args()
@@ -77,7 +78,7 @@ def main() -> int:
         pages.commit()  # what is measured, whatever changes meanwhile
     with ExitStack() as stack:
         against = stack.enter_context(checkout(given.against)) if given.against else None
-        options = Options(given.quick, against, given.against or "", given.seed, tuple(given.only))
+        options = Options(given.quick, against, given.against or "", given.seed, given.meshes, tuple(given.only))
         for name in chosen(given.names, names):
             module = import_module(name.replace("/", "."))
             if given.check and not hasattr(module, "check"):
