@@ -218,6 +218,7 @@ def test_a_copy_is_a_character_of_its_own(kind: str, how: str, tmp_path) -> None
     assert [len(members(found)) for found in (original, own)] == [3, 2]
     meshes = [obj.data for found in (original, own) for obj in members(found)]
     assert len(set(meshes)) == len(meshes)
+    assert not {*original.cages[0].users_collection} & {*own.cages[0].users_collection}
 
 
 @pytest.mark.skipif(bpy.app.version < (4, 3), reason="Blender 4.2 tells nothing of imports")

@@ -136,14 +136,15 @@ def test_an_own_coarse_mesh_keeps_its_edges() -> None:
 
 
 @pytest.mark.slow
-def test_fast_turns_get_keys_or_room() -> None:
+@pytest.mark.parametrize(("high", "turn", "count"), [(0.03, 1.5, 10), (0.06, 1.9, 6)])
+def test_fast_turns_get_keys_or_room(high: float, turn: float, count: int) -> None:
     """Half-way between poses a quarter turn apart, straight lines cut a thin shape's way short."""
-    bar = np.array([(-1.0, -0.03), (1.0, -0.03), (1.0, 0.03), (-1.0, 0.03)])
+    bar = np.array([(-1.0, -high), (1.0, -high), (1.0, high), (-1.0, high)])
     ends = np.linspace(0.0, 1.0, 12)[:, None]
     outline = np.concatenate([a + ends[:-1] * (b - a) for a, b in zip(bar, np.roll(bar, -1, axis=0), strict=True)])
     bent = [outline + np.outer(outline[:, 0] ** 2, [0.0, 0.4 * np.sin(1.5 * k)]) for k in range(3)]
-    fine, poses = Mesh.from_loops([outline]), np.array([turned(points, 1.5 * k) for k, points in enumerate(bent)])
-    level = animated_cages(fine, poses, [10]).levels[0]
+    fine, poses = Mesh.from_loops([outline]), np.array([turned(points, turn * k) for k, points in enumerate(bent)])
+    level = animated_cages(fine, poses, [count]).levels[0]
     assert_certified(level, fine, poses, 0.0)
     assert level.report.keys_added > 0
 

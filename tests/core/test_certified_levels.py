@@ -279,7 +279,7 @@ def test_keys_that_a_jump_pushes_apart_stay_certified_on_both_sides(jump: tuple[
 
 def test_keys_are_on_the_numbers_that_will_hold_them_at_the_first_trial() -> None:
     """Far from the origin rounding takes from the clearance, and poses that are read once are not tried again."""
-    fine = FINE.moved((FINE.vertices + 300.0).astype(np.float32).astype(float))
+    fine = FINE.moved((FINE.vertices + np.array([300.0, 0.0])).astype(np.float32).astype(float))
     steps: list[core.Progress] = []
     nested_cages(fine, 8, stored=np.float32, clearance=0.01, progress=steps.append)
     assert [stage for stage, _ in groupby(step.stage for step in steps)].count("decimation") == 1

@@ -133,7 +133,8 @@ def test_a_mirror_off_the_grid_moves_to_it() -> None:
     fine = Mesh(drawn(0).vertices + np.array([0.0137, 0.0]), drawn(0).edges)
     mirror = Mirror((0.0137, 0.0), (0.0, 1.0))
     level = nested_cages(fine, 16, grid=SPACING, symmetry=mirror, clearance=CLEARANCE)[0]
-    assert note(level, "note.symmetry").data["difference"] == pytest.approx(0.0063, rel=1e-6)
+    moved = note(level, "note.symmetry").data
+    assert moved["on"] == "grid" and moved["difference"] == pytest.approx(0.0063, rel=1e-6)
     image = level.cage.vertices * (-1.0, 1.0) + (0.04, 0.0)
     assert np.abs(image[:, None] - level.cage.vertices).max(axis=2).min(axis=1).max() < 1e-15
 

@@ -8,7 +8,7 @@ import shapely
 
 from nestedcages_core import Mesh, NestingError, Within, check, inner_cages, nested_cages, verify
 from support.families import row, simple
-from support.judging import lies_within, note, rejected
+from support.judging import codes, lies_within, note, rejected
 from support.marks import slow_after
 from support.shapes import annulus, letter_a, polygon, ring, star
 
@@ -80,6 +80,7 @@ def test_the_bound_undercuts_every_cage_that_is_as_near(seed: int) -> None:
     near = farthest(cage, fine, 0.02) + 0.02
     level = nested_cages(fine, Within(distance=near))[0]
     assert level.report.fewest <= len(cage.vertices) and len(level.cage.vertices) <= len(cage.vertices) + 1
+    assert codes(level) == ["note.tolerance"]  # tightened, at the default clearance
 
 
 def around(count: int) -> float:

@@ -59,6 +59,12 @@ def test_equal_weights_are_none(made: Any, count: int) -> None:
     assert same == pytest.approx(plain, rel=0.02)
 
 
+def test_weights_that_differ_by_hundreds_do_not_lead_away() -> None:
+    fine = Mesh.from_loops([ring(80)])
+    level = nested_cages(fine, 5, weights=np.exp(3.0 * fine.vertices[:, 1]))[0]
+    assert certified(level) and level.excess < 1.0
+
+
 def test_of_two_alike_parts_the_heavy_one_gets_the_vertices() -> None:
     """Two discs far apart: of 16 vertices, shared in halves without weights."""
     fine = Mesh.from_loops([ring(80), ring(80) + np.array([9.0, 0.0])])

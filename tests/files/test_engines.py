@@ -277,6 +277,7 @@ def test_a_repainted_puppet_keeps_its_bones_and_keys(folder: Path, tmp_path: Pat
     command = ["puppet", "cat.ora", "-o", "cat.json", "cat.tscn", "--hidden", "--vertices", 12, "--keep", "kept.json"]
     done = run(*command, cwd=tmp_path)
     assert done.status == 0 and all(name in done.err for name in ("spots", "hat", "tail"))
+    assert len(done.err.splitlines()) == 4  # the fourth is the order
     after = json.loads((tmp_path / "kept.json").read_text())
     ends, then = rig_ends(before), rig_ends(after)
     kept = {name for name in ends if not name.startswith("spots")}
@@ -293,7 +294,7 @@ def test_a_repainted_puppet_keeps_its_bones_and_keys(folder: Path, tmp_path: Pat
     assert sum(line.endswith(':rotation")') for line in godot.animations["swing"].values()) == len(kept)
     assert sum(line.endswith(':position")') for line in godot.animations["swing"].values()) == 1
     again = run(*command, cwd=tmp_path)  # nothing has changed
-    assert again.status == 0
+    assert again.status == 0 and again.err == ""
     assert json.loads((tmp_path / "kept.json").read_text())["meshes"] == after["meshes"]
 
 

@@ -20,6 +20,7 @@ class Animator:
         assert bpy.ops.object.nested_cages_suggest_bones() == {"FINISHED"}
         self.bones = bpy.context.object.name
         self.rig()
+        self.move()
 
     @property
     def parts(self):
