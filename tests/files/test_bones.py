@@ -63,6 +63,8 @@ def test_rings_and_blobs_are_no_trouble() -> None:
     assert suggest_bones([ring(100), ring(100, 0.8)])
     assert suggest_bones(letter_a(6))
     assert suggest_bones([ring(3), ring(4) * np.array([0.05, 3.0]) + np.array([5.0, 0.0])])
+    elbow = Mesh.of(shapely.LineString([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0)]).buffer(0.4))
+    assert len(suggest_bones(elbow, Skeleton(long=100.0))) > 1  # it has a joint where it bends
 
 
 def test_a_cage_gets_vertices_on_both_sides_of_an_elbow_and_stays() -> None:
