@@ -48,8 +48,10 @@ def full_rows(groups: list[Rows], m: int) -> np.ndarray:
     return np.array(lines).reshape(-1, 2 * m)
 
 
-def random_program(seed: int, m: int = 7, counts: tuple[int, int, int] = (6, 9, 5)) -> QuadraticProgram:
-    """A strictly convex program over a ring of m vertices with a few far couplings."""
+def random_program(
+    seed: int, m: int = 7, counts: tuple[int, int, int] = (6, 9, 5), lacking: float = 0.0
+) -> QuadraticProgram:
+    """A strictly convex program over a ring of m vertices with a few far couplings; lacking: of each row at rest."""
     rng = np.random.default_rng(seed)
     ring = np.arange(m)
     diagonal = rng.normal(size=(m, 2, 2))
@@ -63,7 +65,7 @@ def random_program(seed: int, m: int = 7, counts: tuple[int, int, int] = (6, 9, 
         rng.normal(size=(m, 2)),
         hessian,
         random_rows(rng, m, counts),
-        rng.uniform(0.0, 0.2, sum(counts)),
+        rng.uniform(0.0, 0.2, sum(counts)) - lacking,
         rng.uniform(0.1, 1.0, m),
         turned_axes(m, np.zeros(m)),
     )
@@ -74,9 +76,9 @@ def objective(program: QuadraticProgram):
     return lambda d: G @ d + 0.5 * d @ W @ d, lambda d: G + W @ d
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_solution_is_that_of_an_independent_solver(seed: int) -> None:
-    program = random_program(seed)
+@pytest.mark.parametrize(("seed", "lacking"), [*((seed, 0.0) for seed in range(6)), (101, 0.19)])
+def test_solution_is_that_of_an_independent_solver(seed: int, lacking: float) -> None:
+    program = random_program(seed, lacking=lacking)
     m = len(program.radius)
     J, box = full_rows(program.rows, m), np.repeat(program.radius, 2)
     value, gradient = objective(program)
@@ -146,9 +148,7 @@ def test_larger_programs_meet_the_conditions_of_an_optimum(m: int, far: int) -> 
 
 
 def test_the_bounds_end_the_descent_of_an_indefinite_program() -> None:
-    ring = np.arange(4)
-    saddle = np.broadcast_to(np.diag([1.0, -1.0]), (4, 2, 2))
-    hessian = Blocks(ring, ring, saddle)
+    hessian = Blocks(np.arange(4), np.arange(4), np.broadcast_to(np.diag([1.0, -1.0]), (4, 2, 2)))
     program = QuadraticProgram(np.ones((4, 2)), hessian, [], np.zeros(0), np.full(4, 0.1), turned_axes(4, np.zeros(4)))
     solution = EXACT.solve(program)
     assert solution.converged
