@@ -1,6 +1,6 @@
-"""Exact orientation and crossing: a float filter, then double-double, then integers for what is left.
+"""Exact orientation and crossing: a float filter, then integers for what is left.
 
-Filters after J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates (1997).
+Filter after J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates (1997).
 """
 
 from __future__ import annotations
@@ -19,17 +19,11 @@ UNIT_ROUND_OFF = 2.0**-53
 FLOAT_BOUND = (3.0 + 16.0 * UNIT_ROUND_OFF) * UNIT_ROUND_OFF
 """Relative error of the 2x2 determinant of rounded differences (Shewchuk 1997, section 4.3, bound A)."""
 
-EXTENDED_BOUND = 40.0 * UNIT_ROUND_OFF**2
-"""Relative error of the determinant with first-order corrections; about 15 terms of one square each, doubled."""
-
-MIN_PRODUCT, MAX_PRODUCT = 1e-240, 1e240
-"""Products in this range, and their rounding errors, neither underflow nor overflow (double range 5e-324, 2e308)."""
+MIN_PRODUCT = 1e-240
+"""Products above this, and their rounding errors, do not underflow (a double does below 5e-324)."""
 
 MANTISSA_BITS = 53
 """Bits of the significand of a double."""
-
-SPLITTER = 2.0**27 + 1.0
-"""Splits a double into two halves of 26 bits (Dekker 1971)."""
 
 
 def orientation(a: FloatArray, b: FloatArray, c: FloatArray) -> Signs:
@@ -81,31 +75,7 @@ def _sign_by_signs(corners: FloatArray) -> Signs:
     sign: Signs = np.sign(left - right).astype(np.int8)
     hard = np.flatnonzero((left == right) & (left != 0))
     if len(hard):
-        sign[hard] = _sign_by_doubled(corners[:, hard])
-    return sign
-
-
-def _sign_by_doubled(corners: FloatArray) -> Signs:
-    """Sign for corners (6, K) in double-double: exact where the differences are, else certain above its own bound."""
-    ax, ay, bx, by, cx, cy = corners
-    (p, p_tail), (q, q_tail) = _difference(ax, cx), _difference(by, cy)
-    (r, r_tail), (s, s_tail) = _difference(ay, cy), _difference(bx, cx)
-    (left, left_tail), (right, right_tail) = _product(p, q), _product(r, s)
-    exact = (p_tail == 0) & (q_tail == 0) & (r_tail == 0) & (s_tail == 0)
-    in_order = np.where(left != right, np.sign(left - right), np.sign(left_tail - right_tail))
-    corrections = (p * q_tail + q * p_tail) - (r * s_tail + s * r_tail)
-    estimate = (left - right) + ((left_tail - right_tail) + corrections)
-    bound = EXTENDED_BOUND * (np.abs(left) + np.abs(right))
-    side = np.where(exact, in_order, np.sign(estimate))
-    certain = exact | (np.abs(estimate) > bound)
-    for product in (left, right):
-        certain &= (np.abs(product) > MIN_PRODUCT) & (np.abs(product) < MAX_PRODUCT)
-    for factor in (p, q, r, s):
-        certain &= np.abs(factor) < MAX_PRODUCT
-    sign: Signs = np.where(certain, side, 0.0).astype(np.int8)
-    open_ = np.flatnonzero(~certain)
-    if len(open_):
-        sign[open_] = _sign_by_integers(corners[:, open_])
+        sign[hard] = _sign_by_integers(corners[:, hard])
     return sign
 
 
@@ -123,22 +93,6 @@ def as_integers(numbers: FloatArray) -> tuple[AnyArray, IntArray]:
     least = exponent.min(axis=1).astype(np.int64)
     shift = exponent - least[:, None]
     return np.asarray(np.left_shift(whole, shift.astype(object)), dtype=object), least - MANTISSA_BITS
-
-
-def _difference(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """a - b as rounded difference and exact remainder (Knuth's two-sum)."""
-    difference = a - b
-    part = a - difference
-    return difference, (a - (difference + part)) + (part - b)
-
-
-def _product(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """a b as rounded product and exact remainder (Dekker 1971)."""
-    product = a * b
-    a_high = SPLITTER * a - (SPLITTER * a - a)
-    b_high = SPLITTER * b - (SPLITTER * b - b)
-    a_low, b_low = a - a_high, b - b_high
-    return product, a_low * b_low - (((product - a_high * b_high) - a_low * b_high) - a_high * b_low)
 
 
 def segments_intersect(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> BoolArray:
