@@ -64,7 +64,7 @@ def check(
     same_loops : bool or sequence of bool, optional
         Whether cages, or each of them, keep the loops of what they enclose. Where they need not, it must lie in them
         all the same, and `Verdict.lost` names filled holes and joined loops. Default: yes, unless a level's coarse mesh
-        did not or a moving cage has fewer than three vertices for each.
+        did not or a moving cage has other loops.
     inside : bool, optional
         Whether these are inner cages.
     grid : float, optional
@@ -101,7 +101,7 @@ def check(
             alike = loops[0] == loops[1] if asked is None else asked
         elif hasattr(level, "cage_steps") and asked is None:
             with suppress(ValueError):  # what is no shape is reported below
-                alike = len(cage.vertices) >= 3 * len(rings_of(within))
+                alike = sorted(Loops(cage).is_hole) == sorted(Loops(within).is_hole)
         found = faults_of_cage(*((within, cage) if inner else (cage, within)), wanted, alike is not False)
         if not found:
             lost += Loops(cage, within).lost() if alike is False and not inner else []

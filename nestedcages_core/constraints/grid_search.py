@@ -58,8 +58,9 @@ def put_on_grid(
     edge_cost: EdgeCost | None = None,
     rounds: int = MOST_ROUNDS,
     tick: Tick = no_tick,
-) -> FloatArray | None:
-    """(m, 2) grid points for the vertices of a cage around a fine mesh, or inside it; None if none were found.
+) -> tuple[FloatArray | None, BoolArray]:
+    """(m, 2) grid points for the vertices of a cage around a fine mesh, or inside it; None if none were found. And (m,)
+    the vertices at which edges have no place then.
 
     allowed: tells which edges may be; None: all. clearance: smallest distance to keep from the fine mesh, above 0, as
     in the coordinates of the meshes. edge_cost: what is minimised; None: the area. rounds: of improvements, at most;
@@ -71,9 +72,10 @@ def put_on_grid(
     while found is None:
         found, stuck = search.chosen(search.first_layers(np.take(REACHES, reach)))
         tick(0.25)
+        nowhere = stuck.copy()
         stuck &= reach < len(REACHES) - 1
         if found is None and not stuck.any():
-            return None
+            return None, nowhere
         reach += stuck
     reaches = list(AROUND if len(cage.vertices) > FEW else AROUND_FEW)
     for number in range(rounds):
@@ -86,7 +88,7 @@ def put_on_grid(
             found = better
         elif not (reaches := reaches[1:]):
             break
-    return grid.points(found)
+    return grid.points(found), nowhere
 
 
 @dataclass(frozen=True, eq=False)

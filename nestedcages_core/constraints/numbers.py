@@ -11,7 +11,7 @@ import numpy as np
 
 from ..energies.base import EdgeCost
 from ..errors import Fault, NestingError
-from ..geometry.arrays import FloatArray
+from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.lattice import Grid, as_stored
 from ..geometry.mesh import Mesh
 from ..geometry.precision import MOST_ROUNDS
@@ -98,11 +98,14 @@ class Numbers(Constraint):
         allowed: Allowed | None,
         cost: EdgeCost | None,
         tick: Tick = no_tick,
-    ) -> FloatArray | None:
-        """(m, 2) multiples of least cost, searched around the cage; None if none are found. Else its vertices."""
+    ) -> tuple[FloatArray | None, BoolArray]:
+        """(m, 2) multiples of least cost, searched around the cage; None if none are found. Else its vertices.
+
+        And (m,) the vertices at which edges have no place.
+        """
         if self.lattice is None:
-            return self.nearest(cage.vertices)
-        found = put_on_grid(
+            return self.nearest(cage.vertices), np.zeros(len(cage.vertices), bool)
+        found, stuck = put_on_grid(
             cage,
             fine,
             self.lattice,
@@ -113,7 +116,7 @@ class Numbers(Constraint):
             rounds=self.rounds,
             tick=tick,
         )
-        return None if found is None else as_stored(found, self.stored)
+        return None if found is None else as_stored(found, self.stored), stuck
 
     def hasty(self) -> Numbers:
         """The same, on which places are not improved once there are some."""

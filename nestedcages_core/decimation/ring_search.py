@@ -25,7 +25,7 @@ SUPPORTING = 1e6
 CORNERS = 32
 """Directions whose extreme vertices tell that."""
 
-CHEAP_WORK = 3e5
+CHEAP_WORK = 1e6
 """Turns times lines of the cage up to which there is time for one more search."""
 
 MAX_ACROSS, MAX_MORE = 4, 6

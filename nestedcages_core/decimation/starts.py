@@ -24,7 +24,7 @@ from ..progress import Tick, no_tick
 from .base import MIN_PER_LOOP, NOTHING_KEPT, Kept, Start
 from .cycle_search import Tables
 from .line_cycles import LineCycles, least_areas
-from .loop_sequence import LoopSequence, filled
+from .loop_sequence import LoopSequence, empty_holes, filled
 from .offset import WIDE, is_round, is_wide, rounded_offset
 from .problem import canonical_order
 from .sampling import NormalFrame
@@ -131,6 +131,9 @@ class Outlines:
         best = [(start.coarse.area, k) for k in range(min(BUILT, len(order))) if (start := self._start(order[k]))]
         yield from (order[k] for _, k in sorted(best))
         yield from order[BUILT:]
+        for outline in order[:1]:
+            holes = sorted(empty_holes(outline), key=np.abs(outline.loop_areas).__getitem__)
+            yield from (filled(outline, holes[:k]) for k in _spread(1, len(holes) - 1, FURTHER) if k < len(holes))
         yield from (sequence.without_holes(k) for k in _spread(fits[0], fits[-1], FURTHER))
 
     def _by_estimate(self, first: int, last: int) -> list[Mesh]:

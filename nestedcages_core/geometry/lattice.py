@@ -63,5 +63,6 @@ class Grid:
 
 
 def as_stored(points: FloatArray, stored: str | None) -> FloatArray:
-    """Points (..., 2) as a type of numpy holds them; None: as they are."""
-    return points if stored is None else points.astype(stored).astype(np.float64)
+    """Points (..., 2) as a type of numpy holds them, infinite beyond it; None: as they are."""
+    with np.errstate(over="ignore"):
+        return points if stored is None else points.astype(stored).astype(np.float64)

@@ -16,6 +16,7 @@ from ..energies import Energy
 from ..energies.base import EdgeCost
 from ..errors import Fault, NestingError, note
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.edge_removal import without_edges
 from ..geometry.group import Orbits, orbits_of
 from ..geometry.mesh import Mesh
 from ..progress import Tick, no_tick
@@ -39,6 +40,10 @@ ROOMS = (0.8, 64.0)
 PUSHES = (0.5, 1.0, 2.0, 4.0)
 """Spacings by which the cage is pushed outwards, tried in turn, where its straight motion to the numbers meets the fine
 mesh."""
+
+
+FEWER = 0.1
+"""Part of the vertices, at most, that a cage loses at once where edges have no place."""
 
 
 class UnsettledError(NestingError):
@@ -126,7 +131,13 @@ def _moved(
     resting: Verdict | None = None
     missed: Fault | None = None
     spacing = plan.numbers.spacing
-    for points in placements(plan, energy, path.cage, report.wanted_clearance, tick=watch.tick("grid")):
+    places, stuck = placements(plan, energy, path.cage, report.wanted_clearance, tick=watch.tick("grid"))
+    if not places and stuck.any() and len(plan.constraints) == 1:
+        count = len(stuck)
+        fewer = without_edges(path.cage, stuck | stuck[path.cage.successor], max(1.0, FEWER * count), plan.side)
+        if fewer is not None:
+            return _moved(plan, energy, Path.at_rest(plan.fine, fewer), report, watch)
+    for points in places:
         moved = path.coarse.moved(points)
         mended = plan.mended(moved)
         if mended is not None:
@@ -149,8 +160,11 @@ def _moved(
     return certify(resting, Path.at_rest(plan.fine, resting.cage), report), None
 
 
-def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float, *, tick: Tick = no_tick) -> list[FloatArray]:
-    """Vertices (m, 2) on the numbers of a plan for a cage, of least energy, at a clearance that they may miss.
+def placements(
+    plan: Plan, energy: Energy, cage: Mesh, wanted: float, *, tick: Tick = no_tick
+) -> tuple[list[FloatArray], BoolArray]:
+    """Vertices (m, 2) on the numbers of a plan for a cage, of least energy, at a clearance that they may miss; and (m,)
+    those at which edges have no place.
 
     With a symmetry, those of each sector with their images: one to verify after the other.
     """
@@ -166,13 +180,16 @@ def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float, *, tick: T
         return np.asarray(np.all([bound.allowed(vertex, *ends) for bound in bounds], axis=0))
 
     cost = _edge_cost(plan, energy, unit_cage, units)
-    vertices = numbers.settled(cage, plan.outline.mesh, clearance, plan.side, allowed if bounds else None, cost, tick)
+    vertices, stuck = numbers.settled(
+        cage, plan.outline.mesh, clearance, plan.side, allowed if bounds else None, cost, tick
+    )
     if vertices is None or group is None:
-        return [] if vertices is None else [vertices]
+        return ([] if vertices is None else [vertices]), stuck
     orbits = orbits_of(cage, group)
     if orbits is None:
-        return []
-    return [numbers.nearest(_from_sector(numbers.exact(vertices), orbits, k)) for k in range(group.order)]
+        return [], stuck
+    points = numbers.exact(vertices)
+    return [numbers.nearest(_from_sector(points, orbits, k)) for k in range(group.order)], stuck
 
 
 def _edge_cost(plan: Plan, energy: Energy, unit_cage: Mesh, units: SolverUnits) -> EdgeCost | None:

@@ -154,7 +154,7 @@ class Follower:
         """The first cage (m, 2) searched on the grid that keeps the clearance; where there is none, rounding does."""
         plan, mesh = self.promises.plan_at(self._pose(fine)), self.topology.moved(self.units.to_input(cage))
         wanted = self.clearance * self.units.scale - self.promises.room
-        for points in placements(plan, self.promises.settings.energy, mesh, wanted):
+        for points in placements(plan, self.promises.settings.energy, mesh, wanted)[0]:
             if judge(plan, mesh.moved(points), wanted):
                 return [self.units.points(points)]
         return []

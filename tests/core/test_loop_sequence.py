@@ -138,7 +138,7 @@ VALLEYS = [
     (rings, 6, "edge", (40, 55, 75)),
     (scattered, 0, "edge", (55, 75)),
     (plate, 5, "grid", (8, 17, 40, 100)),
-    (rings, 8, "grid", (40, 55, 100)),
+    (row, 5, "grid", (24, 55)),
     (rings, 7, "edge", (55, 75)),
 ]
 """More vertices than a grid or a least edge has a use for."""
