@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import InvalidMeshError
 from .arrays import BoolArray, FloatArray
 from .mesh import Mesh
+from .precision import MOST_ROUNDS
 from .vectors import cross
 
 
@@ -30,10 +31,10 @@ class _Removal(NamedTuple):
     """(2,) where that end comes to lie."""
 
 
-def without_edges(mesh: Mesh, edges: BoolArray, most: float = np.inf, side: int = 1) -> Mesh | None:
+def without_edges(mesh: Mesh, edges: BoolArray, most: int, side: int = 1) -> Mesh | None:
     """The mesh without some of its edges (m,), named by their starts: those that add the least area.
 
-    At most so many go together, and of edges in a row every third; where the rest would cross, one alone. side: 1 for a
+    At most so many go together, and of edges in a row every third; where they would cross others, fewer. side: 1 for a
     mesh that grows, -1 for one that shrinks. Each ring keeps three vertices. None if no edge can go.
     """
     rings = [mesh.vertices[loop] for loop in mesh.loops]
@@ -46,9 +47,10 @@ def without_edges(mesh: Mesh, edges: BoolArray, most: float = np.inf, side: int 
         if len(together) < most and not near[each.loop][around].any():
             near[each.loop][around] = True
             together.append(each)
-    for some in (together, *([each] for each in found)):
+    for some in (together, together[: len(together) // 2], *([each] for each in found[:MOST_ROUNDS])):
         with suppress(InvalidMeshError):
-            return _without(rings, some) if some else None
+            if some:
+                return _without(rings, some)
     return None
 
 

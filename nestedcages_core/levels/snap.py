@@ -19,6 +19,7 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.edge_removal import without_edges
 from ..geometry.group import Orbits, orbits_of
 from ..geometry.mesh import Mesh
+from ..geometry.precision import MOST_STEPS
 from ..progress import Tick, no_tick
 from ..tightening.reach_clearance import shift_edges
 from .certify import Path, Verdict, certify, judge
@@ -131,12 +132,15 @@ def _moved(
     resting: Verdict | None = None
     missed: Fault | None = None
     spacing = plan.numbers.spacing
-    places, stuck = placements(plan, energy, path.cage, report.wanted_clearance, tick=watch.tick("grid"))
-    if not places and stuck.any() and len(plan.constraints) == 1:
-        count = len(stuck)
-        fewer = without_edges(path.cage, stuck | stuck[path.cage.successor], max(1.0, FEWER * count), plan.side)
-        if fewer is not None:
-            return _moved(plan, energy, Path.at_rest(plan.fine, fewer), report, watch)
+    for _ in range(MOST_STEPS):
+        places, stuck = placements(plan, energy, path.cage, report.wanted_clearance, tick=watch.tick("grid"))
+        if places or not stuck.any() or len(plan.constraints) > 1:
+            break
+        at, most = stuck | stuck[path.cage.successor], max(1, int(FEWER * len(stuck)))
+        fewer = without_edges(path.cage, at, most, plan.side)
+        if fewer is None:
+            break
+        path = Path.at_rest(plan.fine, fewer)
     for points in places:
         moved = path.coarse.moved(points)
         mended = plan.mended(moved)
