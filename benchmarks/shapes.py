@@ -64,15 +64,16 @@ def koch(depth: int = 4) -> Mesh:
     return Mesh.from_loops([loop])
 
 
-def glyph(character: str, per_curve: int = 12, family: str = "DejaVu Sans") -> Mesh:
-    """A letter of a font that comes with matplotlib."""
+def glyph(character: str, per_curve: int = 12, family: str = "DejaVu Sans", style: str = "normal") -> Mesh:
+    """A letter of a font that comes with matplotlib; style: "normal", "bold" or "oblique"."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.path import Path as Outline
     from matplotlib.textpath import TextPath
 
     t = np.arange(1, per_curve + 1)[:, None] / per_curve
     loops: list[list[Points]] = []
-    drawn = TextPath((0, 0), character, size=2.0, prop=FontProperties(family=family))
+    font = FontProperties(family, weight="bold") if style == "bold" else FontProperties(family, style)
+    drawn = TextPath((0, 0), character, size=2.0, prop=font)
     for values, code in drawn.iter_segments(curves=True, simplify=False):
         points = values.reshape(-1, 2)
         if code == Outline.MOVETO:
