@@ -244,7 +244,7 @@ def judged(seed: int) -> tuple[int, str, str, str]:
         made,
         given.get("clearance"),
         grid=given.get("grid"),
-        symmetry=None if isinstance(symmetry, core.DetectSymmetry) else symmetry,
+        symmetry=None if isinstance(symmetry, core.DetectSymmetry) or "stored" in given else symmetry,
         distance=getattr(which[0], "distance", None),
     )
     faults = [*map(str, found.problems)]
@@ -309,7 +309,9 @@ def judged_motion(seed: int) -> tuple[int, str, str, str]:
         made = animated_cages(fine, poses, counts, cyclic=bool(random.random() < 0.3), **given)
     except NestedCagesError as error:
         return 0, error.code or f"{FAILED}: an error without a code", "", what
-    return sum(len(level.times) for level in made.levels), "", "; ".join(map(str, check(fine, made).problems)), what
+    alike = None if given.get("loops") == "keep" else False  # parts may share a loop
+    fault = "; ".join(map(str, check(fine, made, given.get("clearance"), same_loops=alike).problems))
+    return sum(len(level.times) for level in made.levels), "", fault, what
 
 
 def judged_levels(options: Options) -> str:
