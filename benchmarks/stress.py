@@ -266,7 +266,7 @@ def wishes_missed(fine: Mesh, level: Any, which: list[Any], given: dict[str, Any
         faults.append(f"an excess of {cage.area / fine.area - 1.0:.6g}")
     if given.get("convex") and not level.inside and not all(map(turns_left, rings)):
         faults.append("not convex")
-    if given.get("loops") == "one" and len(rings) > 1:
+    if given.get("loops") == "one" and numbers and not level.inside and len(rings) > 1:
         faults.append(f"{len(rings)} loops")
     for constraint in given.get("constraints", ()):
         if isinstance(constraint, core.Box):
