@@ -94,7 +94,7 @@ def test_all_pages(hold: Callable[[Path], None]) -> None:
 
 
 def test_the_architecture_names_files_that_are_there() -> None:
-    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    text = "".join((ROOT / "docs" / page).read_text(encoding="utf-8") for page in ("architecture.md", "method.md"))
     published = ROOT / "nestedcages_core" / "published"
     named = re.findall(r"`([\w/]+(?:/|\.py))`", text)
     assert len(named) > 40
