@@ -95,10 +95,10 @@ def test_all_pages(hold: Callable[[Path], None]) -> None:
 
 def test_the_architecture_names_files_that_are_there() -> None:
     text = "".join((ROOT / "docs" / page).read_text(encoding="utf-8") for page in ("architecture.md", "method.md"))
-    published = ROOT / "nestedcages_core" / "published"
+    core = ROOT / "nestedcages_core"
     named = re.findall(r"`([\w/]+(?:/|\.py))`", text)
     assert len(named) > 40
-    folders = (ROOT, ROOT / "nestedcages_core", published)
+    folders = (ROOT, core, core / "published", core / "levels")
     assert [name for name in named if not any((folder / name).exists() for folder in folders)] == []
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     tests = {path.name for path in (ROOT / "tests").rglob("test_*.py")}
