@@ -133,7 +133,7 @@ class Outlines:
         yield from order[BUILT:]
         for outline in order[:1]:
             holes = sorted(empty_holes(outline), key=np.abs(outline.loop_areas).__getitem__)
-            yield from (filled(outline, holes[:k]) for k in _spread(1, len(holes) - 1, FURTHER) if k < len(holes))
+            yield from (filled(outline, holes[:k]) for k in _spread(1, len(holes) - 1, FURTHER) if 0 < k < len(holes))
         yield from (sequence.without_holes(k) for k in _spread(fits[0], fits[-1], FURTHER))
 
     def _by_estimate(self, first: int, last: int) -> list[Mesh]:

@@ -199,8 +199,11 @@ class _Levels(NamedTuple):
                 target = target.after(error)  # more vertices each time, and at most those of the mesh
         notes = (*self.asked.notes, *level.report.notes, *(target.notes() if isinstance(target, Rising) else ()))
         count = len(level.cage.vertices)
-        if isinstance(target, int) and count < target and not any(each.code == "note.count" for each in notes):
-            notes += (note("note.count", on="fewer", asked=int(target), given=count),)
+        asked = (
+            len(target.vertices) if isinstance(target, Mesh) else count if isinstance(target, Within) else int(target)
+        )
+        if count < asked and not any(each.code == "note.count" for each in notes):
+            notes += (note("note.count", on="fewer", asked=asked, given=count),)
         return replace(level, report=replace(level.report, notes=(*notes, *watch.note)))
 
 

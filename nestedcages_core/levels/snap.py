@@ -42,7 +42,6 @@ PUSHES = (0.5, 1.0, 2.0, 4.0)
 """Spacings by which the cage is pushed outwards, tried in turn, where its straight motion to the numbers meets the fine
 mesh."""
 
-
 FEWER = 0.1
 """Part of the vertices, at most, that a cage loses at once where edges have no place."""
 
