@@ -229,7 +229,7 @@ def json_of(context: Context, cage_set: CageSet, *, flip_y: bool, frames: bool) 
     weights /= weights.sum(axis=1, keepdims=True)
     poses = tuple(_poses(context, fine, cage)) if frames else ()
     character = core.character.Character(shape, around, bones, weights, coordinates, triangles, poses)
-    return core.exchange.character_to_engine_json(character, flip_y=0.0 if flip_y else None)
+    return core.formats.character_to_engine_json(character, flip_y=0.0 if flip_y else None)
 
 
 def _poses(context: Context, fine: Object, cage: Object) -> Iterator[core.character.Pose]:

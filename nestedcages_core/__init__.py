@@ -81,13 +81,13 @@ if TYPE_CHECKING:
     from .energies.choices import StepDisplacement as StepDisplacement
     from .energies.no_energy import NoEnergy as NoEnergy
     from .energies.weighted_sum import WeightedSum as WeightedSum
-    from .exchange import Coverage as Coverage
-    from .exchange import Feature as Feature
-    from .exchange import Limits as Limits
-    from .exchange import character_to_engine_json as character_to_engine_json
-    from .exchange import convex_pieces as convex_pieces
-    from .exchange import coverage_cages as coverage_cages
-    from .exchange import (
+    from .formats import Coverage as Coverage
+    from .formats import Feature as Feature
+    from .formats import Limits as Limits
+    from .formats import character_to_engine_json as character_to_engine_json
+    from .formats import convex_pieces as convex_pieces
+    from .formats import coverage_cages as coverage_cages
+    from .formats import (
         features_from_geojson,
         from_geojson,
         from_svg,
@@ -100,18 +100,18 @@ if TYPE_CHECKING:
         write_geojson,
         write_svg,
     )
-    from .exchange import frames_to_engine_json as frames_to_engine_json
-    from .exchange import from_engine_json as from_engine_json
-    from .exchange import is_engine_json as is_engine_json
-    from .exchange import joined as joined
-    from .exchange import read_map as read_map
-    from .exchange import read_svg_drawing as read_svg_drawing
-    from .exchange import svg_drawing as svg_drawing
-    from .exchange.pictures import alpha_channel as alpha_channel
-    from .exchange.pictures import boundary_of_pixels as boundary_of_pixels
-    from .exchange.pictures import collision_outline, read_png
-    from .exchange.puppet_parts import puppet_parts as puppet_parts
-    from .exchange.swept import swept
+    from .formats import frames_to_engine_json as frames_to_engine_json
+    from .formats import from_engine_json as from_engine_json
+    from .formats import is_engine_json as is_engine_json
+    from .formats import joined as joined
+    from .formats import read_map as read_map
+    from .formats import read_svg_drawing as read_svg_drawing
+    from .formats import svg_drawing as svg_drawing
+    from .formats.pictures import alpha_channel as alpha_channel
+    from .formats.pictures import boundary_of_pixels as boundary_of_pixels
+    from .formats.pictures import collision_outline, read_png
+    from .formats.swept import swept
+    from .game.drawn_parts import puppet_parts as puppet_parts
     from .geometry.symmetry import DetectSymmetry as DetectSymmetry
     from .geometry.symmetry import Mirror as Mirror
     from .geometry.symmetry import Rotation as Rotation
@@ -224,15 +224,15 @@ _LATER = {
     "constraints.loop_clearance": "LoopClearance",
     "constraints.outside": "Outside",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
-    "exchange": (
+    "formats": (
         "Coverage Feature Limits character_to_engine_json convex_pieces coverage_cages features_from_geojson "
         "frames_to_engine_json from_engine_json from_geojson from_svg is_engine_json joined read_geojson "
         "read_map read_svg read_svg_drawing svg_drawing to_engine_json to_geojson to_svg write_engine_json "
         "write_geojson write_svg"
     ),
-    "exchange.puppet_parts": "puppet_parts",
-    "exchange.swept": "swept",
-    "exchange.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
+    "game.drawn_parts": "puppet_parts",
+    "formats.swept": "swept",
+    "formats.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
     "levels.check_constraint": "check_constraint",
     "levels.check_decimation": "check_decimation",
     "levels.check_energy": "check_energy",
@@ -249,7 +249,7 @@ _LATER = {
 if not TYPE_CHECKING:  # a type checker would then take any name for one of the package
     __getattr__ = imported_later(__name__, _LATER)
 
-Drawable.exchange = staticmethod(lambda name: import_module(f".exchange.{name}", __name__))
+Drawable.formats = staticmethod(lambda name: import_module(f".formats.{name}", __name__))
 
 
 def __dir__() -> list[str]:

@@ -20,7 +20,7 @@ from markdown_it import MarkdownIt
 from markdown_it.token import Token
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = ("docs/guide/*.md", "docs/exchange.md")
+PAGES = ("docs/guide/*.md", "docs/formats.md")
 """What becomes a page, at the same place below the output folder; ``docs/guide/README.md`` is where they begin."""
 
 STYLE = """

@@ -60,7 +60,7 @@ def runs(poses: Poses) -> list[int]:
 def in_one(poses: Poses) -> Poses:
     """All drawings as one that stands still."""
     shown = [poses.redrawn[number] for number in runs(poses)]
-    areas = [core.exchange.Painted(drawing.loops, evenodd=True) for drawing in shown]
+    areas = [core.formats.Painted(drawing.loops, evenodd=True) for drawing in shown]
     whole = replace(shown[0], loops=united(shown[0].name, areas), united=True)
     points = np.concatenate(whole.loops)
     return replace(poses, drawing=whole, frames=poses.frames[[0, -1]], points=np.stack([points, points]))

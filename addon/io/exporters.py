@@ -160,18 +160,18 @@ def write(
     flip_y: y pointing down as in pictures. `levels` and `size`: as of ``to_svg``; `triangles` and `pieces`: as of
     ``to_engine_json``.
     """
-    exchange, turn = core.exchange, (1.0, -1.0 if flip_y else 1.0)
+    formats, turn = core.formats, (1.0, -1.0 if flip_y else 1.0)
     turned = {name: core.Mesh(mesh.vertices * turn + 0.0, mesh.edges) for name, mesh in shapes.items()}
     with blamed(f"'{path.name}' cannot be written"):
         if kind == "SVG":
-            text = exchange.to_svg(turned, levels=levels, size=size)
+            text = formats.to_svg(turned, levels=levels, size=size)
         elif kind == "GEOJSON":
-            features = [exchange.Feature(mesh, {"name": name, keys.Y_DOWN: flip_y}) for name, mesh in turned.items()]
-            text = exchange.to_geojson(features)
+            features = [formats.Feature(mesh, {"name": name, keys.Y_DOWN: flip_y}) for name, mesh in turned.items()]
+            text = formats.to_geojson(features)
         else:
             options: Any = {"flip_y": 0.0 if flip_y else None, "triangles": triangles, "pieces": pieces}
-            text = json.dumps(exchange.engine_json.engine_document(list(shapes.values()), **options), allow_nan=False)
-        exchange.write_whole(path, text)
+            text = json.dumps(formats.engine_json.engine_document(list(shapes.values()), **options), allow_nan=False)
+        formats.write_whole(path, text)
 
 
 # Kinds of rigid bodies: static pieces, and one moving body per cage, made of its pieces.
@@ -194,7 +194,7 @@ def make_pieces(
         drawing = convert.fine_drawing(convert.read(context, obj))
         mesh = drawing.mesh()
         with blamed(f"'{drawing.name}'"):
-            made_of = partial(core.exchange.piece_vertices, mesh, most)
+            made_of = partial(core.formats.piece_vertices, mesh, most)
             tiles.append((drawing, mesh, remembered(made_of, mesh.vertices.nbytes, "pieces", mesh, most)))
     made = [_write(context, obj, each, height, body) for obj, each in zip(objects, tiles, strict=True)]
     for obj, group in zip(objects, made, strict=True) if body else ():

@@ -47,18 +47,18 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], tuple[st
 
     outlines: of an SVG, "ONE" of everything, "SEVERAL" of each shape, or "AUTO", several of exported cages.
     """
-    exchange, ending = core.exchange, path.suffix.lower()
+    formats, ending = core.formats, path.suffix.lower()
     if path.exists() and ending not in (*SVG, *MAPS):
         raise UserError(f"'{path.name}' is not a supported file type: choose .svg, .geojson, .json, .psd, .ora or .kra")
     content = content_of(path)
     with blamed(f"'{path.name}' cannot be read"):
         if ending in SVG:
-            drawing = exchange.svg_drawing(content, each=EACH[outlines])
+            drawing = formats.svg_drawing(content, each=EACH[outlines])
             scale, ours = EXPORTED if drawing.written else PIXEL, drawing.written
             return [Shape(name or path.stem, mesh, True, scale, ours) for name, mesh in drawing.shapes], drawing.notes
-        if exchange.is_engine_json(content):
-            return [Shape(path.stem, exchange.from_engine_json(content), True, EXPORTED)], ()
-        table = exchange.read_map(content)
+        if formats.is_engine_json(content):
+            return [Shape(path.stem, formats.from_engine_json(content), True, EXPORTED)], ()
+        table = formats.read_map(content)
     notes = (*table.refused, *table.notes)
     if not table.features:
         raise UserError(". ".join((f"'{path.name}' has no polygons", *notes)))
@@ -79,7 +79,7 @@ def content_of(path: Path) -> bytes:
     if not path.exists():
         raise UserError(f"There is no file '{path}'")
     with blamed(f"'{path.name}' cannot be read"):
-        return core.exchange.read_whole(path, core.exchange.Limits())
+        return core.formats.read_whole(path, core.formats.Limits())
 
 
 def place(context: Context, shapes: list[Shape], *, y_down: bool | None, scale: float) -> Work[list[Object]]:

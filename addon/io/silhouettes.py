@@ -67,7 +67,7 @@ def painted_loops(
     strokes: with the width of strokes; closed: closed ones are areas too. fill_holes: without holes. gap: parts closer
     than this length of the scene are joined.
     """
-    areas: list[core.exchange.Painted] = []
+    areas: list[core.formats.Painted] = []
     problems: list[UserError] = []
     for done, obj in enumerate(objects):
         yield Progress(0.5 * done / len(objects), f"reading '{obj.name}'")
@@ -82,12 +82,12 @@ def painted_loops(
     yield Progress(0.5, "uniting painted areas")
     loops = united(name, areas)
     if gap > 0.0:
-        mesh = core.exchange.joined(core.Mesh.from_loops(loops), gap / frame.scale)
-        loops = united(name, [core.exchange.Painted([mesh.vertices[loop] for loop in mesh.loops], evenodd=True)])
+        mesh = core.formats.joined(core.Mesh.from_loops(loops), gap / frame.scale)
+        loops = united(name, [core.formats.Painted([mesh.vertices[loop] for loop in mesh.loops], evenodd=True)])
     if fill_holes:
         mesh = core.Mesh.from_loops(loops)
         outer = [mesh.vertices[loop] for loop, sign in zip(mesh.loops, mesh.loop_signs, strict=True) if sign > 0]
-        loops = united(name, [core.exchange.Painted([loop]) for loop in outer])
+        loops = united(name, [core.formats.Painted([loop]) for loop in outer])
     return loops, problems
 
 

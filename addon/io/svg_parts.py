@@ -28,7 +28,7 @@ Materials = dict[tuple[str, tuple[float, ...]], bpy.types.Material]
 Paint: TypeAlias = "tuple[str, tuple[float, ...], core.Mesh]"
 
 
-def read(path: Path, outlines: str) -> tuple[tuple[core.exchange.SvgPart, ...], tuple[str, ...]]:
+def read(path: Path, outlines: str) -> tuple[tuple[core.formats.SvgPart, ...], tuple[str, ...]]:
     """The parts of a layered SVG, the lowest first, and notes on what was left out. Raises: UserError.
 
     outlines: "PARTS" or "PUPPET", which leaves out the background, or "AUTO" for none of exported cages and of drawings
@@ -39,14 +39,14 @@ def read(path: Path, outlines: str) -> tuple[tuple[core.exchange.SvgPart, ...], 
         return (), ()
     content = content_of(path)
     with blamed(f"'{path.name}' cannot be read"):
-        if automatic and core.exchange.is_written_svg(content):
+        if automatic and core.formats.is_written_svg(content):
             return (), ()
-        parts, notes = core.exchange.svg_parts(content, background=outlines != "PUPPET")
+        parts, notes = core.formats.svg_parts(content, background=outlines != "PUPPET")
     return ((), ()) if automatic and len(parts) < 2 else (parts, notes)
 
 
 def place(
-    context: Context, title: str, parts: tuple[core.exchange.SvgPart, ...], *, y_down: bool, scale: float
+    context: Context, title: str, parts: tuple[core.formats.SvgPart, ...], *, y_down: bool, scale: float
 ) -> Work[list[Object]]:
     """New objects, each around its own centre and above the one before, in a collection per group. Raises: UserError.
 
@@ -56,7 +56,7 @@ def place(
     turn = np.array((scale, -scale if y_down else scale))
     own = [np.concatenate([mesh.vertices for mesh in (part.fill, part.stroke) if mesh]) * turn for part in parts]
     extent = size(np.concatenate(own))
-    made: list[tuple[core.exchange.SvgPart, FloatArray, list[Paint]]] = []
+    made: list[tuple[core.formats.SvgPart, FloatArray, list[Paint]]] = []
     for part, points in zip(parts, own, strict=True):
         yield Progress(0.5 + 0.5 * len(made) / len(parts), f"placing '{part.name}'")
         middle, paints = middle_of(points), []

@@ -363,7 +363,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
             raise UserError("Select one rigged drawing, or its cage: a file has one character")
         text = characters.json_of(context, outputs[0], flip_y=self.flip_y, frames=self.frames)
         with blamed(f"'{path.name}' cannot be written"):
-            core.exchange.write_whole(path, text)
+            core.formats.write_whole(path, text)
         self.report({"INFO"}, f"'{outputs[0].name}' written to {path.name}")
 
 

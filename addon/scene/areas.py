@@ -25,7 +25,7 @@ SOLID = {"MESH", "CURVE", "FONT", "SURFACE", "META"}
 
 def areas_of(
     context: Context, obj: Object, frame: Frame, *, strokes: bool = True, closed: bool = False
-) -> list[core.exchange.Painted]:
+) -> list[core.formats.Painted]:
     """All that an object paints, its instances included, as float32 shapes in a frame. Raises: UserError if nothing.
 
     strokes: with the width of Grease Pencil strokes; closed: closed strokes are areas too, even if not filled.
@@ -34,7 +34,7 @@ def areas_of(
         counts = grease_pencil.Counts(strokes, closed or not strokes)
         areas = grease_pencil.Painting.of(context, obj).areas(frame, counts)
     else:
-        areas, depsgraph = list[core.exchange.Painted](), context.evaluated_depsgraph_get()
+        areas, depsgraph = list[core.formats.Painted](), context.evaluated_depsgraph_get()
         if obj.type in SOLID:  # faces, those of instances included, and the inside of closed lines
             areas += _faces(obj.evaluated_get(depsgraph), world_matrix(obj), frame)
             if has_nodes(obj):
@@ -46,7 +46,7 @@ def areas_of(
         if obj.type in {"FONT", "CURVES"}:  # hair, and texts, whose faces may omit overlaps
             outline = read(context, obj)
             world = (transform(outline.matrix, loop.astype(np.float64)) for loop in outline.loops)
-            areas.append(core.exchange.Painted([_seen(frame, loop) for loop in world], obj.type != "FONT"))
+            areas.append(core.formats.Painted([_seen(frame, loop) for loop in world], obj.type != "FONT"))
     if not areas:
         raise UserError(
             f"'{obj.name}' has no silhouette: it has neither faces nor closed lines nor strokes with a width"
@@ -69,7 +69,7 @@ def _seen(frame: Frame, points: FloatArray) -> FloatArray:
     return frame.from_world(points)[0].astype(np.float32).astype(np.float64)
 
 
-def _instances(context: Context, obj: Object, frame: Frame) -> Iterator[core.exchange.Painted]:
+def _instances(context: Context, obj: Object, frame: Frame) -> Iterator[core.formats.Painted]:
     """The areas of what an object instances: a collection, or its children on its vertices or faces."""
     for instance in context.evaluated_depsgraph_get().object_instances if obj.instance_type != "NONE" else ():
         if instance.is_instance and instance.parent is not None and instance.parent.original == obj:
@@ -79,7 +79,7 @@ def _instances(context: Context, obj: Object, frame: Frame) -> Iterator[core.exc
                 yield from _faces(shown, np.array(instance.matrix_world, dtype=np.float64), frame)
 
 
-def _faces(evaluated: Object, matrix: FloatArray, frame: Frame) -> Iterator[core.exchange.Painted]:
+def _faces(evaluated: Object, matrix: FloatArray, frame: Frame) -> Iterator[core.formats.Painted]:
     with evaluated_mesh(evaluated) as mesh:
         if mesh is None:
             return
@@ -87,10 +87,10 @@ def _faces(evaluated: Object, matrix: FloatArray, frame: Frame) -> Iterator[core
         points, lone = points_of(mesh), loop_edges(mesh, 0)
         triangles = stored(mesh.loop_triangles, "vertices", 3, np.int32)
     flat = _seen(frame, transform(matrix, points))
-    yield from (core.exchange.Painted([triangle]) for triangle in flat[triangles])
+    yield from (core.formats.Painted([triangle]) for triangle in flat[triangles])
     loops = [flat[loop] for loop in chains(lone, len(points)).closed if len(loop) >= SMALLEST_LOOP]
     if loops:
-        yield core.exchange.Painted(loops, evenodd=True)
+        yield core.formats.Painted(loops, evenodd=True)
 
 
 def painted(

@@ -230,7 +230,7 @@ def joined(drawing: Drawing, others: Sequence[Drawing]) -> Drawing:
     # Each part by itself, which names the one that has a fault. A line inside another part is a hole, a face is not.
     nested = area < (1.0 - NESTED_PART) * sum(part.mesh().area for part in parts)
     if not area or (nested and any(part.filled for part in others)):
-        loops = united(drawing.name, [core.exchange.Painted(part.loops, evenodd=True) for part in parts])
+        loops = united(drawing.name, [core.formats.Painted(part.loops, evenodd=True) for part in parts])
         return replace(whole, loops=loops, united=True)
     return whole
 

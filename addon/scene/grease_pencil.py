@@ -138,36 +138,36 @@ class Painting:
         heights = [frame.from_world(transform(self.matrix, _points(layer)))[1] for layer in self.parts]
         return max(float(np.abs(height - np.median(height)).max()) for height in heights)
 
-    def areas(self, frame: Frame, counts: Counts) -> list[core.exchange.Painted]:
+    def areas(self, frame: Frame, counts: Counts) -> list[core.formats.Painted]:
         """What shows, seen in a frame, as float32 values. Raises: UserError if nothing does."""
         extent = size(self._seen(frame, np.concatenate([_points(layer) for layer in self.parts])))
         named = {layer.name: layer for layer in self.layers}
-        found: list[core.exchange.Painted] = []
+        found: list[core.formats.Painted] = []
         for layer in self.parts:
             shown = self._painted(layer, frame, counts, extent)
             masks = [(named[name], hides) for name, hides in layer.masks if name in named and not named[name].hidden]
-            inside: list[core.exchange.Painted] = []
+            inside: list[core.formats.Painted] = []
             for mask, hides in masks:
                 covered = self._painted(mask, frame, counts, extent)
                 if hides:
-                    shown = core.exchange.clipped(shown, covered, inside=False)
+                    shown = core.formats.clipped(shown, covered, inside=False)
                 else:
                     inside += covered
             if not all(hides for _, hides in masks):
-                shown = core.exchange.clipped(shown, inside, inside=True)
+                shown = core.formats.clipped(shown, inside, inside=True)
             found += shown
         return found
 
-    def _painted(self, layer: Layer, frame: Frame, counts: Counts, extent: float) -> list[core.exchange.Painted]:
+    def _painted(self, layer: Layer, frame: Frame, counts: Counts, extent: float) -> list[core.formats.Painted]:
         """What a layer paints without its masks."""
-        areas: list[core.exchange.Painted] = []
+        areas: list[core.formats.Painted] = []
         for effect, added in self._steps(layer.strokes, frame, counts, extent):
-            areas = [*areas, *added] if effect > 0 else core.exchange.clipped(areas, added, inside=False)
+            areas = [*areas, *added] if effect > 0 else core.formats.clipped(areas, added, inside=False)
         return areas
 
     def _steps(
         self, strokes: Sequence[Stroke], frame: Frame, counts: Counts, extent: float
-    ) -> Iterator[tuple[int, list[core.exchange.Painted]]]:
+    ) -> Iterator[tuple[int, list[core.formats.Painted]]]:
         """Fills and lines from the lowest up, and whether they paint or erase."""
         loops = [self._seen(frame, stroke.points) for stroke in strokes]
         keys = [counts.key(number, stroke) for number, stroke in enumerate(strokes)]
@@ -178,11 +178,11 @@ class Painting:
         for stroke, key, loop in zip(strokes, keys, loops, strict=True):
             outline = groups.pop(key, []) if key is not None else []
             if key is not None and outline:  # Blender fills all that one stroke winds around
-                yield key[0], [core.exchange.Painted(outline, evenodd=len(outline) > 1)]
+                yield key[0], [core.formats.Painted(outline, evenodd=len(outline) > 1)]
             if counts.width and stroke.line and stroke.radii.max() > 0.0:
                 ends = np.arange(len(loop) + 2 * stroke.cyclic) % len(loop)
                 shapes = covering(loop[ends], stroke.radii[ends] / frame.scale, stroke.corners[ends], extent)
-                yield stroke.line, [core.exchange.Painted([shape]) for shape in shapes]
+                yield stroke.line, [core.formats.Painted([shape]) for shape in shapes]
 
     def _seen(self, frame: Frame, points: FloatArray) -> FloatArray:
         """Points (n, 3) of the object in a frame, (n, 2), as float32 values."""

@@ -175,18 +175,18 @@ def united_loops(name: str, loops: Sequence[FloatArray], *, evenodd: bool = Fals
     try:
         core.Mesh.from_loops(loops)
     except core.NestedCagesError:
-        return united(name, [core.exchange.Painted(loops, evenodd)])
+        return united(name, [core.formats.Painted(loops, evenodd)])
     return tuple(loops)
 
 
-def united(name: str, areas: Sequence[core.exchange.Painted]) -> Loops:
+def united(name: str, areas: Sequence[core.formats.Painted]) -> Loops:
     """The outline of the union of areas, loops (k, 2), float32 values as float64. Raises: UserError."""
     points = np.concatenate([loop for area in areas for loop in area.loops])
     extent = size(points)
     problem: core.NestedCagesError | None = None
     for gap in (0.0, CLOSED_GAP * extent):
         try:
-            mesh = core.exchange.solid(areas, seam=gap)
+            mesh = core.formats.solid(areas, seam=gap)
             loops = tuple(float32_loop(mesh.vertices[loop]) for loop in mesh.loops)
             loops = tuple(loop for loop in loops if len(loop) >= SMALLEST_LOOP)  # others are slits of rounding
             core.Mesh.from_loops(loops)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..checker import TOLERANCE, check, faults_of_motion
 from ..errors import NestedCagesError
-from ..exchange.pictures import HALF
+from ..formats.pictures import HALF
 from ..levels import Share, Within, level_words, parse_level
 from .options import decimals, length, symmetry
 from .progress import tell

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 from ..batch import Outcome, nested_cages_many
 from ..errors import NestedCagesError
-from ..exchange import Coverage, Limits, coverage_cages
-from ..exchange.pictures import HALF, picture_cages
+from ..formats import Coverage, Limits, coverage_cages
+from ..formats.pictures import HALF, picture_cages
 from ..geometry.mesh import Mesh
 from ..levels import Hierarchy, Level, Settings, inner_cages, nested_cages
 from .progress import ProgressLine

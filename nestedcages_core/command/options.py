@@ -15,8 +15,8 @@ from typing import Any, TypeVar
 from ..constraints.axis_aligned import TRANSIT, AxisAligned
 from ..constraints.box import Box
 from ..errors import NestedCagesError
-from ..exchange import DRAWING_LIMITS, Limits
-from ..exchange.decimals import MAX_DECIMALS
+from ..formats import DRAWING_LIMITS, Limits
+from ..formats.decimals import MAX_DECIMALS
 from ..geometry.lattice import Grid
 from ..geometry.symmetry import DetectSymmetry, Mirror, Rotation
 from ..levels import level_words, parse_level

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import invalid_file
-from ..exchange import Coverage, Feature, frames_to_engine_json, to_engine_json, to_geojson, to_svg, write_whole
-from ..exchange.pictures import corresponding
+from ..formats import Coverage, Feature, frames_to_engine_json, to_engine_json, to_geojson, to_svg, write_whole
+from ..formats.pictures import corresponding
 from ..geometry.mesh import Mesh
 from ..levels import Level
 from .making import Made, Result

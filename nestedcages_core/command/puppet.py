@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..errors import NestedCagesError
-from ..exchange import read_whole, write_whole
+from ..formats import read_whole, write_whole
 from ..game import (
     ENGINES,
     HULL_VERTICES,

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any, TextIO
 
 from ..errors import NestedCagesError
-from ..exchange import Limits
+from ..formats import Limits
 from ..levels import in_order
 from .check import check_files
 from .making import Result, make

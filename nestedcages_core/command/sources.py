@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import invalid_file
-from ..exchange import (
+from ..formats import (
     FILES,
     Frame,
     Limits,
@@ -21,7 +21,7 @@ from ..exchange import (
     read_whole,
     svg_drawing,
 )
-from ..exchange.pictures import decode_png
+from ..formats.pictures import decode_png
 from ..geometry.arrays import AnyArray
 from ..geometry.mesh import Mesh
 

@@ -12,10 +12,10 @@ import numpy as np
 
 from ..checker import rings_of
 from ..errors import invalid_file
-from ..exchange import DRAWING_LIMITS, Frame, Limits, levels_in_svg, outlines_from_engine_json, read_map, read_whole
-from ..exchange.engine_json import flipped
-from ..exchange.fill import united
-from ..exchange.pictures import HALF, alpha_channel, boundary_of_pixels
+from ..formats import DRAWING_LIMITS, Frame, Limits, levels_in_svg, outlines_from_engine_json, read_map, read_whole
+from ..formats.engine_json import flipped
+from ..formats.fill import united
+from ..formats.pictures import HALF, alpha_channel, boundary_of_pixels
 from ..geometry.arrays import IntArray
 from ..geometry.mesh import Mesh
 from ..libraries import load_shapely

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from ..errors import invalid_setting
-from ..exchange.pictures.png import Pixels
+from ..formats.pictures.png import Pixels
 from ..geometry.arrays import FloatArray
 from .mesh import PartMesh, Placement
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exchange.layers import PicturePart
-from ..exchange.layers.layer import NORMAL
 from ..geometry.arrays import FloatArray, IntArray
+from ..layers import PicturePart
+from ..layers.layer import NORMAL
 from ..libraries import load_shapely
 from ..puppet import Cap, PuppetPart
 from ..puppet.parts import NEEDED_FOR

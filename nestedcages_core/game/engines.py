@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import invalid_setting
-from ..exchange import write_whole
-from ..exchange.pictures import encode_png
+from ..formats import write_whole
+from ..formats.pictures import encode_png
 from .atlas import Atlas, atlas_of
 from .dragonbones import to_dragonbones, to_dragonbones_atlas
 from .godot import to_godot

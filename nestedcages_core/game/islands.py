@@ -8,8 +8,8 @@ import numpy as np
 import scipy
 
 from ..errors import NestedCagesError, invalid_setting
-from ..exchange.pictures import boundary_of_pixels, collision_outline
-from ..exchange.pictures.png import Pixels
+from ..formats.pictures import boundary_of_pixels, collision_outline
+from ..formats.pictures.png import Pixels
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..verification import verify

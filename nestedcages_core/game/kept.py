@@ -10,8 +10,8 @@ import numpy as np
 
 from ..character import Bone
 from ..errors import invalid_file
-from ..exchange import Limits
-from ..exchange.geojson import loaded_json
+from ..formats import Limits
+from ..formats.geojson import loaded_json
 from ..geometry.arrays import FloatArray
 from ..puppet import Hold, JointRange
 from .animation import Animation

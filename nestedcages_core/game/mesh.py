@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..exchange.pictures.png import Pixels
+from ..formats.pictures.png import Pixels
 from ..geometry.arrays import FloatArray, IntArray
 from .bending import FINEST_WEIGHT
 

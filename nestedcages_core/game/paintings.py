@@ -7,9 +7,9 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import NamedTuple
 
-from ..exchange import Limits, read_whole
-from ..exchange.layers import ENDINGS, PicturePart, parts_of, read_layers
-from ..exchange.pictures.png import Pixels
+from ..formats import Limits, read_whole
+from ..formats.pictures.png import Pixels
+from ..layers import ENDINGS, PicturePart, parts_of, read_layers
 from .vector import LONGER_SIDE, parts_of_svg
 
 PAINTINGS = (*ENDINGS, ".svg")

@@ -11,11 +11,11 @@ import numpy as np
 from ..character import Bone, skinned
 from ..character.bones import by_number
 from ..errors import invalid_setting
-from ..exchange.layers import PicturePart
-from ..exchange.pictures import boundary_of_pixels
+from ..formats.pictures import boundary_of_pixels
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.triangulation import Triangulation
+from ..layers import PicturePart
 from ..libraries import load_shapely
 from ..puppet import BendField, Hold, JointRange, PartChoice, Puppet, PuppetDraft, PuppetPart, draft_puppet
 from ..puppet.caps import caps_of

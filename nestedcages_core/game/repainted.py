@@ -9,9 +9,9 @@ import numpy as np
 
 from ..character import Bone
 from ..errors import invalid_setting
-from ..exchange.layers import PicturePart
 from ..geometry.arrays import FloatArray
 from ..geometry.triangulation import Triangulation
+from ..layers import PicturePart
 from ..puppet import Hold, PartChoice, PuppetDraft, draft_puppet
 from .animation import Animation
 from .local import unique_names

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from ..errors import invalid_setting
-from ..exchange import SvgPart, svg_parts
-from ..exchange.layers import PicturePart
-from ..exchange.pictures.png import Pixels
+from ..formats import SvgPart, svg_parts
+from ..formats.pictures.png import Pixels
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..layers import PicturePart
 
 ROWS_PER_PIXEL = 8
 """Scan lines per row of pixels; along them coverage is exact."""

@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 class Drawable:
     """A result that notebooks show, that plots itself, and that every writer of files takes."""
 
-    exchange: ClassVar[Any]
-    """Imports a module of `exchange` by its name. The package sets it: formats know meshes, which know no format."""
+    formats: ClassVar[Any]
+    """Imports a module of `formats` by its name. The package sets it: formats know meshes, which know no format."""
 
     @property
     def meshes(self) -> tuple[Any, ...]:
@@ -23,7 +23,7 @@ class Drawable:
 
     def _repr_svg_(self) -> str:
         """The picture that a notebook shows, with y pointing up."""
-        picture: str = self.exchange("figures").svg_picture(self.frames)
+        picture: str = self.formats("figures").svg_picture(self.frames)
         return picture
 
     def plot(self, ax: Any = None) -> Any:
@@ -44,4 +44,4 @@ class Drawable:
         NestedCagesError
             If matplotlib is missing.
         """
-        return self.exchange("figures").plotted(self.meshes, ax)
+        return self.formats("figures").plotted(self.meshes, ax)

@@ -18,7 +18,7 @@ LAYERS = {
     "nestedcages_core": """
         checker_distance checker errors libraries progress parameters lapack geometry decimation energies solver flow
         constraints contact tightening verification tolerance levels motion published coordinates
-        character puppet exchange game batch command __main__ __init__
+        character puppet formats layers game batch command __main__ __init__
     """,
     "addon": """
         errors core memory notes keys record scene animation rigging generation binding io following characters puppets

@@ -162,7 +162,7 @@ class Mesh(Drawable):
         InvalidMeshError
             As for `Mesh`, and where a polygon lies inside another one, or a hole outside its polygon.
         """
-        mesh: Mesh = cls.exchange("meshes").mesh_of(geometry, strict=True)
+        mesh: Mesh = cls.formats("meshes").mesh_of(geometry, strict=True)
         return mesh
 
     @classmethod
@@ -197,7 +197,7 @@ class Mesh(Drawable):
             if has_edges(shape):
                 return cls(*shape)
             return cls.from_loops([shape] if is_loop(shape) else shape)
-        mesh: Mesh = cls.exchange("meshes").mesh_of(shape, strict=strict)
+        mesh: Mesh = cls.formats("meshes").mesh_of(shape, strict=strict)
         return mesh
 
     @property

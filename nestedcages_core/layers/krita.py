@@ -7,10 +7,10 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from ...errors import invalid_file
-from ...geometry.arrays import AnyArray
-from ..limits import Quota
-from ..pictures.png import Pixels
+from ..errors import invalid_file
+from ..formats.limits import Quota
+from ..formats.pictures.png import Pixels
+from ..geometry.arrays import AnyArray
 from .archive import Archive, whole
 from .layer import NORMAL, Layer, LayeredPicture, LayerMask, Notes, check_depth
 from .lzf import unpacked

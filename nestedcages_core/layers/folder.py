@@ -8,10 +8,10 @@ import struct
 from collections.abc import Callable, Collection
 from pathlib import Path
 
-from ...errors import invalid_file
-from ..files import read_whole
-from ..limits import Limits, Quota
-from ..pictures.png import SIGNATURE, Pixels
+from ..errors import invalid_file
+from ..formats.files import read_whole
+from ..formats.limits import Limits, Quota
+from ..formats.pictures.png import SIGNATURE, Pixels
 from .layer import Layer, LayeredPicture
 
 ORDER = re.compile(r"^\d+[\s._-]*(?=\D)")

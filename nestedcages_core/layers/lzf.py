@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...errors import invalid_file
+from ..errors import invalid_file
 
 LITERALS = 32
 """Control bytes below this precede as many bytes and one more; others are a copy of what came before."""

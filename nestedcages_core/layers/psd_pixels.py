@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...errors import invalid_file
-from ...geometry.arrays import AnyArray
-from ..pictures.png import Pixels
+from ..errors import invalid_file
+from ..formats.pictures.png import Pixels
+from ..geometry.arrays import AnyArray
 from .byte_reader import ByteReader
 from .layer import Opacities
 

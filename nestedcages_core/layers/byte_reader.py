@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from typing import Any
 
-from ...errors import invalid_file
+from ..errors import invalid_file
 
 
 class ByteReader:

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import invalid_file
-from ..limits import Limits
-from ..pictures.png import Pixels
+from ..errors import invalid_file
+from ..formats.limits import Limits
+from ..formats.pictures.png import Pixels
 
 Opacities = NDArray[np.uint8]
 

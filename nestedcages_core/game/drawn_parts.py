@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..formats.fill import united
+from ..formats.svg.parts import SvgPart, svg_parts
 from ..geometry.mesh import Mesh
 from ..libraries import load_shapely
 from ..puppet import PuppetPart
-from .fill import united
-from .svg.parts import SvgPart, svg_parts
 
 NEEDED_FOR = "Parts with fills and strokes"
 

@@ -7,8 +7,8 @@ import zipfile
 import zlib
 from xml.etree import ElementTree as ET
 
-from ...errors import invalid_file
-from ..limits import Quota
+from ..errors import invalid_file
+from ..formats.limits import Quota
 
 MOST = 1e7
 """Maximum of places and sizes in pixels."""

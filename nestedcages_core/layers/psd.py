@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...errors import invalid_file
-from ..limits import Limits, Quota
+from ..errors import invalid_file
+from ..formats.limits import Limits, Quota
 from .byte_reader import ByteReader
 from .layer import NORMAL, PASS_THROUGH, Layer, LayeredPicture, LayerMask, Notes, Opacities, check_depth
 from .psd_pixels import MODES, coloured, plane

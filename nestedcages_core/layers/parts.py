@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...geometry.arrays import FloatArray
-from ..pictures.png import Pixels
+from ..formats.pictures.png import Pixels
+from ..geometry.arrays import FloatArray
 from .layer import NORMAL, PASS_THROUGH, Layer, LayeredPicture, Notes, Opacities
 
 BLENDS = (NORMAL, "multiply", "screen", "add")

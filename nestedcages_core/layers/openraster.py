@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from xml.etree import ElementTree as ET
 
-from ...errors import invalid_file
-from ..limits import Quota
-from ..pictures.png import Pixels
+from ..errors import invalid_file
+from ..formats.limits import Quota
+from ..formats.pictures.png import Pixels
 from .archive import Archive, number, whole
 from .layer import NORMAL, Layer, LayeredPicture, Notes, check_depth
 

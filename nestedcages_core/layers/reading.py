@@ -6,10 +6,10 @@ import os
 from collections.abc import Callable, Collection
 from pathlib import Path
 
-from ...errors import invalid_file
-from ..files import read_whole
-from ..limits import Limits, Quota
-from ..pictures.png import Pixels, decode_png
+from ..errors import invalid_file
+from ..formats.files import read_whole
+from ..formats.limits import Limits, Quota
+from ..formats.pictures.png import Pixels, decode_png
 from .archive import Archive
 from .folder import read_folder
 from .krita import DOCUMENT, read_krita
