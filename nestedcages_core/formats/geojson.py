@@ -20,7 +20,7 @@ from .files import write_whole
 from .geometries import polygons_of, shown
 from .gis_files import map_document
 from .limits import LimitError, Limits, Quota
-from .meridian import across
+from .lonlat import across
 from .meshes import meshes_of
 from .repair import HAIRLINE_PART, repaired_mesh
 from .specks import without_specks

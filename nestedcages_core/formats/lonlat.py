@@ -1,4 +1,4 @@
-"""Polygons in degrees that cross the 180th meridian or run around a pole."""
+"""Longitudes and latitudes: polygons that cross the 180th meridian or run around a pole."""
 
 from __future__ import annotations
 
