@@ -127,7 +127,7 @@ def _requests(
     """
     drawings = [list(itertools.chain(*groups))] if values.together else groups
     asked, problems = [], []
-    lines = lines_of_all(context, [*itertools.chain(*drawings), *own], values.resolution)
+    lines = lines_of_all(context, [*itertools.chain(*drawings), *own])
     for objects in drawings:
         try:
             asked.append(_request(context, objects, own, lines, values))

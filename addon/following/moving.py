@@ -15,7 +15,7 @@ from bpy.types import Context, Object
 
 from ..core import core, progress
 from ..errors import FloatArray, UserError, counted
-from ..generation.generate import STORED, Generation, Options, Request
+from ..generation.generate import STORED, Generation, Options, Request, clearance_to_curve
 from ..generation.job import Progress, Work, mapped
 from ..generation.levels import OWN, Level, Wanted, are_counts, wanted_levels
 from ..generation.verifying import same_frame
@@ -139,7 +139,8 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
         closing = frames[-1] + (frames[-1] - frames[0]) / (len(frames) - 1)
         points = np.concatenate([poses.points, poses.points[:1]])
         poses = replace(poses, frames=np.append(frames, closing), points=points)
-    clearance = options.clearance or options.clearance_share * fine.diagonal or None
+    asked = options.clearance or options.clearance_share * fine.diagonal or None
+    clearance = clearance_to_curve(asked, fine, poses.drawing.deviation)
     settings, cages = replace(options.methods.settings(), clearance=clearance, stored=STORED), list[core.MovingLevel]()
     inner, frames, points = fine, poses.frames, poses.points
     for number, each in enumerate(wanted):

@@ -49,6 +49,13 @@ def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing)
     )
 
 
+def clearance_to_curve(asked: float | None, fine: core.Mesh, deviation: float) -> float | None:
+    """The clearance to a drawing by which the clearance that was asked for, or the default, holds to its true curve."""
+    if deviation > 0.0:
+        return (core.levels.DEFAULT_CLEARANCE * fine.diagonal if asked is None else asked) + deviation
+    return asked
+
+
 def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: float) -> tuple[core.Fault, ...]:
     """Why a cage is loose, and what number of vertices would be enough; empty if it is not."""
     excess, count = cage.area / fine.area - 1.0, len(cage.vertices)
@@ -171,7 +178,8 @@ class Generation:
             settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
         except core.NestedCagesError as error:
             raise UserError(self._said(error, request)) from error
-        clearance = options.clearance / scale or options.clearance_share * fine.diagonal or None
+        asked = options.clearance / scale or options.clearance_share * fine.diagonal or None
+        clearance = clearance_to_curve(asked, fine, request.fine.deviation)
         plan = Plan(request, fine, wanted, replace(settings, clearance=clearance, stored=STORED))
         if clearance is not None and keeps and not (convex or own or options.inside):
             check_room(fine, clearance, len(wanted), request.fine)

@@ -33,26 +33,26 @@ def lengths(scene: Scene) -> dict[str, float]:
     return {first: known[first], **known}
 
 
-def loop_sizes(obj: Object, resolution: int = 0) -> tuple[int, ...]:
+def loop_sizes(obj: Object) -> tuple[int, ...]:
     """Vertices of each loop of an outline before modifiers, for a mesh of all loops together; empty for types whose
-    counts are unknown until they are read. resolution: as of `lines_of`.
+    counts are unknown until they are read.
     """
     if obj.type == "MESH":
         return (len(loop_edges(mesh_of(obj))),)
     if obj.type == "CURVE":
-        return tuple(_points(spline, resolution) for spline in obj.data.splines)
+        return tuple(_points(spline) for spline in obj.data.splines)
     if obj.type == "FONT":
         text = obj.data
-        shape = (text.body, text.font.filepath if text.font else "", resolution or text.resolution_u)
+        shape = (text.body, text.font.filepath if text.font else "", text.resolution_u)
         return _text_sizes(obj.session_uid, *shape)
     return ()
 
 
-def _points(spline: bpy.types.Spline, resolution: int) -> int:
+def _points(spline: bpy.types.Spline) -> int:
     """Number of points of an evaluated spline."""
     if spline.type == "POLY":
         return len(spline.points)
-    fine = resolution or spline.resolution_u
+    fine = spline.resolution_u
     if spline.type == "BEZIER":
         points = list(spline.bezier_points)
         ahead = [*points[1:], *(points[:1] if spline.use_cyclic_u else [])]
@@ -72,7 +72,7 @@ def _text_sizes(identity: int, _body: str, _font: str, resolution: int) -> tuple
         return ()
     curve = obj.to_curve(bpy.context.evaluated_depsgraph_get())
     try:
-        return tuple(_points(spline, resolution) for spline in curve.splines)
+        return tuple(_points(spline) for spline in curve.splines)
     finally:
         obj.to_curve_clear()
 

@@ -56,8 +56,7 @@ class Folding:
         shape = outline.moved(transform(space_to_space(shows, inner), places)[:, :2])
         triangles = corners.astype(np.int64)
         triangles = triangles[core.character.holding(rest[:, :2], triangles, shape)]
-        areas = 0.5 * np.abs(np.linalg.det(np.diff(rest[triangles][:, :, :2], axis=1)))
-        return cls(cage, inner, shows, rest, _stored_weights(data), triangles, areas)
+        return cls(cage, inner, shows, rest, _stored_weights(data), *_upright(rest, triangles))
 
     @classmethod
     def of_skin(cls, mesh: Object, inner: Object) -> Folding:
@@ -65,8 +64,7 @@ class Folding:
         data = filling.mesh_of(mesh)
         data.calc_loop_triangles()
         rest, triangles = filling.points_of(data), filling.stored(data.loop_triangles, "vertices", 3, np.int32)
-        areas = 0.5 * np.abs(np.linalg.det(np.diff(rest[triangles][:, :, :2], axis=1)))
-        return cls(mesh, inner, mesh, rest, np.eye(len(rest)), triangles.astype(np.int64), areas)
+        return cls(mesh, inner, mesh, rest, np.eye(len(rest)), *_upright(rest, triangles.astype(np.int64)))
 
     def now(self, context: Context) -> Finding | None:
         """What is folded on this frame: its part of the area, where most of it is, and the bone that bends it."""
@@ -105,6 +103,12 @@ class Folding:
                 if element.group in names:
                     pull[names[element.group]] += part * element.weight
         return max(pull, key=lambda name: pull[name] * bends[name], default="")
+
+
+def _upright(rest: FloatArray, triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], FloatArray]:
+    """Triangles (T, 3) counter-clockwise at rest, as those of a mirrored object are not, and their areas (T,)."""
+    areas = 0.5 * np.linalg.det(np.diff(rest[triangles][:, :, :2], axis=1))
+    return np.where(areas[:, None] < 0.0, triangles[:, ::-1], triangles), np.abs(areas)
 
 
 def _stored_weights(field: bpy.types.Mesh) -> FloatArray:
@@ -290,8 +294,8 @@ def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, frame
         said,
         clearance,
         (frame, frame),
-        outer.points[cage_faults].astype(np.float32),
-        inner.points[fine_faults].astype(np.float32),
+        outer.points_of(cage)[cage_faults].astype(np.float32),
+        inner.points_of(fine)[fine_faults].astype(np.float32),
     )
 
 

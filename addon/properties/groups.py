@@ -22,7 +22,7 @@ SHAPE: tuple[str, ...] = ("decimation", "energy", "fall_back", "as_published")
 FRAMES: tuple[str, ...] = ("start_frame", "fit_length", "length", "frames_per_step")
 ANIMATION: tuple[str, ...] = ("show_flow", "shrink", "show_result")
 LOOKS: tuple[str, ...] = ("thickness",)
-READING: tuple[str, ...] = ("resolution", "close_open", "project")
+READING: tuple[str, ...] = ("close_open", "project")
 
 # Settings that only apply if another one has a value.
 ALTERNATIVES: dict[str, tuple[str, object]] = {

@@ -104,13 +104,6 @@ class GenerationProperties:
             "out, disable it in renders"
         ),
     )
-    resolution: whole(
-        "Resolution",
-        "Segments between two control points of a curve; 0 uses the curve's own resolution",
-        min=0,
-        soft_max=64,
-        max=1024,
-    )
     close_open: flag("Close Open Lines", "Join the ends of open splines and lines instead of reporting them")
     project: flag("Project Anyway", "Flatten non-planar drawings onto the plane that fits them best")
 

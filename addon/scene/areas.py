@@ -13,9 +13,9 @@ from bpy.types import Context, Object
 from ..core import broad_phase, core
 from ..errors import FloatArray, UserError
 from . import grease_pencil
-from .chains import SMALLEST_LOOP, chains
 from .convert import read, readable
-from .filling import evaluated_mesh, loop_edges, points_of, stored, weights_of
+from .faces import faces_in, seen
+from .filling import evaluated_mesh, points_of, weights_of
 from .plane import Frame, transform, world_matrix
 from .reading import has_nodes, realized, temporary
 
@@ -36,17 +36,17 @@ def areas_of(
     else:
         areas, depsgraph = list[core.formats.Painted](), context.evaluated_depsgraph_get()
         if obj.type in SOLID:  # faces, those of instances included, and the inside of closed lines
-            areas += _faces(obj.evaluated_get(depsgraph), world_matrix(obj), frame)
+            areas += faces_in(obj.evaluated_get(depsgraph), world_matrix(obj), frame)
             if has_nodes(obj):
                 with temporary() as blocks:
-                    shape = realized(context, obj, 0, blocks)
+                    shape = realized(context, obj, blocks)
                     depsgraph = context.evaluated_depsgraph_get()
-                    areas += _faces(shape.evaluated_get(depsgraph), world_matrix(obj), frame)
+                    areas += faces_in(shape.evaluated_get(depsgraph), world_matrix(obj), frame)
         areas += _instances(context, obj, frame)
         if obj.type in {"FONT", "CURVES"}:  # hair, and texts, whose faces may omit overlaps
             outline = read(context, obj)
             world = (transform(outline.matrix, loop.astype(np.float64)) for loop in outline.loops)
-            areas.append(core.formats.Painted([_seen(frame, loop) for loop in world], obj.type != "FONT"))
+            areas.append(core.formats.Painted([seen(frame, loop) for loop in world], obj.type != "FONT"))
     if not areas:
         raise UserError(
             f"'{obj.name}' has no silhouette: it has neither faces nor closed lines nor strokes with a width"
@@ -64,11 +64,6 @@ def instances_collection(obj: Object) -> bool:
     return obj.type == "EMPTY" and obj.instance_type == "COLLECTION" and obj.instance_collection is not None
 
 
-def _seen(frame: Frame, points: FloatArray) -> FloatArray:
-    """Points (n, 3) of the world in a frame, (n, 2), as float32 values."""
-    return frame.from_world(points)[0].astype(np.float32).astype(np.float64)
-
-
 def _instances(context: Context, obj: Object, frame: Frame) -> Iterator[core.formats.Painted]:
     """The areas of what an object instances: a collection, or its children on its vertices or faces."""
     for instance in context.evaluated_depsgraph_get().object_instances if obj.instance_type != "NONE" else ():
@@ -76,21 +71,7 @@ def _instances(context: Context, obj: Object, frame: Frame) -> Iterator[core.for
             shown = instance.object
             # Wires, such as cages, are no part of what a collection paints.
             if shown is not None and shown.type in SOLID and shown.display_type not in {"WIRE", "BOUNDS"}:
-                yield from _faces(shown, np.array(instance.matrix_world, dtype=np.float64), frame)
-
-
-def _faces(evaluated: Object, matrix: FloatArray, frame: Frame) -> Iterator[core.formats.Painted]:
-    with evaluated_mesh(evaluated) as mesh:
-        if mesh is None:
-            return
-        mesh.calc_loop_triangles()
-        points, lone = points_of(mesh), loop_edges(mesh, 0)
-        triangles = stored(mesh.loop_triangles, "vertices", 3, np.int32)
-    flat = _seen(frame, transform(matrix, points))
-    yield from (core.formats.Painted([triangle]) for triangle in flat[triangles])
-    loops = [flat[loop] for loop in chains(lone, len(points)).closed if len(loop) >= SMALLEST_LOOP]
-    if loops:
-        yield core.formats.Painted(loops, evenodd=True)
+                yield from faces_in(shown, np.array(instance.matrix_world, dtype=np.float64), frame)
 
 
 def painted(

@@ -13,9 +13,18 @@ from .. import keys
 from ..core import broad_phase, core, distance
 from ..errors import Fault, FloatArray, UserError
 from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
+from .faces import faces_in, is_thick, may_show_more, seen, tile
 from .grease_pencil import KINDS, Counts, Painting
 from .plane import PLANARITY, Frame, fitted_frame, own_frame, size, transform, united, united_loops, world_matrix
-from .reading import READERS, Lines, has_nodes, lines_of
+from .reading import (
+    READERS,
+    Lines,
+    has_nodes,
+    lines_of,
+    render_resolution,
+    shown_at,
+    temporary,
+)
 
 # Smallest part of the area of several drawings that is missing from their sum if one lies in another.
 NESTED_PART = 1e-9
@@ -24,15 +33,14 @@ NESTED_PART = 1e-9
 NEAR = 1e-4
 # Maximum number of points of a fault.
 MOST_POINTS = 8
+# How much farther a curve may be from its chords than its places at every quarter of them: a fifteenth for a parabola.
+BETWEEN = 1.1
 
 
 @dataclass(frozen=True)
 class ReadingOptions:
-    """`resolution`: segments between two control points of a curve, 0 = the curve's own. `close_open`: join the ends of
-    open lines. `project`: flatten non-planar outlines instead of rejecting them.
-    """
+    """`close_open`: join the ends of open lines. `project`: flatten non-planar outlines instead of rejecting them."""
 
-    resolution: int = 0
     close_open: bool = False
     project: bool = False
 
@@ -41,6 +49,7 @@ class ReadingOptions:
 class Outline:
     """The evaluated outline of an object: closed loops (k, 3) in its own space, float32, its matrix (4, 4), and its
     session ID. ``letters``: its loops may cross and touch, as those of texts and instances. ``filled``: it has faces.
+    ``curve``: places (k, 3) of the true curve, and of what renders show, in its own space.
     """
 
     name: str
@@ -49,18 +58,24 @@ class Outline:
     identity: int
     letters: bool = False
     filled: bool = False
+    curve: tuple[NDArray[np.float32], ...] = ()
 
     @property
     def points(self) -> FloatArray:
         """All points (n, 3) in the object's own space."""
         return np.concatenate(self.loops).astype(np.float64)
 
+    def points_of(self, drawing: Drawing) -> FloatArray:
+        """The points (n, 3) of its drawing, which may have united its loops, in the object's own space."""
+        placed = _placed(self.matrix, drawing.frame, drawing.loops)
+        return self.points if sum(map(len, placed)) == len(self.points) else np.concatenate(placed).astype(np.float64)
+
 
 @dataclass(frozen=True)
 class Drawing:
     """An outline in a plane: loops (k, 2) in ``frame``, float32 values as float64. ``identity`` finds its object even
     after renaming, undo and redo. ``others``: drawings of other objects joined to it, whose loops come last unless all
-    are ``united``.
+    are ``united``. ``deviation``: how far the true curve, and what renders show, are from the loops at most.
     """
 
     name: str
@@ -70,6 +85,7 @@ class Drawing:
     others: tuple[Drawing, ...] = ()
     united: bool = False
     filled: bool = False
+    deviation: float = 0.0
 
     @property
     def source(self) -> Object | None:
@@ -143,9 +159,11 @@ def read(
         return _painted(context, obj, options)
     if lines is None:
         context.evaluated_depsgraph_get()  # updates the object's matrix
-        lines = lines_of(context, obj, options.resolution)
-    loops = _closed_loops(obj, lines.vertices, lines.edges, options)
+        lines = lines_of(context, obj)
     matrix = world_matrix(obj)
+    if is_thick(obj) and (shown := _displayed(context, obj, matrix, lines, options)) is not None:
+        return shown
+    loops = _closed_loops(obj, lines.vertices, lines.edges, options)
     lost = np.ptp(np.concatenate(loops), axis=0).astype(bool) & ~matrix[:3, :3].any(axis=0)
     if lost.any():
         axes = " and ".join(axis for axis, gone in zip("XYZ", lost, strict=True) if gone)
@@ -153,12 +171,13 @@ def read(
     letters = obj.type == "FONT" or has_nodes(obj)
     flat = obj.type == "FONT" or (obj.type == "CURVE" and obj.data.dimensions == "2D")
     filled = len(obj.data.polygons) > 0 if obj.type == "MESH" else flat and obj.data.fill_mode != "NONE"
-    return Outline(obj.name, loops, matrix, obj.session_uid, letters=letters, filled=filled)
+    found = Outline(obj.name, loops, matrix, obj.session_uid, letters=letters, filled=filled, curve=lines.curve)
+    return (may_show_more(obj) and _displayed(context, obj, matrix, lines, options, found)) or found
 
 
 def _painted(context: Context, obj: Object, options: ReadingOptions) -> Outline:
     """The outline of what a Grease Pencil object paints; closed lines are areas too. Raises: UserError."""
-    painting = Painting.of(context, obj, options.resolution)
+    painting = Painting.of(context, obj)
     frame = painting.frame()
     areas = painting.areas(frame, Counts(closed=True, nested=True, opened=options.close_open))
     if not areas:
@@ -167,10 +186,44 @@ def _painted(context: Context, obj: Object, options: ReadingOptions) -> Outline:
     off = painting.thickness(frame)
     if off > PLANARITY * size(np.concatenate(loops)) * frame.scale and not options.project:
         raise _not_flat(obj.name, off)
-    back = np.linalg.pinv(painting.matrix)
-    placed = [frame.points(loop) if frame.own else transform(back, frame.to_world(loop)) for loop in loops]
-    own = tuple(loop.astype(np.float32) for loop in placed)
+    own = _placed(painting.matrix, frame, loops)
     return Outline(obj.name, own, painting.matrix, obj.session_uid, letters=True, filled=True)
+
+
+def _displayed(
+    context: Context,
+    obj: Object,
+    matrix: FloatArray,
+    lines: Lines,
+    options: ReadingOptions,
+    drawn: Outline | None = None,
+) -> Outline | None:
+    """The outline of all faces that an object shows, in viewport and renders, seen along the normal of its lines; None
+    where it shows none, or where an outline that is drawn holds them. Raises: UserError.
+    """
+    points = (lines.vertices if drawn is None else np.concatenate(drawn.loops)).astype(np.float64)
+    if not len(points) or not np.isfinite(points).all():
+        return None
+    frame = own_frame(matrix, points) or fitted_frame(matrix, points)
+    with temporary() as blocks:
+        shapes = [shown_at(context, obj, blocks, each) for each in sorted({0, render_resolution(obj)})]
+        depsgraph = context.evaluated_depsgraph_get()
+        areas = [area for each in shapes for area in faces_in(each.evaluated_get(depsgraph), matrix, frame)]
+    if not areas or (
+        drawn is not None and tile(areas, [seen(frame, transform(matrix, p.astype(np.float64))) for p in drawn.loops])
+    ):
+        return None
+    loops, off = united(obj.name, areas), float(np.ptp(frame.from_world(transform(matrix, points))[1]))
+    if off > PLANARITY * size(np.concatenate(loops)) * frame.scale and not options.project:
+        raise _not_flat(obj.name, off)
+    return Outline(obj.name, _placed(matrix, frame, loops), matrix, obj.session_uid, letters=True, filled=True)
+
+
+def _placed(matrix: FloatArray, frame: Frame, loops: Sequence[FloatArray]) -> tuple[NDArray[np.float32], ...]:
+    """Loops (k, 2) of a frame in the space of an object with a matrix, (k, 3)."""
+    back = np.linalg.pinv(matrix)
+    placed = [frame.points(loop) if frame.own else transform(back, frame.to_world(loop)) for loop in loops]
+    return tuple(loop.astype(np.float32) for loop in placed)
 
 
 def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
@@ -216,13 +269,24 @@ def _not_flat(name: str, off: float) -> UserError:
 def _drawing(outline: Outline, frame: Frame, loops: Sequence[FloatArray]) -> Drawing:
     """Letters that overlap or touch are united."""
     kept = united_loops(outline.name, loops) if outline.letters else tuple(loops)
-    return Drawing(outline.name, frame, kept, outline.identity, filled=outline.filled)
+    deviation = _deviation(outline, frame, loops)
+    return Drawing(outline.name, frame, kept, outline.identity, filled=outline.filled, deviation=deviation)
+
+
+def _deviation(outline: Outline, frame: Frame, loops: Sequence[FloatArray]) -> float:
+    """How far the true curve of an outline, and what renders show, may lie from its loops (k, 2) in a frame."""
+    if not outline.curve:
+        return 0.0
+    places = frame.from_world(transform(outline.matrix, np.concatenate(outline.curve).astype(np.float64)))[0]
+    starts, ends = np.concatenate(loops), np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
+    return BETWEEN * float(broad_phase.BoxTree(starts, ends).closest(places).distance.max(initial=0.0))
 
 
 def joined(drawing: Drawing, others: Sequence[Drawing]) -> Drawing:
     """A drawing and others in the same frame as one. Where they overlap they are united. Raises: UserError."""
     parts = (drawing, *others)
-    whole = replace(drawing, loops=tuple(loop for part in parts for loop in part.loops), others=tuple(others))
+    loops, deviation = tuple(loop for part in parts for loop in part.loops), max(part.deviation for part in parts)
+    whole = replace(drawing, loops=loops, others=tuple(others), deviation=deviation)
     try:
         area = core.Mesh.from_loops(whole.loops).area
     except core.NestedCagesError:

@@ -95,15 +95,12 @@ class Painting:
     layers: tuple[Layer, ...]
 
     @classmethod
-    def of(cls, context: Context, obj: Object, resolution: int = 0) -> Painting:
-        """What an object paints with its modifiers. Raises: UserError for the kind before Blender 4.3.
-
-        resolution: segments between points of curves, 0 = their own.
-        """
+    def of(cls, context: Context, obj: Object) -> Painting:
+        """What an object paints with its modifiers. Raises: UserError for the kind before Blender 4.3."""
         if obj.type != KINDS[0]:
             raise UserError(f"'{obj.name}' is a Grease Pencil of the kind before Blender 4.3: open the file there")
         evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-        layers = tuple(_layer(evaluated, layer, resolution) for layer in evaluated.data.layers)
+        layers = tuple(_layer(evaluated, layer) for layer in evaluated.data.layers)
         return cls(obj.name, world_matrix(obj), layers)
 
     @property
@@ -254,18 +251,18 @@ def _points(layer: Layer) -> FloatArray:
     return np.concatenate([stroke.points for stroke in layer.shown])
 
 
-def _layer(obj: Object, layer: Any, resolution: int) -> Layer:
+def _layer(obj: Object, layer: Any) -> Layer:
     frame, group = layer.current_frame(), layer.parent_group
     while group is not None and not group.hide:
         group = group.parent_group
     drawing = frame.drawing if frame is not None else None
     empty = drawing is None or not len(drawing.strokes)
     masks = [(mask.name, mask.invert) for mask in layer.mask_layers if not mask.hide] if layer.use_masks else []
-    drawn = () if empty else tuple(_strokes(obj, drawing, matrix_of(obj, layer), resolution))
+    drawn = () if empty else tuple(_strokes(obj, drawing, matrix_of(obj, layer)))
     return Layer(layer.name, drawn, layer.hide or group is not None, layer.opacity, tuple(masks))
 
 
-def _strokes(obj: Object, drawing: Any, matrix: FloatArray, resolution: int) -> Iterator[Stroke]:
+def _strokes(obj: Object, drawing: Any, matrix: FloatArray) -> Iterator[Stroke]:
     curves, slots = Curves(drawing), obj.material_slots
     per_stroke = hasattr(drawing.strokes[0], "fill_id")
     scale = abs(float(np.linalg.det(world_matrix(obj)[:3, :3]))) ** (1.0 / 3.0)  # layers do not scale it
@@ -274,7 +271,7 @@ def _strokes(obj: Object, drawing: Any, matrix: FloatArray, resolution: int) -> 
     for number, index in enumerate(curves.each("material_index", 0, np.int32)):
         material = slots[index].material if 0 <= index < len(slots) else None
         style = material.grease_pencil if material is not None else None
-        points, radii, opacity, corners = curves.evaluated(number, resolution)
+        points, radii, opacity, corners = curves.evaluated(number)
         if not len(points):
             continue
         seen = opacity > LEAST_OPACITY

@@ -38,22 +38,28 @@ def drawing(name: str, loops: Sequence[FloatArray], radius: float) -> bpy.types.
     return data
 
 
+# How many times as many segments as displayed tell where the true curve lies, and the maximum that Blender allows.
+FINER, MOST_SEGMENTS = 4, 1024
+# Places along each segment of a render that are compared with what the viewport displays.
+ALONG = 4
+
 # Makes an object whose evaluated mesh has the lines of another one, or returns that; notes new blocks in a list.
-Reader = Callable[[Context, Object, int, list[Any]], Object]
+# The number: segments between two control points of a curve, 0 = its own.
+Reader = Callable[[Context, Object, list[Any], int], Object]
 
 
 class Lines(NamedTuple):
-    """Points (n, 3) in the object's own space, and edges (m, 2) between them."""
+    """Points (n, 3) in the object's own space, and edges (m, 2) between them; ``curve``: places (k, 3) of its true
+    curve, and of its lines in renders, if these were asked for.
+    """
 
     vertices: NDArray[np.float32]
     edges: NDArray[np.int64]
+    curve: tuple[NDArray[np.float32], ...] = ()
 
 
-def lines_of(context: Context, obj: Object, resolution: int = 0) -> Lines:
-    """The current evaluated lines of an object, or the selected ones of a mesh in Edit Mode. Raises: UserError.
-
-    resolution: segments between two control points of a curve, 0 = the curve's own.
-    """
+def lines_of(context: Context, obj: Object) -> Lines:
+    """The current evaluated lines of an object, or the selected ones of a mesh in Edit Mode. Raises: UserError."""
     if obj.type == "MESH" and obj.mode == "EDIT":
         return _selected_edges(obj)
     if obj.type not in READERS:
@@ -61,19 +67,44 @@ def lines_of(context: Context, obj: Object, resolution: int = 0) -> Lines:
             f"'{obj.name}' is of a kind without an outline: select a curve, a text, a Grease Pencil or a mesh"
         )
     with temporary() as blocks:
-        return _evaluated_lines(context, _with_lines(context, obj, resolution, blocks))
+        return _evaluated_lines(context, _with_lines(context, obj, blocks))
 
 
-def lines_of_all(context: Context, objects: Sequence[Object], resolution: int = 0) -> dict[Object, Lines]:
-    """`lines_of` several objects by one evaluation of the scene; without those that must be read by themselves."""
+def lines_of_all(context: Context, objects: Sequence[Object]) -> dict[Object, Lines]:
+    """`lines_of` several objects by one evaluation of the scene, with their true curves; without those that must be
+    read by themselves.
+    """
     meshes_first = sorted(objects, key=lambda obj: obj.type != "MESH")  # these need no copy, which would be evaluated
     with temporary() as blocks:
         subjects = {}
         for obj in meshes_first:
-            if obj.type in READERS and obj.mode != "EDIT":
+            if obj.type in READERS and (obj.mode != "EDIT" or obj.type != "MESH"):
                 with suppress(UserError):
-                    subjects[obj] = _with_lines(context, obj, resolution, blocks)
-        return {obj: _evaluated_lines(context, subject) for obj, subject in subjects.items()}
+                    subjects[obj] = [_with_lines(context, obj, blocks, each) for each in (0, *other_resolutions(obj))]
+        found = {obj: [_evaluated_lines(context, each) for each in every] for obj, every in subjects.items()}
+        return {obj: lines._replace(curve=tuple(map(_along, others))) for obj, (lines, *others) in found.items()}
+
+
+def _along(lines: Lines) -> NDArray[np.float32]:
+    """Places (k, 3) along all edges of lines."""
+    start, end = lines.vertices[lines.edges].swapaxes(0, 1)[:, :, None]
+    shares = np.linspace(0.0, 1.0, ALONG, endpoint=False, dtype=np.float32)[:, None]
+    places: NDArray[np.float32] = (start + shares * (end - start)).reshape(-1, 3)
+    return places
+
+
+def render_resolution(obj: Object) -> int:
+    """The resolution of a curve or text in renders, 0 for that of the viewport."""
+    return int(obj.data.render_resolution_u) if obj.type in {"CURVE", "FONT"} else 0
+
+
+def other_resolutions(obj: Object) -> tuple[int, ...]:
+    """Resolutions that show the true curve of a curve or text, and that of renders; none of straight ones."""
+    splines = obj.data.splines if obj.type == "CURVE" else ()
+    if obj.type not in {"CURVE", "FONT"} or (splines and all(spline.type == "POLY" for spline in splines)):
+        return ()
+    displayed = max([obj.data.resolution_u, *(spline.resolution_u for spline in splines)])
+    return tuple(filter(None, (min(FINER * displayed, MOST_SEGMENTS), render_resolution(obj))))
 
 
 @contextmanager
@@ -87,7 +118,7 @@ def temporary() -> Iterator[list[Any]]:
             bpy.data.batch_remove(blocks)
 
 
-def _itself(context: Context, obj: Object, _resolution: int, blocks: list[Any]) -> Object:
+def _itself(context: Context, obj: Object, blocks: list[Any], _resolution: int = 0) -> Object:
     """A mesh object itself, or an enabled copy if it is disabled and hence not evaluated."""
     if obj.evaluated_get(context.evaluated_depsgraph_get()).is_evaluated:
         return obj
@@ -104,7 +135,25 @@ def _shown_copy(context: Context, obj: Object, blocks: list[Any]) -> Object:
     return copy
 
 
-def _plain_copy(context: Context, obj: Object, resolution: int, blocks: list[Any]) -> Object:
+def shown_at(context: Context, obj: Object, blocks: list[Any], resolution: int = 0) -> Object:
+    """A curve or text itself, or with a resolution a copy of it."""
+    if not resolution:
+        return _itself(context, obj, blocks)
+    copy = _shown_copy(context, obj, blocks)
+    copy.data = obj.data.copy()
+    blocks.append(copy.data)
+    _set_resolution(copy.data, resolution)
+    return copy
+
+
+def _set_resolution(data: Any, resolution: int) -> None:
+    """Sets the segments between two control points of a curve or text."""
+    data.resolution_u = resolution
+    for spline in getattr(data, "splines", ()):
+        spline.resolution_u = resolution
+
+
+def _plain_copy(context: Context, obj: Object, blocks: list[Any], resolution: int = 0) -> Object:
     """A copy of a curve or text, with its modifiers, without bevel, extrusion and fill."""
     data: Any = obj.data.copy()
     blocks.append(data)
@@ -117,9 +166,7 @@ def _plain_copy(context: Context, obj: Object, resolution: int, blocks: list[Any
     else:
         data.dimensions = "3D"
     if resolution:
-        data.resolution_u = resolution
-        for spline in getattr(data, "splines", ()):
-            spline.resolution_u = resolution
+        _set_resolution(data, resolution)
     if _is_deformed(obj):
         copy = _shown_copy(context, obj, blocks)
         copy.data = data
@@ -141,7 +188,7 @@ def _is_deformed(obj: Object) -> bool:
     )
 
 
-def realized(context: Context, obj: Object, resolution: int, blocks: list[Any]) -> Object:
+def realized(context: Context, obj: Object, blocks: list[Any]) -> Object:
     """A new mesh object with the faces and lines that an object displays, its instances included."""
     tree, mesh = bpy.data.node_groups.new(obj.name, "GeometryNodeTree"), bpy.data.meshes.new(obj.name)
     helper = bpy.data.objects.new(obj.name, mesh)
@@ -152,20 +199,15 @@ def realized(context: Context, obj: Object, resolution: int, blocks: list[Any]) 
     source.transform_space = "ORIGINAL"
     source.inputs["Object"].default_value = obj
 
-    def then(geometry: Any, *kinds: str) -> Any:
-        for kind in kinds:
-            node = nodes.new(kind)
-            if kind == "GeometryNodeSetSplineResolution":
-                node.inputs["Resolution"].default_value = resolution
-            tree.links.new(geometry, node.inputs[0])
-            geometry = node.outputs[0]
-        return geometry
+    def then(geometry: Any, kind: str) -> Any:
+        node = nodes.new(kind)
+        tree.links.new(geometry, node.inputs[0])
+        return node.outputs[0]
 
     real = then(source.outputs["Geometry"], "GeometryNodeRealizeInstances")
     parts, both = nodes.new("GeometryNodeSeparateComponents"), nodes.new("GeometryNodeJoinGeometry")
     tree.links.new(real, parts.inputs[0])
-    finer = ["GeometryNodeSetSplineResolution"] if resolution else []
-    lines = then(parts.outputs["Curve"], *finer, "GeometryNodeCurveToMesh")
+    lines = then(parts.outputs["Curve"], "GeometryNodeCurveToMesh")
     for geometry in (parts.outputs["Mesh"], lines):
         tree.links.new(geometry, both.inputs[0])
     tree.links.new(both.outputs[0], nodes.new("NodeGroupOutput").inputs[0])
@@ -174,12 +216,10 @@ def realized(context: Context, obj: Object, resolution: int, blocks: list[Any]) 
     return helper
 
 
-def _with_lines(context: Context, obj: Object, resolution: int, blocks: list[Any]) -> Object:
+def _with_lines(context: Context, obj: Object, blocks: list[Any], resolution: int = 0) -> Object:
     """An object, maybe a temporary one, whose evaluated mesh has the lines of another one."""
-    shown = READERS[obj.type](context, obj, resolution, blocks)
-    if obj.type == "CURVES" or has_nodes(obj):
-        return realized(context, shown, resolution, blocks)
-    return shown
+    shown = READERS[obj.type](context, obj, blocks, resolution)
+    return realized(context, shown, blocks) if obj.type == "CURVES" or has_nodes(obj) else shown
 
 
 def has_nodes(obj: Object) -> bool:

@@ -47,14 +47,11 @@ class Curves:
         count = len(self._ends) - 1
         return np.full(count, missing, kind) if found is None else stored(found.data, "value", 1, kind).ravel()
 
-    def evaluated(self, number: int, resolution: int = 0) -> tuple[FloatArray, ...]:
-        """Points (k, 3), radii (k,), opacities (k,) and angles of sharp corners (k,) along a stroke.
-
-        resolution: segments between two of its points, 0 = its own.
-        """
+    def evaluated(self, number: int) -> tuple[FloatArray, ...]:
+        """Points (k, 3), radii (k,), opacities (k,) and angles of sharp corners (k,) along a stroke."""
         part = slice(self._ends[number], self._ends[number + 1])
         values, cyclic, kind = self._values[part], bool(self.cyclic[number]), self._kinds[number]
-        segments = resolution or max(int(self._segments[number]), 1)
+        segments = max(int(self._segments[number]), 1)
         if kind == SMOOTH and len(values) > 1:
             values = _smooth(values, cyclic, segments)
         elif kind == BEZIER and len(values) > 1:

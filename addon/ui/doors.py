@@ -186,7 +186,7 @@ def counts(context: Context) -> str:
     if settings.use_selected_as_levels:
         return ""
     drawings = [obj for obj in chosen(context)[:MOST] if record.level_of(obj) is None and obj.mode == "OBJECT"]
-    sizes = [of_one for obj in drawings if sum(of_one := loop_sizes(obj, settings.resolution))]
+    sizes = [of_one for obj in drawings if sum(of_one := loop_sizes(obj))]
     try:
         levels = parse_levels(settings.levels, known) if sizes else ()
     except UserError:

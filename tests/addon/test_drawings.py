@@ -117,7 +117,6 @@ KINDS = {
     "2D filled": (lambda _: changed(poly_curve("Drawing", [star(), circle(12, 0.3)]), fill_mode="BOTH"), {}, 72),
     "3D": (lambda _: poly_curve("Drawing", [star()], dimensions="3D"), {}, 60),
     "curve with a modifier": (lambda _: modified(poly_curve("Drawing", [star()]), "CAST", factor=0.3), {}, 60),
-    "resolution": (lambda _: drawings.bezier_circle("Drawing"), {"resolution": 5}, 20),
     "text": (lambda _: text("Drawing", "do"), {}, None),
     "SVG": (svg, {}, None),
     "wire": (lambda _: wire("Drawing", [star(), circle(12, 0.3)]), {}, 72),
@@ -150,6 +149,9 @@ KINDS = {
 }
 
 
+CURVED = {"Bezier", "NURBS", "text", "SVG", "mirrored"}
+
+
 @pytest.mark.parametrize("name", ["poly", *(pytest.param(n, marks=pytest.mark.slow) for n in KINDS if n != "poly")])
 def test_the_operator_gives_the_core_s_cages(core, tmp_path, name) -> None:
     make, values, count = KINDS[name]
@@ -164,14 +166,15 @@ def test_the_operator_gives_the_core_s_cages(core, tmp_path, name) -> None:
     assert fine.matrix_world == cage.matrix_world
 
     mesh = core.Mesh(points.astype(float), drawings.edges_of(fine).astype(int))
-    (level,) = core.nested_cages(mesh, core.Share(0.4), stored=np.float32, loops=values.get("loops", "auto")).levels
-    np.testing.assert_array_equal(corners, level.cage.vertices)
-    np.testing.assert_array_equal(drawings.edges_of(cage), level.cage.edges)
-    assert certificate(cage).excess == pytest.approx(level.report.excess, rel=1e-3)
+    if name not in CURVED:  # others keep a distance from what they display, for their true curves
+        (level,) = core.nested_cages(mesh, core.Share(0.4), stored=np.float32, loops=values.get("loops", "auto")).levels
+        np.testing.assert_array_equal(corners, level.cage.vertices)
+        np.testing.assert_array_equal(drawings.edges_of(cage), level.cage.edges)
+        assert certificate(cage).excess == pytest.approx(level.report.excess, rel=1e-3)
     assert core.verify(core.Mesh(corners.astype(float), drawings.edges_of(cage).astype(int)), mesh).holds
 
     # Every point of the fine mesh is one that Blender shows of the source, in the same place of the world.
-    if name not in {"projected", "resolution"}:
+    if name != "projected":
         far = np.linalg.norm(drawings.in_world(fine, evaluated(fine, depsgraph))[:, None] - shown[None], axis=2)
         assert far.min(axis=1).max() < 1e-5 * np.linalg.norm(np.ptp(shown, axis=0))
 

@@ -104,7 +104,7 @@ def test_a_preset_sets_all_that_makes_a_cage_relative_to_the_drawing(name) -> No
     settings = bpy.context.scene.nested_cages
     assert bpy.ops.scene.nested_cages_use_preset(name=name) == {"FINISHED"}
     wanted = settings_now()
-    own = {"show_result": False, "length": 77, "thickness": 0.25, "resolution": 5}
+    own = {"show_result": False, "length": 77, "thickness": 0.25, "project": True}
     strange = {"inside": True, "convex": True, "grid": 0.5, "symmetry": "FOUND", "pin_group": "Pins", "min_edge": 0.2}
     strange |= {"together": True, "clearance": 0.3, "level_objects": "Gone", "levels": "*, 7", "as_published": True}
     for key, value in (own | strange).items():
