@@ -56,7 +56,7 @@ class Contact(Protocol):
         path : sequence of (n, 2) arrays
             Positions of the fine vertices to pass.
         clearance : float
-            Distance that the cage keeps in the end, for guidance only.
+            Distance that the cage is to keep in the end, for guidance: tightening and the certificate see to it.
         on_step : callable
             Called with every accepted state, see `OnStep`.
 

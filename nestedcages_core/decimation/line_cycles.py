@@ -80,7 +80,7 @@ class LineCycles:
         return replace(self, on_curve=False, side=-1)
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
-        """A mesh that strictly encloses the fine one, by exact predicates; see `starts`."""
+        """A mesh that is to enclose the fine one, which the certificate decides; see `starts`."""
         return next(self.starts(fine, count, clearance=clearance)).coarse
 
     def starts(
@@ -93,7 +93,7 @@ class LineCycles:
         tick: Tick = no_tick,
         tables: Tables | None = None,
     ) -> Iterator[Start]:
-        """One mesh that strictly encloses the fine one, or lies strictly inside it, by exact predicates.
+        """One mesh that is to enclose the fine one, or to lie inside it, which the certificate decides.
 
         count: total number of vertices, or one per loop of the fine mesh. clearance: distance to keep from the fine
         mesh where there is space, in input units. Loop k of the mesh belongs to loop k of the fine mesh. tables:

@@ -1,8 +1,8 @@
 """One level, as in the paper: a coarse mesh, flow, reinflation, tightening, and a certificate.
 
-Coarse meshes are tried in turn, the tightest first: along the sequence of outlines, from the drawing to a box around
-it. The fine mesh flows into the one on the curve and comes back, pushing the cage out; where that is blocked, or looser
-than the enclosing mesh, the enclosing mesh is tightened, and the fine mesh stays at rest.
+Coarse meshes are tried in turn: where loops need not be kept, along the sequence of outlines, from the drawing to a box
+around it, the tightest first. The fine mesh flows into the one on the curve and comes back, pushing the cage out; where
+that is blocked, or looser than the enclosing mesh, the enclosing mesh is tightened: the fine mesh is inside already.
 
 A cage inside has the unbounded region around it as its solid. Walked backwards, its loops are the oriented boundary of
 that region, so start and solvers push it away from the fine mesh as they do with a cage outside.
@@ -36,7 +36,10 @@ from .work import LOOSE_ON_GRID, Draft, Work, methods_for
 logger = logging.getLogger(__name__)
 
 FAILURES = (FlowError, ReinflationError, NestingError, OutOfTimeError)
-"""Errors after which another start is tried; any other error ends the run."""
+"""Errors after which another way or start is tried, while there is time; any other error ends the run."""
+
+ON_CURVE = "on the curve"
+"""What a start with its vertices on the fine mesh is called."""
 
 NO_EXCESS = 3e-4
 """Excess up to which the clearance decides: a cage from flow and reinflation is not compared."""
@@ -51,7 +54,7 @@ Offered = Iterator[tuple[Start, tuple[Fault, ...]]]
 """Starts, and what is to be said of each."""
 
 Made = tuple[Level, float]
-"""A level, and the excess of its cage before that moved onto certain numbers."""
+"""A level, and the loss of its cage before that moved onto certain numbers."""
 
 
 def build_level(work: Work, target: int | Mesh) -> Level:
@@ -68,11 +71,11 @@ def build_level(work: Work, target: int | Mesh) -> Level:
 
 
 def with_fewer(work: Work, level: Level) -> Level:
-    """A better level with fewer vertices, where there are too many for the edges and angles that are wished for."""
+    """A better level with fewer vertices, where there are too many for the wishes."""
     best, kept, missed = level, 0, len(level.cage.vertices)
     for _ in range(TRIES_WITH_FEWER if work.misses(level) else 0):
         count = (kept + missed) // 2 if kept else int(FEWER * missed)
-        if count < max(MIN_PER_LOOP, kept + 1):
+        if count < max(MIN_PER_LOOP, kept + 1) or work.watch.over is not None:
             break
         with suppress(*FAILURES):
             other = along_starts(work, count)[0]
@@ -90,8 +93,8 @@ def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Mad
     Raises NestedCagesError.
     """
     failures, failed = list[NestedCagesError](), list[Mesh]()
+    others = starts(work, target, failures)
     try:
-        others = starts(work, target, failures)
         for start, notes in islice(others, most):
             try:
                 made = with_room(work, start, notes)
@@ -101,13 +104,8 @@ def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Mad
                 failed.append(start.coarse)
                 if work.watch.over is not None:
                     break
-                continue
-            for rival in rivals(work, start, others, made[0]):
-                if any(rival.coarse is mesh for mesh in failed):
-                    continue
-                with suppress(*FAILURES):
-                    made = min(made, with_room(work, rival, notes), key=lambda each: work.merit(each[0]))
-            return made
+            else:
+                return best_of_rivals(work, made, (start, notes), others, failed)
     except FAILURES as failure:  # there is no start, or no other one
         failures.append(failure)
     if work.watch.over is not None:
@@ -115,9 +113,20 @@ def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Mad
     raise failures[0] if most else explained(work, target, failures[0])
 
 
-def rivals(
-    work: Work, start: Start, others: Iterator[tuple[Start, tuple[Fault, ...]]], level: Level
-) -> Iterator[Start]:
+def best_of_rivals(
+    work: Work, made: Made, made_from: tuple[Start, tuple[Fault, ...]], others: Offered, failed: Sequence[Mesh]
+) -> Made:
+    """The best of a level and those from the rivals of its start, without meshes from which none could be made."""
+    start, notes = made_from
+    with suppress(*FAILURES):  # there is no other start
+        for rival in rivals(work, start, others, made[0]):
+            if all(rival.coarse is not mesh for mesh in failed):
+                with suppress(*FAILURES):
+                    made = min(made, with_room(work, rival, notes), key=lambda each: work.merit(each[0]))
+    return made
+
+
+def rivals(work: Work, start: Start, others: Offered, level: Level) -> Iterator[Start]:
     """Starts that may lead to a tighter cage: about as good, and on a grid further ones along the sequence."""
     if not work.compares or work.below < inf or start.source == OWN:
         return
@@ -154,7 +163,7 @@ def level_from_start(work: Work, start: Start, notes: tuple[Fault, ...]) -> Made
     """The paper's way from the mesh on the curve; where that is blocked or looser, the enclosing mesh at rest; where no
     cage can be certified, that mesh as it is.
 
-    Raises FlowError, ReinflationError, NestingError.
+    Raises one of `FAILURES`.
     """
     start = work.plan.started(start)
     drafts, failures = list[Draft](), list[NestedCagesError]()
@@ -165,13 +174,15 @@ def level_from_start(work: Work, start: Start, notes: tuple[Fault, ...]) -> Made
             logger.debug("start from %s failed: %s", mesh.source, failure)
             failures.append(failure)
     refusals = list[NestedCagesError]()
+    through = start.on_curve is None or any(draft.start.source == ON_CURVE for draft in drafts)
+    blocked = [each for each in failures[:1] if not through and not isinstance(each, OutOfTimeError)]
     stands = work.settings.fallback is not None or start.on_curve is None
     last = [replace(at_rest(work, start), still=True)] if stands else []
     for draft in (*sorted(drafts, key=lambda draft: draft.rank), *last):
         said = notes
-        if failures and not draft.still:
-            on = "flow" if isinstance(failures[0], FlowError) else "reinflation"
-            said = (*notes, note("note.start", on=on, source=draft.start.source, first="on the curve"))
+        if blocked and draft.start is start and not draft.still:
+            on = "flow" if isinstance(blocked[0], FlowError) else "reinflation"
+            said = (*notes, note("note.start", on=on, source=start.source, first=ON_CURVE))
         try:
             return finished(work, draft, said), draft.excess
         except NestingError as refusal:
@@ -186,7 +197,7 @@ def ways(work: Work, start: Start, drafts: Sequence[Draft]) -> Iterator[Start]:
     """
     fine = work.plan.outline.mesh
     if start.on_curve is not None:
-        yield Start(start.on_curve, "on the curve")
+        yield Start(start.on_curve, ON_CURVE)
         if work.settings.fallback is None:
             return
         # lines keep a little away from the fine mesh, beyond the clearance
@@ -201,7 +212,7 @@ def ways(work: Work, start: Start, drafts: Sequence[Draft]) -> Iterator[Start]:
 def starts(work: Work, target: int | Mesh, failures: Sequence[NestedCagesError]) -> Offered:
     """Coarse meshes to begin with, the best first, and what is to be said of them. Raises NestingError.
 
-    failures: of those before.
+    failures: of those handed out so far; the caller adds to them.
     """
     plan, settings, fine = work.plan, work.settings, work.plan.outline.mesh
     tried: Decimation | None = None
@@ -228,10 +239,10 @@ def starts(work: Work, target: int | Mesh, failures: Sequence[NestedCagesError])
         except NestingError as failure:
             failures = [*failures, failure]
     other = settings.fallback
-    if other is None or (isinstance(tried, LineCycles) and isinstance(other, LineCycles)):
-        if failures:
-            raise failures[0]
+    if not failures:
         return
+    if other is None or (isinstance(tried, LineCycles) and isinstance(other, LineCycles)):
+        raise failures[0]
     for start in decimated(work, other, count):
         told = (*notes, note("note.start", on="fallback", source=start.source, text=str(failures[0])))
         numbers = [len(loop) for loop in start.coarse.loops]

@@ -1,8 +1,8 @@
 """Certificates of levels: the only place where a level is made.
 
 Whatever made or changed a cage, its final numbers are judged here: that it is nested, simple and as far away as wanted,
-that it keeps its constraints, that its steps form a chain and move without collisions. The report tells what was
-measured.
+that it keeps its constraints, that its steps form a chain, and that they move without collisions after the flow. The
+report tells what was measured.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class Verdict:
 
     @property
     def is_only_too_close(self) -> bool:
-        """Whether it lacks nothing but the clearance."""
+        """Whether its nesting lacks nothing but the clearance."""
         found = self.certificate
         return found.strict and found.simple and len(found.problems) == 1 and found.clearance < self.wanted
 
@@ -107,16 +107,16 @@ class Verdict:
         )
 
 
-def judge(plan: Plan, cage: Mesh, wanted: float, *, finished: bool = True, same_loops: bool | None = None) -> Verdict:
+def judge(plan: Plan, cage: Mesh, wanted: float, *, whole: bool = True, same_loops: bool | None = None) -> Verdict:
     """The verdict on a cage of a plan at a clearance.
 
-    finished: whether it must keep what only finished cages do, too, as every level that is handed out.
+    whole: whether it must keep what only finished cages do, too, as every level that is handed out.
     same_loops: whether the loops must match; None: where it has as many as the fine mesh. A user's own coarse mesh may
     wrap several parts in one loop or cover holes.
     """
     alike = cage.has_loops_like(plan.fine) if same_loops is None else same_loops
     certificate = plan.verify(cage, wanted, same_loops=alike)
-    fault = next(iter(certificate.problems), None) or next(plan.missed(cage, whole=finished), None)
+    fault = next(iter(certificate.problems), None) or next(plan.missed(cage, whole=whole), None)
     return Verdict(cage, plan, wanted, certificate, fault)
 
 
@@ -133,8 +133,8 @@ def certify(
     if not path.leads(fine, cage) or not path.is_stored(stored):
         said = "The steps of the level do not lead to its cage, or not on the numbers asked for."
         raise NestingError(said, code="certificate.failed", problems=(said,))
-    ways = path.reinflation
-    motion = certify_motion(Bodies.of(cage, fine), list(ways.cage_steps), list(ways.fine_path), tick=tick)
+    moves = path.reinflation
+    motion = certify_motion(Bodies.of(cage, fine), list(moves.cage_steps), list(moves.fine_path), tick=tick)
     if not motion:
         raise NestingError(
             f"The motion from step {motion.step} to the next could not be certified free of collisions; "

@@ -23,7 +23,7 @@ PAPER_PREFERENCE = 0.01
 this fraction of its excess."""
 
 MISSED = 1e6
-"""Added to the rank of cages that miss a constraint, more than any excess: others are tried, and are better."""
+"""Added to the rank of cages that miss a constraint, more than any excess: others, where they are tried, are better."""
 
 OWN = "coarse mesh"
 """What a start from the user's own coarse mesh is called."""
@@ -33,7 +33,7 @@ def tight_draft(work: Work, start: Start) -> Draft:
     """The tight cage from a start. Raises FlowError, ReinflationError."""
     draft = at_rest(work, start)
     moves = not work.rests and work.watch.over is None
-    if moves and (work.settings.steps or not _encloses(start, work.plan.fine)):
+    if moves and (work.settings.steps or not _needs_no_flow(start, work.plan.fine)):
         draft = reinflated(work, flowed(work, draft))
     return tightened(work, draft, work.clearances[0])
 
@@ -116,8 +116,8 @@ def tightened(work: Work, draft: Draft, clearance: float) -> Draft:
     return replace(draft, excess=excess, rank=rank + MISSED * missed)
 
 
-def _encloses(start: Start, fine: Mesh) -> bool:
-    """Whether a start is around a mesh, or all but for what thinning leaves out, which tightening brings inside."""
+def _needs_no_flow(start: Start, fine: Mesh) -> bool:
+    """Whether the fine mesh is inside a start, or all but what thinning left out, which tightening brings inside."""
     return start.source == SOURCE or Nesting(start.coarse, fine).encloses()
 
 

@@ -26,12 +26,12 @@ def finished(work: Work, draft: Draft, notes: tuple[Fault, ...]) -> Level:
             draft = tightened(work, draft, clearance)
         watch.begin("verification")
         path = in_input_units(work, draft)
-        verdict = judge(plan, path.cage, clearance, finished=plan.numbers is None and plan.outline.inner is None)
+        verdict = judge(plan, path.cage, clearance, whole=plan.numbers is None and plan.outline.inner is None)
         if not verdict.is_only_too_close:
             break
     if not verdict:
         raise NestingError(verdict.rejection(wanted))
-    notes = (*notes, *_deviations(work, verdict, path, draft, wanted))
+    notes = (*notes, *_deviations(work, verdict, draft, wanted))
     iterations = {"flow": draft.flow.iterations, "reinflation": draft.reinflation.iterations}
     iterations |= {"tightening": draft.iterations[0], "quadratic programs": draft.iterations[1]}
     source = "flow" if len(draft.flow.steps) > 1 else draft.start.source
@@ -82,7 +82,7 @@ def _around(inner: Mesh, plan: Plan, path: Path, report: NestingReport) -> Level
     return certify(verdict, path, report, stored=stored)
 
 
-def _deviations(work: Work, verdict: Verdict, path: Path, draft: Draft, wanted: float) -> Iterator[Fault]:
+def _deviations(work: Work, verdict: Verdict, draft: Draft, wanted: float) -> Iterator[Fault]:
     """What differs from the request in a certified cage."""
     if verdict.wanted < wanted:
         on = "inside" if work.plan.side < 0 else "gaps"
@@ -93,7 +93,7 @@ def _deviations(work: Work, verdict: Verdict, path: Path, draft: Draft, wanted: 
     energy = work.settings.energy
     if draft.still:
         yield note("note.untightened")
-    elif len(path.reinflation.cage_steps) == 1 and not isinstance(energy, Area):
+    elif not len(draft.tightening) and len(draft.reinflation.cage_steps) == 1 and not isinstance(energy, Area):
         yield note("note.energy", energy=type(energy).__name__)
 
 

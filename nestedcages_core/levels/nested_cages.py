@@ -75,8 +75,9 @@ def inner_cages(
     """Cages inside ``fine``, of locally largest area, each inside the one before; see `nested_cages`.
 
     Level k is certified to lie strictly inside level k - 1, or inside the fine mesh, at the clearance; so its
-    ``report.excess`` is negative. A user's own mesh, from which the cage starts, must lie inside. The settings `flow`
-    and `contact` are not used, nor is a decimation other than `LineCycles`. Errors are those of `nested_cages`.
+    ``report.excess`` is negative. A user's own mesh, from which the cage starts, lies inside; one that does not is left
+    out, with a note. The settings `flow` and `contact` are not used, nor is a decimation other than `LineCycles`.
+    Errors are those of `nested_cages`.
     """
     return listened(InnerCagesRun.work(fine, levels, settings, **options), progress)
 

@@ -21,17 +21,17 @@ class NestingReport:
     """How a level was made and what was certified."""
 
     strict: bool
-    """Certified: the fine mesh lies strictly inside the cage, component by component."""
+    """Certified: one of fine mesh and cage lies strictly inside the other, as `side` says, component by component."""
     simple: bool
     """Certified: the cage does not touch or cross itself."""
     clearance: float
     """Measured smallest distance between cage and fine mesh; unit: the input's."""
     wanted_clearance: float
-    """The clearance asked for, or the value of the default."""
+    """The clearance that was certified: the one asked for, or the default, which is reduced in narrow gaps."""
     excess: float
     """area(cage) / area(fine) - 1; negative for inner cages."""
     start: str
-    """"flow", "line cycles" or "box": how the fine mesh came to lie inside the coarse one."""
+    """How the fine mesh came to lie inside the coarse one: by "flow", or what the start is called, such as "box"."""
     iterations: Mapping[str, int]
     """Iterations per phase."""
     seconds: Mapping[str, float]
@@ -71,7 +71,7 @@ class Level(Drawable):
     fine: Mesh
     """The mesh that this level's cage encloses, or is inside of: the input, or the cage of the level before."""
     coarse: Mesh
-    """The mesh that the cage started from."""
+    """The mesh that the cage started from: its first step. Of a cage without steps it is the cage."""
     cage: Mesh
     flow: FlowResult
     reinflation: Reinflation

@@ -59,14 +59,15 @@ class Settings:
         clearance: Smallest distance between cage and fine mesh, a length. Default: 1e-5 of the fine mesh's diagonal,
             less where its gaps are too narrow.
         steps: Whether cages grow out of a mesh on the curve, as in the paper, for an animation. False: they are
-            tightened at rest, in half the time; only the mesh inside a user's own one still moves. Default: True.
+            tightened at rest, in half the time; the fine mesh moves only into a coarse mesh that does not enclose it.
+            Default: True.
         grid: Cage vertices are multiples of this length, certified as the doubles that their decimals read as: 0.01 for
             two decimals. Default: any number.
         stored: Type that will hold the coordinates, such as np.float32: cage and motion are certified on its numbers,
             which all steps have but for the fine mesh. Default: doubles.
         loops: Which loops cages keep. "auto": those worth their vertices; holes are filled and parts share a loop where
             that is tighter (joining needs shapely). "keep": all; counts below three for each are an error. "one": one
-            around all. Cages inside, from one's own meshes and by a tolerance keep all. Default: "auto".
+            around all. Cages inside and by a tolerance keep all, one's own meshes what they have. Default: "auto".
         convex: Around each part the convex polygon of least area found, with holes filled. Not with pins,
             joints and limits; `energy` and `fallback` do not matter then. Default: False.
         symmetry: A symmetry that cages have exactly: `Mirror`, `Rotation`, or `DetectSymmetry` for that of the drawing.
@@ -80,12 +81,13 @@ class Settings:
         constraints: What cages keep in addition, such as `Box` or `LoopClearance`; anyone can write others, see
             `nestedcages_core.constraints`. Default: none.
         seconds: Wall-clock time in seconds for all levels; then the best certified cage is taken, or an error has the
-            finished levels as its `partial`. Default: no limit.
+            finished levels as its `partial`. Of moving cages, for the first cage of each level. Default: no limit.
         about: The mesh that distances, excesses, weights, pins and a symmetry are about when levels are made one by
             one: a drawing inside the fine mesh, or around it for inner cages. Default: the fine mesh.
         decimation: Turns a vertex count into a coarse mesh. Default: `LineCycles()`.
-        fallback: Decimation to start from if flow or reinflation fail (docs/ablation.md: the hull as fallback); None
-            raises an error. Default: `LineCycles(on_curve=False)`.
+        fallback: Decimation to start from where a user's own mesh or another `decimation` fails (docs/ablation.md: the
+            hull as fallback). None: nothing but the first start, the paper's way, is tried. Default:
+            `LineCycles(on_curve=False)`.
         flow: Brings the fine mesh inside the coarse one. Default: `TwoSidedFlow()`.
         energy: What the cage minimises during tightening. Default: `Area()`.
         contact: Resolves contact during reinflation; of several, each starts over where the one before is blocked.

@@ -40,7 +40,7 @@ class LevelMotion:
     topology: Mesh
     """The cage's edges, and its vertices at the first pose before they are pushed for the motion."""
     clearance: float
-    """The wanted clearance, in input units; the default may be reduced where gaps are narrow."""
+    """The clearance aimed at, in input units; where none was asked for, keys are certified without one."""
 
     def __init__(
         self, fine: Mesh, wanted: int | Mesh, settings: Settings, *, cyclic: bool, allowance: Allowance = Allowance()

@@ -1,7 +1,7 @@
 """Coarse to fine: a cage is tightened around few vertices of a large mesh, then around all of those near it too.
 
 What is left out lies within a tolerance of the edges that stand for it, from which the cage keeps so much more. Where
-this decides, all vertices are put back, so that in the end the cage is tight around the mesh itself.
+this decides, all vertices near it are put back, so that in the end the cage is tight around the mesh itself.
 """
 
 from __future__ import annotations

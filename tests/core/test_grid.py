@@ -125,6 +125,11 @@ def test_what_is_missed_is_measured_on_the_grid() -> None:
     assert codes(nested_cages(annulus(40), 24, grid=0.05)[0]) == []  # a push makes way, so that no cage stands still
 
 
+def test_starts_of_another_decimation_need_no_failure_to_be_compared() -> None:
+    for count in (8, 20):
+        assert_on_grid(core.nested_cages(star(60), count, grid=0.1, decimation=core.ArcLength())[0], 0.1)
+
+
 @pytest.mark.slow
 def test_slits_narrower_than_the_grid_are_filled() -> None:
     fine = comb(5, 0.02)
