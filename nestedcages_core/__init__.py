@@ -11,35 +11,11 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .contact import SequentialQP as SequentialQP
-from .contact.reinflation import Reinflation
-from .decimation import LineCycles as LineCycles
-from .energies import Area as Area
-from .energies import Blocks as Blocks
-from .energies import CageEnergy as CageEnergy
 from .errors import CODES as CODES
 from .errors import Fault as Fault
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
-from .flow import FlowResult
-from .flow import TwoSidedFlow as TwoSidedFlow
 from .geometry.drawable import Drawable
-from .geometry.mesh import Mesh
-from .levels import (
-    Hierarchy,
-    Level,
-    NestedCagesRun,
-    NestingReport,
-    Progress,
-    Settings,
-    Share,
-    inner_cages,
-    nested_cages,
-)
-from .levels import InnerCagesRun as InnerCagesRun
 from .libraries import imported_later
-from .tightening import Tightening as Tightening
-from .tolerance import Within
-from .verification import Certificate, MotionCertificate, verify, verify_motion
 
 if TYPE_CHECKING:
     from .batch import BatchProgress as BatchProgress
@@ -63,7 +39,9 @@ if TYPE_CHECKING:
     from .constraints.half_planes import HalfPlanes as HalfPlanes
     from .constraints.loop_clearance import LoopClearance as LoopClearance
     from .constraints.outside import Outside as Outside
+    from .contact import SequentialQP as SequentialQP
     from .contact.ipc import IPC as IPC
+    from .contact.reinflation import Reinflation
     from .coordinates import Grids as Grids
     from .coordinates import Harmonic as Harmonic
     from .coordinates import MeanValue as MeanValue
@@ -71,8 +49,12 @@ if TYPE_CHECKING:
     from .coordinates import cage_coordinates, deform
     from .coordinates import grids as grids
     from .decimation import ArcLength as ArcLength
+    from .decimation import LineCycles as LineCycles
     from .decimation import OnCurve as OnCurve
     from .decimation import OwnDecimation as OwnDecimation
+    from .energies import Area as Area
+    from .energies import Blocks as Blocks
+    from .energies import CageEnergy as CageEnergy
     from .energies.choices import BoundaryARAP as BoundaryARAP
     from .energies.choices import ElementEnergy as ElementEnergy
     from .energies.choices import InitialDisplacement as InitialDisplacement
@@ -81,6 +63,8 @@ if TYPE_CHECKING:
     from .energies.choices import StepDisplacement as StepDisplacement
     from .energies.no_energy import NoEnergy as NoEnergy
     from .energies.weighted_sum import WeightedSum as WeightedSum
+    from .flow import FlowResult
+    from .flow import TwoSidedFlow as TwoSidedFlow
     from .formats import Coverage as Coverage
     from .formats import Feature as Feature
     from .formats import Limits as Limits
@@ -112,9 +96,22 @@ if TYPE_CHECKING:
     from .formats.pictures import collision_outline, read_png
     from .formats.swept import swept
     from .game.drawn_parts import puppet_parts as puppet_parts
+    from .geometry.mesh import Mesh
     from .geometry.symmetry import DetectSymmetry as DetectSymmetry
     from .geometry.symmetry import Mirror as Mirror
     from .geometry.symmetry import Rotation as Rotation
+    from .levels import (
+        Hierarchy,
+        Level,
+        NestedCagesRun,
+        NestingReport,
+        Progress,
+        Settings,
+        Share,
+        inner_cages,
+        nested_cages,
+    )
+    from .levels import InnerCagesRun as InnerCagesRun
     from .levels.check_constraint import check_constraint as check_constraint
     from .levels.check_decimation import check_decimation as check_decimation
     from .levels.check_energy import check_energy as check_energy
@@ -148,6 +145,9 @@ if TYPE_CHECKING:
     from .solver.banded import Rows as Rows
     from .solver.newton import ProjectedNewton as ProjectedNewton
     from .solver.quadratic_program import InteriorPoint as InteriorPoint
+    from .tightening import Tightening as Tightening
+    from .tolerance import Within
+    from .verification import Certificate, MotionCertificate, verify, verify_motion
 
 __version__ = "1.0.0"
 
@@ -204,10 +204,21 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
 ]
 
 _LATER = {
+    "geometry.mesh": "Mesh",
+    "levels": (
+        "Hierarchy InnerCagesRun Level NestedCagesRun NestingReport Progress Settings Share inner_cages nested_cages"
+    ),
+    "flow": "FlowResult TwoSidedFlow",
+    "contact": "SequentialQP",
+    "contact.reinflation": "Reinflation",
+    "energies": "Area Blocks CageEnergy",
+    "tightening": "Tightening",
+    "tolerance": "Within",
+    "verification": "Certificate MotionCertificate verify verify_motion",
     "energies.weighted_sum": "WeightedSum",
     "energies.no_energy": "NoEnergy",
     "contact.ipc": "IPC",
-    "decimation": "OnCurve ArcLength OwnDecimation",
+    "decimation": "LineCycles OnCurve ArcLength OwnDecimation",
     "energies.choices": "BoundaryARAP ElementEnergy InitialDisplacement InteriorARAP ShapeKeeping StepDisplacement",
     "geometry.symmetry": "DetectSymmetry Mirror Rotation",
     "solver.banded": "Rows",
@@ -244,7 +255,7 @@ _LATER = {
         "as_published"
     ),
 }
-"""Modules that making a cage does not need, and their public names, which are imported on first use."""
+"""Modules and their public names, which are imported on first use: the help of the command needs none of them."""
 
 if not TYPE_CHECKING:  # a type checker would then take any name for one of the package
     __getattr__ = imported_later(__name__, _LATER)

@@ -1,5 +1,57 @@
 """The shell command: certified cages around drawings, maps and pictures."""
 
-from .run import main
+from __future__ import annotations
 
-__all__ = ["main"]
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+
+from ..errors import NestedCagesError
+from .progress import drop, sentence_of, tell
+
+DONE, FAILED, INTERRUPTED = 0, 1, 130
+"""Exit statuses; the last is that of a program ended by Ctrl-C. Wrong use ends with 2, by argparse."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; the exit status. Ctrl-C and errors of the operating system end in a sentence."""
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(AttributeError, ValueError, OSError):  # a replaced stream, without an encoding
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    try:
+        status = _run(sys.argv[1:] if arguments is None else list(arguments))
+        tell("", sys.stdout, end="")
+        return status
+    except KeyboardInterrupt:
+        problem, status = "interrupted", INTERRUPTED
+    except (OSError, NestedCagesError) as error:
+        problem, status = f"error: {sentence_of(error, 'standard output')}", FAILED
+        drop(sys.stdout)
+    with suppress(OSError):
+        tell(problem, sys.stderr)
+    return status
+
+
+def _run(words: Sequence[str]) -> int:
+    """Run the command that the first word names. What it needs is imported when its words have been read."""
+    try:
+        if words[:1] == ["check"]:
+            from .check import check_files
+
+            return check_files(words[1:])
+        if words[:1] == ["puppet"]:
+            from .puppet_options import parser as puppet_parser
+
+            given = puppet_parser().parse_args(words[1:])
+            from .puppet import make_puppet
+
+            return FAILED if make_puppet(given) else DONE
+        from .options import parser
+
+        options = parser()
+        given = options.parse_args(words)
+        from .run import make_cages
+
+        return FAILED if make_cages(options, given) else DONE
+    except SystemExit as end:  # of argparse, which has printed its message
+        return int(end.code or 0)

@@ -14,7 +14,7 @@ from ..checker import TOLERANCE, check, faults_of_motion
 from ..errors import NestedCagesError
 from ..formats.pictures import HALF
 from ..levels import Share, Within, level_words, parse_level
-from .options import decimals, length, symmetry
+from .options import length, symmetry
 from .progress import tell
 from .written import Levels, Loops, Shapes, pages_differ, read_cages, read_frames
 
@@ -92,7 +92,7 @@ def _problems(given: argparse.Namespace, drawings: Shapes, results: Shapes, lost
     yield from _faults_of_page(given, drawings, results)
     is_picture = Path(given.drawing[0]).suffix.lower() == ".png"  # whose holes are closed and whose parts may be joined
     options = {
-        "grid": given.grid if given.decimals is None else float(f"1e-{given.decimals}"),
+        "grid": given.grid,
         "symmetry": given.symmetry,
         "distance": given.distance,
     }
@@ -204,9 +204,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     loops.add_argument("--any-loops", action="store_true", help="cages may have other loops, and more")
     options.add_argument("--borders", action="store_true", help="all regions together, as --borders makes them")
-    grids = options.add_mutually_exclusive_group()
-    grids.add_argument("--grid", type=length, metavar="LENGTH", help="coordinates are multiples of this length")
-    grids.add_argument("--decimals", type=decimals, metavar="N", help="the same by decimals")
+    options.add_argument("--grid", type=length, metavar="LENGTH", help="coordinates are multiples of this length")
     options.add_argument("--symmetry", type=symmetry, metavar="WHAT", help="x, y or an order of rotations")
     options.add_argument("--distance", type=length, metavar="LENGTH", help="no cage reaches farther than this")
     options.add_argument("--tolerance", type=length, metavar="LENGTH", help="of curves of a drawing, as when reading")

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -12,7 +13,7 @@ from typing import NamedTuple
 
 from ..batch import Outcome, nested_cages_many
 from ..errors import NestedCagesError
-from ..formats import Coverage, Limits, coverage_cages
+from ..formats import Limits
 from ..formats.pictures import HALF, picture_cages
 from ..geometry.mesh import Mesh
 from ..levels import Hierarchy, Level, Settings, inner_cages, nested_cages
@@ -22,8 +23,8 @@ from .sources import NamedShape, Source
 MAX_PROCESSES_ON_WINDOWS = 61
 """Worker processes that Python can wait for there."""
 
-TOLD = ("note.count", "note.loops")
-"""Codes of notes that are told of several files too."""
+REPORTED = ("note.count", "note.loops")
+"""Codes of notes that are reported of several files too."""
 
 SETTINGS = ("clearance", "grid", "loops", "convex", "symmetry", "min_edge", "min_angle", "seconds")
 """Options that are settings of the same name."""
@@ -39,12 +40,6 @@ class Made(NamedTuple):
     fine: Mesh
     levels: Sequence[Level]
 
-    @property
-    def notes(self) -> list[str]:
-        """What became of counts that are too small, and of loops."""
-        said = [(number, note) for number, level in enumerate(self.levels, 1) for note in level.report.notes]
-        return [f"Level {number}: {note}" for number, note in said if note.code in TOLD]
-
 
 @dataclass(frozen=True, eq=False)
 class Result:
@@ -54,17 +49,33 @@ class Result:
     made: Sequence[Made] = ()
     failures: Sequence[str] = ()
     """One sentence per shape that has no cages, or not all of them."""
-    coverages: Sequence[Coverage] = ()
-    """For each level: the regions of a map whose borders are simplified."""
+
+    @property
+    def notes(self) -> Iterator[str]:
+        """What became of counts that are too small, and of loops."""
+        for each in self.made:
+            name = f"{each.shape.name}: " if len(self.made) > 1 else ""
+            for number, level in enumerate(each.levels, 1):
+                notes = (note for note in level.report.notes if note.code in REPORTED)
+                yield from (f"{name}Level {number}: {note}" for note in notes)
+
+    def __str__(self) -> str:
+        """The certificate of every cage."""
+        lines = []
+        for each in self.made:
+            count = len(each.fine.loops)
+            name = each.shape.name if len(self.source.shapes) + len(self.source.failures) > 1 else "Drawing"
+            lines.append(f"{name}: {len(each.fine.vertices)} vertices, {count} loop{'s' * (count != 1)}")
+            cages = ((k, len(level.cage.vertices), level.report) for k, level in enumerate(each.levels, 1))
+            lines += [f"  Level {k}: {number} vertices, {report}" for k, number, report in cages]
+        return "\n".join(lines)
 
 
 def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
     """The cages of a file. If a shape fails, its finished levels and all other shapes are kept."""
-    if given.borders is not None:
-        return _coverage(source, given, line)
     failures = list(source.failures)
     made: list[Made] = []
-    for shape, outcome in zip(source.shapes, _made_outcomes(source, given, line), strict=True):
+    for shape, outcome in zip(source.shapes, _outcomes(source, given, line), strict=True):
         hierarchy, error = outcome.result, outcome.error
         if error is not None:
             if not isinstance(error, NestedCagesError):
@@ -76,18 +87,18 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
     return Result(source, made, failures)
 
 
-def _made_outcomes(source: Source, given: argparse.Namespace, line: ProgressLine) -> list[Outcome]:
+def _outcomes(source: Source, given: argparse.Namespace, line: ProgressLine) -> list[Outcome]:
     """The cages of the shapes of a file, or the error of each."""
     constraints = [each for name in CONSTRAINTS if (each := getattr(given, name)) is not None]
     settings = Settings(**{name: getattr(given, name) for name in SETTINGS}, constraints=constraints, steps=False)
     shapes = [shape.content for shape in source.shapes]
-    if all(isinstance(shape, Mesh) for shape in shapes) and not given.inside and len(shapes) > 1:
+    if source.kind == "map" and not given.inside and len(shapes) > 1:
         executor = partial(_processes, given.jobs) if given.jobs > 1 else None
-        return nested_cages_many(shapes, given.levels, settings, executor=executor, progress=line.of_batch)
+        return nested_cages_many(shapes, given.levels, settings, executor=executor, progress=line.show)
     of_picture = {
-        "padding": given.padding or given.clearance or 0.0,
+        "padding": given.clearance or 0.0,
         "threshold": HALF if given.threshold is None else given.threshold,
-        "holes": given.holes,
+        "holes": given.loops == "keep",
         "limits": replace(Limits(), **given.limits),
     }
     outcomes = []
@@ -98,7 +109,7 @@ def _made_outcomes(source: Source, given: argparse.Namespace, line: ProgressLine
         else:
             work = partial(picture_cages, shape, given.levels, settings=settings, **of_picture)
         try:
-            outcomes.append(Outcome(k, work(progress=line.of_run)))
+            outcomes.append(Outcome(k, work(progress=line.show)))
         except NestedCagesError as error:
             outcomes.append(Outcome(k, None, error))
     return outcomes
@@ -107,14 +118,5 @@ def _made_outcomes(source: Source, given: argparse.Namespace, line: ProgressLine
 def _processes(count: int) -> Executor:
     from concurrent.futures import ProcessPoolExecutor  # imports multiprocessing, which few need
 
-    return ProcessPoolExecutor(min(count, MAX_PROCESSES_ON_WINDOWS) if sys.platform == "win32" else count)
-
-
-def _coverage(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
-    """The cage around all regions of a map, divided among them."""
-    regions = [shape.content for shape in source.shapes if isinstance(shape.content, Mesh)]
-    settings = Settings(**{name: getattr(given, name) for name in SETTINGS}, steps=False)
-    found = coverage_cages(regions, given.levels, settings, width=given.borders or None, progress=line.of_run)
-    land = found[0].coast.fine
-    coast = Made(NamedShape("Coast", land), land, [coverage.coast for coverage in found])
-    return Result(source, [coast], source.failures, found)
+    count = min(count, MAX_PROCESSES_ON_WINDOWS) if sys.platform == "win32" else count
+    return ProcessPoolExecutor(count, initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN))

@@ -4,25 +4,42 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from math import inf, nan
 from pathlib import Path
-from typing import Any, TypeVar
+from sys import modules
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..constraints.axis_aligned import TRANSIT, AxisAligned
-from ..constraints.box import Box
 from ..errors import NestedCagesError
-from ..formats import DRAWING_LIMITS, Limits
-from ..formats.decimals import MAX_DECIMALS
-from ..geometry.lattice import Grid
-from ..geometry.symmetry import DetectSymmetry, Mirror, Rotation
-from ..levels import level_words, parse_level
-from ..levels.settings import LOOPS
-from .outputs import STEM, WRITTEN
-from .sources import KINDS, STREAM, kind_of
+
+if TYPE_CHECKING:  # what values of options are read by is imported when there are some: the help is quick without
+    from ..constraints.axis_aligned import AxisAligned
+    from ..constraints.box import Box
+    from ..geometry.symmetry import DetectSymmetry, Mirror, Rotation
+
+STREAM = "-"
+"""Stands for the standard input or output."""
+
+STEM = "{stem}"
+"""Placeholder in an output's name: the input's name without its extension."""
+
+KINDS = {".svg": "drawing", ".png": "picture",
+         **dict.fromkeys((".geojson", ".json", ".shp", ".gpkg", ".topojson"), "map")}  # fmt: skip
+"""The content of an input file by its extension."""
+
+WRITTEN = {".svg": "svg", ".geojson": "geojson", ".json": "json"}
+"""Output formats by extension."""
+
+METRES = {"m": 1.0, "km": 1000.0, "mi": 1609.344}
+"""Units of lengths on the ground."""
+
+AXES = {"x": (0.0, 1.0), "y": (1.0, 0.0)}
+"""Directions of the mirrors that turn over a coordinate."""
+
+HELP_WIDTH = 79
+"""Columns of the help: no wider than the narrowest usual terminal."""
 
 USAGE = "nested-cages FILE [FILE ...] --levels N [N ...] [-o FILE] [options]"
 
@@ -34,7 +51,7 @@ one is certified by exact predicates before it is written."""
 MORE = """\
 more: --help shape, drawings, maps, pictures, outlines, files (formats, limits,
 exit status, examples) or all
-nested-cages check DRAWING RESULT judges what was written
+nested-cages check DRAWING RESULT checks what was written
 nested-cages puppet PAINTING -o SCENE makes a game puppet of a layered painting
 """
 
@@ -43,6 +60,7 @@ input files, several of them or patterns such as "icons/*.svg"; - reads the stan
   .svg            what is painted; curves become chords within --tolerance, overlapping shapes are united
   .geojson .json  polygons; every feature gets its own cages. Faults are repaired as map programs do, and each repair
                   is named. A collision outline written by this command too
+  .shp .gpkg .topojson  as maps, through pyogrio
   .png            opaque pixels, in pixels with y downwards
 
 output files (by extension, all lengths and places in the units of the input):
@@ -50,28 +68,34 @@ output files (by extension, all lengths and places in the units of the input):
                   on its pixels, a map has the north up
   .geojson        one feature per cage, with its level, vertices, excess and clearance
   .json           a collision outline for game engines: the coarsest cage as outer loops and holes
-  Files are written whole or not at all. For several input files name outputs with {stem}, such as cages/{stem}.svg;
-  a .json without it takes the outlines of several pictures as the frames of one animation
+  -               the standard output: SVG of a drawing, GeoJSON of a map or a picture
+  The files of an input are written together, whole or not at all. For several input files name outputs with {stem},
+  such as cages/{stem}.svg; a .json without it takes the outlines of several pictures as the frames of one animation
 
 exit status:
   0  all cages were made, certified and written
-  1  a cage could not be made or a file not be read; the message says why. What worked is written
+  1  a cage could not be made or a file not be read or written; the message says why. What worked is written
   2  wrong use of the options
   130  interrupted
 
 examples:
   nested-cages logo.svg --levels 64 24 -o cages.svg
   nested-cages "icons/*.svg" --levels 20% 8% -o "cages/{stem}.svg" --report report.json
-  nested-cages sprite.png --levels 16 --padding 2 -o outline.json --flip-y
-  nested-cages regions.geojson --levels 200 50 --jobs 4 -o simple.geojson
+  nested-cages sprite.png --levels 16 --clearance 2 -o outline.json --flip-y
+  nested-cages regions.geojson --levels 200 50 --clearance 5km --jobs 4 -o simple.geojson
   curl ... | nested-cages - --levels 50% -o - > simple.geojson
 """
 
-AXES = {"x": (0.0, 1.0), "y": (1.0, 0.0)}
-"""Directions of the mirrors that turn over a coordinate."""
+Value = TypeVar("Value")
 
-HELP_WIDTH = 79
-"""Columns of the help: no wider than the narrowest usual terminal."""
+
+class Metres(float):
+    """A length on the ground, in metres."""
+
+
+def kind_of(path: str) -> str | None:
+    """The content of a file by its name; None if it cannot be read. For a stream it is guessed later."""
+    return "stream" if path == STREAM else KINDS.get(Path(path).suffix.lower())
 
 
 def _number(what: str, holds: Callable[[float], bool], kind: type = float) -> Callable[[str], Any]:
@@ -94,34 +118,41 @@ def at_least(least: int) -> Callable[[str], Any]:
 
 
 length = _number("a length above 0", lambda value: 0.0 < value < inf)
-decimals = _number(f"a whole number from 0 to {MAX_DECIMALS}", lambda value: value in range(MAX_DECIMALS + 1), int)
-_share = _number("a number from 0 to 1", lambda value: 0.0 <= value <= 1.0)
-_order = _number("x, y, found or a whole number of at least 2", lambda value: value >= 2 and value % 1 == 0, int)
+
+
+def clearance(text: str) -> float:
+    """A length in units of the input, or in metres."""
+    unit = text.lstrip("0123456789.eE+-").strip()
+    return Metres(length(text.removesuffix(unit)) * METRES[unit]) if unit in METRES else float(length(text))
 
 
 def symmetry(text: str) -> Mirror | Rotation | DetectSymmetry:
+    from ..geometry.symmetry import DetectSymmetry, Mirror, Rotation
+
     if text == "found":
         return DetectSymmetry()
-    return Mirror(None, AXES[text]) if text in AXES else Rotation(None, _order(text))
-
-
-Made = TypeVar("Made")
+    order = _number("x, y, found or a whole number of at least 2", lambda value: value >= 2 and value % 1 == 0, int)
+    return Mirror(None, AXES[text]) if text in AXES else Rotation(None, order(text))
 
 
 def directions(text: str) -> AxisAligned:
+    from ..constraints.axis_aligned import TRANSIT, AxisAligned
+
     words = {"axes": AxisAligned(), "transit": AxisAligned(TRANSIT)}
     return words[text] if text in words else _made(AxisAligned, text, "axes, transit or angles such as 0,60,120")
 
 
 def box(text: str) -> Box:
-    def between(*corners: float) -> Box:
+    from ..constraints.box import Box
+
+    def between(corners: tuple[float, ...]) -> Box:
         x, y, u, v = corners
         return Box((min(x, u), min(y, v)), (max(x, u), max(y, v)))
 
-    return _made(lambda numbers: between(*numbers), text, "two corners such as 0,0,640,480")
+    return _made(between, text, "two corners such as 0,0,640,480")
 
 
-def _made(maker: Callable[[tuple[float, ...]], Made], text: str, what: str) -> Made:
+def _made(maker: Callable[[tuple[float, ...]], Value], text: str, what: str) -> Value:
     """What a maker makes of numbers between commas; what: these in words."""
     try:
         return maker(tuple(float(word) for word in text.split(",")))
@@ -130,16 +161,13 @@ def _made(maker: Callable[[tuple[float, ...]], Made], text: str, what: str) -> M
 
 
 def _limit(text: str) -> tuple[str, int]:
+    from ..formats import Limits
+
     name, _, number = text.partition("=")
     if name not in vars(Limits()):
         known = ", ".join(vars(Limits()))
         raise argparse.ArgumentTypeError(f"{known} can be limited, as in pixels=1000000, not {text!r}")
     return name, int(at_least(1)(number))
-
-
-def _limit_list(limits: Limits) -> str:
-    """All limits in the form of the option."""
-    return ", ".join(f"{name}={value}" for name, value in vars(limits).items())
 
 
 def _option(*names: str, metavar: str | None = None, **how: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
@@ -156,10 +184,11 @@ OPTIONS = {
                 "distance, 2px, or an excess of area, +25%%"),
         _option("-o", "--output", action="append", default=[], metavar="FILE", help=".svg, .geojson or .json to write, "
                 "or - for the standard output; may be repeated"),
-        _option("--clearance", type=length, metavar="LENGTH", help="smallest distance of a cage from what it encloses"),
+        _option("--clearance", type=clearance, metavar="LENGTH", help="smallest distance of a cage from what it "
+                "encloses, in units of the input; of a map also in m, km or mi, as in 5km"),
         _option("--inside", help="make cages inside the shapes instead"),
-        _option("--loops", action="store", choices=LOOPS, default="auto", help="auto: holes are filled and parts share "
-                "a loop where that is tighter; keep: every loop has its own; one: a silhouette"),
+        _option("--loops", action="store", choices=("auto", "keep", "one"), default="auto", help="auto: holes are "
+                "filled and parts share a loop where that is tighter; keep: every loop has its own; one: a silhouette"),
         _option("--seconds", type=_number("a time above 0", lambda value: 0.0 < value < inf), metavar="S",
                 help="time for each shape; the levels made by then are kept"),
         _option("--report", metavar="FILE", help="write all measures and messages as JSON"),
@@ -177,9 +206,8 @@ OPTIONS = {
         _option("--directions", type=directions, metavar="WHAT", help="edges are along the axes (axes), also along "
                 "both diagonals (transit), or at these angles in degrees, such as 0,60,120"),
         _option("--box", type=box, metavar="X,Y,X,Y", help="cages stay between two corners, as in --box=-8,0,8,9"),
-        _option("--grid", type=length, metavar="LENGTH", help="cage vertices are multiples of this length"),
-        _option("--decimals", type=decimals, metavar="N", help="the same by decimals: 6 or 7 for maps in degrees, 0 "
-                "for whole pixels"),
+        _option("--grid", type=length, metavar="LENGTH", help="cage vertices are multiples of this length: 1 for whole "
+                "pixels, 1e-6 for six decimals"),
     ),
     "drawings": (
         _option("--tolerance", type=length, metavar="LENGTH", help="greatest distance between a curve and its chords "
@@ -189,37 +217,23 @@ OPTIONS = {
         _option("--layers", nargs="+", metavar="NAME", help="read only these layers: of a drawing by label or "
                 "id, of a map file by name (default: the first with polygons)"),
         _option("--no-strokes", help="leave strokes out"),
-        _option("--no-background", help="leave out a shape that covers the whole page"),
         _option("--no-crop", help="keep what lies outside the page"),
-        _option("--opacity", type=_share, metavar="ALPHA", help="opacity from 0 to 1 above which paint counts "
-                "(default: 0)"),
     ),
     "maps": (
         _option("--jobs", type=at_least(1), metavar="N", help="processes for the features (default: 1)"),
-        _option("--borders", type=lambda text: length(text.removesuffix("px")), nargs="?", const=0.0, metavar="WIDTH",
-                help="for features that share borders: one cage around their land, divided along borders that are "
-                "simplified once for both sides, within a width such as 0.5 (default: about as coarsely as the coast)"),
     ),
     "pictures": (
-        _option("--padding", type=length, metavar="PIXELS", help="the clearance; parts closer are joined"),
-        _option("--threshold", type=_share, metavar="ALPHA", help="opacity from 0 to 1 above which a pixel counts as "
-                "opaque (default: 0.5)"),
-        _option("--holes", help="keep holes open (default: closed)"),
+        _option("--threshold", type=_number("a number from 0 to 1", lambda value: 0.0 <= value <= 1.0), metavar="ALPHA",
+                help="opacity from 0 to 1 above which a pixel counts as opaque (default: 0.5)"),
     ),
     "outlines": (
         _option("--flip-y", help="turn y over; that of a picture then counts upwards from its lower edge"),
-        _option("--triangles", help="add the triangles of the outline"),
         _option("--pieces", type=at_least(3), metavar="N", help="add convex pieces of at most N vertices, which tile "
                 "the outline; Box2D takes 8"),
     ),
     "files": (
-        _option("--format", action="store", choices=sorted(WRITTEN.values()), help="what to write to the standard "
-                "output (default: geojson for maps, json for collision outlines, else svg)"),
-        _option("--again", help="make the cages of all files; without it, of several files those are skipped whose "
-                "outputs exist and are newer, whatever the options were"),
         _option("--limit", dest="limits", type=_limit, action="append", default=[], metavar="WHAT=N", help="raise or "
-                "lower a limit of reading "
-                f"(default: {_limit_list(Limits())}; of drawings {_limit_list(DRAWING_LIMITS)})"),
+                "lower a limit of reading: bytes, elements, points, seconds or pixels (SECURITY.md has the defaults)"),
     ),
 }  # fmt: skip
 """The options by topic of the help."""
@@ -227,12 +241,7 @@ OPTIONS = {
 ALSO_FOR = {"tolerance": {"map"}, "layers": {"map"}, "inside": {"drawing", "map"}}
 """Kinds of files other than those of the topic that an option is for."""
 
-APART = (
-    *(("padding", "clearance"), ("grid", "decimals"), ("inside", "jobs"), ("inside", "borders"), ("jobs", "borders")),
-    *(("borders", "grid"), ("borders", "decimals"), ("borders", "symmetry"), ("convex", "inside")),
-    *(("convex", other) for other in ("borders", "min_edge", "min_angle", "directions")),
-    *(("borders", other) for other in ("directions", "box")),
-)
+APART = (("inside", "jobs"), *(("convex", other) for other in ("inside", "min_edge", "min_angle", "directions")))
 """Options that exclude each other."""
 
 
@@ -261,10 +270,8 @@ def parser(shown: Collection[str] = tuple(OPTIONS), *, files: bool = True) -> ar
         for names, how in OPTIONS[topic]:
             group.add_argument(*names, **how)
         if topic == MAIN:
-            whole = sys.modules[__name__.rpartition(".command.")[0]]
-            group.add_argument(
-                "--version", action="version", version=f"nested-cages {whole.__version__}", help="print the version"
-            )
+            version = f"nested-cages {modules[__name__.rpartition('.command.')[0]].__version__}"
+            group.add_argument("--version", action="version", version=version, help="print the version")
     topics = [*list(OPTIONS)[1:], "all"]
     options.add_argument("-h", "--help", action=_Help, nargs="?", choices=topics, help=argparse.SUPPRESS)
     return options
@@ -272,21 +279,19 @@ def parser(shown: Collection[str] = tuple(OPTIONS), *, files: bool = True) -> ar
 
 def of_drawings(given: argparse.Namespace) -> dict[str, Any]:
     """The options of drawings as `SvgOptions`."""
+    from ..formats import DRAWING_LIMITS
+
     return {
         **{name: getattr(given, name) for name in ("tolerance", "element")},
-        **{name: not getattr(given, f"no_{name}") for name in ("strokes", "background", "crop")},
+        **{name: not getattr(given, f"no_{name}") for name in ("strokes", "crop")},
         "layers": tuple(given.layers or ()),
-        "opacity": given.opacity or 0.0,
         "limits": replace(DRAWING_LIMITS, **given.limits),
     }
 
 
 def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[str]) -> None:
     """Exit with a message if the options contradict each other or do not apply to the files; fill in defaults."""
-
-    def is_given(name: str) -> bool:
-        value = getattr(given, name)
-        return value is not None and value is not False
+    from ..levels import level_words, parse_level
 
     for path in paths:
         if kind_of(path) is None:
@@ -301,25 +306,27 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
     named = [(topic[:-1], names[0]) for topic in ("drawings", "maps", "pictures") for names, _ in OPTIONS[topic]]
     for owner, name in [*named, ("drawing", "--inside")]:
         word = _word(name)
-        if is_given(word) and not kinds & {owner, "stream", *ALSO_FOR.get(word, ())}:
+        if _is_given(given, word) and not kinds & {owner, "stream", *ALSO_FOR.get(word, ())}:
             options.error(f"{name} is for a {owner}, and there is none among the input")
+    if isinstance(given.clearance, Metres) and not kinds & {"map", "stream"}:
+        options.error("--clearance in metres is for a map, and there is none among the input; give it without a unit")
     for one, other in APART:
-        if is_given(one) and is_given(other):
+        if _is_given(given, one) and _is_given(given, other):
             both = f"--{one} and --{other}".replace("_", "-")
             options.error(f"{both} do not go together; give only one of them")
-    to_stream, outlines = STREAM in given.output, any(path.lower().endswith((".json", STREAM)) for path in given.output)
-    if given.format and not to_stream:
-        options.error("--format is for the standard output (-o -); files are written by their extension")
-    if [*given.output, given.report].count(STREAM) > 1 or (to_stream and len(paths) > 1):
+    if [*given.output, given.report].count(STREAM) > 1 or (STREAM in given.output and len(paths) > 1):
         options.error("the standard output takes one of the outputs and the report, and the cages of one file")
     for name in (names[0] for names, _ in OPTIONS["outlines"]):
-        if is_given(_word(name)) and not outlines:
+        if _is_given(given, _word(name)) and not any(path.lower().endswith(".json") for path in given.output):
             options.error(f"{name} is for collision outlines; write one with -o FILE.json")
     _check_files(options, given, paths)
-    if given.decimals is not None:
-        given.grid = Grid.of_decimals(given.decimals).spacing
     given.jobs = given.jobs or 1
     given.limits = dict(given.limits)
+
+
+def _is_given(given: argparse.Namespace, word: str) -> bool:
+    value = getattr(given, word)
+    return value is not None and value is not False
 
 
 def _word(name: str) -> str:

@@ -11,7 +11,6 @@ from typing import Any
 
 from ..errors import invalid_file
 from ..formats import (
-    FILES,
     Frame,
     Limits,
     from_engine_json,
@@ -24,12 +23,7 @@ from ..formats import (
 from ..formats.pictures import decode_png
 from ..geometry.arrays import AnyArray
 from ..geometry.mesh import Mesh
-
-STREAM = "-"
-"""Stands for the standard input or output."""
-
-KINDS = {".svg": "drawing", ".geojson": "map", ".json": "map", ".png": "picture", **dict.fromkeys(FILES, "map")}
-"""The content of a file by its extension."""
+from .options import STREAM, kind_of
 
 BEGINNINGS = {b"\x89PNG": "picture", b"<": "drawing", b"{": "map"}
 """The content of a stream by its first bytes."""
@@ -76,11 +70,6 @@ def matching_files(patterns: Sequence[str]) -> list[str]:
             raise invalid_file(f"{pattern}: no file that can be read has such a name.")
         found.extend(matches)
     return list(dict.fromkeys(found))
-
-
-def kind_of(path: str) -> str | None:
-    """The content of a file by its name; None if it cannot be read. For a stream it is guessed later."""
-    return "stream" if path == STREAM else KINDS.get(Path(path).suffix.lower())
 
 
 def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .engine_json import to_engine_json as to_engine_json
     from .engine_json import write_engine_json as write_engine_json
     from .files import read_whole as read_whole
+    from .files import write_files as write_files
     from .files import write_whole as write_whole
     from .fill import Painted as Painted
     from .fill import clipped as clipped
@@ -59,7 +60,7 @@ else:  # each name from its module: to read a map loads no SVG
                 "frames_to_engine_json from_engine_json is_engine_json outlines_from_engine_json to_engine_json "
                 "write_engine_json"
             ),
-            "files": "read_whole write_whole",
+            "files": "read_whole write_files write_whole",
             "fill": "Painted clipped joined solid",
             "geojson": "Feature Map features_from_geojson from_geojson read_geojson read_map to_geojson write_geojson",
             "gis_files": "FILES map_document",
@@ -114,6 +115,7 @@ __all__ = [
     "to_geojson",
     "to_svg",
     "write_engine_json",
+    "write_files",
     "write_geojson",
     "write_svg",
     "write_whole",

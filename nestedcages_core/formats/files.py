@@ -1,31 +1,26 @@
-"""Files: read within limits, written whole or not at all."""
+"""Files: read within limits; written whole or not at all, several of them as one unit."""
 
 from __future__ import annotations
 
 import os
 import stat
-import tempfile
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from secrets import token_hex
+from time import time
+from typing import TypeVar
 
 from ..errors import invalid_file
 from .limits import Limits
 
-try:
-    from fcntl import LOCK_EX, LOCK_NB, flock  # noqa: TID251 - guarded
-
-    LOCKS = True
-except ImportError:  # on Windows, where files that are open cannot be removed
-    LOCKS = False
-
-DEFAULT_MODE = 0o666
-"""Permissions of a new file before the user's umask."""
+FilePath = TypeVar("FilePath", bound=str | os.PathLike[str])
 
 UNFINISHED = ".nested-cages.part"
-"""Ending of what is not yet whole; its writer holds a lock on it."""
+"""Ending of what is not yet whole."""
 
-_cleaned: set[Path] = set()
-"""Folders without what killed writers have left."""
+ABANDONED = 3600.0
+"""Seconds after which an unfinished file is one that a killed writer has left."""
 
 
 def read_whole(path: str | os.PathLike[str], limits: Limits) -> bytes:
@@ -38,72 +33,74 @@ def read_whole(path: str | os.PathLike[str], limits: Limits) -> bytes:
 
 
 def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
-    """Write a file, text as UTF-8. After an error the file is either the old or the new one, never a part.
+    """Write a file as `write_files` does."""
+    write_files({path: content})
 
-    Raises OSError, with the name of the file, where it cannot be written; NestedCagesError for text that is no UTF-8.
+
+def write_files(contents: Mapping[FilePath, str | bytes]) -> None:
+    """Write files that belong together, text as UTF-8.
+
+    All are whole and on the disk, next to their places, before the first takes its place. They do so in the given
+    order: a file stands after those that it refers to. After an error each file is either the old or the new one.
+
+    Raises OSError, with the name of the file, where one cannot be written; NestedCagesError for text that is no UTF-8.
     """
-    given = Path(path)
+    data = {Path(path): _encoded(path, content) for path, content in contents.items()}
+    with ExitStack() as stack:
+        staged = {path: stack.enter_context(_staged(path, content)) for path, content in data.items()}
+        for path, beside in staged.items():
+            if beside is not None:
+                with _naming(path):
+                    os.replace(beside, os.path.realpath(path))
+
+
+def _encoded(path: str | os.PathLike[str], content: str | bytes) -> bytes:
     try:
-        data = content.encode("utf-8") if isinstance(content, str) else content
+        return content.encode("utf-8") if isinstance(content, str) else content
     except UnicodeEncodeError as error:
-        character = error.object[error.start]
         raise invalid_file(
-            f"{given.name} cannot be written: the text has {character!a}, which is half a character; correct the name."
+            f"{Path(path).name} cannot be written: the text has {error.object[error.start]!a}, which is half a "
+            "character; correct the name."
         ) from error
-    target = Path(os.path.realpath(given))  # keep links
-    if target.exists() and not target.is_file():  # devices and pipes have no content to lose
-        target.write_bytes(data)
-        return
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Errors of the operating system name the file that was to be written."""
     try:
-        _clean(target.parent)
-        handle, beside = _locked(target)
-        try:
-            with os.fdopen(handle, "wb") as file:
+        yield
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
+
+
+@contextmanager
+def _staged(path: Path, data: bytes) -> Iterator[Path | None]:
+    """A whole file next to its place, removed at the end unless it has taken that; None if it was written directly."""
+    target = Path(os.path.realpath(path))  # keep links
+    if target.exists() and not target.is_file():  # devices and pipes have no content to lose
+        with _naming(path):
+            target.write_bytes(data)
+        yield None
+        return
+    beside = target.with_name(f".{target.name[:40]}.{token_hex(8)}{UNFINISHED}")
+    try:
+        with _naming(path):
+            _clean(target.parent)
+            with beside.open("xb") as file:
                 file.write(data)
                 file.flush()
                 os.fsync(file.fileno())
-                os.chmod(beside, stat.S_IMODE(target.stat().st_mode) if target.exists() else DEFAULT_MODE & ~_umask())
-                if LOCKS:
-                    os.replace(beside, target)
-            if not LOCKS:
-                os.replace(beside, target)
-        except BaseException:
-            with suppress(OSError):
-                os.unlink(beside)
-            raise
-    except OSError as error:
-        raise OSError(error.errno, error.strerror or str(error), str(given)) from error
-
-
-def _locked(target: Path) -> tuple[int, str]:
-    """A new file next to a target, open and locked, and its path."""
-    while True:
-        handle, beside = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=UNFINISHED, dir=target.parent)
-        if LOCKS:
-            with suppress(OSError):  # some network folders have no locks
-                flock(handle, LOCK_EX)
-        if not LOCKS or os.fstat(handle).st_nlink:
-            return handle, beside
-        os.close(handle)  # somebody cleaned it away before it was locked
+            if target.exists():
+                beside.chmod(stat.S_IMODE(target.stat().st_mode))
+        yield beside
+    finally:
+        with suppress(OSError):
+            beside.unlink()
 
 
 def _clean(folder: Path) -> None:
-    """Remove what killed writers have left in a folder, once in a process."""
-    if folder in _cleaned:
-        return
-    _cleaned.add(folder)
+    """Remove what killed writers have left in a folder."""
     for left in folder.glob(f".*{UNFINISHED}"):
-        with suppress(OSError), left.open("rb") as file:
-            if LOCKS:
-                flock(file, LOCK_EX | LOCK_NB)
+        with suppress(OSError):
+            if time() - left.stat().st_mtime > ABANDONED:
                 left.unlink()
-        if not LOCKS:
-            with suppress(OSError):
-                left.unlink()
-
-
-def _umask() -> int:
-    """The user's umask; it can only be read by setting it."""
-    current = os.umask(0)
-    os.umask(current)
-    return current

@@ -3,7 +3,7 @@
 - `read_painting`: the painted parts of a layered file, a layered SVG or a folder of pictures; `picture_of`, one of a
   vector shape, and `painted_as_one`, of several.
 - `game_puppet`: a `GamePuppet` from the painted parts; `meshed` from a draft of them.
-- `write_puppet`: its files for one of the `ENGINES`.
+- `write_puppet`: its files for one of the `ENGINES`; `puppet_files`: their contents.
 - `Animation`: keys of its bones.
 - `texture_of`, `certify`, `engine_weights`, `proved_ranges`: for meshes that were edited elsewhere.
 - `to_puppet_json`, `from_puppet_json`: a puppet without its pictures; `repainted`: the puppet of a changed painting,
@@ -12,7 +12,7 @@
 
 from .animation import Animation
 from .atlas import texture_of
-from .engines import ENGINES, Engine, engine_for, undrawn, write_puppet
+from .engines import ENGINES, Engine, engine_for, puppet_files, undrawn, write_puppet
 from .islands import certify, stored
 from .kept import from_puppet_json, to_puppet_json
 from .mesh import PartMesh, Placement, engine_weights
@@ -43,6 +43,7 @@ __all__ = [
     "painted_as_one",
     "picture_of",
     "proved_ranges",
+    "puppet_files",
     "read_painting",
     "repainted",
     "stored",

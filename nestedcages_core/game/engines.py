@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import invalid_setting
-from ..formats import write_whole
+from ..formats import write_files
 from ..formats.pictures import encode_png
 from .atlas import Atlas, atlas_of
 from .dragonbones import to_dragonbones, to_dragonbones_atlas
@@ -74,10 +74,10 @@ def engine_for(path: str | os.PathLike[str]) -> str:
     raise invalid_setting(f"'{Path(path).name}' is no file of an engine: name it {endings}.")
 
 
-def write_puppet(path: str | os.PathLike[str], puppet: GamePuppet, engine: str) -> list[Path]:
-    """Write the files of a puppet next to each other, each whole or not at all; returns them, the named one first.
+def puppet_files(path: str | os.PathLike[str], puppet: GamePuppet, engine: str) -> dict[Path, str | bytes]:
+    """The contents of a puppet's files, next to each other, by their paths; each after those that it refers to.
 
-    engine: a key of `ENGINES`. Raises NestedCagesError, OSError.
+    engine: a key of `ENGINES`. Raises NestedCagesError.
     """
     kind, place = ENGINES[engine], Path(path)
     is_named = place.name.lower().endswith(kind.ending)
@@ -86,11 +86,17 @@ def write_puppet(path: str | os.PathLike[str], puppet: GamePuppet, engine: str) 
         animation.check(puppet.bones)
     atlas = atlas_of(puppet.meshes, puppet.place)
     picture = PICTURE.format(stem=stem)
-    contents = {name.format(stem=stem): writer(puppet, atlas, picture) for name, writer in kind.files.items()}
-    write_whole(place.with_name(picture), encode_png(atlas.page))
-    for name, content in contents.items():
-        write_whole(place.with_name(name), content)
-    return [*(place.with_name(name) for name in contents), place.with_name(picture)]
+    contents: dict[str, str | bytes] = {picture: encode_png(atlas.page)}
+    for name, writer in reversed([*kind.files.items()]):
+        contents[name.format(stem=stem)] = writer(puppet, atlas, picture)
+    return {place.with_name(name): content for name, content in contents.items()}
+
+
+def write_puppet(path: str | os.PathLike[str], puppet: GamePuppet, engine: str) -> list[Path]:
+    """Write the files of a puppet as one unit; returns them, the named one first. Raises NestedCagesError, OSError."""
+    contents = puppet_files(path, puppet, engine)
+    write_files(contents)
+    return [*reversed(contents)]
 
 
 def undrawn(puppet: GamePuppet, engine: str) -> tuple[str, ...]:

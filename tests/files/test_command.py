@@ -150,6 +150,8 @@ def test_a_picture_becomes_an_outline(tmp_path: Path) -> None:
     opaque[23:27, 38:42] = False
     (tmp_path / "a.png").write_bytes(png(opaque))
     out = tmp_path / "a.json"
+    assert run(tmp_path / "a.png", "--levels", 12, "--loops", "keep", "-o", out, "--quiet").status == 0
+    assert len(from_engine_json(out.read_text()).loops) == 2
     assert run(tmp_path / "a.png", "--levels", 12, "-o", out, "--flip-y", "--pieces", 6, "--quiet").status == 0
     outline = from_engine_json(out.read_text(), flip_y=60.0)
     assert len(outline.loops) == 1
@@ -295,55 +297,6 @@ def test_options_of_drawings_say_what_is_read(options: list[str], area: float, t
     assert read.area == pytest.approx(area)
 
 
-GOING = [
-    ("--padding", ["a.png", "--levels", "8", "--padding", "2"], lambda read: read("out.geojson").bounds[0] <= 3.0),
-    ("--holes", ["a.png", "--levels", "12", "--holes"], lambda read: len(read("out.geojson").loops) == 2),
-    ("--decimals", ["parts.svg", "--levels", "12", "--decimals", "2"],
-     lambda read: np.abs(100 * read("out.geojson").vertices % 1 - 0.5).min() > 0.499),
-    ("--triangles", ["a.png", "--levels", "8", "--triangles", "-o", "out.json"], lambda _: True),
-    ("--opacity", ["faint.svg", "--levels", "4", "--opacity", "0.6"], lambda read: read("out.geojson").area < 1.1),
-    ("--no-background", ["faint.svg", "--levels", "4", "--no-background"],
-     lambda read: read("out.geojson").area < 1.1),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("name", "command", "holds"), GOING, ids=[name for name, *_ in GOING])
-def test_options_that_may_go(name: str, command: list[str], holds: Any, tmp_path: Path) -> None:
-    """One test for each option that other ones replace, as long as it is there."""
-    parts_of(tmp_path)
-    opaque = np.zeros((20, 20), bool)
-    opaque[5:15, 5:15], opaque[8:12, 8:12] = True, False
-    (tmp_path / "a.png").write_bytes(png(opaque))
-    faint = '<rect width="9" height="9" fill-opacity="0.5"/><rect x="2" y="2" width="1" height="1"/>'
-    (tmp_path / "faint.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9">{faint}</svg>')
-    assert run(*command, "-o", "out.geojson", "--quiet", cwd=tmp_path).status == 0, name
-    assert holds(lambda path: read_geojson(tmp_path / path))
-    if name == "--triangles":
-        document = json.loads((tmp_path / "out.json").read_text())
-        corners = np.array(document["points"])[document["triangles"]]
-        assert sum(shapely.polygons(each).area for each in corners) >= 100.0
-
-
-def test_of_several_files_those_with_newer_outputs_are_skipped(tmp_path: Path) -> None:
-    """Without the option --again."""
-    for name in ("a", "b"):
-        (tmp_path / f"{name}.svg").write_text(to_svg(letter_a(1)))
-    words = ["*.svg", "--levels", 24, "--report", "r.json", "-o", "{stem}.json", "-o", "{stem}.geojson"]
-
-    def made(*more: str) -> list[bool]:
-        assert run(*words, *more, cwd=tmp_path).status == 0
-        entries = reported(tmp_path / "r.json")
-        assert [bool(entry["shapes"]) for entry in entries] == [not entry["skipped"] for entry in entries]
-        return [bool(entry["written"]) for entry in entries]
-
-    assert [made(), made(), made("--again")] == [[True, True], [False, False], [True, True]]
-    os.utime(tmp_path / "b.svg")  # changed after its outputs
-    os.utime(tmp_path / "b.geojson")  # of which one is newer again
-    assert made() == [False, True]
-    (tmp_path / "a.json").unlink()
-    assert made() == [True, False]
-
-
 # Streams, names and interruptions
 
 
@@ -357,9 +310,7 @@ def test_streams_in_and_out(drawing: Path) -> None:
     assert len(from_svg(done.stdout, element="cage-1").vertices) == 24
     west = json.dumps(region(0.0, "West"))
     assert features_from_geojson(piped(west).out)[0].properties["name"] == "West"
-    assert len(from_engine_json(piped(west, "--format", "json").out).vertices) == 8
-    assert len(from_svg(piped(west, "--format", "svg").out, element="cage-1").vertices) == 8
-    assert len(from_svg(piped(png(np.eye(5))).out, element="cage-1").vertices) == 8
+    assert len(features_from_geojson(piped(png(np.eye(5))).out)[0].mesh.vertices) == 8
     strange = piped(b"hello")
     assert (strange.status, strange.out) == (1, "") and "error: " in strange.err
 
@@ -418,7 +369,7 @@ def test_help_names_every_option_and_status() -> None:
     assert short.status == everything.status == 0
     assert max(map(len, short.out.splitlines())) < 80 and "%%" not in everything.out
     assert re.fullmatch(r"nested-cages \d+\.\d+.*\n", run("--version").out)
-    assert "--borders" in run("--help", "maps").out
+    assert "--jobs" in run("--help", "maps").out
     options = "levels output report limit clearance quiet tolerance element jobs threshold flip-y layers no-strokes "
     options += "no-crop pieces inside symmetry directions box grid seconds loops"
     for option in options.split():
@@ -442,8 +393,8 @@ SVG = ["letter.svg", "--levels", "24"]
      ([*SVG, "--symmetry", "1"], 2), ([*SVG, "--min-angle", "70"], 2), ([*SVG, "--convex", "--min-edge", "1"], 2),
      ([*SVG, "--convex", "--inside"], 2), ([*SVG, "--directions", "up"], 2), ([*SVG, "--directions", "0"], 2),
      ([*SVG, "--box", "1,2,3"], 2), ([*SVG, "--box", "1,1,1,2"], 2), ([*SVG, "--box", "a,b,c,d"], 2),
-     (["empty.geojson", "--levels", "24", "--borders", "--symmetry", "x"], 2),
-     (["empty.geojson", "--levels", "24", "--borders", "--inside"], 2), ([*SVG, "-o", "-", "--report", "-"], 2),
+     (["empty.geojson", "--levels", "24", "--inside", "--jobs", "2"], 2), ([*SVG, "-o", "-", "--report", "-"], 2),
+     ([*SVG, "--clearance", "5km"], 2),
      (["letter.svg", *SVG, "link.svg", "-o", "-"], 2),
      (["letter.svg", "LETTER.geojson", "--levels", "24", "-o", "{stem}-cages.svg"], 2),  # one file on Windows
      (["letter.svg", "fake.png", "--levels", "24", "-o", "out.svg"], 2), (["letter.txt", "--levels", "24"], 2),

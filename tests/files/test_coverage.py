@@ -1,15 +1,11 @@
 """Regions that share borders: borders simplified once, nothing cut off the coast, no gaps, no overlaps."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 import shapely
 
 import nestedcages_core as core
-from nestedcages_core import Feature, Mesh, Within, check, coverage_cages, features_from_geojson, from_svg, to_geojson
-from support.command import run
+from nestedcages_core import Mesh, Within, check, coverage_cages
 from support.documents import refusal
 from support.marks import slow_after
 from support.shapes import polygon
@@ -79,27 +75,3 @@ def test_regions_with_slightly_different_borders_have_no_gap() -> None:
     assert area(made) == pytest.approx(found.coast.cage.area, rel=1e-9)
     for width in (0.0, -1.0, float("nan")):
         refusal(coverage_cages, crooked(4), 12, width=width)
-
-
-@pytest.mark.slow
-def test_the_command_writes_regions_with_their_properties(tmp_path: Path) -> None:
-    regions = crooked(6)
-    source, out, report = (tmp_path / name for name in ("map.geojson", "out.geojson", "report.json"))
-    source.write_text(to_geojson([Feature(region, {"n": k}, k) for k, region in enumerate(regions)]))
-    command = [source, "--levels", 24, "--borders", 0.02, "--quiet"]
-    assert run(*command, "-o", out, "--report", report).status == 0
-    features = features_from_geojson(out.read_bytes())
-    assert [(each.id, each.properties["n"]) for each in features] == [(k, k) for k in range(len(regions))]
-    land = shapely.union_all([polygon(region) for region in regions])
-    assert shapely.union_all([polygon(each.mesh) for each in features]).covers(land)
-    (said,) = json.loads(report.read_text())["inputs"][0]["borders"]
-    assert said["points"] < 0.4 * said["points_read"] and 0.0 < said["width"] <= 0.02
-    assert run("check", source, out, "--borders", "--levels", 40).status == 0
-    far = [each.mesh.moved(each.mesh.vertices + np.array([0.02, 0.0])) for each in features]
-    (tmp_path / "far.geojson").write_text(to_geojson(far))
-    assert run("check", source, tmp_path / "far.geojson", "--borders").status == 1
-    assert run(*command, "-o", tmp_path / "out.svg").status == 0
-    drawn = (tmp_path / "out.svg").read_text()
-    for k, (region, made) in enumerate(zip(regions, features, strict=True)):
-        for name, mesh in ((f"{k}-drawing", region), (f"{k}-cage-1", made.mesh)):
-            assert from_svg(drawn, element=name).area == pytest.approx(mesh.area)

@@ -3,7 +3,6 @@
 import math
 import os
 import re
-import signal
 import stat
 import subprocess
 import sys
@@ -18,7 +17,7 @@ import pytest
 import nestedcages_core as core
 from nestedcages_core import Mesh, Settings, from_svg, nested_cages, to_geojson, to_svg, write_geojson, write_svg
 from support.command import run
-from support.documents import refusal, same
+from support.documents import refusal, same, svg
 from support.shapes import islands, letter_a, star
 from support.sources import ROOT
 
@@ -108,39 +107,48 @@ def test_what_cannot_be_written_is_an_error(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-WRITER = """
-import os, sys
-from nestedcages_core import Mesh, write_geojson
-sync = os.fsync
-os.fsync = lambda handle: (sync(handle), print("written", flush=True), sys.stdin.readline())
-write_geojson(sys.argv[1], Mesh.of([(0, 0), (1, 0), (0, 1)]))
-"""
-
-
-@pytest.mark.slow
-@POSIX
-def test_what_a_killed_writer_leaves_is_cleaned_and_what_is_being_written_is_not(tmp_path: Path) -> None:
+def test_what_killed_writers_leave_is_cleaned_and_what_is_being_written_is_not(tmp_path: Path) -> None:
+    kill = "import os, sys; from nestedcages_core import Mesh, write_geojson; os.fsync = lambda _: os._exit(9)\n"
+    kill += "write_geojson(sys.argv[1], Mesh.of([(0, 0), (1, 0), (0, 1)]))"
+    for name in ("old.geojson", "new.geojson"):
+        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        subprocess.run([sys.executable, "-c", kill, str(tmp_path / name)], env=environment, check=False)
+    old, new = sorted(tmp_path.iterdir(), key=lambda path: "new" in path.name)
     other = tmp_path / ".mine.part"
     other.write_text("of another program")
-    writers = [
-        subprocess.Popen(
-            [sys.executable, "-c", WRITER, str(tmp_path / name)], env={**os.environ, "PYTHONPATH": str(ROOT)},
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-        )
-        for name in ("killed.geojson", "alive.geojson")
-    ]  # fmt: skip
-    for writer in writers:
-        assert writer.stdout is not None and writer.stdout.readline() == "written\n"
-    before = {*tmp_path.iterdir()} - {other}
-    assert len(before) == 2 and not {"killed.geojson", "alive.geojson"} & {path.name for path in before}
-    writers[0].send_signal(signal.SIGKILL)
-    writers[0].communicate()
+    for path in (old, other):
+        os.utime(path, (0, 0))
     write_svg(tmp_path / "b.svg", letter_a(1))
-    (left,) = before & {*tmp_path.iterdir()}
-    assert "alive" in left.name
-    writers[1].communicate("\n")
-    assert {each.name for each in tmp_path.iterdir()} == {".mine.part", "b.svg", "alive.geojson"}
-    assert (tmp_path / "alive.geojson").read_text().endswith("}")
+    assert {*tmp_path.iterdir()} == {other, new, tmp_path / "b.svg"}
+
+
+@pytest.mark.parametrize("failing", [("os.fsync", OSError, 0), ("os.fsync", OSError, 2), ("os.replace", OSError, 0),
+                                     ("os.fsync", KeyboardInterrupt, 2)])  # fmt: skip
+def test_several_files_are_written_together(failing: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The outputs for a drawing, and the files of a puppet, of which each is renamed after those it refers to."""
+    call, kind, after = failing
+    (tmp_path / "a.geojson").write_text(to_geojson(letter_a(1)))
+    (tmp_path / "cat.svg").write_text(svg('<g id="a"><path d="M0 0h9v9h-9z"/></g><path d="M20 0h9v9h-9z"/>'))
+    outputs = [tmp_path / f"out.{ending}" for ending in ("svg", "geojson")]
+    atlas = [tmp_path / f"cat{ending}" for ending in (".png", ".atlas", ".json")]
+    commands = [[tmp_path / "a.geojson", "--levels", 24, "--quiet", "-o", outputs[0], "-o", outputs[1]],
+                ["puppet", tmp_path / "cat.svg", "-o", atlas[-1], "--pixels", 90]]  # fmt: skip
+    for command, names in zip(commands, (outputs, atlas), strict=True):
+        for path in names:
+            path.write_text("before")
+        before = {*tmp_path.iterdir()}
+        real, renamed = os.replace, list[str]()
+        with monkeypatch.context() as patch:
+            error = kind(28, "No space left on device")
+            effects = [None] * min(after, len(names) - 1)
+            patch.setattr(call, Mock(side_effect=[*effects, error]))
+            done = run(*command)
+        assert done.status == (130 if kind is KeyboardInterrupt else 1) and "Traceback" not in done.err
+        assert [path.read_text() for path in names] == ["before"] * len(names)
+        assert {*tmp_path.iterdir()} == before
+        monkeypatch.setattr("os.replace", lambda a, b, seen=renamed, real=real: (seen.append(str(b)), real(a, b)))
+        assert run(*command).status == 0 and renamed == [str(path) for path in names]
+        monkeypatch.undo()
 
 
 def test_a_full_disk_ends_the_command_with_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
