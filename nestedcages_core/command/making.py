@@ -17,6 +17,7 @@ from ..formats import Limits
 from ..formats.pictures import HALF, picture_cages
 from ..geometry.mesh import Mesh
 from ..levels import Hierarchy, Level, Settings, inner_cages, nested_cages
+from .ground import counts, measured
 from .progress import ProgressLine
 from .sources import NamedShape, Source
 
@@ -75,26 +76,38 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
     """The cages of a file. If a shape fails, its finished levels and all other shapes are kept."""
     failures = list(source.failures)
     made: list[Made] = []
+
+    def failed(shape: NamedShape, error: NestedCagesError) -> None:
+        failures.append(f"{shape.name}: {error}" if len(source.shapes) > 1 else str(error))
+
     for shape, outcome in zip(source.shapes, _outcomes(source, given, line), strict=True):
         hierarchy, error = outcome.result, outcome.error
         if error is not None:
             if not isinstance(error, NestedCagesError):
                 raise error
-            failures.append(f"{shape.name}: {error}" if len(source.shapes) > 1 else str(error))
+            failed(shape, error)
             hierarchy = error.partial
         if isinstance(hierarchy, Hierarchy) and hierarchy.levels:
-            made.append(Made(shape, hierarchy.fine, hierarchy.levels))
+            try:
+                made.append(Made(shape, shape.drawn or hierarchy.fine, measured(shape, hierarchy.levels)))
+            except NestedCagesError as beyond:
+                failed(shape, beyond)
     return Result(source, made, failures)
 
 
 def _outcomes(source: Source, given: argparse.Namespace, line: ProgressLine) -> list[Outcome]:
     """The cages of the shapes of a file, or the error of each."""
+    chosen = {name: getattr(given, name) for name in SETTINGS}
+    if any(shape.metres for shape in source.shapes):
+        chosen["clearance"] = None  # shapes are grown by it
     constraints = [each for name in CONSTRAINTS if (each := getattr(given, name)) is not None]
-    settings = Settings(**{name: getattr(given, name) for name in SETTINGS}, constraints=constraints, steps=False)
+    settings = Settings(**chosen, constraints=constraints, steps=False)
     shapes = [shape.content for shape in source.shapes]
+    levels = [counts(shape, given.levels, keeps=given.loops == "keep") for shape in source.shapes]
     if source.kind == "map" and not given.inside and len(shapes) > 1:
         executor = partial(_processes, given.jobs) if given.jobs > 1 else None
-        return nested_cages_many(shapes, given.levels, settings, executor=executor, progress=line.show)
+        by_shape = dict(enumerate(levels))
+        return nested_cages_many(shapes, by_shape, settings, executor=executor, progress=line.show)
     of_picture = {
         "padding": given.clearance or 0.0,
         "threshold": HALF if given.threshold is None else given.threshold,
@@ -105,7 +118,7 @@ def _outcomes(source: Source, given: argparse.Namespace, line: ProgressLine) -> 
     for k, shape in enumerate(shapes):
         work: Callable[..., Hierarchy]
         if isinstance(shape, Mesh):
-            work = partial(inner_cages if given.inside else nested_cages, shape, given.levels, settings)
+            work = partial(inner_cages if given.inside else nested_cages, shape, levels[k], settings)
         else:
             work = partial(picture_cages, shape, given.levels, settings=settings, **of_picture)
         try:

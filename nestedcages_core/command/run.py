@@ -11,8 +11,9 @@ from typing import Any, TextIO
 from ..errors import NestedCagesError
 from ..formats import Limits
 from ..levels import in_order
+from .ground import on_ground
 from .making import Result, make
-from .options import STEM, STREAM, check_use, of_drawings
+from .options import STEM, STREAM, Metres, check_use, of_drawings
 from .outputs import entry, frames_of, put, report, table, targets, text_of
 from .progress import ProgressLine, sentence_of, tell
 from .sources import Source, matching_files, read
@@ -66,6 +67,8 @@ def _file(
     try:
         source = read(path, replace(Limits(), **given.limits), of_drawings(given))
         outputs = targets(given.output, source)
+        if isinstance(given.clearance, Metres):
+            source = on_ground(source, given.clearance, inside=given.inside)
         for note in source.notes:
             tell(f"note: {prefix}{note}", sys.stderr)
         result = make(source, given, line)

@@ -37,6 +37,9 @@ class NamedShape:
     content: Mesh | AnyArray
     properties: Mapping[str, Any] = field(default_factory=dict)
     id: str | int | float | None = None
+    drawn: Mesh | None = None
+    """What is drawn, where the content is grown by a clearance in metres."""
+    metres: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,13 +20,10 @@ from .files import write_whole
 from .geometries import polygons_of, shown
 from .gis_files import map_document
 from .limits import LimitError, Limits, Quota
-from .lonlat import across
+from .lonlat import across, may_be_degrees
 from .meshes import meshes_of
 from .repair import HAIRLINE_PART, repaired_mesh
 from .specks import without_specks
-
-GEOGRAPHIC = ("CRS84", "4326", "4269", "4258")
-"""Substrings of the names of common coordinate reference systems in degrees."""
 
 NAMES = ("name", "NAME", "Name")
 """Properties that name a feature."""
@@ -91,7 +88,7 @@ def read_map(source: Any, limits: Limits | None = None, tolerance: float | None 
     members: Any = document.get("features") if document["type"] == "FeatureCollection" else [document]
     if isinstance(members, str | bytes | Mapping) or not hasattr(members, "__iter__"):
         raise invalid_file(f"The FeatureCollection has {shown(members)} where its list of features belongs.")
-    degrees = _may_be_degrees(document)
+    degrees = may_be_degrees(document.get("crs"))
     features, refused, without, quota = [], [], 0, Quota(limits)
     for number, member in enumerate(members):
         quota.spend("elements", 1)
@@ -234,14 +231,6 @@ def _feature_members(
     properties = properties if isinstance(properties, Mapping) else {}
     properties, lost = _finite(properties) if has_nan else (properties, ())
     return mapping.get("geometry"), properties, identity if isinstance(identity, str | int | float) else None, lost
-
-
-def _may_be_degrees(document: Mapping[str, Any]) -> bool:
-    """Whether coordinates can be longitudes and latitudes: no `crs` says otherwise."""
-    crs = document.get("crs")
-    properties = crs.get("properties") if isinstance(crs, Mapping) else None
-    name = properties.get("name") if isinstance(properties, Mapping) else crs
-    return crs is None or (isinstance(name, str) and any(known in name for known in GEOGRAPHIC))
 
 
 def _name(number: int, properties: Mapping[str, Any], identity: Any) -> str:
