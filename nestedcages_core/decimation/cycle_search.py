@@ -61,8 +61,12 @@ ALIKE = 0.9
 class NoCyclesError(NestingError):
     """No cycles of lines were found."""
 
-    def __init__(self, sentence: str = "There are no such cycles of lines.", **data: Any) -> None:
+    def __init__(
+        self, sentence: str = "There are no such cycles of lines.", *, loops: Sequence[int] = (), **data: Any
+    ) -> None:
+        """loops: those of the search with hardly any line around them, if these are why."""
         super().__init__(sentence, code="count.too_small", **data)
+        self.loops = list(loops)
 
 
 class Tables:
@@ -111,7 +115,7 @@ class CycleSearch:
         self.outline = self._outline(loops)
         self.loops, perimeters = self.outline.loops, self.outline.perimeters
         if perimeters.min() == 0.0:
-            raise NoCyclesError("A loop is as small as round-off.")
+            raise NoCyclesError("A loop is as small as round-off.", loops=np.flatnonzero(perimeters == 0.0).tolist())
         self.weights = weights(self.outline, total)
         sums = np.add.reduceat(self.weights, self.loops.begins)
         shares, lengths = sums / sums.sum(), perimeters / perimeters.sum()
@@ -235,7 +239,7 @@ class CycleSearch:
             lines, free = self.images.all_parts(first, outline, lines, free)
         numbers = np.bincount(outline.loop_at(lines.place), minlength=len(which))
         if numbers.min() < 3 or any(self._limit(k) < self._minimum(k) for k in which):  # parts need more vertices
-            raise self._none()
+            raise self._none([k for k, number in zip(which, numbers.tolist(), strict=True) if number < 3])
         width = numbers - 1
         for n in np.flatnonzero((numbers * expected**2 > FULL_SEARCH) & (not few_turns)).tolist():
             around = outline.vertices[at[outline.loop[at] == n]]
@@ -293,8 +297,8 @@ class CycleSearch:
         limit = (problem.total - MIN_PER_LOOP * len(others)) // copies
         return max(limit, self._minimum(loop)) if loop in problem.optional else limit
 
-    def _none(self) -> NoCyclesError:
-        return NoCyclesError("There are no such cycles around some loops.", total=self.problem.total)
+    def _none(self, loops: Sequence[int] = ()) -> NoCyclesError:
+        return NoCyclesError("There are no such cycles around some loops.", loops=loops, total=self.problem.total)
 
     def _mesh(self, choice: Choice) -> tuple[float, Mesh]:
         """Area and mesh of cycles that do not cross. Raises NoCyclesError."""

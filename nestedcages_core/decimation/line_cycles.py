@@ -29,7 +29,7 @@ from ..progress import Tick, no_tick
 from .base import NOTHING_KEPT, Count, Kept, Start
 from .closest_points import closest_on_curve
 from .cycle_search import OFFSET, CycleSearch, NoCyclesError, Tables
-from .loop_sequence import empty_holes
+from .loop_sequence import empty_holes, filled
 from .problem import Problem, canonical_order, checked_count
 from .symmetric import symmetrised
 
@@ -127,12 +127,21 @@ def least_areas(
 
     One search knows all numbers of lines up to the last.
     """
-    problem = Problem.of(fine, most, kept=replace(kept, preferred=None), optional=empty_holes(fine))
+    holes = empty_holes(fine)
+    problem = Problem.of(fine, most, kept=replace(kept, preferred=None), optional=holes)
     loops = symmetrised(problem.outline, kept.symmetry)
-    search = CycleSearch(problem, loops, _shifts(problem, loops, clearance)[0], tables)
-    search.search(roughly=True)
-    least, filled = search.least()
-    return least, problem.loop_order[filled].tolist()
+    try:
+        search = CycleSearch(problem, loops, _shifts(problem, loops, clearance)[0], tables)
+        search.search(roughly=True)
+    except NoCyclesError as error:
+        narrow = np.intersect1d(holes, problem.loop_order[list(error.loops)])
+        if not len(narrow):
+            raise
+        least, left_out = least_areas(filled(fine, narrow), most, kept, clearance, tables)
+        others = np.setdiff1d(np.arange(len(fine.loops)), narrow)
+        return least, np.union1d(narrow, others[left_out]).tolist()
+    least, left_out = search.least()
+    return least, problem.loop_order[left_out].tolist()
 
 
 def _around_thinned(fine: Mesh, count: Count, side: int, kept: Kept, clearance: float, tick: Tick) -> Mesh | None:

@@ -94,6 +94,13 @@ def test_holes_are_filled_where_that_is_best(seed: int) -> None:
         assert level.cage.area <= least + 0.01 * (least - area)
 
 
+@pytest.mark.parametrize("size", [1e-7, 1e-5, 1e-3])
+def test_holes_without_room_cost_no_vertices(size: float) -> None:
+    two = [ring(40), ring(40, centre=(2.5, 0.0))]
+    specks = [np.array([(x, 0.4), (x + size, 0.4), (x, 0.4 + size)]) for x in (0.3, -0.2, 2.2)]
+    assert nested_cages([*two, *specks], 24)[0].cage.area <= SLACK * nested_cages(two, 24)[0].cage.area
+
+
 @pytest.mark.slow
 def test_more_vertices_around_a_sprite_on_whole_pixels_are_not_looser() -> None:
     y, x = np.mgrid[:32, :32]
