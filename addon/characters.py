@@ -1,6 +1,5 @@
 """Characters: drawings as one outline with edges short enough to bend, armatures as bones of the core and back, and a
-cage that an armature moves: vertices near the joints, weights computed inside it, and a modifier; and all this as JSON
-for game engines.
+cage that an armature moves: vertices near the joints, weights computed inside it, and a modifier.
 """
 
 from __future__ import annotations
@@ -19,18 +18,17 @@ from mathutils import Matrix, Vector
 from .animation.timeline import Timing
 from .binding import binding, field
 from .binding.copies import complete
-from .core import blamed, certify, core, triangulation
-from .errors import Fault, FloatArray, UserError
+from .core import blamed, certify, core
+from .errors import FloatArray, UserError
 from .generation import output
 from .generation.generate import STORED, Generation, Options, Request, Result
 from .generation.job import Work
-from .generation.verifying import same_frame
 from .io import silhouettes
 from .record import CageSet
 from .scene import filling, placement
 from .scene.convert import Drawing
 from .scene.ownership import scene_of, select
-from .scene.plane import Frame, divided, float32_loop, scale_of, size, transform, united_loops, world_matrix
+from .scene.plane import Frame, divided, float32_loop, size, transform, united_loops, world_matrix
 
 # Longest edge of the outline as a fraction of its size: straight limbs bend, and few corners don't limit the cage.
 LONGEST_EDGE = 0.01
@@ -200,45 +198,3 @@ def skin(
         modifier: Any = obj.modifiers.new("Armature", "ARMATURE")
         modifier.object, modifier.use_deform_preserve_volume = armature, keeps_volume
         obj.modifiers.move(len(obj.modifiers) - 1, 0)
-
-
-def json_of(context: Context, cage_set: CageSet, *, flip_y: bool, frames: bool) -> str:
-    """The JSON of a rigged drawing, with all frames of the scene on request. Raises: UserError."""
-    fine, cage = cage_set.fine, cage_set.cages[-1]
-    if fine is None:
-        raise UserError(f"The fine mesh of '{cage_set.name}' was deleted: rig the drawing again")
-    armature = next((each.object for each in cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)), None)
-    if armature is None:
-        raise UserError(f"'{cage.name}' follows no armature: press Rig first")
-    height = float(filling.points_of(filling.mesh_of(cage))[0, 2])
-    bones = bones_of(armature, Frame(world_matrix(cage), height, scale_of(cage), own=True))
-    painted = np.nan_to_num(filling.weights_of(filling.mesh_of(cage), len(cage.vertex_groups)))
-    weights = np.zeros((len(cage.data.vertices), len(bones)))
-    for column, bone in zip(weights.T, bones, strict=True):
-        if bone.name in cage.vertex_groups:
-            column[:] = painted[cage.vertex_groups[bone.name].index]
-    lost = np.flatnonzero(weights.sum(axis=1) <= 0.0)
-    if len(lost):
-        points = transform(world_matrix(cage), filling.points_of(filling.mesh_of(cage))[lost])
-        message = f"A part of '{cage.name}' follows no bone of '{armature.name}': paint weights there"
-        raise UserError(message, Fault.at(cage.session_uid, points))
-    shape, around = filling.shape_of(fine), filling.shape_of(cage)
-    with blamed(f"'{fine.name}'"):
-        coordinates = core.cage_coordinates(shape, around)
-    triangles = triangulation.triangulate(shape).triangles
-    weights /= weights.sum(axis=1, keepdims=True)
-    poses = tuple(_poses(context, fine, cage)) if frames else ()
-    character = core.character.Character(shape, around, bones, weights, coordinates, triangles, poses)
-    return core.formats.character_to_engine_json(character, flip_y=0.0 if flip_y else None)
-
-
-def _poses(context: Context, fine: Object, cage: Object) -> Iterator[core.character.Pose]:
-    """Drawing and cage on each frame of the scene, in the plane of the cage at rest."""
-    scene = scene_of(context)
-    seconds = scene.render.fps_base / scene.render.fps
-    with same_frame(scene):
-        for frame in range(scene.frame_start, scene.frame_end + 1):
-            scene.frame_set(frame)
-            depsgraph = context.evaluated_depsgraph_get()
-            shape, around = (filling.points_of(filling.mesh_of(obj.evaluated_get(depsgraph))) for obj in (fine, cage))
-            yield core.character.Pose((frame - scene.frame_start) * seconds, shape[:, :2], around[:, :2])

@@ -1,6 +1,6 @@
 """A sprite's collision outline: a PNG goes in, sixteen vertices come out, and no opaque pixel is outside.
 
-Run as ``python examples/sprite_outline.py``; writes a sprite, its outline as JSON for game engines, and a picture.
+Run as ``python examples/sprite_outline.py``; writes a sprite, its outline in pixels as GeoJSON, and a picture.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import matplotlib.image
 import numpy as np
 
-from nestedcages_core import boundary_of_pixels, collision_outline, read_png, write_engine_json
+from nestedcages_core import boundary_of_pixels, collision_outline, read_png, write_geojson
 from plot import BLUE, GREEN, QUIET, arguments, line, panels, save
 
 VERTICES, PADDING = 16, 1.0  # of the outline; distance in pixels
@@ -53,13 +53,14 @@ def main() -> None:
 
     sprite = read_png(sprite_file)
     outline = collision_outline(sprite, VERTICES, padding=PADDING)
-    write_engine_json(given.output / "fox_outline.json", outline, triangles=True)
+    pixels = {"y": "down", "width": size, "height": size}
+    write_geojson(given.output / "fox_outline.geojson", outline, pixels=pixels, pieces=8)
 
     opaque = sprite[:, :, 3] > 0
     exact = boundary_of_pixels(opaque)
     print(f"{opaque.sum()} opaque pixels, whose boundary has {len(exact.vertices)} corners")
     print(f"Outline: {len(outline.vertices)} vertices, {100 * (outline.area / exact.area - 1):.1f} % larger")
-    print(f"Wrote {given.output / 'fox_outline.json'}")
+    print(f"Wrote {given.output / 'fox_outline.geojson'}")
 
     figure, (left, right) = panels(2)
     for axes in (left, right):

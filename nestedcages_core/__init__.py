@@ -68,7 +68,6 @@ if TYPE_CHECKING:
     from .formats import Coverage as Coverage
     from .formats import Feature as Feature
     from .formats import Limits as Limits
-    from .formats import character_to_engine_json as character_to_engine_json
     from .formats import convex_pieces as convex_pieces
     from .formats import coverage_cages as coverage_cages
     from .formats import (
@@ -77,16 +76,11 @@ if TYPE_CHECKING:
         from_svg,
         read_geojson,
         read_svg,
-        to_engine_json,
         to_geojson,
         to_svg,
-        write_engine_json,
         write_geojson,
         write_svg,
     )
-    from .formats import frames_to_engine_json as frames_to_engine_json
-    from .formats import from_engine_json as from_engine_json
-    from .formats import is_engine_json as is_engine_json
     from .formats import joined as joined
     from .formats import read_map as read_map
     from .formats import read_svg_drawing as read_svg_drawing
@@ -191,8 +185,6 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
     "from_geojson",
     "features_from_geojson",
     "to_geojson",
-    "write_engine_json",
-    "to_engine_json",
     "read_png",
     "collision_outline",
     # what can go wrong
@@ -236,10 +228,8 @@ _LATER = {
     "constraints.outside": "Outside",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "formats": (
-        "Coverage Feature Limits character_to_engine_json convex_pieces coverage_cages features_from_geojson "
-        "frames_to_engine_json from_engine_json from_geojson from_svg is_engine_json joined read_geojson "
-        "read_map read_svg read_svg_drawing svg_drawing to_engine_json to_geojson to_svg write_engine_json "
-        "write_geojson write_svg"
+        "Coverage Feature Limits convex_pieces coverage_cages features_from_geojson from_geojson from_svg joined "
+        "read_geojson read_map read_svg read_svg_drawing svg_drawing to_geojson to_svg write_geojson write_svg"
     ),
     "game.drawn_parts": "puppet_parts",
     "formats.swept": "swept",

@@ -224,10 +224,11 @@ class Loops:
     def near(self, k: int) -> str:
         return f"the {'fine mesh' if self.is_fine[k] else 'cage'} near ({self.x[k, 0]:.9g}, {self.x[k, 1]:.9g})"
 
-    def contacts(self) -> list[str]:
-        """Edges that meet, apart from neighbours in their common vertex."""
+    def contacts(self, *, between: bool = False) -> list[str]:
+        """Edges that meet, apart from neighbours in their common vertex; between: only those of different shapes."""
         i, j = overlapping(self.low, self.high, self.low, self.high)
         apart = (i < j) & (self.after[i] != j) & (self.after[j] != i)
+        apart &= (self.is_fine[i] != self.is_fine[j]) | (not between)
         i, j = i[apart], j[apart]
         ab, cd = (np.stack([self.whole[k], self.whole[self.after[k]]]) for k in (i, j))
         one, other = (np.sign(dot_cross(u[1] - u[0], v - u[0])[1]) for u, v in ((ab, cd), (cd, ab)))
@@ -235,7 +236,7 @@ class Loops:
         into = self.whole[self.after] - self.whole
         onwards, turn = dot_cross(into, into[self.after])
         found = [f"{self.near(p)} meets {self.near(q)}" for p, q in zip(i[meet], j[meet], strict=True)]
-        folded = self.after[(turn == 0) & (onwards <= 0)]
+        folded = self.after[(turn == 0) & (onwards <= 0) & (not between)]
         return found + [f"{self.near(k)} folds back or stands still" for k in folded]
 
     @cached_property
@@ -301,6 +302,16 @@ def faults_of_cage(cage: Any, fine: Any, clearance: float = 0.0, alike: bool = T
     except (ValueError, KeyError, TypeError, IndexError, OverflowError) as error:
         return [str(error)]
     return both.contacts() or both.misplaced(alike) + (both.too_near(clearance) if clearance > 0 else [])
+
+
+def faults_of_rings(cage: Any, rings: Any, *, inside: bool = False) -> list[str]:
+    """Rings, valid or not, that meet a cage or, unless it is an inner one, have a point outside of it."""
+    both = Loops(cage, [ring for ring in rings if len(np.unique(ring, axis=0)) > 1])
+    found = both.contacts(between=True)
+    for k, row in enumerate(both.turns if not (found or inside) else ()):
+        if both.loop_is_fine[k] and row[~both.loop_is_fine].sum() != 1:
+            found.append(f"{both.near(both.loops[k][0])}, as it was given, lies outside of the cage")
+    return found
 
 
 def faults_of_needs(cage: Any, grid: float | None, symmetry: Any, report: Any) -> list[str]:

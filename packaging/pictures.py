@@ -357,7 +357,7 @@ def export() -> Steps:
     generate(levels="20%, 8%")
     yield 0.5
     with override():
-        bpy.ops.object.nested_cages_export("INVOKE_DEFAULT", filepath="//letter.json", kind="ENGINE")
+        bpy.ops.object.nested_cages_export("INVOKE_DEFAULT", filepath="//letter.geojson", kind="GEOJSON")
     yield 2.0
     yield from shoot("export", region_box(230, "FILE_BROWSER", "TOOL_PROPS"))
 

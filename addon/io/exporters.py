@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -150,27 +149,25 @@ def write(
     shapes: dict[str, core.Mesh],
     *,
     flip_y: bool,
-    levels: Any = None,
+    levels: Sequence[int] | None = None,
     size: Any = None,
-    triangles: bool = False,
     pieces: int | None = None,
 ) -> None:
-    """Writes meshes by name, from the inside out, to a file of a kind: "SVG", "GEOJSON" or "ENGINE". Raises: UserError.
+    """Writes meshes by name, from the inside out, to a file of a kind: "SVG" or "GEOJSON". Raises: UserError.
 
-    flip_y: y pointing down as in pictures. `levels` and `size`: as of ``to_svg``; `triangles` and `pieces`: as of
-    ``to_engine_json``.
+    flip_y: y pointing down as in pictures. `levels` and `size`: as of ``to_svg``; `pieces`: as of ``to_geojson``.
     """
     formats, turn = core.formats, (1.0, -1.0 if flip_y else 1.0)
     turned = {name: core.Mesh(mesh.vertices * turn + 0.0, mesh.edges) for name, mesh in shapes.items()}
     with blamed(f"'{path.name}' cannot be written"):
         if kind == "SVG":
             text = formats.to_svg(turned, levels=levels, size=size)
-        elif kind == "GEOJSON":
-            features = [formats.Feature(mesh, {"name": name, keys.Y_DOWN: flip_y}) for name, mesh in turned.items()]
-            text = formats.to_geojson(features)
         else:
-            options: Any = {"flip_y": 0.0 if flip_y else None, "triangles": triangles, "pieces": pieces}
-            text = json.dumps(formats.engine_json.engine_document(list(shapes.values()), **options), allow_nan=False)
+            features = []
+            for k, (name, mesh) in enumerate(turned.items()):
+                own = {"name": name, keys.Y_DOWN: flip_y, **formats.measures(mesh)}
+                features.append(formats.Feature(mesh, own if levels is None else {**own, "level": levels[k]}))
+            text = formats.to_geojson(features, pieces=pieces)
         formats.write_whole(path, text)
 
 
@@ -227,10 +224,8 @@ def _write(context: Context, obj: Object, tiles: Tiles, height: float, body: str
         made.append(new)
     if body != ACTIVE:
         return made
-    starts, ends = mesh.vertices, mesh.edge_ends
-    twice = starts[:, 0] * ends[:, 1] - starts[:, 1] * ends[:, 0]
-    centroid = (twice @ (starts + ends)) / (6.0 * mesh.area)  # of the area without its holes
-    middle = Matrix.Translation((*centroid.tolist(), frame.height))  # bodies rotate around their origin
+    centroid = core.formats.measures(mesh)["centroid"]
+    middle = Matrix.Translation((*centroid, frame.height))  # bodies rotate around their origin
     name = f"{obj.name} Body"
     data = filling.prism(name, points, mesh, half)
     data.transform(middle.inverted())

@@ -42,8 +42,8 @@ class Shape:
 
 
 def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], tuple[str, ...]]:
-    """The filled area of an SVG, each feature of a GeoJSON, or a collision outline, and notes on what was repaired or
-    left out. Raises: UserError.
+    """The filled area of an SVG, or each feature of a GeoJSON, and notes on what was repaired or left out. Raises:
+    UserError.
 
     outlines: of an SVG, "ONE" of everything, "SEVERAL" of each shape, or "AUTO", several of exported cages.
     """
@@ -56,8 +56,6 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], tuple[st
             drawing = formats.svg_drawing(content, each=EACH[outlines])
             scale, ours = EXPORTED if drawing.written else PIXEL, drawing.written
             return [Shape(name or path.stem, mesh, True, scale, ours) for name, mesh in drawing.shapes], drawing.notes
-        if formats.is_engine_json(content):
-            return [Shape(path.stem, formats.from_engine_json(content), True, EXPORTED)], ()
         table = formats.read_map(content)
     notes = (*table.refused, *table.notes)
     if not table.features:
@@ -66,10 +64,11 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], tuple[st
         Shape(
             str(feature.properties.get("name") or feature.properties.get("NAME") or feature.id or path.stem),
             feature.mesh,
-            bool(feature.properties.get(keys.Y_DOWN, False)),
+            bool(feature.properties.get(keys.Y_DOWN, (table.pixels or {}).get("y") == "down")),
             EXPORTED if keys.Y_DOWN in feature.properties else PIXEL,
         )
         for feature in table.features
+        if "piece" not in feature.properties
     ]
     return shapes, notes
 

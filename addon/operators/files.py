@@ -12,7 +12,7 @@ from bpy.types import Context, Object
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from .. import characters, record
-from ..core import blamed, core, game
+from ..core import game
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
 from ..io import exporters, importers, svg_parts
@@ -28,7 +28,7 @@ from .puppet import make_puppet
 from .views import FLAT_LIGHT, TEXTURES
 
 Y_ITEMS = (
-    ("AUTO", "Automatic", "Down in SVG and collision outlines, up in maps"),
+    ("AUTO", "Automatic", "Down in SVG and in GeoJSON of pixels, up in maps"),
     ("DOWN", "Down", "The y axis of the file points down, as in images"),
     ("UP", "Up", "The y axis of the file points up, as in maps"),
 )
@@ -69,8 +69,8 @@ def paths_of(operator: Any) -> list[Path]:
 
 
 class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Read drawings: the filled area of an SVG, each feature of a GeoJSON, a collision outline, or a layered painting
-    as a puppet with bones
+    """Read drawings: the filled area of an SVG, each feature of a GeoJSON, or a layered painting as a puppet with
+    bones
     """
 
     bl_label = "Import Outlines"
@@ -216,11 +216,9 @@ SHAPE_ITEMS = (
 )
 FILE_ITEMS = (
     ("SVG", "SVG", "One path per outline, holes cut out"),
-    ("GEOJSON", "GeoJSON", "One feature per outline, for maps and shapely"),
-    ("ENGINE", "Collision Outline", "Polygons with holes of the coarsest outline as JSON for game engines"),
-    ("CHARACTER", "Character", "Bones, cage, triangles and weights of a rigged drawing as JSON for scripts"),
+    ("GEOJSON", "GeoJSON", "One feature per outline with its area and centroid, for maps, shapely and game engines"),
 )
-SUFFIXES = {"SVG": ".svg", "GEOJSON": ".geojson", "ENGINE": ".json", "CHARACTER": ".json"}
+SUFFIXES = {"SVG": ".svg", "GEOJSON": ".geojson"}
 ENGINE_ITEMS = (
     ("GODOT", "Godot 4", "A scene with the textures and actions of the puppet"),
     ("SPINE", "Spine 4.2", "A skeleton with its atlas and actions"),
@@ -284,16 +282,13 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         min=1e-9,
         soft_max=1000.0,
     )
-    triangles: flag("Triangles", "Add triangles to a collision outline, for engines that need them")
     pieces: whole(
         "Pieces",
-        "Add convex pieces of at most this many vertices to a collision outline, for engines that need these, such "
+        "Add convex pieces of at most this many vertices of each cage to a GeoJSON, for engines that need these, such "
         "as Box2D, which takes 8; 0 adds none",
         min=0,
         soft_max=16,
     )
-
-    frames: flag("All Frames", "Add the outlines of a character on all frames of the scene")
 
     @property
     def filename_ext(self) -> str:
@@ -309,7 +304,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         return armatures.puppet_of(context.selected_objects or chosen(context))
 
     def draw(self, context: Context) -> None:
-        of_outlines = ("kind", "flip_y", "world", "scale", "triangles", "pieces", "frames")
+        of_outlines = ("kind", "flip_y", "world", "scale", "pieces")
         self.layout.use_property_split = True
         for name in of_outlines if self._puppet(context) is None else ("engine",):
             self.layout.prop(self, name)
@@ -332,17 +327,13 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
             return
         if self.properties.is_property_set("engine"):
             raise UserError("Select a puppet: an imported painting, or a drawing with the bones of 'Make Puppet'")
-        if self.kind == "CHARACTER":
-            self._character(context, path)
-            return
-        objects = coarsest(context) if self.kind == "ENGINE" else outlines(context)
+        objects = outlines(context)
         shapes = exporters.meshes(context, objects, world=self.world, scale=self.scale)
         exporters.write(
             path,
             self.kind,
             shapes,
             flip_y=self.flip_y,
-            triangles=self.triangles,
             pieces=max(3, self.pieces) if self.pieces else None,
             levels=[ownership.depth_of(obj) for obj in objects] if any(map(record.level_of, objects)) else None,
             size=exporters.paper(context, objects[0], world=self.world) if self.scale == 1.0 else None,
@@ -355,16 +346,6 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         for note in notes:
             self.report({"WARNING"}, note)
         self.report({"INFO"}, f"{', '.join(file.name for file in files)} written")
-
-    def _character(self, context: Context, path: Path) -> None:
-        """Writes the rigged drawing of the selection. Raises: UserError."""
-        outputs = sets_of_chosen(context)
-        if len(outputs) != 1:
-            raise UserError("Select one rigged drawing, or its cage: a file has one character")
-        text = characters.json_of(context, outputs[0], flip_y=self.flip_y, frames=self.frames)
-        with blamed(f"'{path.name}' cannot be written"):
-            core.formats.write_whole(path, text)
-        self.report({"INFO"}, f"'{outputs[0].name}' written to {path.name}")
 
 
 def has_outlines(context: Context) -> bool:

@@ -6,11 +6,11 @@
   blended with `PreserveVolume` or `Linear`.
 - `Field`, `field_of`: the weights of a mesh that carries the motion of a cage to anything in it. `folded`: where a pose
   lays it on itself; `holding`: where a shape is in it.
-- `Character`: a drawing with its cage, bones and all weights, for game engines; `Pose`: a frame of its animation.
+- `Character`: a drawing with its cage, bones and all weights, to be posed.
 """
 
 from .bones import Bone, with_joints
-from .character import Character, Pose
+from .character import Character
 from .field import Field, field_of, folded, holding
 from .skeleton import Skeleton, suggest_bones
 from .skins import Linear, PreserveVolume, Skin
@@ -21,7 +21,6 @@ __all__ = [
     "Character",
     "Field",
     "Linear",
-    "Pose",
     "PreserveVolume",
     "Skeleton",
     "Skin",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
@@ -14,17 +13,6 @@ from ..geometry.mesh import Mesh
 from ..geometry.triangulation import triangulate
 from .bones import Bone, by_number
 from .weights import bone_weights, skinned
-
-
-class Pose(NamedTuple):
-    """A frame of an animation."""
-
-    time: float
-    """In seconds."""
-    shape: FloatArray
-    """(n, 2) vertices of the drawing."""
-    cage: FloatArray
-    """(m, 2) vertices of the cage."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +30,6 @@ class Character:
     """(n, m) how much each vertex of the cage moves each vertex of the drawing; rows of sum 1."""
     triangles: IntArray = field(repr=False)
     """(T, 3) vertices of the drawing, counter-clockwise; they fill it."""
-    frames: tuple[Pose, ...] = field(default=(), repr=False)
 
     @classmethod
     def of(

@@ -29,8 +29,11 @@ KINDS = {".svg": "drawing", ".png": "picture",
          **dict.fromkeys((".geojson", ".json", ".shp", ".gpkg", ".topojson"), "map")}  # fmt: skip
 """The content of an input file by its extension."""
 
-WRITTEN = {".svg": "svg", ".geojson": "geojson", ".json": "json"}
+WRITTEN = {".svg": "svg", ".geojson": "geojson", ".json": "geojson"}
 """Output formats by extension."""
+
+GEOJSON = (".geojson", ".json", STREAM)
+"""Ends of the names of outputs that are GeoJSON, or may be."""
 
 METRES = {"m": 1.0, "km": 1000.0, "mi": 1609.344}
 """Units of lengths on the ground."""
@@ -59,18 +62,19 @@ FILES = """\
 input files, several of them or patterns such as "icons/*.svg"; - reads the standard input:
   .svg            what is painted; curves become chords within --tolerance, overlapping shapes are united
   .geojson .json  polygons; every feature gets its own cages. Faults are repaired as map programs do, and each repair
-                  is named. A collision outline written by this command too
+                  is named
   .shp .gpkg .topojson  as maps, through pyogrio
   .png            opaque pixels, in pixels with y downwards
 
 output files (by extension, all lengths and places in the units of the input):
   .svg            the drawing and its cages, as paths with the ids "drawing", "cage-1", "cage-2", ...; a picture's lie
                   on its pixels, a map has the north up
-  .geojson        one feature per cage, with its level, vertices, excess and clearance
-  .json           a collision outline for game engines: the coarsest cage as outer loops and holes
+  .geojson .json  one feature per cage, with its level, vertices, excess, clearance, area and centroid; coordinates of
+                  pictures are pixels, which a member "pixels" says
   -               the standard output: SVG of a drawing, GeoJSON of a map or a picture
   The files of an input are written together, whole or not at all. For several input files name outputs with {stem},
-  such as cages/{stem}.svg; a .json without it takes the outlines of several pictures as the frames of one animation
+  such as cages/{stem}.svg; a .geojson without it takes the cages of several pictures as the frames of one animation,
+  each with its "time"
 
 exit status:
   0  all cages were made, certified and written
@@ -81,7 +85,7 @@ exit status:
 examples:
   nested-cages logo.svg --levels 64 24 -o cages.svg
   nested-cages "icons/*.svg" --levels 20% 8% -o "cages/{stem}.svg" --report report.json
-  nested-cages sprite.png --levels 16 --clearance 2 -o outline.json --flip-y
+  nested-cages sprite.png --levels 16 --clearance 2 -o outline.geojson --flip-y
   nested-cages regions.geojson --levels 200 50 --clearance 5km --jobs 4 -o simple.geojson
   curl ... | nested-cages - --levels 50% -o - > simple.geojson
 """
@@ -182,7 +186,7 @@ OPTIONS = {
         _option("--levels", nargs="+", metavar="N", required=True, help="what each cage has, innermost "
                 "first: a number of vertices, 32; a share of the shape's vertices, 8%%; or the fewest within a "
                 "distance, 2px, or an excess of area, +25%%"),
-        _option("-o", "--output", action="append", default=[], metavar="FILE", help=".svg, .geojson or .json to write, "
+        _option("-o", "--output", action="append", default=[], metavar="FILE", help=".svg or .geojson to write, "
                 "or - for the standard output; may be repeated"),
         _option("--clearance", type=clearance, metavar="LENGTH", help="smallest distance of a cage from what it "
                 "encloses, in units of the input; of a map also in m, km or mi, as in 5km"),
@@ -229,7 +233,7 @@ OPTIONS = {
     "outlines": (
         _option("--flip-y", help="turn y over; that of a picture then counts upwards from its lower edge"),
         _option("--pieces", type=at_least(3), metavar="N", help="add convex pieces of at most N vertices, which tile "
-                "the outline; Box2D takes 8"),
+                "each cage, as features with a number as \"piece\"; Box2D takes 8"),
     ),
     "files": (
         _option("--limit", dest="limits", type=_limit, action="append", default=[], metavar="WHAT=N", help="raise or "
@@ -317,8 +321,8 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
     if [*given.output, given.report].count(STREAM) > 1 or (STREAM in given.output and len(paths) > 1):
         options.error("the standard output takes one of the outputs and the report, and the cages of one file")
     for name in (names[0] for names, _ in OPTIONS["outlines"]):
-        if _is_given(given, _word(name)) and not any(path.lower().endswith(".json") for path in given.output):
-            options.error(f"{name} is for collision outlines; write one with -o FILE.json")
+        if _is_given(given, _word(name)) and not any(path.lower().endswith(GEOJSON) for path in given.output):
+            options.error(f"{name} is for GeoJSON; write it with -o FILE.geojson")
     _check_files(options, given, paths)
     given.jobs = given.jobs or 1
     given.limits = dict(given.limits)
@@ -347,7 +351,7 @@ def _check_files(options: argparse.ArgumentParser, given: argparse.Namespace, pa
         suffix = Path(path).suffix.lower()
         if path != given.report and suffix not in WRITTEN:
             options.error(f"{Path(path).name or repr(path)}: a file is written if it ends in {', '.join(WRITTEN)}")
-        animation = suffix == ".json" and all(kind_of(each) == "picture" for each in paths)
+        animation = suffix in GEOJSON and all(kind_of(each) == "picture" for each in paths)
         if path != given.report and len(paths) > 1 and STEM not in path and not animation:
             options.error(f"{path}: each of several input files needs its own; put {STEM} into the name")
         if not Path(path).parent.is_dir():

@@ -1,4 +1,4 @@
-"""Output: cages as SVG, GeoJSON and collision outlines, and the report as JSON."""
+"""Output: cages as SVG and GeoJSON, and the report as JSON."""
 
 from __future__ import annotations
 
@@ -9,59 +9,72 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import invalid_file
-from ..formats import Feature, frames_to_engine_json, to_engine_json, to_geojson, to_svg, write_files
+from ..formats import Feature, measures, to_geojson, to_svg, write_files
+from ..formats.decimals import turned_over
 from ..formats.pictures import corresponding
 from ..geometry.mesh import Mesh
 from ..levels import Level
 from .making import Made, Result
 from .options import STEM, STREAM, WRITTEN
-from .sources import Source
+from .sources import Source, is_up
 
 REPORT_FORMAT, REPORT_VERSION = "nested-cages report", 1
 """Identifies the reports."""
 
 
 def targets(paths: Sequence[str], source: Source) -> dict[str, str]:
-    """The files to write for a source, with their formats: by extension; SVG of a drawing on the standard output.
-
-    Raises NestedCagesError for a format that the source cannot be written in.
-    """
+    """The files to write for a source, with their formats: by extension; SVG of a drawing on the standard output."""
     stem = "stdin" if source.path == STREAM else Path(source.path).stem
-    own = {"drawing": "svg", "outline": "json"}.get(source.kind, "geojson")
-    named = {path.replace(STEM, stem): own if path == STREAM else WRITTEN[Path(path).suffix.lower()] for path in paths}
-    several = len(source.shapes) + len(source.failures)
-    if "json" in named.values() and several > 1:
-        raise invalid_file(
-            f"A collision outline is made of one feature, but {Path(source.path).name} has {several}; write "
-            ".geojson or .svg instead."
-        )
-    return named
+    own = "svg" if source.kind == "drawing" else "geojson"
+    return {path.replace(STEM, stem): own if path == STREAM else WRITTEN[Path(path).suffix.lower()] for path in paths}
 
 
 def text_of(result: Result, kind: str, *, flip_y: bool, pieces: int | None) -> str:
-    """The text of an output."""
+    """The text of an output. Raises NestedCagesError where a map is to be turned over."""
     if kind == "svg":
         return _svg(result)
-    if kind == "geojson":
-        features = [_feature(each, k, level) for each in result.made for k, level in enumerate(each.levels, 1)]
-        return to_geojson(features, indent=1, crs=result.source.crs)
-    flip = result.source.height if flip_y else None
-    return to_engine_json(result.made[0].levels[-1], flip_y=flip, pieces=pieces, indent=1)
+    height, pixels = _turn(result.source, flip_y)
+    features = [_feature(each, k, level, height) for each in result.made for k, level in enumerate(each.levels, 1)]
+    return to_geojson(features, indent=1, crs=result.source.crs, pixels=pixels, pieces=pieces)
 
 
-def frames_of(results: Sequence[Result], *, flip_y: bool) -> str:
-    """The last cages of several pictures as frames of an animation, with corresponding vertices in the same order.
+def frames_of(results: Sequence[Result], *, flip_y: bool, pieces: int | None) -> str:
+    """The cages of several pictures, as frames at the times 0, 1, …, with corresponding vertices in the same order.
 
-    Raises NestedCagesError where a picture has no cage, or the pictures are to be flipped and differ in height.
+    Raises NestedCagesError where a picture lacks cages, or the pictures differ in size.
     """
-    missing = [Path(result.source.path).name for result in results if not result.made]
-    if missing:
-        raise invalid_file(f"not written, since {', '.join(missing)} has no outline.")
-    heights = {result.source.height for result in results}
-    if flip_y and len(heights) > 1:
-        raise invalid_file("the pictures differ in height, so their frames cannot be flipped together.")
-    outlines = corresponding([result.made[0].levels[-1].cage for result in results])
-    return frames_to_engine_json(outlines, flip_y=heights.pop() if flip_y else None, indent=1)
+    counts = [len(result.made[0].levels) if result.made else 0 for result in results]
+    missing = [Path(result.source.path).name for result, n in zip(results, counts, strict=True) if n < max(counts)]
+    if missing or not max(counts):
+        raise invalid_file(f"not written, since {', '.join(missing or ['every picture'])} lacks cages.")
+    if any(result.source.pixels != results[0].source.pixels for result in results):
+        raise invalid_file("the pictures differ in size, so they cannot be frames of one animation.")
+    height, pixels = _turn(results[0].source, flip_y)
+    rows = []
+    for number in range(max(counts)):
+        levels = [result.made[0].levels[number] for result in results]
+        cages = corresponding([level.cage for level in levels])
+        rows.append(
+            [
+                _feature(result.made[0], number + 1, level, height, cage, time)
+                for time, (result, level, cage) in enumerate(zip(results, levels, cages, strict=True))
+            ]
+        )
+    frames = [feature for frame in zip(*rows, strict=True) for feature in frame]
+    return to_geojson(frames, indent=1, pixels=pixels, pieces=pieces)
+
+
+def _turn(source: Source, flip_y: bool) -> tuple[float | None, Mapping[str, Any] | None]:
+    """The height at half of which y turns over, None for not at all, and how coordinates lie then.
+
+    Raises NestedCagesError for a map.
+    """
+    if not flip_y:
+        return None, source.pixels
+    if source.pixels is None:
+        raise invalid_file("A map has the north up; --flip-y is for drawings and pictures.")
+    turned = "down" if is_up(source.pixels) else "up"
+    return float(source.pixels.get("height", 0.0)), {**source.pixels, "y": turned}
 
 
 def put(texts: Mapping[str, str]) -> None:
@@ -150,10 +163,22 @@ def _svg(result: Result) -> str:
         meshes[f"{prefix}drawing"] = each.fine
         meshes.update({f"{prefix}cage-{k}": level.cage for k, level in enumerate(each.levels, 1)})
         levels += range(1 + len(each.levels))
-    return to_svg(meshes, frame=result.source.frame, levels=levels, y_up=result.source.kind == "map")
+    return to_svg(meshes, frame=result.source.frame, levels=levels, y_up=is_up(result.source.pixels))
 
 
-def _feature(made: Made, number: int, level: Level) -> Feature:
-    said = {"excess": level.report.excess, "clearance": level.report.clearance}
-    properties = {**made.shape.properties, "level": number, "vertices": len(level.cage.vertices), **said}
-    return Feature(level.cage, properties, made.shape.id if len(made.levels) == 1 else None)
+def _feature(
+    made: Made, number: int, level: Level, height: float | None, cage: Mesh | None = None, time: int | None = None
+) -> Feature:
+    """A level as a feature, turned over at half of a height; cage: the same with its vertices in another order."""
+    mesh = level.cage if cage is None else cage
+    mesh = mesh if height is None else turned_over(mesh, height)
+    properties = {
+        **measures(mesh),
+        **made.shape.properties,
+        **({} if time is None else {"time": time}),
+        "level": number,
+        "vertices": len(mesh.vertices),
+        "excess": level.report.excess,
+        "clearance": level.report.clearance,
+    }
+    return Feature(mesh, properties, made.shape.id if time is None and len(made.levels) == 1 else None)

@@ -48,7 +48,7 @@ def make_cages(options: argparse.ArgumentParser, given: argparse.Namespace) -> b
         tell(table(entries), out)
     for file in frames:
         try:
-            put({file: frames_of(results, flip_y=given.flip_y)})
+            put({file: frames_of(results, flip_y=given.flip_y, pieces=given.pieces)})
             tell(f"Wrote {file}", out)
         except NestedCagesError as error:
             tell(f"error: {file}: {error}", sys.stderr)

@@ -13,17 +13,18 @@ from ..errors import invalid_file
 from ..formats import (
     Frame,
     Limits,
-    from_engine_json,
-    is_engine_json,
     map_document,
     read_map,
     read_whole,
     svg_drawing,
 )
 from ..formats.pictures import decode_png
-from ..geometry.arrays import AnyArray
+from ..geometry.arrays import AnyArray, FloatArray
 from ..geometry.mesh import Mesh
 from .options import STREAM, kind_of
+
+DOWN = {"y": "down"}
+"""The `pixels` member for coordinates of a drawing or a picture, as `to_geojson` writes it."""
 
 BEGINNINGS = {b"\x89PNG": "picture", b"<": "drawing", b"{": "map"}
 """The content of a stream by its first bytes."""
@@ -40,6 +41,8 @@ class NamedShape:
     drawn: Mesh | None = None
     """What is drawn, where the content is grown by a clearance in metres."""
     metres: float | None = None
+    given: Sequence[FloatArray] = ()
+    """Rings of a map as they were read."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +51,7 @@ class Source:
 
     path: str
     kind: str
-    """One of `KINDS`, or "outline"."""
+    """One of `KINDS`."""
     shapes: Sequence[NamedShape] = ()
     notes: Sequence[str] = ()
     """Sentences about repairs and omissions."""
@@ -57,8 +60,8 @@ class Source:
     crs: Any = None
     frame: Frame | None = None
     """Page of a drawing or a picture, for SVG output."""
-    height: float = 0.0
-    """Height of a picture in pixels, for turning y over."""
+    pixels: Mapping[str, Any] | None = None
+    """How coordinates lie on a picture, as `to_geojson` writes it; None for maps."""
 
 
 def matching_files(patterns: Sequence[str]) -> list[str]:
@@ -75,6 +78,11 @@ def matching_files(patterns: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(found))
 
 
+def is_up(pixels: Mapping[str, Any] | None) -> bool:
+    """Whether y points up: in maps, and in pixels that say so."""
+    return pixels is None or pixels.get("y") == "up"
+
+
 def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
     """The shapes of a file; options: those of drawings. Raises NestedCagesError or OSError."""
     data: Any
@@ -89,13 +97,13 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
         opaque = ("No pixel is fully transparent, so the whole picture may count as opaque.",)
         height, width = picture.shape[:2]
         frame = Frame((0.0, 0.0, float(width), float(height)), str(width), str(height))
+        pixels = {**DOWN, "width": width, "height": height}
         whole = picture[:, :, 3].min() > 0
-        return Source(path, kind, [NamedShape("drawing", picture)], opaque if whole else (), frame=frame, height=height)
+        return Source(path, kind, [NamedShape("drawing", picture)], opaque if whole else (), frame=frame, pixels=pixels)
     if kind == "drawing":
         drawing = svg_drawing(data, **options)
-        return Source(path, kind, [NamedShape("drawing", drawing.mesh)], drawing.notes, frame=drawing.frame)
-    if isinstance(data, bytes) and is_engine_json(data):
-        return Source(path, "outline", [NamedShape("drawing", from_engine_json(data, limits=limits))])
+        shapes = [NamedShape("drawing", drawing.mesh)]
+        return Source(path, kind, shapes, drawing.notes, frame=drawing.frame, pixels=DOWN)
     found = read_map(data, limits, options["tolerance"], clean=True)
     if not found.features and not found.refused:
         raise invalid_file("There are no polygons; give a map with Polygon or MultiPolygon features.")
@@ -103,12 +111,14 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
     if found.without_polygons:
         notes.append(f"Features without polygons, left out: {found.without_polygons}.")
     notes.append(
-        "The map names no coordinate reference system; coordinates are kept as they are."
+        "The coordinates are those of a picture."
+        if found.pixels is not None
+        else "The map names no coordinate reference system; coordinates are kept as they are."
         if found.crs is None
         else "The map's coordinate reference system is kept."
     )
-    shapes = [NamedShape(each.name, each.mesh, each.properties, each.id) for each in found.features]
-    return Source(path, "map", shapes, notes, found.refused, found.crs)
+    shapes = [NamedShape(each.name, each.mesh, each.properties, each.id, each.given) for each in found.features]
+    return Source(path, "map", shapes, notes, found.refused, found.crs, pixels=found.pixels)
 
 
 def _streamed(limits: Limits) -> tuple[bytes, str]:
@@ -120,4 +130,4 @@ def _streamed(limits: Limits) -> tuple[bytes, str]:
     for start, kind in BEGINNINGS.items():
         if data[:64].lstrip(b"\xef\xbb\xbf \t\r\n").startswith(start):
             return data, kind
-    raise invalid_file("The standard input is neither SVG, GeoJSON, a collision outline nor PNG.")
+    raise invalid_file("The standard input is neither SVG, GeoJSON nor PNG.")

@@ -1,206 +1,287 @@
-"""Drawings and the cages that were written for them, read to be judged: what cannot be judged is rejected."""
+"""Results as this program writes them, and drawings as cages are made from them, read to be checked.
+
+Pictures are accepted word by word: what the writer makes of all that was read must be the same text. Maps may be of any
+program, if they have polygons and nothing else that a viewer could show.
+"""
 
 from __future__ import annotations
 
+import html
+import json
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..checker import rings_of
 from ..errors import invalid_file
-from ..formats import DRAWING_LIMITS, Frame, Limits, levels_in_svg, outlines_from_engine_json, read_map, read_whole
-from ..formats.engine_json import flipped
-from ..formats.fill import united
-from ..formats.pictures import HALF, alpha_channel, boundary_of_pixels
-from ..geometry.arrays import IntArray
+from ..formats import DRAWING_LIMITS, Frame, Limits, read_whole, to_svg
+from ..formats.geometries import shown
+from ..formats.pictures import alpha_channel, boundaries_of_picture
+from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..libraries import load_shapely
-from .sources import read
+from ..geometry.predicates import orientation
+from .sources import DOWN, read
+
+HEAD = re.compile(r'<svg xmlns="[^"]*" ([^>]*) overflow="visible" data-outlines="decoration">\n(<g [^>]*>\n)?')
+PATH = re.compile(r'  <path id="([^"]*)" class="(level|inner)-(\d{1,6})" [^>]*?"\n    d="([^"]*)"/>\n')
+ATTRIBUTE = re.compile(r'(\w+)="([^"]*)"')
+"""Where a picture has what its writer was given: the page, and name, level and loops of each path."""
 
 LAST_WORDS = re.compile(r"-?(drawing|shape|cage-\d+)$| (Inner )?(Fine|Cage \d+)(\.\d+)?$")
 """What the command and Blender add to the number or name of a shape in an id."""
 
-OUTLINE = re.compile(rb'"format"\s*:\s*"nested-cages ')
-"""What tells a collision outline, or frames, from a map."""
+STYLES = ("fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width")
+"""Properties that viewers of maps take for a style."""
 
-SAME_PAGE = 1e-6
-"""Difference of two pages, over the largest number, that is the rounding of their decimals."""
+SAME_BOX = 1e-6
+"""Difference of a bounding box from that of the coordinates, over its size, that is the rounding of its decimals."""
 
-
-@dataclass(frozen=True, eq=False)
-class Loops:
-    """The loops (k, 2) of a drawing or a cage in a file."""
-
-    rings: list[Any]
-
-    @property
-    def count(self) -> int:
-        """Number of vertices."""
-        return sum(map(len, self.rings))
-
-    @property
-    def edges(self) -> IntArray:
-        """(n, 2) of the loops one after the other, as they are written."""
-        loops = np.split(np.arange(self.count), np.cumsum([len(ring) for ring in self.rings])[:-1])
-        return np.concatenate([np.stack([loop, np.roll(loop, -1)], axis=1) for loop in loops])
-
-    def flipped(self, height: float) -> Loops:
-        """Turned over at half a height, as outlines are written."""
-        return Loops([flipped(ring, height) for ring in self.rings])
-
-    @property
-    def area(self) -> float:
-        """That of the solid between the loops."""
-        return sum(self.areas)
-
-    @property
-    def areas(self) -> list[float]:
-        """Those inside the loops, of holes negative."""
-        ends = [(ring - ring[0], np.roll(ring - ring[0], -1, axis=0)) for ring in rings_of(self.rings)]
-        return [0.5 * float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()) for a, b in ends]
-
-
-Levels = dict[int, Loops]
+Levels = dict[int, Mesh]
 """The drawing, which is level 0, its cages from 1 and its inner cages from -1, those that a file has."""
 
 
-class Shapes(NamedTuple):
+@dataclass(frozen=True)
+class Written:
     """What a file has."""
 
     shapes: list[Levels]
     frame: Frame | None = None
-    """Of a picture."""
-    moves: bool = False
-    """Whether the shapes are frames of a motion."""
+    """Page of a picture."""
     y_up: bool = False
-    """Whether y points up, as in maps; in pictures it points down."""
-    height: float = 0.0
-    """Of a picture in pixels."""
+    """Whether y points up in a picture."""
+    crs: Any = None
+    pixels: Mapping[str, Any] | None = None
+    """How the coordinates of a map lie on a picture."""
+    times: list[float] = field(default_factory=list)
+    """Those of the shapes, if they are frames of a motion."""
+    given: list[list[FloatArray]] = field(default_factory=list)
+    """Rings (k, 2) of each shape of a map as they stand in the file."""
+    also: list[Mesh] = field(default_factory=list)
+    """Outlines that may be shown instead of that of the pixels: with holes closed, and with narrow gaps."""
+    styles: list[dict[str, Any]] = field(default_factory=list)
+    """Properties of the shapes of a map that are styles."""
 
 
-def read_frames(paths: Sequence[str], *options: Any, **more: Any) -> Shapes:
-    """The drawings of a file, see `read_drawings`; those of several files are the frames of a motion, one each."""
-    files = [read_drawings(path, *options, **more) for path in paths]
+def read_drawings(paths: Sequence[str], options: Mapping[str, Any], threshold: float, padding: float) -> Written:
+    """The drawings of a file; several files are the frames of a motion, one each. Raises NestedCagesError."""
+    files = [_drawings(path, options, threshold, padding) for path in paths]
     if len(files) == 1:
         return files[0]
     for path, each in zip(paths, files, strict=True):
         if len(each.shapes) != 1:
             raise invalid_file(f"{path} has {len(each.shapes)} shapes; a frame of a motion is one.")
-    return files[0]._replace(shapes=[each.shapes[0] for each in files], moves=True)
-
-
-def read_drawings(path: str, tolerance: float | None, *, together: bool = False, threshold: float = HALF) -> Shapes:
-    """The drawings of a file, as cages are made from them; of a picture of this program those that it shows.
-
-    together: whether the features of a map are one drawing. threshold: opacity above which pixels count.
-    """
-    suffix = Path(path).suffix.lower()
-    if suffix == ".svg":
-        content = read_whole(path, DRAWING_LIMITS)
-        if b"data-outlines" in content:
-            shown = _of_picture(content)
-            if any(0 in levels for levels in shown.shapes):
-                return shown._replace(shapes=[{0: levels[0]} for levels in shown.shapes if 0 in levels])
-    if suffix == ".json" and OUTLINE.search(content := read_whole(path, Limits())):
-        return _of_outlines(content, 0)
-    source = read(path, Limits(), {"tolerance": tolerance})
-    if source.failures:
-        raise invalid_file(" ".join(source.failures))
-    contents = [shape.content for shape in source.shapes]
-    meshes = [
-        content if isinstance(content, Mesh) else boundary_of_pixels(alpha_channel(content) > threshold)
-        for content in contents
-    ]
-    if together:
-        meshes = [_together(meshes)]
-    shapes = [{0: _loops(mesh)} for mesh in meshes]
-    return Shapes(shapes, source.frame, y_up=source.kind == "map", height=source.height)
-
-
-def read_cages(path: str, *, together: bool = False) -> Shapes:
-    """The cages of a file, and the drawings that it shows. Raises NestedCagesError for a file that lacks levels.
-
-    together: whether all features of a level of a map are one cage.
-    """
-    suffix = Path(path).suffix.lower()
-    if suffix == ".svg":
-        found = _of_picture(read_whole(path, DRAWING_LIMITS))
-    else:
-        content = read_whole(path, Limits())
-        found = _of_outlines(content, 1) if OUTLINE.search(content) else _of_map(content, together)
-    for levels in found.shapes:
-        for side in (1, -1):
-            numbers = sorted(side * level for level in levels if side * level > 0)
-            missing = sorted({*range(1, len(numbers) + 1)} - {*numbers})
-            if missing:
-                raise invalid_file(f"There is a level {numbers[-1]}, but no level {missing[0]}.")
-    return found
-
-
-def _of_picture(content: bytes) -> Shapes:
-    picture = levels_in_svg(content)
-    owners = [LAST_WORDS.sub("", each.name) for each in picture.levels]
-    if len(set(owners)) != sum(each.level == 0 for each in picture.levels):  # named by somebody else
-        owners = [""] * len(owners)
-    found: dict[str, Levels] = {}
-    for owner, each in zip(owners, picture.levels, strict=True):
-        _put(found.setdefault(owner, {}), each.level, Loops(each.rings), each.name)
-    return Shapes(
-        [found[owner] for owner in sorted(found, key=lambda owner: int(owner) if owner.isdecimal() else 0)],
-        picture.frame,
+    return Written(
+        [each.shapes[0] for each in files],
+        files[0].frame,
+        pixels=files[0].pixels,
+        times=list(map(float, range(len(files)))),
     )
 
 
-def _of_outlines(content: bytes, level: int) -> Shapes:
-    outlines, moves = outlines_from_engine_json(content)
-    return Shapes([{level: _loops(outline)} for outline in outlines], moves=moves)
+def _drawings(path: str, options: Mapping[str, Any], threshold: float, padding: float) -> Written:
+    """The drawings of one file; of a picture of this program those that it shows."""
+    if Path(path).suffix.lower() == ".svg" and b'class="level-1"' in (content := read_whole(path, DRAWING_LIMITS)):
+        picture = _picture(content)
+        pixels = None if picture.y_up else DOWN
+        return Written([{0: levels[0]} for levels in picture.shapes], picture.frame, pixels=pixels)
+    source = read(path, Limits(), options)
+    if source.failures:
+        raise invalid_file(" ".join(source.failures))
+    outlines = [
+        [each.content]
+        if isinstance(each.content, Mesh)
+        else boundaries_of_picture(alpha_channel(each.content) > threshold, padding)
+        for each in source.shapes
+    ]
+    times = [each.properties.get("time") for each in source.shapes]
+    return Written(
+        [{0: first} for first, *_ in outlines],
+        source.frame,
+        crs=source.crs,
+        pixels=source.pixels,
+        times=_increasing(times) if len(times) > 1 else [],
+        given=[list(each.given) for each in source.shapes],
+        also=[mesh for _, *more in outlines for mesh in more],
+        styles=[_style(each.properties) for each in source.shapes],
+    )
 
 
-def _of_map(content: bytes, together: bool) -> Shapes:
-    found = read_map(content)
-    faults = [*found.refused, *found.notes]
-    if faults or found.without_polygons:
-        raise invalid_file(" ".join(faults) or "The map has features without polygons.")
-    shapes: list[Levels] = []
-    of_level: dict[int, list[Mesh]] = {}
-    for feature in found.features:
-        level = feature.properties.get("level", 1)
-        if type(level) is not int or level < 1:
-            raise invalid_file(f"The level of {feature.name} is {level!r:.40}, not a whole number from 1 on.")
-        of_level.setdefault(level, []).append(feature.mesh)
-        if together:
-            continue
-        if level == 1 or not shapes:
-            shapes.append({})
-        _put(shapes[-1], level, _loops(feature.mesh), feature.name)
-    return Shapes([{level: _loops(_together(meshes)) for level, meshes in of_level.items()}] if together else shapes)
+def read_cages(path: str) -> Written:
+    """The cages of a file, and the drawings that it shows. Raises NestedCagesError for what is not to be checked."""
+    if Path(path).suffix.lower() == ".svg":
+        found = _picture(read_whole(path, DRAWING_LIMITS))
+    else:
+        found = _map(read_whole(path, Limits()))
+    for levels in found.shapes:
+        for side in (1, -1):
+            numbers = sorted(side * level for level in levels if side * level > 0)
+            if numbers != [*range(1, len(numbers) + 1)]:
+                raise invalid_file(f"Its levels are {', '.join(map(str, numbers))}, not all from 1 on.")
+    return found
 
 
-def _together(meshes: list[Mesh]) -> Mesh:
-    """The land of regions that may share borders."""
-    shapely = load_shapely("Reading regions together")
-    return united(shapely, [shapely.geometry.shape(mesh) for mesh in meshes])
+def _picture(content: bytes) -> Written:
+    """The levels of a picture. Raises NestedCagesError for one that `to_svg` has not written."""
+    text = content.decode("utf-8").replace("\r\n", "\n")
+    head, found = HEAD.match(text), PATH.findall(text)
+    attributes = {key: html.unescape(value) for key, value in ATTRIBUTE.findall(head[1] if head else "")}
+    box = tuple(map(float, attributes["viewBox"].split())) if "viewBox" in attributes else None
+    sizes = (attributes.get(key, "") for key in ("width", "height", "preserveAspectRatio"))
+    frame, y_up = Frame(box, *sizes), bool(head and head[2])  # type: ignore[arg-type]
+    numbers = [int(number) if side == "level" else -int(number) for _, side, number, _ in found]
+    names = [html.unescape(name) for name, *_ in found]
+    meshes = [Mesh.from_loops([_points(loop) for loop in data.split("M")[1:]]) for *_, data in found]
+    again = to_svg(dict(zip(names, meshes, strict=True)), frame=frame, levels=numbers, y_up=y_up) if found else ""
+    if again != text or len({*names}) < len(names):
+        pairs = zip(text.split("\n"), again.split("\n"), strict=False)
+        line = next((k for k, (one, other) in enumerate(pairs, 1) if one != other), 1)
+        raise invalid_file(f"Line {line} is not as this program writes pictures, so it is not checked; write it again.")
+    owners = [LAST_WORDS.sub("", name) for name in names]
+    if len({*owners}) != numbers.count(0):  # named by somebody else
+        owners = [""] * len(owners)
+    shapes: dict[str, Levels] = {}
+    for owner, level, mesh, name in zip(owners, numbers, meshes, names, strict=True):
+        if level in shapes.setdefault(owner, {}):
+            raise invalid_file(f"{name} has the level of another path, and names do not tell whose they are.")
+        shapes[owner][level] = mesh
+    if any(0 not in levels for levels in shapes.values()):
+        raise invalid_file("The picture does not show the drawing of each cage.")
+    return Written([shapes[owner] for owner in sorted(shapes, key=_place)], frame, y_up)
 
 
-def _loops(mesh: Mesh) -> Loops:
-    """Those of a mesh, as they are written."""
-    return Loops([mesh.vertices[loop] for loop in sorted(map(sorted, mesh.loops))])
+def _points(loop: str) -> FloatArray:
+    """(k, 2) of a loop of path data."""
+    return np.array(re.findall(r"[^\sLZ]+", loop), float).reshape(-1, 2)
 
 
-def _put(levels: Levels, level: int, loops: Loops, name: str) -> None:
-    """Add a level to those of a shape. Raises NestedCagesError for a second one of the same number."""
-    if level in levels:
-        raise invalid_file(f"{name} has the level of another path, and names do not tell which shapes they belong to.")
-    levels[level] = loops
+def _place(owner: str) -> int:
+    return int(owner) if owner.isdecimal() else 0
 
 
-def pages_differ(one: Frame, other: Frame) -> bool:
-    """Whether the same coordinates of two pictures are different places on their pages."""
+def _map(content: bytes) -> Written:
+    """The features of a map by their levels. Raises NestedCagesError for more than polygons."""
+    document = json.loads(
+        content.decode("utf-8-sig"), object_pairs_hook=_once, parse_float=_number, parse_constant=_number
+    )
+    kind = document.get("type") if isinstance(document, dict) else None
+    if kind == "FeatureCollection":
+        plain = [key for key, value in document.items() if isinstance(value, str | float | int)]
+        _only(document, "type features", "crs pixels bbox", *plain)
+        features = document["features"]
+    else:
+        features = [document if kind == "Feature" else {"type": "Feature", "properties": None, "geometry": document}]
+    found = Written([], crs=document.get("crs"), pixels=document.get("pixels"))
+    pieces, last, times = list[Mesh](), 0, []
+    for number, feature in enumerate(features):
+        mesh, properties = _feature(feature, number)
+        level, piece = properties.get("level", 1), properties.get("piece")
+        if type(level) is not int:
+            raise invalid_file(f"The level of feature {number} is {shown(level)}, not a whole number.")
+        if type(piece) is int:
+            pieces.append(mesh)
+            if not found.shapes or level != last or piece != len(pieces):
+                raise invalid_file(f"Feature {number} is a piece of no cage before it.")
+        else:
+            _check_pieces(pieces, found.shapes, last)
+            pieces, last = [], level
+            if not found.shapes or level in found.shapes[-1]:
+                found.shapes.append({})
+                times.append(properties.get("time"))
+                found.styles.append(_style(properties))
+            found.shapes[-1][level] = mesh
+        if properties.get("time") != times[-1] or _style(properties) != found.styles[-1]:
+            raise invalid_file(f"Feature {number} has another time or style than what is before it.")
+    _check_pieces(pieces, found.shapes, last)
+    if "bbox" in document:
+        _check_box(document["bbox"], [mesh for levels in found.shapes for mesh in levels.values()])
+    found.times.extend(_increasing(times))
+    return found
 
-    boxes = np.array([frame.page or (0.0, 0.0, 0.0, 0.0) for frame in (one, other)])
-    same = np.allclose(boxes[0], boxes[1], 0.0, SAME_PAGE * np.abs(boxes).max())
-    return not same or (one.width, one.height) != (other.width, other.height)
+
+def _feature(feature: Any, number: int) -> tuple[Mesh, dict[str, Any]]:
+    """The polygons of a feature, and its properties. Raises NestedCagesError for all else."""
+    _only(feature, "type properties geometry", "id bbox")
+    geometry, properties = feature["geometry"], feature["properties"]
+    _only(geometry, "type coordinates", "bbox")
+    properties = {} if properties is None else properties
+    if (
+        feature["type"] != "Feature"
+        or geometry["type"] not in ("Polygon", "MultiPolygon")
+        or type(properties) is not dict
+    ):
+        raise invalid_file(f"Feature {number} is no polygon.")
+    mesh = Mesh.from_geometry(geometry)
+    polygons = [geometry["coordinates"]] if geometry["type"] == "Polygon" else geometry["coordinates"]
+    if any(ring[0] != ring[-1] for polygon in polygons for ring in polygon):
+        raise invalid_file(f"Feature {number} has a ring that is not closed.")
+    for owner in (feature, geometry):
+        if "bbox" in owner:
+            _check_box(owner["bbox"], [mesh])
+    return mesh, properties
+
+
+def _only(found: Any, needed: str, others: str = "", *more: str) -> None:
+    """Raise NestedCagesError for a JSON object with other members than these."""
+    keys = {*found} if isinstance(found, dict) else set()
+    if wrong := ({*needed.split()} - keys) | (keys - {*needed.split(), *others.split(), *more}):
+        what = f"a {found.get('type')!s:.20}" if isinstance(found, dict) else shown(found)
+        raise invalid_file(f"The map is no plain map of polygons: {', '.join(sorted(wrong))} of {what}.")
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object. Raises NestedCagesError for a member that is there twice."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise invalid_file("The map has an object with the same member twice.")
+    return found
+
+
+def _number(text: str) -> float:
+    """A number of JSON. Raises NestedCagesError for one that is not finite."""
+    if not np.isfinite(number := float(text)):
+        raise invalid_file(f"The map has {text:.40}, which is no finite number.")
+    return number
+
+
+def _check_box(box: Any, meshes: list[Mesh]) -> None:
+    """Raise NestedCagesError for a `bbox` that is not that of the coordinates."""
+    bounds = np.array([mesh.bounds for mesh in meshes])
+    right = np.concatenate([bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)])
+    if np.shape(box) != (4,) or not np.allclose(box, right, 0.0, SAME_BOX * np.ptp(right)):
+        raise invalid_file("A bbox of the map is not that of its coordinates.")
+
+
+def _style(properties: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: properties[key] for key in STYLES if key in properties}
+
+
+def _increasing(times: list[Any]) -> list[float]:
+    """Times of frames; none if one is no number, or they do not increase."""
+    numbers = [time for time in times if isinstance(time, int | float)]
+    return numbers if len(numbers) == len(times) and sorted({*numbers}) == numbers else []
+
+
+def _check_pieces(pieces: list[Mesh], shapes: list[Levels], level: int) -> None:
+    """Raise NestedCagesError unless convex pieces, if there are any, cover a level exactly once.
+
+    Their borders add up to those of the cage, and so do their winding numbers, none of which is negative.
+    """
+    if not pieces:
+        return
+    border: Counter[tuple[float, ...]] = Counter()
+    for mesh, sign in [*((piece, 1) for piece in pieces), (shapes[-1][level], -1)]:
+        for x, y, u, v in np.hstack([mesh.vertices, mesh.edge_ends]).tolist():
+            border[x, y, u, v] += sign
+            border[u, v, x, y] -= sign
+    if any(border.values()) or not all(map(_is_convex, pieces)):
+        raise invalid_file(f"The pieces of a cage of level {level} do not fill it, each once and convex.")
+
+
+def _is_convex(piece: Mesh) -> bool:
+    corners = piece.rings[0]
+    turns = orientation(corners, np.roll(corners, -1, axis=0), np.roll(corners, -2, axis=0))
+    return len(piece.loops) == 1 and bool((turns >= 0).all())

@@ -1,4 +1,4 @@
-"""Shapes in and out: SVG, GeoJSON and collision outlines for game engines."""
+"""Shapes in and out: SVG, GeoJSON and pictures."""
 
 from __future__ import annotations
 
@@ -7,15 +7,8 @@ from typing import TYPE_CHECKING
 from ..libraries import imported_later
 
 if TYPE_CHECKING:
-    from .character_json import character_to_engine_json as character_to_engine_json
     from .coverage import Coverage as Coverage
     from .coverage import coverage_cages as coverage_cages
-    from .engine_json import frames_to_engine_json as frames_to_engine_json
-    from .engine_json import from_engine_json as from_engine_json
-    from .engine_json import is_engine_json as is_engine_json
-    from .engine_json import outlines_from_engine_json as outlines_from_engine_json
-    from .engine_json import to_engine_json as to_engine_json
-    from .engine_json import write_engine_json as write_engine_json
     from .files import read_whole as read_whole
     from .files import write_files as write_files
     from .files import write_whole as write_whole
@@ -27,6 +20,7 @@ if TYPE_CHECKING:
     from .geojson import Map as Map
     from .geojson import features_from_geojson as features_from_geojson
     from .geojson import from_geojson as from_geojson
+    from .geojson import measures as measures
     from .geojson import read_geojson as read_geojson
     from .geojson import read_map as read_map
     from .geojson import to_geojson as to_geojson
@@ -37,7 +31,6 @@ if TYPE_CHECKING:
     from .pieces import convex_pieces as convex_pieces
     from .pieces import piece_vertices as piece_vertices
     from .svg.document import Frame as Frame
-    from .svg.levels import levels_in_svg as levels_in_svg
     from .svg.options import DRAWING_LIMITS as DRAWING_LIMITS
     from .svg.options import SvgOptions as SvgOptions
     from .svg.parts import SvgPart as SvgPart
@@ -54,20 +47,15 @@ else:  # each name from its module: to read a map loads no SVG
     __getattr__ = imported_later(
         __name__,
         {
-            "character_json": "character_to_engine_json",
             "coverage": "Coverage coverage_cages",
-            "engine_json": (
-                "frames_to_engine_json from_engine_json is_engine_json outlines_from_engine_json to_engine_json "
-                "write_engine_json"
-            ),
             "files": "read_whole write_files write_whole",
             "fill": "Painted clipped joined solid",
-            "geojson": "Feature Map features_from_geojson from_geojson read_geojson read_map to_geojson write_geojson",
+            "geojson": "Feature Map features_from_geojson from_geojson measures read_geojson read_map to_geojson "
+            "write_geojson",
             "gis_files": "FILES map_document",
             "limits": "Limits",
             "pieces": "convex_pieces piece_vertices",
             "svg.document": "Frame",
-            "svg.levels": "levels_in_svg",
             "svg.options": "DRAWING_LIMITS SvgOptions",
             "svg.parts": "SvgPart svg_parts",
             "svg.reading": "SvgDrawing from_svg is_written_svg read_svg read_svg_drawing svg_drawing",
@@ -87,21 +75,16 @@ __all__ = [
     "SvgDrawing",
     "SvgOptions",
     "SvgPart",
-    "character_to_engine_json",
     "clipped",
     "convex_pieces",
     "coverage_cages",
     "features_from_geojson",
-    "frames_to_engine_json",
-    "from_engine_json",
     "from_geojson",
     "from_svg",
-    "is_engine_json",
     "is_written_svg",
     "joined",
-    "levels_in_svg",
     "map_document",
-    "outlines_from_engine_json",
+    "measures",
     "piece_vertices",
     "read_geojson",
     "read_map",
@@ -111,10 +94,8 @@ __all__ = [
     "solid",
     "svg_drawing",
     "svg_parts",
-    "to_engine_json",
     "to_geojson",
     "to_svg",
-    "write_engine_json",
     "write_files",
     "write_geojson",
     "write_svg",

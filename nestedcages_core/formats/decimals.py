@@ -40,7 +40,13 @@ def check_decimals(meshes: Iterable[Mesh], decimals: int | None) -> None:
             )
 
 
-def subtracted(whole: float, numbers: FloatArray) -> FloatArray:
-    """(n,) whole - numbers (n,) in decimal arithmetic, rounded once to doubles, so that few decimals stay few."""
-    minuend = Decimal(repr(float(whole)))
-    return np.array([float(ENOUGH_DIGITS.subtract(minuend, Decimal(repr(number)))) for number in numbers.tolist()])
+def turned_over(mesh: Mesh, height: float) -> Mesh:
+    """A mesh with y turned over at half of a height, in decimals; turned twice it is the same again."""
+    return Mesh.from_loops([flipped(ring, height) for ring in mesh.rings])
+
+
+def flipped(points: FloatArray, height: float) -> FloatArray:
+    """Points (n, 2) with height - y for y: rounded once from decimal arithmetic, so that few decimals stay few."""
+    whole = Decimal(repr(float(height)))
+    turned = [float(ENOUGH_DIGITS.subtract(whole, Decimal(repr(y)))) for y in points[:, 1].tolist()]
+    return np.stack((points[:, 0], turned), axis=1)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidMeshError, NestedCagesError, NestedCagesWarning, invalid_file, no_outline
+from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh, MeshLike
 from .decimals import check_decimals
@@ -22,6 +23,7 @@ from .gis_files import map_document
 from .limits import LimitError, Limits, Quota
 from .lonlat import across, may_be_degrees
 from .meshes import meshes_of
+from .pieces import convex_pieces
 from .repair import HAIRLINE_PART, repaired_mesh
 from .specks import without_specks
 
@@ -30,6 +32,9 @@ NAMES = ("name", "NAME", "Name")
 
 LONGEST_NAME = 60
 """Maximum length of a feature's name in a message."""
+
+KEPT_BY_PIECES = ("name", "level", "time")
+"""Properties that the convex pieces of a feature have too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +48,8 @@ class Feature:
     """Name in messages: its number in the file, and its own name if it has one."""
     repairs: tuple[str, ...] = ()
     """Repairs on reading, each with its place."""
+    given: tuple[FloatArray, ...] = ()
+    """Rings (k, 2) as they were read, before any repair but that across the 180th meridian."""
 
     @property
     def __geo_interface__(self) -> dict[str, Any]:
@@ -65,6 +72,8 @@ class Map:
     """Features that have no polygons."""
     crs: Any = None
     """The document's `crs` member, as older documents have it; None for longitude and latitude, or not said."""
+    pixels: Mapping[str, Any] | None = None
+    """The document's `pixels` member: coordinates are those of a picture. See `to_geojson`."""
 
     @property
     def notes(self) -> list[str]:
@@ -88,7 +97,8 @@ def read_map(source: Any, limits: Limits | None = None, tolerance: float | None 
     members: Any = document.get("features") if document["type"] == "FeatureCollection" else [document]
     if isinstance(members, str | bytes | Mapping) or not hasattr(members, "__iter__"):
         raise invalid_file(f"The FeatureCollection has {shown(members)} where its list of features belongs.")
-    degrees = may_be_degrees(document.get("crs"))
+    pixels = document.get("pixels") if isinstance(document.get("pixels"), Mapping) else None
+    degrees = pixels is None and may_be_degrees(document.get("crs"))
     features, refused, without, quota = [], [], 0, Quota(limits)
     for number, member in enumerate(members):
         quota.spend("elements", 1)
@@ -107,12 +117,13 @@ def read_map(source: Any, limits: Limits | None = None, tolerance: float | None 
         try:
             polygons, shifted = across(polygons) if degrees else (polygons, [])
             mesh, repairs = _seen(*repaired_mesh(polygons, quota, tolerance=tolerance, clean=clean), tolerance)
-            features.append(Feature(mesh, properties, identity, name, (*shifted, *repairs, *lost)))
+            given = tuple(ring for polygon in polygons for ring in polygon)
+            features.append(Feature(mesh, properties, identity, name, (*shifted, *repairs, *lost), given))
         except LimitError:
             raise
         except NestedCagesError as error:
             refused.append(f"{name}: {error}")
-    return Map(tuple(features), tuple(refused), without, document.get("crs"))
+    return Map(tuple(features), tuple(refused), without, document.get("crs"), pixels)
 
 
 def features_from_geojson(
@@ -151,31 +162,84 @@ def to_geojson(
     *,
     indent: int | None = None,
     crs: Any = None,
+    pixels: Mapping[str, Any] | None = None,
+    pieces: int | None = None,
     decimals: int | None = None,
 ) -> str:
     """A FeatureCollection with one feature per shape; coordinates are written exactly.
 
-    shapes: meshes, features or a map; of a level or a hierarchy the drawing and its cages.
-    crs: a `crs` member to write along, as `Map.crs` has it. decimals: the most that a coordinate may have; nothing is
-    rounded, since that would undo certificates: ask for cages with as many, as by Settings(grid=1e-6) for 6.
+    Parameters
+    ----------
+    shapes : Drawable, mesh-like, Feature, Map or sequence of Mesh and Feature
+        Of a hierarchy the drawing and its cages, with their `level`, `area` and `centroid` as properties.
+    indent : int, optional
+        Spaces per level of the JSON. Default: everything on one line.
+    crs : Any, optional
+        A `crs` member, as `Map.crs` has it.
+    pixels : mapping, optional
+        A `pixels` member, which says that the coordinates are those of a picture: whether "y" points "down" or "up",
+        and the "width" and "height" of the picture where it has any.
+    pieces : int, optional
+        Adds convex pieces of at most this many vertices after each feature but drawings, which have level 0: features
+        with a number from 1 on as `piece`.
+    decimals : int, optional
+        The most that a coordinate may have. Nothing is rounded, since that would undo certificates: ask for cages with
+        as many, as by Settings(grid=1e-6) for 6.
 
-    Raises NestedCagesError for what JSON cannot hold, and for coordinates with more decimals.
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    NestedCagesError
+        For what JSON cannot hold, and for coordinates with more decimals.
     """
     if isinstance(shapes, Map):
         crs = shapes.crs if crs is None else crs
+        pixels = shapes.pixels if pixels is None else pixels
         shapes = shapes.features
-    listed = isinstance(shapes, str | Mapping | list | tuple)
-    given: Any = [shapes] if isinstance(shapes, Feature) else shapes if listed else meshes_of(shapes)
-    if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
-        raise invalid_file("GeoJSON is written from meshes and features; give a list of these.")
-    features = [item if isinstance(item, Feature) else Feature(item) for item in given]
-    check_decimals([item.mesh for item in features], decimals)
-    collection = {"type": "FeatureCollection", **({} if crs is None else {"crs": crs})}
-    collection["features"] = [item.__geo_interface__ for item in features]
+    features = _features_of(shapes)
+    check_decimals([feature.mesh for feature in features], decimals)
+    if pieces is not None:
+        features = [each for feature in features for each in (feature, *_pieces_of(feature, pieces))]
+    collection: dict[str, Any] = {"type": "FeatureCollection"}
+    if pixels is not None:
+        collection |= {"crs": None, "pixels": dict(pixels)}  # null: nobody takes them for degrees
+    elif crs is not None:
+        collection["crs"] = crs
+    collection["features"] = [feature.__geo_interface__ for feature in features]
     try:
         return json.dumps(collection, indent=indent, allow_nan=False, default=_json_value)
     except (TypeError, ValueError, RecursionError) as error:
         raise invalid_file(f"The properties cannot be written as JSON: {error}.") from error
+
+
+def measures(mesh: Mesh) -> dict[str, Any]:
+    """Area and centroid of a solid, as properties of its feature."""
+    starts, ends = mesh.vertices - mesh.vertices[0], mesh.edge_ends - mesh.vertices[0]
+    twice = starts[:, 0] * ends[:, 1] - starts[:, 1] * ends[:, 0]
+    return {"area": mesh.area, "centroid": (mesh.vertices[0] + twice @ (starts + ends) / (6.0 * mesh.area)).tolist()}
+
+
+def _features_of(shapes: Any) -> list[Feature]:
+    """What a writer is given as features. Raises NestedCagesError."""
+    if isinstance(shapes, Drawable) and not isinstance(shapes, Mesh):
+        return [Feature(mesh, {"level": k, **measures(mesh)}) for k, mesh in enumerate(shapes.meshes)]
+    listed = isinstance(shapes, str | Mapping | list | tuple)
+    given: Any = [shapes] if isinstance(shapes, Feature) else shapes if listed else meshes_of(shapes)
+    if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
+        raise invalid_file("GeoJSON is written from meshes and features; give a list of these.")
+    return [item if isinstance(item, Feature) else Feature(item) for item in given]
+
+
+def _pieces_of(feature: Feature, most: int) -> list[Feature]:
+    """The convex pieces of a feature; none of a drawing."""
+    if feature.properties.get("level") == 0:
+        return []
+    kept = {key: feature.properties[key] for key in KEPT_BY_PIECES if key in feature.properties}
+    pieces = convex_pieces(feature.mesh, most)
+    return [Feature(Mesh.from_loops([piece]), {**kept, "piece": k}) for k, piece in enumerate(pieces, 1)]
 
 
 def write_geojson(

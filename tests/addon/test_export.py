@@ -15,7 +15,7 @@ from support.drawings import choose, circle, evaluated, generate, in_world, poly
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.parametrize(("kind", "count"), [("SVG", 3), ("GEOJSON", 3), ("ENGINE", 1)])
+@pytest.mark.parametrize(("kind", "count"), [("SVG", 3), ("GEOJSON", 3)])
 def test_it_says_how_many_outlines_were_written(cages, tmp_path, reports, kind, count) -> None:
     choose(cages[0])
     bpy.ops.object.nested_cages_export(filepath=str(tmp_path / "file"), kind=kind)
@@ -50,7 +50,7 @@ def test_a_file_that_cannot_be_written_is_a_sentence(cages, tmp_path) -> None:
         bpy.ops.object.nested_cages_export(filepath=str(tmp_path / "missing" / "cages.svg"))
 
 
-@pytest.mark.parametrize(("kind", "flip_y"), [("SVG", True), ("GEOJSON", False), ("ENGINE", True)])
+@pytest.mark.parametrize(("kind", "flip_y"), [("SVG", True), ("GEOJSON", False)])
 def test_what_is_exported_comes_back_the_same(cages, core, tmp_path, kind, flip_y) -> None:
     source, _, _ = cages
     source.matrix_world.identity()
@@ -58,7 +58,7 @@ def test_what_is_exported_comes_back_the_same(cages, core, tmp_path, kind, flip_
     generate("24, 12", loops="keep")
     both = [bpy.data.objects[f"Drawing Cage {number}"] for number in (1, 2)]
     choose(both[-1])
-    path = tmp_path / {"SVG": "a.svg", "GEOJSON": "a.geojson", "ENGINE": "a.json"}[kind]
+    path = tmp_path / f"a.{kind.lower()}"
     options = {"kind": kind, "flip_y": flip_y, "world": True, "scale": 64.0}
     assert bpy.ops.object.nested_cages_export(filepath=str(path), **options) == {"FINISHED"}
     y = "AUTO" if kind == "GEOJSON" else "DOWN" if flip_y else "UP"
@@ -83,10 +83,10 @@ def test_an_outline_that_stands_up_is_written_as_seen_from_the_front(core, tmp_p
     source = poly_curve("Drawing", [star()])
     source.rotation_euler = (np.pi / 2, 0.0, 0.0)
     source.location = (3.0, 0.0, 1.0)
-    path = str(tmp_path / "a.json")
-    options = {"kind": "ENGINE", "flip_y": False, "world": True, "scale": 100.0}
+    path = str(tmp_path / "a.geojson")
+    options = {"kind": "GEOJSON", "flip_y": False, "world": True, "scale": 100.0}
     assert bpy.ops.object.nested_cages_export(filepath=path, **options) == {"FINISHED"}
-    found = core.from_engine_json((tmp_path / "a.json").read_text())
+    found = core.read_geojson(path)
     expected = in_world(source, evaluated(source))[:, [0, 2]] * 100.0
     assert found.vertices.min(axis=0) == pytest.approx(expected.min(axis=0), abs=1e-3)
     assert found.vertices.max(axis=0) == pytest.approx(expected.max(axis=0), abs=1e-3)
@@ -99,18 +99,17 @@ def test_files_of_several_drawings_hold_their_cages(tmp_path) -> None:
     parts = [poly_curve(f"Part {k}", [circle(40, 0.5, (2.0 * k, 0.0))]) for k in range(3)]
     choose(*parts)
     generate("12, 6")
-    path = tmp_path / "cages.json"
+    path = tmp_path / "cages.geojson"
     for frame in (bpy.context.scene.frame_current, 1):  # before the result too
         bpy.context.scene.frame_set(frame)
         for obj in parts:
             obj.hide_viewport = False
         choose(*parts)
-        options = {"kind": "ENGINE", "triangles": True, "pieces": 4}
-        assert bpy.ops.object.nested_cages_export(filepath=str(path), **options) == {"FINISHED"}
-        found = json.loads(path.read_text())
-        assert [len(polygon["outer"]) for polygon in found["polygons"]] == [6, 6, 6]
-        assert len(found["points"]) == 18 and {i for corners in found["triangles"] for i in corners} == set(range(18))
-        assert {i for corners in found["pieces"] for i in corners} == set(range(18))
+        assert bpy.ops.object.nested_cages_export(filepath=str(path), kind="GEOJSON", pieces=4) == {"FINISHED"}
+        found = [each["properties"] for each in json.loads(path.read_text())["features"]]
+        assert [each["level"] for each in found if "piece" not in each] == [0, 1, 2] * 3
+        assert {each["name"] for each in found if each["level"] == 0} == {f"{part.name} Fine" for part in parts}
+        assert all(each["level"] > 0 for each in found if "piece" in each)
     bpy.context.scene.frame_set(9000)
     choose(*parts)
     assert bpy.ops.object.nested_cages_export(filepath=str(tmp_path / "cages.svg")) == {"FINISHED"}

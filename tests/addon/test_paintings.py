@@ -14,7 +14,7 @@ from support.blender import new_file, refused
 from support.command import run
 from support.documents import archive, png_of
 from support.drawings import evaluated, save
-from support.engine_json import posed_meshes
+from support.posing import posed_meshes
 
 pytestmark = pytest.mark.slow
 

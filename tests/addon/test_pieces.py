@@ -1,6 +1,5 @@
 """Convex pieces of cages: they tile them, in the scene, as rigid bodies and in collision outlines."""
 
-import json
 from itertools import combinations
 
 import bpy
@@ -10,7 +9,6 @@ import shapely
 from mathutils import Euler
 
 from support.drawings import at_frame, choose, circle, generate, poly_curve, solid, star, world
-from support.engine_json import pieces_of
 
 
 @pytest.mark.parametrize("most", [3, 8])
@@ -119,17 +117,17 @@ def test_an_active_body_carries_the_drawing_and_its_cages() -> None:
         assert height == pytest.approx(place[2, 3] + fallen, abs=1e-3)
 
 
-def test_collision_outlines_have_pieces(tmp_path, core) -> None:
+def test_geojson_has_pieces(tmp_path, core) -> None:
     poly_curve("Drawing", [star(), circle(30, 0.3)])
-    path = tmp_path / "outline.json"
-    options = {"filepath": str(path), "kind": "ENGINE", "scale": 10.0}
-    bpy.ops.object.nested_cages_export(**options, pieces=6)
-    pieces = pieces_of(path.read_text(), flip_y=0.0)
-    outline = core.from_engine_json(path.read_text(), flip_y=0.0)
-    assert max(map(len, pieces)) <= 6
-    assert sum(shapely.Polygon(piece).area for piece in pieces) == pytest.approx(outline.area)
-    assert "triangles" not in json.loads(path.read_text())
-    bpy.ops.object.nested_cages_export(**options, pieces=1)
-    assert max(map(len, pieces_of(path.read_text()))) == 3
+    path = tmp_path / "outline.geojson"
+    options = {"filepath": str(path), "kind": "GEOJSON", "scale": 10.0}
+    for asked, most in ((6, 6), (1, 3)):
+        bpy.ops.object.nested_cages_export(**options, pieces=asked)
+        outline, *pieces = core.features_from_geojson(path.read_bytes())
+        assert max(len(each.mesh.vertices) for each in pieces) <= most
+        assert sum(each.mesh.area for each in pieces) == pytest.approx(outline.properties["area"])
+        assert [each.properties["piece"] for each in pieces] == [*range(1, len(pieces) + 1)]
+    assert bpy.ops.object.nested_cages_import(filepath=str(path)) == {"FINISHED"}
+    assert len(bpy.context.selected_objects) == 1
     bpy.ops.object.nested_cages_export(**options)
-    assert "pieces" not in json.loads(path.read_text())
+    assert len(core.features_from_geojson(path.read_bytes())) == 1

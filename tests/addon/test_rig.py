@@ -10,8 +10,7 @@ from mathutils import Matrix
 
 from support import drawings
 from support.blender import new_file, refused
-from support.drawings import armature, at_frame, bind, certificate, checked, choose, evaluated, save, set_of, verify
-from support.engine_json import character_of
+from support.drawings import armature, at_frame, bind, certificate, checked, choose, save, set_of, verify
 from support.figure import LIMBS, bone_at, capsule, face, figure, key_turn, points, rigged, turn
 from support.marks import slow_after
 from support.panels import draw
@@ -250,40 +249,6 @@ def test_a_limb_that_passes_over_the_body_is_not_broken(character: Character) ->
         bone.matrix_basis = Matrix()
     bpy.context.view_layer.update()
     assert len(draw()) < len(broken)
-
-
-def test_a_character_is_written_and_posed_without_blender(character: Character, tmp_path) -> None:
-    _, armature, cage = character
-    choose(cage)
-    path = tmp_path / "figure.json"
-    assert bpy.ops.object.nested_cages_export(filepath=str(path), kind="CHARACTER", flip_y=False) == {"FINISHED"}
-    found = character_of(path.read_text())
-    assert {bone.name for bone in found.bones} == {bone.name for bone in armature.data.bones}
-    bone = bone_at(armature, 1.3, 1.1)
-    turn(armature, bone, 40.0)
-    shape, around = found.posed({bone.name: 40.0})
-    np.testing.assert_allclose(evaluated(cage)[:, :2], around, atol=1e-5)
-    fine = set_of(cage).fine
-    error = np.abs(evaluated(fine)[:, :2] - shape)
-    assert error.max() < 0.02 and np.abs(shape - found.shape.vertices).max() > 0.3, error.max()
-    scene = bpy.context.scene
-    scene.frame_start, scene.frame_end, scene.render.fps = 1, 3, 10
-    for frame, degrees in ((1, 0.0), (3, 40.0)):
-        key_turn(bone, frame, degrees)
-    options = {"filepath": str(path), "kind": "CHARACTER", "flip_y": True, "frames": True}
-    assert bpy.ops.object.nested_cages_export(**options) == {"FINISHED"}
-    frames = character_of(path.read_text(), flip_y=0.0).frames
-    assert [round(frame.time, 6) for frame in frames] == [0.0, 0.1, 0.2]
-    np.testing.assert_allclose(frames[0].shape, found.shape.vertices, atol=1e-4)
-    for frame, (_, shape, posed) in enumerate(frames, 1):
-        scene.frame_set(frame)
-        np.testing.assert_allclose(evaluated(fine)[:, :2], shape, atol=1e-6)
-        np.testing.assert_allclose(evaluated(cage)[:, :2], posed, atol=1e-6)
-    np.testing.assert_allclose(frames[2].cage, around, atol=1e-4)
-    bpy.ops.object.nested_cages_unbind()
-    cage.modifiers.clear()
-    with refused(f"'{cage.name}'"):
-        bpy.ops.object.nested_cages_export(filepath=str(path), kind="CHARACTER")
 
 
 def test_a_copy_of_a_character_moves_on_its_own(character: Character) -> None:

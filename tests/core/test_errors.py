@@ -87,7 +87,6 @@ BAD: dict[str, tuple[Callable[[], object], str, dict[str, Any]]] = {
     "a batch": (lambda: core.nested_cages_many({"a": SQUARE}, {"b": [4]}), "batch.invalid", {}),
     "a drawing": (lambda: core.from_svg("<svg"), "file.invalid", {}),
     "a map": (lambda: core.from_geojson("{"), "file.invalid", {}),
-    "an outline": (lambda: core.from_engine_json("[]"), "file.invalid", {}),
     "a limit": (lambda: core.from_geojson("{}", limits=core.Limits(bytes=1)), "limit.exceeded", {"what": "bytes"}),
 }  # fmt: skip
 

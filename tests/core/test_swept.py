@@ -7,7 +7,6 @@ import pytest
 
 import nestedcages_core as core
 from nestedcages_core import Mesh, swept
-from support.engine_json import frames_of
 from support.shapes import ring, star
 
 shapely = pytest.importorskip("shapely")
@@ -43,11 +42,3 @@ def test_a_hole_that_stays_open_is_kept() -> None:
     fine = Mesh.from_loops([ring(40), ring(30, 0.6)])
     union = swept(fine, [fine.vertices, fine.vertices + np.array([0.2, 0.0])])
     assert len(union.loops) == 2
-
-
-def test_frames_keep_order_and_numbers() -> None:
-    frames, times = [star(5, 40).moved(star(5, 40).vertices * (1.0 + 0.1 * k)) for k in range(4)], [0.0, 0.5, 1.0, 3.0]
-    back = frames_of(core.frames_to_engine_json(frames, times, flip_y=3.0), flip_y=3.0)
-    assert [time for time, _ in back] == times
-    for (_, outline), frame in zip(back, frames, strict=True):
-        assert np.allclose(sorted(outline.vertices.tolist()), sorted(frame.vertices.tolist()), atol=1e-14)

@@ -1,18 +1,13 @@
 """Bones along limbs, weights inside the cage, poses, and a character that a game engine reads and poses by itself."""
 
-import json
-
 import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import nestedcages_core as core
 from nestedcages_core import Bone, Character, Mesh, Skeleton, bone_weights, nested_cages, suggest_bones, with_joints
 from support.documents import refusal
-from support.engine_json import character_of
-from support.engines import areas
 from support.figures import LIMBS, random_figure
 from support.marks import slow_after
 from support.shapes import letter_a, ring
@@ -137,42 +132,6 @@ def test_a_bent_limb_moves_alone_and_does_not_fold(character: Character) -> None
         assert shapely.geometry.shape(character.shape.moved(shape)).is_valid
         assert character.cage.moved(cage).validated().area > 0.9 * character.cage.area  # volume is kept
     refusal(character.posed, {"tail": 10.0})
-
-
-@pytest.mark.parametrize("flip_y", [None, 2.5])
-def test_an_engine_poses_a_character_without_this_package(character: Character, flip_y: float | None) -> None:
-    """What a reader of the format does, written out with nothing but the file and numpy."""
-    text = core.character_to_engine_json(character, flip_y=flip_y)
-    document = json.loads(text)
-    turned = {character.bones[1].name: 40.0, character.bones[0].name: -10.0}
-    sign = 1.0 if flip_y is None else -1.0
-    rotations, shifts = [], []
-    for bone in document["bones"]:
-        angle = sign * np.deg2rad(turned.get(bone["name"], 0.0))
-        rotation = np.exp(0.5j * angle)
-        head = complex(*bone["head"])
-        shift = head - rotation**2 * head
-        if bone["parent"] is not None:
-            above = bone["parent"]
-            shift = rotations[above] ** 2 * shift + shifts[above]
-            rotation = rotations[above] * rotation
-        rotations.append(rotation)
-        shifts.append(shift)
-    cage = []
-    for (x, y), weights in zip(document["cage"]["points"], document["cage"]["weights"], strict=True):
-        real = sum(weight * rotations[bone] for bone, weight in weights)
-        dual = sum(weight * 0.5 * shifts[bone] * np.conj(rotations[bone]) for bone, weight in weights)
-        real, dual = real / abs(real), dual / abs(real)
-        cage.append(real**2 * complex(x, y) + 2.0 * dual * real)
-    shape = [sum(weight * cage[k] for k, weight in weights) for weights in document["shape"]["weights"]]
-    points = np.stack((np.real(shape), np.imag(shape)), axis=1)
-    if flip_y is not None:
-        points = np.stack((points[:, 0], flip_y - points[:, 1]), axis=1)
-    np.testing.assert_allclose(points, character.posed(turned)[0], atol=1e-4)
-    again = character_of(text, flip_y=flip_y)
-    np.testing.assert_allclose(again.posed(turned)[0], character.posed(turned)[0], atol=1e-4)
-    turns = areas(np.array(document["shape"]["points"]), np.array(document["shape"]["triangles"]))
-    assert turns.min() > 0.0 and 0.5 * turns.sum() == pytest.approx(character.shape.area)
 
 
 @pytest.mark.slow

@@ -14,10 +14,9 @@ import pytest
 import shapely
 
 import nestedcages_core as core
-from nestedcages_core import Mesh, features_from_geojson, from_engine_json, from_svg, read_geojson, to_svg, verify
+from nestedcages_core import Mesh, features_from_geojson, from_svg, read_geojson, to_svg, verify
 from support.command import run, run_alone
 from support.documents import closed, collection, feature, png, squares
-from support.engine_json import pieces_of
 from support.marks import slow_after
 from support.shapes import letter_a, polygon, ring, star
 from support.sources import ROOT
@@ -44,12 +43,12 @@ def reported(path: Path) -> list[dict[str, Any]]:
 
 @pytest.mark.slow
 def test_a_drawing_becomes_all_kinds_of_files(drawing: Path, tmp_path: Path) -> None:
-    svg, geojson, outline = (tmp_path / f"out{kind}" for kind in (".svg", ".geojson", ".json"))
+    svg, geojson = (tmp_path / f"out{kind}" for kind in (".svg", ".geojson"))
     done = run(
         *(drawing, "--levels", 48, 24, "--loops", "keep"),
-        *("-o", svg, "-o", geojson, "-o", outline, "--report", tmp_path / "r.json"),
+        *("-o", svg, "-o", geojson, "--report", tmp_path / "r.json"),
     )
-    assert done.status == 0 and all(str(path) in done.out for path in (svg, geojson, outline))
+    assert done.status == 0 and all(str(path) in done.out for path in (svg, geojson))
     fine, inner, outer = (from_svg(svg.read_text(), element=name) for name in ("drawing", "cage-1", "cage-2"))
     assert fine.area == letter_a(1).area
     assert verify(inner, fine) and verify(outer, inner)
@@ -57,10 +56,9 @@ def test_a_drawing_becomes_all_kinds_of_files(drawing: Path, tmp_path: Path) -> 
     assert [each.properties["level"] for each in features] == [1, 2]
     assert [each.properties["vertices"] for each in features] == [48, 24]
     assert polygon(features[1].mesh).equals(polygon(outer))
-    assert polygon(from_engine_json(outline.read_bytes())).equals(polygon(outer))
     (entry,) = reported(tmp_path / "r.json")
     assert (entry["file"], entry["kind"], entry["errors"]) == (str(drawing), "drawing", [])
-    assert entry["written"] == [str(path) for path in (svg, geojson, outline)]
+    assert entry["written"] == [str(path) for path in (svg, geojson)]
     (shape,) = entry["shapes"]
     assert (shape["vertices"], shape["loops"]) == (len(fine.vertices), 2)
     for level, cage, inside, each in zip(shape["levels"], (inner, outer), (fine, inner), features, strict=True):
@@ -117,9 +115,7 @@ def test_features_that_fail_do_not_lose_the_others(tmp_path: Path) -> None:
     (entry,) = reported(report)
     for name, said in (("Bad", entry["errors"][0]), ("Lost", entry["errors"][1]), ("Crossed", entry["notes"][0])):
         assert name in said and said in done.err
-    (tmp_path / "map.geojson").write_text(collection(region(0.0, "West"), region(2.0, "East")))
-    refused = run(*command, "-o", tmp_path / "out.json")  # is made of one feature
-    assert refused.status == 1 and refused.out == ""
+    assert run(*command, "-o", out, "--flip-y").status == 1  # a map has the north up
 
 
 def test_the_crs_of_a_map_is_kept(tmp_path: Path) -> None:
@@ -149,18 +145,25 @@ def test_a_picture_becomes_an_outline(tmp_path: Path) -> None:
     opaque = np.hypot(x - 40, y - 25) < 20
     opaque[23:27, 38:42] = False
     (tmp_path / "a.png").write_bytes(png(opaque))
-    out = tmp_path / "a.json"
+    out = tmp_path / "a.geojson"
     assert run(tmp_path / "a.png", "--levels", 12, "--loops", "keep", "-o", out, "--quiet").status == 0
-    assert len(from_engine_json(out.read_text()).loops) == 2
+    assert len(read_geojson(out).loops) == 2
     assert run(tmp_path / "a.png", "--levels", 12, "-o", out, "--flip-y", "--pieces", 6, "--quiet").status == 0
-    outline = from_engine_json(out.read_text(), flip_y=60.0)
-    assert len(outline.loops) == 1
-    assert shapely.covers(polygon(outline), squares(opaque)).all()
-    pieces = pieces_of(out.read_text(), flip_y=60.0)
-    assert max(map(len, pieces)) <= 6
-    assert sum(shapely.Polygon(piece).area for piece in pieces) == pytest.approx(outline.area)
+    found = core.read_map(out.read_bytes())
+    assert found.pixels == {"y": "up", "width": 80, "height": 60}
+    outline, *pieces = (
+        shapely.transform(polygon(each.mesh), lambda p: p * (1, -1) + (0, 60)) for each in found.features
+    )
+    assert len(outline.interiors) == 0 and shapely.covers(outline, squares(opaque)).all()
+    assert found.features[0].properties["centroid"] == pytest.approx([outline.centroid.x, 60 - outline.centroid.y])
+    assert found.features[0].properties["area"] == pytest.approx(outline.area)
+    assert [each.properties["piece"] for each in found.features[1:]] == [*range(1, len(pieces) + 1)]
+    assert max(len(piece.exterior.coords) for piece in pieces) <= 7
+    assert all(piece.convex_hull.area == pytest.approx(piece.area) for piece in pieces)
+    assert sum(piece.area for piece in pieces) == pytest.approx(outline.area)
+    assert shapely.union_all(pieces).symmetric_difference(outline).area < 1e-9
     assert run(tmp_path / "a.png", "--levels", 12, "-o", out, "--clearance", 2, "--threshold", 0.2).status == 0
-    assert shapely.distance(polygon(from_engine_json(out.read_text())).boundary, squares(opaque)).min() >= 2 - 1e-9
+    assert shapely.distance(polygon(read_geojson(out)).boundary, squares(opaque)).min() >= 2 - 1e-9
 
 
 @pytest.mark.slow

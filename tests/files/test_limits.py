@@ -12,13 +12,12 @@ import numpy as np
 import pytest
 
 import nestedcages_core as core
-from nestedcages_core import Limits, Mesh, Settings, collision_outline, from_svg, read_geojson, read_png, read_svg
+from nestedcages_core import Limits, Settings, collision_outline, from_svg, read_geojson, read_png, read_svg
 from support.documents import collection, feature, png, refusal, svg
 from support.sources import ROOT
 
 SQUARES = [[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2]] for x in (0, 5, 10)]
 MAP = collection(*(feature([[*ring, ring[0]]]) for ring in SQUARES))
-OUTLINE = core.to_engine_json(Mesh.from_loops(SQUARES))
 DRAWING = svg("".join(f'<path d="M{x} 0h2v2h-2z"/>' for x in (0, 5, 10))).encode()
 CHESS = np.indices((6, 6)).sum(axis=0) % 2 == 0
 
@@ -32,7 +31,6 @@ CASES: list[tuple[Callable[..., Any], Any, dict[str, int]]] = [
         (read, MAP, {"bytes": len(MAP), "elements": 3, "points": 15})
         for read in (core.from_geojson, core.features_from_geojson)
     ),
-    (core.from_engine_json, OUTLINE, {"bytes": len(OUTLINE), "elements": 3, "points": 12}),
     (core.boundary_of_pixels, CHESS, {"points": 72}),
     (partial(collision_outline, vertices=12), CHESS.astype(float), {"points": 40}),
     (

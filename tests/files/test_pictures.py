@@ -18,7 +18,6 @@ import nestedcages_core as core
 from nestedcages_core import InvalidMeshError, Limits, alpha_channel, boundary_of_pixels, collision_outline, read_png
 from support.command import run
 from support.documents import png, png_chunk, png_header, refusal, squares
-from support.engine_json import frames_of
 from support.marks import slow_after
 from support.shapes import polygon
 
@@ -258,11 +257,12 @@ def test_corners_correspond_from_frame_to_frame(tmp_path: Path) -> None:
             v = (y - 20) * np.cos(angle) - (x - middle) * np.sin(angle)
             bars |= (np.abs(u) < long) & (np.abs(v) < 5)
         (tmp_path / f"walk_{frame}.png").write_bytes(png(bars))
-    out = tmp_path / "walk.json"
+    out = tmp_path / "walk.geojson"
     assert run("walk_*.png", "--levels", 8, "-o", out, "--flip-y", "--quiet", cwd=tmp_path).status == 0
-    frames = frames_of(out.read_text(), flip_y=40.0)
-    assert [time for time, _ in frames] == [0.0, 1.0, 2.0]
-    for angle, (_, mesh), (_, after) in zip(angles, frames, frames[1:], strict=False):
+    frames = core.features_from_geojson(out.read_bytes())
+    assert [each.properties["time"] for each in frames] == [0, 1, 2]
+    meshes = [core.Mesh.from_loops([ring * (1, -1) + (0, 40) for ring in each.mesh.rings]) for each in frames]
+    for angle, mesh, after in zip(angles, meshes, meshes[1:], strict=False):
         assert [len(ring) for ring in mesh.rings] == [4, 4] == [len(ring) for ring in after.rings]
         for ring, then in zip(mesh.rings, after.rings, strict=True):
             middle = np.array([20.0 if ring[:, 0].mean() < 41 else 62.0, 20.0])

@@ -7,7 +7,6 @@ import stat
 import subprocess
 import sys
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
@@ -24,14 +23,13 @@ from support.sources import ROOT
 FAILURES = [("os.fsync", OSError), ("os.replace", OSError), ("os.fsync", KeyboardInterrupt)]
 SHAPES = [letter_a(1), islands(), star(5, 40)]
 NARROW = Mesh.from_loops([[(0, 0), (4, 0), (4, 1), (7, 1), (7, 1 + 1e-7), (4, 1 + 1e-7), (4, 4), (0, 4)]])
-FORMATS = [(write_svg, to_svg, from_svg), (write_geojson, to_geojson, core.from_geojson),
-           (core.write_engine_json, core.to_engine_json, core.from_engine_json)]  # fmt: skip
-WRITERS = (write_svg, write_geojson, core.write_engine_json)
+FORMATS = [(write_svg, to_svg, from_svg), (write_geojson, to_geojson, core.from_geojson)]
+WRITERS = (write_svg, write_geojson)
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="permissions, links, locks and kills of POSIX")
 
 
 @pytest.mark.parametrize("mesh", SHAPES, ids=["letter", "islands", "star"])
-@pytest.mark.parametrize(("write", "text", "read"), FORMATS, ids=["svg", "geojson", "json"])
+@pytest.mark.parametrize(("write", "text", "read"), FORMATS, ids=["svg", "geojson"])
 def test_what_is_written_is_read_back_to_the_last_bit(
     write: Any, text: Any, read: Any, mesh: Mesh, tmp_path: Path
 ) -> None:
@@ -43,7 +41,7 @@ def test_what_is_written_is_read_back_to_the_last_bit(
     assert same(read(text(NARROW)), NARROW)
 
 
-@pytest.mark.parametrize("text", [to_svg, to_geojson, partial(core.to_engine_json, flip_y=3.0)])
+@pytest.mark.parametrize("text", [to_svg, to_geojson])
 def test_few_decimals_are_written_as_certified_or_not_at_all(text: Any) -> None:
     fine = letter_a(1)
     cage = nested_cages(fine, 24, Settings(grid=0.01, energy=core.Area())).cages[0]

@@ -58,7 +58,6 @@ def check_result(result: Any) -> None:
         (".svg", lambda text: core.svg_drawing(text, each=True).mesh),
         (".geojson", core.from_geojson),
         (".geojson", core.features_from_geojson),
-        (".json", core.from_engine_json),
     ],
 )
 def test_documents_that_are_nearly_right(ending: str, read: Callable[[Any], Any]) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nestedcages_core import features_from_geojson, from_engine_json, read_svg, verify
+from nestedcages_core import features_from_geojson, read_svg, verify
 from support.sources import ROOT
 
 pytestmark = pytest.mark.check
@@ -50,7 +50,7 @@ def test_a_story_runs_and_draws_its_picture(story: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert_is_picture(tmp_path / f"{story}.png")
     if story == "sprite_outline":
-        assert len(from_engine_json((tmp_path / "fox_outline.json").read_text()).vertices) == 16
+        assert len(features_from_geojson((tmp_path / "fox_outline.geojson").read_bytes())[0].mesh.vertices) == 16
     elif story in NESTED:
         name, *elements = NESTED[story]
         parts = [read_svg(tmp_path / name, element=element) for element in elements]

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from nestedcages_core import Mesh, features_from_geojson, from_engine_json, from_geojson, from_svg, read_png
+from nestedcages_core import Mesh, features_from_geojson, from_geojson, from_svg, read_png
 from support.documents import png_chunk, png_header, svg
 
 Calls = Iterator[Callable[[], Any]]
@@ -29,7 +29,7 @@ def maps(*documents: Any) -> Calls:
     """Read documents of JSON by all that read such."""
     for document in documents:
         text = document if isinstance(document, str | bytes) else json.dumps(document)
-        for read in (from_geojson, features_from_geojson, from_engine_json):
+        for read in (from_geojson, features_from_geojson):
             yield partial(read, text)
 
 

@@ -185,7 +185,7 @@ def svg_texts(draw: Draw) -> bytes:
     return text.encode(draw(one_of(["utf-8"] * 18 + ["utf-16", "latin-1"])), "replace")
 
 
-# JSON: maps and collision outlines
+# JSON: maps
 
 small = st.integers(-9, 9)
 rings = mostly(
@@ -205,10 +205,6 @@ features = st.builds(
     lambda a, x: {"type": "Feature", "geometry": a, "properties": {"name": x}, "id": x}, geometries, names
 )
 maps = st.builds(lambda a: {"type": "FeatureCollection", "features": a}, st.lists(features, max_size=3)) | geometries
-parts = st.fixed_dictionaries({"outer": rings, "holes": st.lists(rings, max_size=1)})
-outlines = st.builds(
-    lambda parts: {"format": "nested-cages outline", "version": 1, "polygons": parts}, st.lists(parts, max_size=3)
-)
 scraps = st.one_of(
     st.none(), st.booleans(), small, st.floats(-10, 10), st.text(max_size=4),
     one_of([10**400, -(10**30), float("inf"), float("nan"), 1e300, 1e-310, "\ud800", "Polygon", [], {}, [[]], [[[]]]]),
@@ -279,7 +275,7 @@ loops = st.lists(
 DOCUMENTS = {
     ".svg": mutated(svg_texts()),
     ".geojson": as_json(maps),
-    ".json": as_json(outlines),
+    ".json": as_json(maps),
     ".png": mutated(png_files()),
 }
 """Documents by the ending of their files."""

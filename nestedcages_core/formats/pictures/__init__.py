@@ -3,6 +3,7 @@
 from .collision import (
     HALF,
     alpha_channel,
+    boundaries_of_picture,
     boundary_of_pixels,
     collision_outline,
     corresponding,
@@ -13,6 +14,7 @@ from .png import decode_png, encode_png, read_png
 __all__ = [
     "HALF",
     "alpha_channel",
+    "boundaries_of_picture",
     "boundary_of_pixels",
     "collision_outline",
     "corresponding",

@@ -98,6 +98,12 @@ def picture_cages(
         return around(grown, chosen)
 
 
+def boundaries_of_picture(opaque: BoolArray, padding: float) -> list[Mesh]:
+    """The boundary of pixels (H, W), and what cages are made around instead: holes closed, narrow gaps filled."""
+    found = [boundary_of_pixels(_without_holes(opaque, holes)) for holes in (True, False)]
+    return found + [_grown(opaque, padding, holes, None) for holes in (True, False) if padding > 0.0]
+
+
 def _without_holes(opaque: BoolArray, holes: bool) -> BoolArray:
     """The pixels, enclosed transparent ones included unless holes are kept."""
     if holes:
