@@ -117,7 +117,7 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
         if found.crs is None
         else "The map's coordinate reference system is kept."
     )
-    shapes = [NamedShape(each.name, each.mesh, each.properties, each.id, each.given) for each in found.features]
+    shapes = [NamedShape(each.name, each.mesh, each.properties, each.id, given=each.given) for each in found.features]
     return Source(path, "map", shapes, notes, found.refused, found.crs, pixels=found.pixels)
 
 
