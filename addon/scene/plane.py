@@ -186,7 +186,7 @@ def united(name: str, areas: Sequence[core.formats.Painted]) -> Loops:
     problem: core.NestedCagesError | None = None
     for gap in (0.0, CLOSED_GAP * extent):
         try:
-            mesh = core.formats.solid(areas, seam=gap)
+            mesh = core.formats.solid(areas, width=gap)
             loops = tuple(float32_loop(mesh.vertices[loop]) for loop in mesh.loops)
             loops = tuple(loop for loop in loops if len(loop) >= SMALLEST_LOOP)  # others are slits of rounding
             core.Mesh.from_loops(loops)

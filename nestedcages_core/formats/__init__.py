@@ -12,10 +12,6 @@ if TYPE_CHECKING:
     from .files import read_whole as read_whole
     from .files import write_files as write_files
     from .files import write_whole as write_whole
-    from .fill import Painted as Painted
-    from .fill import clipped as clipped
-    from .fill import joined as joined
-    from .fill import solid as solid
     from .geojson import Feature as Feature
     from .geojson import Map as Map
     from .geojson import features_from_geojson as features_from_geojson
@@ -30,6 +26,10 @@ if TYPE_CHECKING:
     from .limits import Limits as Limits
     from .pieces import convex_pieces as convex_pieces
     from .pieces import piece_vertices as piece_vertices
+    from .solids import Painted as Painted
+    from .solids import clipped as clipped
+    from .solids import joined as joined
+    from .solids import solid as solid
     from .svg.document import Frame as Frame
     from .svg.options import DRAWING_LIMITS as DRAWING_LIMITS
     from .svg.options import SvgOptions as SvgOptions
@@ -49,12 +49,12 @@ else:  # each name from its module: to read a map loads no SVG
         {
             "coverage": "Coverage coverage_cages",
             "files": "read_whole write_files write_whole",
-            "fill": "Painted clipped joined solid",
             "geojson": "Feature Map features_from_geojson from_geojson measures read_geojson read_map to_geojson "
             "write_geojson",
             "gis_files": "FILES map_document",
             "limits": "Limits",
             "pieces": "convex_pieces piece_vertices",
+            "solids": "Painted clipped joined solid",
             "svg.document": "Frame",
             "svg.options": "DRAWING_LIMITS SvgOptions",
             "svg.parts": "SvgPart svg_parts",

@@ -14,7 +14,7 @@ from ..geometry.mesh import Mesh
 from ..levels import Level, Progress, Settings, Wanted, nested_cages
 from ..libraries import load_shapely
 from ..verification import verify
-from .fill import united
+from .solids import solid
 
 NEEDED_FOR = "Simplifying regions that share borders"
 
@@ -73,19 +73,19 @@ def coverage_cages(
         raise invalid_file(f"The width of borders must be a positive length, not {width!r}.")
     shapely = load_shapely(NEEDED_FOR)
     inner = _on_common_points(shapely, [shapely.geometry.shape(region) for region in regions])
-    land = united(shapely, inner)
+    land = solid(inner)
     found = []
     for level in nested_cages(land, levels, settings, progress=progress):
         divided = _cells(shapely, inner, shapely.geometry.shape(level.cage))
         gap = (level.cage.area - land.area) / level.cage.edge_lengths.sum()
         simple, strayed = _simplified(shapely, divided, GAPS * gap if width is None else width)
-        whole = united(shapely, simple)
+        whole = solid(simple)
         certificate = verify(whole, land, same_loops=False)
         if not certificate:
             raise NestingError(
                 f"The regions together do not hold the land: {certificate.problems[0]}.", code="certificate.failed"
             )
-        found.append(Coverage(tuple(united(shapely, [region]) for region in simple), level, strayed))
+        found.append(Coverage(tuple(solid([region]) for region in simple), level, strayed))
         inner, land = simple, whole
     return found
 

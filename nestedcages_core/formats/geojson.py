@@ -1,4 +1,4 @@
-"""GeoJSON in and out (RFC 7946): faults of published maps are repaired as map programs do, and reported."""
+"""GeoJSON in and out (RFC 7946): polygons that touch or cross are united, and each change is reported."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 import math
 import os
 import warnings
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -22,10 +23,8 @@ from .geometries import polygons_of, shown
 from .gis_files import map_document
 from .limits import LimitError, Limits, Quota
 from .lonlat import across, may_be_degrees
-from .meshes import meshes_of
+from .meshes import left_out_of, mesh_of_polygons, meshes_of
 from .pieces import convex_pieces
-from .repair import HAIRLINE_PART, repaired_mesh
-from .specks import without_specks
 
 NAMES = ("name", "NAME", "Name")
 """Properties that name a feature."""
@@ -70,6 +69,8 @@ class Map:
     """A sentence for each feature that could not be read."""
     without_polygons: int = 0
     """Features that have no polygons."""
+    left_out: Mapping[str, int] = field(default_factory=dict)
+    """Number of points and lines by type, which have no inside."""
     crs: Any = None
     """The document's `crs` member, as older documents have it; None for longitude and latitude, or not said."""
     pixels: Mapping[str, Any] | None = None
@@ -77,20 +78,32 @@ class Map:
 
     @property
     def notes(self) -> list[str]:
-        """A sentence for each repair, with its feature and place."""
-        return [f"{feature.name}: {repair}." for feature in self.features for repair in feature.repairs]
+        """A sentence for each repair, with its feature and place, and one on points and lines."""
+        repairs = [f"{feature.name}: {repair}." for feature in self.features for repair in feature.repairs]
+        return repairs + ([f"{left_out_of(self.left_out)}."] if self.left_out else [])
 
 
-def read_map(source: Any, limits: Limits | None = None, tolerance: float | None = None, *, clean: bool = False) -> Map:
+def read_map(source: Any, limits: Limits | None = None, *, specks: float = 0.0, inside: bool = False) -> Map:
     """All features of a GeoJSON document with polygons; faults of single features are reported, not raised.
 
-    source: GeoJSON as text or bytes, a mapping, or anything with `__geo_interface__`, such as a reader of shapefiles or
-    a GeoDataFrame. Repeated points, spikes, rings of zero area, touching and crossing rings are repaired as GEOS does,
-    polygons across the 180th meridian are shifted beyond it, and each repair is named; all else is read exactly. Gaps
-    and spikes narrower than a tenth of the tolerance are closed and cut off; without a tolerance those narrower than
-    1e-5 of the diagonal, in features that need repair, or in all if `clean`.
+    Rings are read exactly, and each mesh holds them exactly. Where they touch, overlap or cross, the polygons are
+    united, and each change is named; polygons across the 180th meridian are shifted beyond it.
 
-    Raises NestedCagesError for input that is not GeoJSON or exceeds the limits.
+    Parameters
+    ----------
+    source : Any
+        GeoJSON as text or bytes, a mapping, or anything with `__geo_interface__`, such as a GeoDataFrame.
+    limits : Limits, optional
+        On the input.
+    specks : float, optional
+        Width below which parts and spikes are left out, holes and gaps closed. Default: all are read.
+    inside : bool, optional
+        For cages inside: meshes lie in the polygons, instead of holding them.
+
+    Raises
+    ------
+    NestedCagesError
+        For input that is not GeoJSON or exceeds the limits.
     """
     limits = limits or Limits()
     document, has_nan = _loaded(source, limits)
@@ -100,13 +113,14 @@ def read_map(source: Any, limits: Limits | None = None, tolerance: float | None 
     pixels = document.get("pixels") if isinstance(document.get("pixels"), Mapping) else None
     degrees = pixels is None and may_be_degrees(document.get("crs"))
     features, refused, without, quota = [], [], 0, Quota(limits)
+    left_out: Counter[str] = Counter()
     for number, member in enumerate(members):
         quota.spend("elements", 1)
         name = f"feature {number}"
         try:
             geometry, properties, identity, lost = _feature_members(member, has_nan)
             name = _name(number, properties, identity)
-            polygons = [] if geometry is None else polygons_of(geometry, lines=True)
+            polygons = [] if geometry is None else polygons_of(geometry, left_out=left_out)
         except InvalidMeshError as error:
             refused.append(f"{name}: {error}")
             continue
@@ -116,45 +130,46 @@ def read_map(source: Any, limits: Limits | None = None, tolerance: float | None 
             continue
         try:
             polygons, shifted = across(polygons) if degrees else (polygons, [])
-            mesh, repairs = _seen(*repaired_mesh(polygons, quota, tolerance=tolerance, clean=clean), tolerance)
+            mesh, repairs = mesh_of_polygons(polygons, quota=quota, specks=specks, inside=inside)
             given = tuple(ring for polygon in polygons for ring in polygon)
             features.append(Feature(mesh, properties, identity, name, (*shifted, *repairs, *lost), given))
         except LimitError:
             raise
         except NestedCagesError as error:
             refused.append(f"{name}: {error}")
-    return Map(tuple(features), tuple(refused), without, document.get("crs"), pixels)
+    return Map(tuple(features), tuple(refused), without, left_out, document.get("crs"), pixels)
 
 
-def features_from_geojson(
-    source: Any, *, limits: Limits | None = None, tolerance: float | None = None
-) -> list[Feature]:
+def features_from_geojson(source: Any, *, limits: Limits | None = None, **options: Any) -> list[Feature]:
     """One mesh for each feature of a GeoJSON document, with its properties; features without polygons are left out.
 
-    source and repairs: as in `read_map`. A NestedCagesWarning names all repairs, and the features that cannot be read.
-    Raises NestedCagesError for input that is not GeoJSON, and if no feature with polygons can be read.
+    source and options: those of `read_map`. A NestedCagesWarning names all changes, what is left out, and the features
+    that cannot be read. Raises NestedCagesError for input that is not GeoJSON, and if no feature can be read.
     """
-    return list(_said(read_map(source, limits, tolerance)).features)
+    return list(_said(read_map(source, limits, **options)).features)
 
 
-def from_geojson(source: Any, *, limits: Limits | None = None, tolerance: float | None = None) -> Mesh:
+def from_geojson(source: Any, *, limits: Limits | None = None, specks: float = 0.0, inside: bool = False) -> Mesh:
     """All polygons of a GeoJSON document as one mesh, properties left out; features that touch or overlap are united.
 
-    Repairs and warnings: as in `features_from_geojson`. Raises NestedCagesError also if there are no polygons.
+    Options and warnings: as of `features_from_geojson`. Raises NestedCagesError also if there are no polygons.
     """
-    features = _said(read_map(source, limits, tolerance)).features
+    features = _said(read_map(source, limits, specks=specks, inside=inside)).features
     if not features:
         raise invalid_file("The document has no polygons; give Polygon or MultiPolygon geometries.")
     if len(features) == 1:
         return features[0].mesh
     polygons = [polygon for feature in features for polygon in polygons_of(feature.mesh)]
-    return _seen(*repaired_mesh(polygons, Quota(limits or Limits()), tolerance=tolerance), tolerance)[0]
+    return mesh_of_polygons(polygons, quota=Quota(limits or Limits()), inside=inside)[0]
 
 
-def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None, tolerance: float | None = None) -> Mesh:
-    """All polygons of a GeoJSON file as one mesh, or with pyogrio of a Shapefile, GeoPackage or TopoJSON."""
+def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None, **options: Any) -> Mesh:
+    """All polygons of a GeoJSON file as one mesh, or with pyogrio of a Shapefile, GeoPackage or TopoJSON.
+
+    options: those of `from_geojson`.
+    """
     limits = limits or Limits()
-    return from_geojson(map_document(path, limits), limits=limits, tolerance=tolerance)
+    return from_geojson(map_document(path, limits), limits=limits, **options)
 
 
 def to_geojson(
@@ -318,13 +333,6 @@ def _json_value(value: Any) -> Any:
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
     raise TypeError(f"a {type(value).__name__} cannot be written as JSON")
-
-
-def _seen(mesh: Mesh, repairs: list[str], tolerance: float | None) -> tuple[Mesh, list[str]]:
-    """A mesh without what is as small as hairlines in both directions, with what was done."""
-    side = 0.0 if tolerance is None else HAIRLINE_PART * tolerance
-    mesh, small = without_specks(mesh, side * side)
-    return mesh, [*repairs, *small]
 
 
 def _said(found: Map) -> Map:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Mapping
 from decimal import Decimal
 from numbers import Real
 from typing import Any
@@ -11,9 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidMeshError, unreadable
-from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.arrays import FloatArray
 from ..geometry.mesh.validation import MAX_COORDINATE
-from ..geometry.vectors import format_point
 
 Polygon = list[FloatArray]
 """An outer ring and its holes, each (k, 2)."""
@@ -28,14 +28,19 @@ WITHOUT_INSIDE = ("Point", "MultiPoint", "LineString", "MultiLineString")
 """Types of geometries without an inside."""
 
 
-def polygons_of(
-    geometry: Any, *, lines: bool = False, left_out: list[str] | None = None, depth: int = 0
-) -> list[Polygon]:
+def without_repeated_points(ring: FloatArray) -> FloatArray:
+    """A ring (k, 2) with each of its points different from the next; of one that is a point, one."""
+    if len(ring) < 2:
+        return ring
+    different = (ring != np.concatenate((ring[1:], ring[:1]))).any(axis=1)
+    return ring[different] if different.any() else ring[:1]
+
+
+def polygons_of(geometry: Any, *, left_out: Counter[str] | None = None, depth: int = 0) -> list[Polygon]:
     """The polygons of a geometry.
 
-    geometry: anything with `__geo_interface__`, or such a mapping: Polygon, MultiPolygon, Feature,
-    FeatureCollection, GeometryCollection. lines: leave out points and lines instead of rejecting them. left_out: leave
-    out those of collections, and add a sentence on each.
+    geometry: anything with `__geo_interface__`, or such a mapping: Polygon, MultiPolygon, Feature, FeatureCollection,
+    GeometryCollection. left_out: leave out points and lines, and count them by type.
 
     Raises InvalidMeshError for anything else, with the place of invalid coordinates.
     """
@@ -62,14 +67,12 @@ def polygons_of(
         members = _items(mapping.get("features"), "The list of features")
     elif kind == "GeometryCollection":
         members = _items(mapping.get("geometries"), "The list of geometries")
-    elif kind in WITHOUT_INSIDE and (lines or (left_out is not None and depth)):
-        if left_out is not None:
-            left_out.append(f"a {kind}, which has no inside: left out")
+    elif kind in WITHOUT_INSIDE and left_out is not None:
+        left_out[kind] += 1
         return []
     else:
         raise unreadable(f"A geometry of type {shown(kind)} has no inside; give Polygon or MultiPolygon geometries.")
-    options: dict[str, Any] = {"lines": lines, "left_out": left_out, "depth": depth + 1}
-    return [polygon for member in members for polygon in polygons_of(member, **options)]
+    return [each for member in members for each in polygons_of(member, left_out=left_out, depth=depth + 1)]
 
 
 def _checked_rings(polygon: Any, number: int) -> Polygon:
@@ -130,21 +133,3 @@ def shown(value: Any) -> str:
         return f"a {type(value).__name__}"
     text = ascii(text)[1:-1] if not text.isascii() else text
     return text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}…"
-
-
-def check_roles(polygons: Sequence[Polygon], signs: IntArray, components: IntArray) -> None:
-    """Check that in the mesh of all rings, in order, each polygon is one component. Raises InvalidMeshError."""
-    first = 0
-    for k, polygon in enumerate(polygons):
-        roles, owners = signs[first : first + len(polygon)], components[first : first + len(polygon)]
-        if roles[0] < 0:
-            raise InvalidMeshError(
-                f"Polygon {k} near {format_point(polygon[0][0])} lies inside another one; unite them or remove one.",
-                code="mesh.nesting",
-            )
-        if (roles[1:] > 0).any() or (owners != owners[0]).any():
-            raise InvalidMeshError(
-                f"A hole of polygon {k} near {format_point(polygon[0][0])} is not directly in it; move or remove it.",
-                code="mesh.nesting",
-            )
-        first += len(polygon)

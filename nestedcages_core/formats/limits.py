@@ -12,9 +12,6 @@ from ..errors import NestedCagesError, invalid_file
 GREATEST = 10**18
 """Greatest value of a limit: no machine has as much."""
 
-CROSSINGS_PER_SECOND, SELF_CROSSINGS_PER_SECOND = 30_000, 2_000
-"""Crossings of different outlines, and of outlines with themselves, that are resolved in a second (measured)."""
-
 
 @dataclass(frozen=True)
 class Limits:
@@ -70,7 +67,3 @@ class Quota:
                 f"more outlines that cross or lie over each other than can be united in the {allowed:,} seconds allowed"
             )
             raise _beyond(what, crossing if what == "seconds" else has)
-
-    def spend_crossings(self, number: int, *, own: bool) -> None:
-        """Add the time of crossings; own: of an outline with itself. Raises NestedCagesError beyond the limit."""
-        self.spend("seconds", number / (SELF_CROSSINGS_PER_SECOND if own else CROSSINGS_PER_SECOND))

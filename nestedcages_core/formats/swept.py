@@ -10,9 +10,8 @@ from numpy.typing import ArrayLike
 
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..libraries import load_shapely
 from ..motion.poses import read_poses
-from .fill import Painted, regions, united
+from .solids import Painted, shapely, solid
 
 PARTS_PER_POSE = 4
 """Number of parts of the motion between two poses. In each, an edge is assumed to sweep the convex hull of its two
@@ -28,17 +27,13 @@ def swept(fine: Mesh, poses: ArrayLike | Iterable[ArrayLike]) -> Mesh:
     fine: its edges are the topology; poses: (T, n, 2), or an iterable of (n, 2). Covers a little more than the union
     where edges turn over between poses. Raises InvalidMeshError that names a pose, NestedCagesError without shapely.
     """
-    shapely = load_shapely("The region that a motion sweeps")
     places = [pose.vertices for pose in read_poses(fine, poses, None)]
-    solids = regions(shapely, [Painted([place[loop] for loop in fine.loops]) for place in places])
+    solids = [Painted([place[loop] for loop in fine.loops]) for place in places]
     ways = [_swept_edges(fine, before, after) for before, after in pairwise(places)]
     corners = np.concatenate(ways).reshape(-1, 2)
     hulls = shapely.convex_hull(shapely.multipoints(corners, indices=np.repeat(np.arange(len(corners) // 4), 4)))
     areas = hulls[shapely.get_dimensions(hulls) == 2]
-    gap = SWEPT_SEAM * fine.diagonal
-    union = united(shapely, [*solids, *areas], seam=gap)
-    kept = np.flatnonzero(np.abs(union.loop_areas) > gap * gap)
-    return union if len(kept) == len(union.loops) else Mesh.from_loops([union.vertices[union.loops[k]] for k in kept])
+    return solid([*solids, *areas], width=SWEPT_SEAM * fine.diagonal)
 
 
 def _swept_edges(fine: Mesh, before: FloatArray, after: FloatArray) -> FloatArray:

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..formats.fill import united
+from ..formats.solids import Painted, solid
 from ..formats.svg.parts import SvgPart, svg_parts
 from ..geometry.mesh import Mesh
-from ..libraries import load_shapely
 from ..puppet import PuppetPart
-
-NEEDED_FOR = "Parts with fills and strokes"
 
 
 def puppet_parts(text: str | bytes, **options: Any) -> tuple[tuple[PuppetPart, ...], tuple[str, ...]]:
@@ -25,10 +22,5 @@ def puppet_parts(text: str | bytes, **options: Any) -> tuple[tuple[PuppetPart, .
 def _outline(part: SvgPart) -> Mesh:
     """Fill and stroke as one, turned over."""
     paints = [paint for paint in (part.fill, part.stroke) if paint is not None]
-    if len(paints) > 1:
-        shapely = load_shapely(NEEDED_FOR)
-        solids = [shapely.geometry.shape(paint.__geo_interface__) for paint in paints]
-        whole = united(shapely, [shapely.union_all(solids)])
-    else:
-        whole = paints[0]
+    whole = solid([Painted(paint.rings) for paint in paints]) if len(paints) > 1 else paints[0]
     return Mesh.from_loops([ring * (1.0, -1.0) for ring in whole.rings])

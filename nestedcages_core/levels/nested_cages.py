@@ -128,7 +128,7 @@ def _hierarchy(
     if side < 0 and settings.loops == "one":
         raise NestingError('Inner cages keep all loops; leave out loops="one".', code="setting.conflict")
     keeps = side < 0 or settings.loops == "keep"
-    fine, wanted = _checked(fine, levels, convex=settings.convex, keeps=keeps)
+    fine, wanted = _checked(fine, levels, side, convex=settings.convex, keeps=keeps)
     about = _about(settings, fine, side)
     asked, clearances = constraints_of(settings, about, side), clearances_for(settings, fine)
     every = _Levels(about, asked, settings, len(wanted), clearances, keeps, side, deadline, report)
@@ -223,7 +223,7 @@ def _about(settings: Settings, fine: Mesh, side: int) -> Mesh:
 
 
 def _checked(
-    fine: MeshLike, levels: Sequence[Wanted], *, convex: bool, keeps: bool
+    fine: MeshLike, levels: Sequence[Wanted], side: int, *, convex: bool, keeps: bool
 ) -> tuple[Mesh, list[int | Mesh | Within]]:
     """The fine mesh and the levels, all meshes validated.
 
@@ -231,7 +231,7 @@ def _checked(
     """
     if not is_mesh_like(fine):
         raise NestingError(f"The fine mesh must be {MESH_LIKE}, not {type(fine).__name__}.", code="mesh.unreadable")
-    fine = Mesh.of(fine).validated()
+    fine = Mesh.of(fine, inside=side < 0).validated()
     checked: list[int | Mesh | Within] = []
     loops = len(fine.loops) if keeps and not convex else 1  # convex cages have this many vertices around each part
     for number, asked in enumerate(in_order(levels, len(fine.vertices)), start=1):

@@ -12,10 +12,8 @@ import numpy as np
 from ...errors import invalid_file
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh.validation import MAX_COORDINATE
-from ...libraries import load_shapely
-from ..crossings import spend_union
-from ..fill import Area, Painted, bounds_of, strip_width, union_of
 from ..limits import Quota
+from ..solids import Area, Painted, bounds_of, shapely, spend, strip_width, union_of
 from .fading import visible
 from .nodes import Clip, Group, Shape
 from .options import SvgOptions
@@ -114,19 +112,17 @@ class Areas:
         seen = paint.alphas > self.options.faintest
         if paint.gradient is None or seen.all() or not seen.any():
             return areas if seen.all() else []
-        shapely = load_shapely("Reading gradients that fade away")
-        whole = union_of(shapely, areas, self.quota)
+        whole = union_of(areas, self.quota)
         if whole.is_empty:
             return []
         matrix = outer @ shape.matrix
         box = _box(self._outline(replace(shape, matrix=np.eye(3)), np.eye(3)))
         gradient, faintest = paint.gradient, self.options.faintest
-        part = visible(shapely, gradient, paint.alphas, faintest, box, matrix, shapely.bounds(whole))
+        part = visible(gradient, paint.alphas, faintest, box, matrix, shapely.bounds(whole))
         return [self._of_two(shapely.intersection, whole, part)]
 
     def _stroked(self, shape: Shape, stroke: Stroke, matrix: FloatArray) -> list[Area]:
         """The area of a stroke."""
-        shapely = load_shapely("Reading strokes")
         before, after = (np.eye(3), matrix) if shape.scales else (matrix, np.eye(3))
         if not shape.scales:
             stroke = stroke.scaled(self.pixel)
@@ -139,7 +135,7 @@ class Areas:
         lines = [
             Polyline(self._flat(path, before, STROKE_FINENESS * tolerance), path.closed) for path in shape.subpaths
         ]
-        parts = stroked(shapely, lines, stroke, tolerance, self.quota)
+        parts = stroked(lines, stroke, tolerance, self.quota)
         self.quota.spend("points", int(shapely.get_num_coordinates(parts).sum()))
         return [shapely.transform(part, lambda points: moved(points, after)) for part in parts]
 
@@ -150,7 +146,7 @@ class Areas:
 
     def _of_two(self, operation: Callable[[Any, Any], Any], one: Any, other: Any) -> Any:
         """What an operation of shapely makes of two areas, their crossings counted before."""
-        spend_union(load_shapely("Reading shapes that overlap"), [one, other], self.quota)
+        spend([one, other], self.quota)
         return operation(one, other)
 
     def _clipped(self, areas: list[Area], group: Group, clip: Clip, outer: FloatArray) -> list[Area]:
@@ -165,15 +161,13 @@ class Areas:
         inside = self._masked(clip.content, matrix) if clip.is_mask else self.of(clip.content, matrix)
         if len(inside) == 1 and _is_box_around(inside[0], low, high):
             return areas
-        shapely = load_shapely("Reading clip paths and masks")
-        kept = union_of(shapely, inside, self.quota)
+        kept = union_of(inside, self.quota)
         if shapely.covers(kept, shapely.box(*low, *high)):
             return areas
-        return [self._of_two(shapely.intersection, union_of(shapely, areas, self.quota), kept)]
+        return [self._of_two(shapely.intersection, union_of(areas, self.quota), kept)]
 
     def _masked(self, content: Group, outer: FloatArray) -> list[Area]:
         """The region where a mask is more opaque than the faintest share: its shapes in order, by luminance."""
-        shapely = load_shapely("Reading masks")
         kept: list[Any] = []
         for shape in content.shapes():
             matrix = outer @ shape.matrix
@@ -189,9 +183,9 @@ class Areas:
                 elif light > self.options.faintest:
                     kept += part
                 elif 1.0 - paint.opacity + light <= self.options.faintest:
-                    rest, region = (union_of(shapely, areas, self.quota) for areas in (kept, part))
+                    rest, region = (union_of(areas, self.quota) for areas in (kept, part))
                     kept = [self._of_two(shapely.difference, rest, region)]
-        clipped: list[Area] = [union_of(shapely, kept, self.quota)]
+        clipped: list[Area] = [union_of(kept, self.quota)]
         for clip in content.clips:
             clipped = self._clipped(clipped, content, clip, outer)
         return clipped

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...geometry.arrays import FloatArray
+from ..solids import shapely
 from .paints import Gradient, Stop
 from .transforms import moved, scaling, translation
 
@@ -15,7 +16,6 @@ GRADIENT_SEGMENTS = 32
 
 
 def visible(
-    shapely: Any,
     gradient: Gradient,
     alphas: FloatArray,
     faintest: float,
@@ -39,12 +39,12 @@ def visible(
     here = moved(corners, np.asarray(np.linalg.inv(to_document), np.float64))
     parts = []
     for start, end in intervals_above(gradient.stops, alphas, faintest):
-        part = (_disc_between if gradient.radial else _strip)(shapely, gradient.numbers, start, end, here)
+        part = (_disc_between if gradient.radial else _strip)(gradient.numbers, start, end, here)
         parts.append(shapely.transform(part, lambda points: moved(points, to_document)))
     return shapely.intersection(shapely.union_all(parts), everywhere)
 
 
-def _strip(shapely: Any, numbers: tuple[float, ...], start: float, end: float, here: FloatArray) -> Any:
+def _strip(numbers: tuple[float, ...], start: float, end: float, here: FloatArray) -> Any:
     """The region between two parameters of a linear gradient. here: (k, 2) points around the relevant area."""
     origin, along = np.array(numbers[:2]), np.array(numbers[2:]) - numbers[:2]
     length = float(along @ along)
@@ -59,7 +59,7 @@ def _strip(shapely: Any, numbers: tuple[float, ...], start: float, end: float, h
     return shapely.Polygon([origin + t * along + s * across for t, s in ends])
 
 
-def _disc_between(shapely: Any, numbers: tuple[float, ...], start: float, end: float, here: FloatArray) -> Any:
+def _disc_between(numbers: tuple[float, ...], start: float, end: float, here: FloatArray) -> Any:
     """The region between two parameters of a radial gradient."""
     cx, cy, radius, fx, fy = numbers
 

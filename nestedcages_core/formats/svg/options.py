@@ -34,6 +34,8 @@ class SvgOptions:
     """Whether to cut off everything outside the page, which viewers do not show."""
     opacity: float = 0.0
     """Opacity from 0 to 1 above which paint counts."""
+    specks: float = 0.0
+    """Width in user units below which parts and spikes are left out, holes and gaps closed; by default none are."""
     limits: Limits = DRAWING_LIMITS
 
     def __post_init__(self) -> None:

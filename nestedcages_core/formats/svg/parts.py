@@ -11,8 +11,7 @@ import numpy as np
 
 from ...errors import InvalidMeshError
 from ...geometry.mesh import Mesh
-from ...libraries import load_shapely
-from ..fill import Area, union_of
+from ..solids import Area, shapely, union_of
 from .areas import Areas
 from .document import Box
 from .names import is_automatic
@@ -114,8 +113,7 @@ def _disjoint(fill: list[Area], stroke: list[Area], areas: Areas) -> tuple[list[
     """Fill and stroke without overlap, with the same points along their common border."""
     if not fill or not stroke:
         return fill, stroke
-    shapely = load_shapely("Reading strokes")
-    inner, outer = (union_of(shapely, each, areas.quota) for each in (fill, stroke))
+    inner, outer = (union_of(each, areas.quota) for each in (fill, stroke))
     lines = shapely.union_all([shapely.boundary(each) for each in (inner, outer)])
     faces = shapely.get_parts(shapely.polygonize([lines]))
     middles = shapely.point_on_surface(faces)

@@ -11,12 +11,9 @@ import numpy as np
 
 from ...errors import InvalidMeshError, NestedCagesError, invalid_file
 from ...geometry.mesh import Mesh
-from ...libraries import load_shapely
 from ..files import read_whole
-from ..fill import Area, bounds_of, solid, union_of
 from ..limits import Quota
-from ..repair import HAIRLINE_PART
-from ..specks import DISPLAYED, without_specks
+from ..solids import ROOM, Area, bounds_of, shapely, solid, union_of
 from .areas import Areas
 from .document import Box, Document, Frame
 from .nodes import Group, Shape
@@ -146,12 +143,9 @@ class Reading:
         narrow: list[str] = []
         if page is not None:
             areas = _on_page(areas, page, cut_off, reading.quota)
-        width = HAIRLINE_PART * reading.tolerance if self.document.strokes_count else 0.0  # ours are read as written
-        mesh = solid(areas, seam=width, spike=width, quota=reading.quota, notes=narrow)
-        if width > 0.0:
-            side = max(width, min(self.document.pixel, mesh.extent / DISPLAYED))
-            mesh, small = without_specks(mesh, side * side)  # infinite where a power would overflow
-            narrow += small
+        size = float(np.hypot(*np.subtract(*bounds_of(areas))))
+        width = ROOM * size if self.document.strokes_count else 0.0  # ours are read as written
+        mesh = solid(areas, width=width, specks=self.options.specks, quota=reading.quota, notes=narrow)
         new = [*cut_off, *(f"{note.capitalize()}." for note in narrow)]
         self.notes += [note for note in new if note not in self.notes]
         return mesh
@@ -255,7 +249,6 @@ def _on_page(areas: list[Area], page: Box, notes: list[str], quota: Quota) -> li
         (inside if ((low >= lower) & (high <= upper)).all() else outside).append(area)
     if not outside:
         return areas
-    shapely = load_shapely("Reading shapes that reach beyond the page")
-    cut = shapely.intersection(union_of(shapely, outside, quota), shapely.box(*lower, *upper))
+    cut = shapely.intersection(union_of(outside, quota), shapely.box(*lower, *upper))
     notes.append("Cut off: what lies outside the page; crop=False keeps it.")
     return [*inside, cut]

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from ...geometry.arrays import FloatArray
-from ..crossings import edges_in, spend_crossings
 from ..limits import Limits, Quota
+from ..solids import shapely, spend
 from .faults import quoted
 from .lengths import Viewport, numbers, parse_length
 
@@ -81,7 +81,7 @@ def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
     )
 
 
-def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: Quota) -> list[Any]:
+def stroked(lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: Quota) -> list[Any]:
     """Geometries that together cover a stroke.
 
     tolerance: largest distance of chords from round caps and joins. Raises NestedCagesError for too many
@@ -100,7 +100,7 @@ def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: 
         else:
             curve = shapely.linearrings(points) if closed else shapely.linestrings(points)
         if not shapely.is_simple(curve):
-            spend_crossings(edges_in(shapely, [curve]), quota, own=True)
+            spend([curve], quota, own=True)
         mitred = stroke.join not in ("round", "bevel")
         tips = _tips(points, closed, radius, stroke.miter_limit) if mitred else None
         join = ("mitre" if tips is None else "bevel") if mitred else stroke.join

@@ -166,11 +166,12 @@ class Mesh(Drawable):
         return mesh
 
     @classmethod
-    def of(cls, shape: MeshLike, *, strict: bool = False) -> Mesh:
+    def of(cls, shape: MeshLike, *, strict: bool = False, inside: bool = False) -> Mesh:
         """A mesh as it is, or read from what describes one.
 
         Geometries may be all that is valid for shapely: repeated points are left out, parts that touch in a point are
-        joined by a very narrow neck, and members of collections are united; a NestedCagesWarning names each repair.
+        joined by a very narrow neck, and members of collections are united; a NestedCagesWarning names each repair. The
+        mesh holds all polygons exactly, or lies in them.
 
         Parameters
         ----------
@@ -179,6 +180,8 @@ class Mesh(Drawable):
             (V, E) of vertices and edges.
         strict : bool, optional
             Reject geometries that need a repair.
+        inside : bool, optional
+            For cages inside: what a repair changes is cut off. Default: it is added.
 
         Returns
         -------
@@ -197,7 +200,7 @@ class Mesh(Drawable):
             if has_edges(shape):
                 return cls(*shape)
             return cls.from_loops([shape] if is_loop(shape) else shape)
-        mesh: Mesh = cls.formats("meshes").mesh_of(shape, strict=strict)
+        mesh: Mesh = cls.formats("meshes").mesh_of(shape, strict=strict, inside=inside)
         return mesh
 
     @property
