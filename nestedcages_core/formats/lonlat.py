@@ -11,7 +11,6 @@ from ..errors import invalid_file
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..libraries import load_shapely
-from .fill import solid
 from .geometries import Polygon
 
 TURN, HALF_TURN, POLE = 360.0, 180.0, 90.0
@@ -147,6 +146,8 @@ def grown_on_ground(mesh: Mesh, metres: float, *, inside: bool = False) -> tuple
     Raises NestedCagesError where degrees are exceeded, or a pole or the other side of the earth is nearer than that.
     """
     shapely = load_shapely("A clearance in metres")
+    from .solids import solid
+
     whole = _side_by_side(shapely, shapely.geometry.shape(mesh))
     rings = [ring[:, :2] for ring in map(shapely.get_coordinates, shapely.get_rings(shapely.get_parts(whole)))]
     bands = _bands(np.concatenate([np.hstack((ring[:-1], ring[1:])) for ring in rings]), metres)
@@ -159,7 +160,7 @@ def grown_on_ground(mesh: Mesh, metres: float, *, inside: bool = False) -> tuple
         grown = [shapely.buffer(shapely.simplify(line, FINER * wide), reach, quad_segs=ARC_STEPS) for line in lines]
         parts = [_scaled(shapely, part, 1.0 / axes) for part, (_, axes) in zip(grown, bands, strict=True)]
         collar = shapely.union_all(parts)
-        result = solid([whole - collar if inside else whole | collar])
+        result = solid([whole - collar if inside else whole | collar], inside=inside)
         rim = shapely.boundary(shapely.geometry.shape(result))
         rims = [_scaled(shapely, rim, axes) for _, axes in bands]
         for each in rims:

@@ -68,8 +68,8 @@ def mesh_of(geometry: Any, *, strict: bool = False, inside: bool = False) -> Mes
 def mesh_of_polygons(polygons: Sequence[Polygon], *, inside: bool = False, **options: Any) -> tuple[Mesh, list[str]]:
     """The solid of polygons, each an outer ring (k, 2) and its holes, and a sentence on each change.
 
-    Polygons that are apart from each other keep their coordinates, and need no shapely. Others are united: a hole is
-    left out of its own polygon alone. Of rings that are not in the region then, thin strips along them are.
+    Polygons that are apart from each other keep their coordinates, and need no shapely. Others become what GEOS makes
+    of them (`shapely.make_valid`, by structure), with thin strips along rings that are not in it.
 
     options: those of `solids.solid`. Raises as that.
     """
@@ -83,16 +83,18 @@ def mesh_of_polygons(polygons: Sequence[Polygon], *, inside: bool = False, **opt
         except InvalidMeshError as error:
             notes.append(f"{str(error).split(';')[0].rstrip('.').lower()}: united")
     shapely = load_shapely("Reading polygons that touch or overlap")
-    from .solids import Painted, regions, solid
+    from .solids import solid, spend
 
     areas, lines = list[Any](), list[FloatArray]()
     for polygon in polygons:
-        outer, *holes = polygon
-        part = shapely.Polygon(outer, holes) if min(map(len, polygon)) > 2 else None
-        if part is None or not part.is_valid:
-            notes.append(f"{_fault(shapely, polygon)}: united")
-            shell, lakes = regions([Painted([outer]), Painted(holes)], options.get("quota"))
-            part = shell - lakes
+        loops = [ring for ring in polygon if len(ring) > 2]
+        part = shapely.Polygon(polygon[0], loops[1:]) if len(polygon[0]) > 2 else shapely.Polygon()
+        if len(loops) < len(polygon) or not part.is_valid:
+            notes.append(f"{_fault(shapely, part)}: united" if loops else "a polygon of zero area: a thin strip")
+            spend([shapely.boundary(part)], options.get("quota"), own=True)
+            whole = shapely.make_valid(part, method="structure", keep_collapsed=False)
+            shell = shapely.make_valid(shapely.Polygon(part.exterior), method="structure", keep_collapsed=False)
+            part = whole & shell if inside else whole
             lines += [] if inside else [ring for ring in polygon if len(ring)]
         areas.append(part)
     return solid(areas, inside=inside, lines=lines, notes=notes, **options), notes
@@ -101,19 +103,15 @@ def mesh_of_polygons(polygons: Sequence[Polygon], *, inside: bool = False, **opt
 def _crosses_itself(polygon: Polygon) -> bool:
     """Whether a polygon is invalid and has another area than its rings say."""
     shapely = load_shapely("Reading polygons that touch or overlap")
-    from .solids import Painted, regions
-
     rings = [ring for ring in polygon if len(ring) > 2]
     part = shapely.Polygon(rings[0], rings[1:]) if rings else shapely.Polygon()
-    shell, lakes = regions([Painted(rings[:1]), Painted(rings[1:])])
-    return not (part.is_valid or math.isclose((shell - lakes).area, part.area, rel_tol=SAME_AREA))
+    whole = part if part.is_valid else shapely.make_valid(part, method="structure", keep_collapsed=False)
+    return not math.isclose(whole.area, part.area, rel_tol=SAME_AREA)
 
 
-def _fault(shapely: Any, polygon: Polygon) -> str:
+def _fault(shapely: Any, shape: Any) -> str:
     """What GEOS says of an invalid polygon, and the place in user coordinates."""
-    if min(map(len, polygon)) < 3:
-        return f"a ring of {min(map(len, polygon))} points"
-    text = shapely.is_valid_reason(shapely.Polygon(polygon[0], polygon[1:]))
+    text = shapely.is_valid_reason(shape)
     parts = re.fullmatch(r"(.*)\[(\S+) (\S+).*\]", text)
     return f"{parts[1].lower()} at {format_point((float(parts[2]), float(parts[3])))}" if parts else text.lower()
 

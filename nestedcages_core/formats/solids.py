@@ -102,6 +102,9 @@ def solid(
         Beyond the quota.
     """
     said = notes if notes is not None else []
+    mesh = _plain(areas[0]) if len(areas) == 1 and isinstance(areas[0], Painted) and not specks else None
+    if mesh is not None and not has_gaps(mesh, max(width, TOUCHING * mesh.diagonal)):
+        return mesh
     parts = [part for part in regions(areas, quota) if part.area > 0.0]
     if not parts:
         raise no_outline("The shapes have no inside.")
@@ -219,6 +222,18 @@ def spend(geometries: Sequence[Any], quota: Quota | None, *, own: bool = False) 
         i, j = i[apart], j[apart]
         crossing = segments_intersect(starts[i], ends[i], starts[j], ends[j])
         quota.spend("seconds", float(copies[i[crossing]] @ copies[j[crossing]]) / rate)
+
+
+def _plain(area: Painted) -> Mesh | None:
+    """An area of loops that neither meet nor lie in each other in the same direction; None for others."""
+    loops = [loop for loop in map(without_repeated_points, area.loops) if len(loop) > 2]
+    with suppress(InvalidMeshError):
+        mesh = Mesh.from_loops(loops)
+        first = mesh.loop_order.begins
+        turns = np.where(mesh.successor[first] == first + 1, mesh.loop_signs, -mesh.loop_signs)
+        if area.evenodd or abs((turns * mesh.loop_signs).sum()) == len(loops):
+            return mesh
+    return None
 
 
 def _closed(whole: Any, rings: Sequence[FloatArray], size: float, width: float, said: list[str]) -> Mesh:

@@ -152,9 +152,8 @@ def without(monkeypatch: pytest.MonkeyPatch, library: str) -> None:
     ("work", "library"),
     [
         (lambda: nested_cages(star(5, 40), 12, symmetry=core.Mirror((0.1, 0.2), (0.0, 1.0))), "shapely"),
-        (lambda: core.swept(star(5, 40), [star(5, 40).vertices] * 2), "shapely"),
     ],
-    ids=["a symmetry", "a sweep"],
+    ids=["a symmetry"],
 )
 def test_a_library_that_is_missing_is_named(work: Any, library: str, monkeypatch: pytest.MonkeyPatch) -> None:
     without(monkeypatch, library)

@@ -37,5 +37,5 @@ def close_vertices(mesh: Mesh, width: float, chosen: IntArray | None = None) -> 
     near, edge = near_pairs(mesh.vertices[chosen], mesh.vertices, mesh.edge_ends, width)
     vertex, end, after = chosen[near], mesh.successor[edge], mesh.successor
     apart = (edge != vertex) & (end != vertex) & (edge != after[vertex]) & (after[end] != vertex)
-    apart[apart] = orientation(*(mesh.vertices[k[apart]] for k in (edge, end, vertex))) <= 0
+    apart[apart] = orientation(*(mesh.vertices[k[apart]] for k in (edge, end, vertex))) < 0
     return np.asarray(np.unique(vertex[apart]))
