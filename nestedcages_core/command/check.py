@@ -196,7 +196,7 @@ def _faults_of_levels(given: argparse.Namespace, fine: Mesh, cages: Sequence[Mes
                 yield f"level {number} has an excess of {100.0 * excess:.6g} %, not {100.0 * level.limit:.6g} %"
         else:
             sizes = list(map(len, fine.loops))
-            most = level.of(sizes, keeps=given.same_loops) if isinstance(level, Share) else level
+            most = level.of(sizes, keeps=given.same_loops or inside) if isinstance(level, Share) else level
             if len(cage.vertices) > most:
                 yield f"level {number} has {len(cage.vertices)} vertices, not {most}"
 
