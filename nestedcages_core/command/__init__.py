@@ -36,9 +36,12 @@ def _run(words: Sequence[str]) -> int:
     """Run the command that the first word names. What it needs is imported when its words have been read."""
     try:
         if words[:1] == ["check"]:
+            from .check_options import parsed
+
+            given = parsed(words[1:])
             from .check import check_files
 
-            return check_files(words[1:])
+            return check_files(given)
         if words[:1] == ["puppet"]:
             from .puppet_options import parser as puppet_parser
 

@@ -16,13 +16,13 @@ from ..checker import TOLERANCE, check, faults_of_motion, faults_of_rings
 from ..errors import NestedCagesError
 from ..formats import Frame
 from ..formats.decimals import turned_over
-from ..formats.pictures import HALF
+from ..formats.lonlat import may_be_degrees
 from ..geometry.mesh import Mesh
-from ..levels import Share, Within, in_order, level_words, parse_level
-from .options import OPTIONS, length, of_drawings, symmetry
+from ..levels import Share, Within
+from .options import Metres
 from .progress import tell
 from .sources import DOWN, is_up
-from .written import Levels, Written, read_cages, read_drawings
+from .written import Drawing, Levels, Page, Written, read_cages, read_drawings
 
 HOLDS, WRONG = 0, 1
 """Exit statuses; wrong use ends with 2, by argparse."""
@@ -33,33 +33,17 @@ MOST_SAID = 20
 SAME_PAGE = 1e-6
 """Difference of two pages, over the largest number, that is the rounding of their decimals."""
 
-DESCRIPTION = """\
-Checks cages in a file: without rounding, on the coordinates in the files, by code that shares nothing with the method.
-RESULT is an .svg that this program has written, word by word, or a GeoJSON of polygons alone, of any program; anything
-else is rejected. DRAWING is what the cages were made from, read with the same options; several pictures are the frames
-of a motion. GeoJSON with the frames of a motion on both sides is checked on the straight lines in between too. A
-single FILE.blend is checked as Blender plays it, with the add-on's folder next to this package and Blender as a Python
-module."""
 
-EPILOG = "exit status: 0 everything holds, 1 something does not or a file cannot be read, 2 wrong use of the options"
-
-
-def check_files(arguments: Sequence[str]) -> int:
+def check_files(given: argparse.Namespace) -> int:
     """Run the command; the exit status."""
-    if len(arguments) == 1 and arguments[0].lower().endswith(".blend"):
-        return _check_animation(Path(arguments[0]))
-    options = _parser()
-    given = options.parse_args(arguments)
-    try:
-        given.levels = in_order([parse_level(word) for word in level_words(" ".join(given.levels or ()))])
-    except NestedCagesError as error:
-        options.error(f"argument --levels: {error}")
+    if given.result is None:
+        return _check_animation(Path(given.drawing[0]))
     kind, lost, summary = "error", list[str](), ""
     try:
-        drawings = read_drawings(given.drawing, of_drawings(given), given.threshold, given.clearance or 0.0)
+        drawings, page = read_drawings(given)
         results = read_cages(given.result)
         kind, summary = "wrong", _summary(results)
-        problems = list(_problems(given, drawings, results, lost))
+        problems = list(_problems(given, drawings, page, results, lost))
     except OSError as error:
         problems = [f"{error.filename}: {error.strerror}"]
     except (NestedCagesError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
@@ -86,67 +70,75 @@ def _check_animation(path: Path) -> int:
     return subprocess.run([sys.executable, program, path], check=False).returncode
 
 
-def _problems(given: argparse.Namespace, drawings: Written, results: Written, lost: list[str]) -> Iterator[str]:
+def _problems(
+    given: argparse.Namespace, drawings: Sequence[Drawing], page: Page, results: Written, lost: list[str]
+) -> Iterator[str]:
     """What is wrong; lost: gets what is said of loops that have none of their own."""
-    drawn, count = ", ".join(given.drawing), len(drawings.shapes)
+    drawn, count = ", ".join(given.drawing), len(drawings)
     if count != len(results.shapes):
         yield f"{drawn} has {count} shape{'s' * (count != 1)}, {given.result} cages of {len(results.shapes)}"
         return
-    if problem := _other_place(drawings, results):
+    if problem := _other_place(drawings, page, results):
         yield f"{given.result} {problem} than {drawn}"
         return
-    is_picture = Path(given.drawing[0]).suffix.lower() == ".png"  # whose holes are closed and whose parts may be joined
+    may_differ = given.any_loops or Path(given.drawing[0]).suffix.lower() == ".png"  # its holes are closed
+    clearance = None if isinstance(given.clearance, Metres) and may_be_degrees(page.crs) else given.clearance
     options: dict[str, Any] = {"grid": given.grid, "symmetry": given.symmetry, "distance": given.distance}
-    for number, (drawing, levels) in enumerate(zip(drawings.shapes, _in_place(drawings, results), strict=True)):
+    for number, (drawing, levels) in enumerate(zip(drawings, _in_place(page, results), strict=True)):
         of_shape = f"shape {number + 1}: " if count > 1 else ""
-        outlines = [drawing[0], *drawings.also]
-        if 0 in levels:
-            outlines = [mesh for mesh in outlines if _ends(mesh) == _ends(levels[0])]
-            if not outlines:
-                yield f"{of_shape}{given.result} shows another drawing than that of {drawn}"
-                continue
+        outlines = [mesh for mesh in drawing.shown if 0 not in levels or _ends(mesh) == _ends(levels[0])]
+        if not outlines or (results.styles and results.styles[number] != drawing.style):
+            yield f"{of_shape}{given.result} shows another drawing, or another style, than {drawn} has"
+            continue
         for inside, cages in _sides(levels, given.inside):
-            as_many = map(_has_more, (drawing[0], *cages), cages)
-            options["same_loops"] = [given.same_loops or (m and not (given.any_loops or is_picture)) for m in as_many]
-            verdict = check(drawing[0], cages, given.clearance, inside=inside, **options)
+            as_many = map(_has_more, (drawing.mesh, *cages), cages)
+            options["same_loops"] = [given.same_loops or (more and not may_differ) for more in as_many]
+            verdict = check(drawing.mesh, cages, clearance, inside=inside, **options)
             faults = [[*_faults_of_levels(given, outline, cages, inside)] for outline in outlines]
             problems = [*verdict.problems, *min(faults, key=len)]
-            if cages and any(drawings.given[number : number + 1]):
-                problems += faults_of_rings(cages[0], drawings.given[number], inside=inside)
+            if cages and len(drawing.given):
+                problems += faults_of_rings(cages[0], drawing.given, inside=inside)
             yield from (f"{of_shape}{problem}" for problem in problems)
             lost += [f"{of_shape}{sentence}" for sentence in verdict.lost]
-    if drawings.times and len(given.drawing) == 1:
-        yield from _faults_between([levels[1] for levels in results.shapes], [each[0] for each in drawings.shapes])
+    fines = [drawing.mesh for drawing in drawings]
+    if page.times and len(given.drawing) == 1 and _correspond(fines):
+        yield from _faults_between([levels[1] for levels in results.shapes], fines)
 
 
-def _other_place(drawings: Written, results: Written) -> str:
+def _other_place(drawings: Sequence[Drawing], page: Page, results: Written) -> str:
     """Why the coordinates of results are not those of drawings; empty if they are."""
-    if results.frame is None:
-        if (drawings.pixels is None) != (results.pixels is None):
-            return f"has coordinates {'of a map' if results.pixels is None else 'in pixels'}, other ones"
-        sizes = [[(each.pixels or {}).get(key) for key in ("width", "height")] for each in (drawings, results)]
-        if sizes[0] != sizes[1] or (results.pixels or DOWN).get("y") not in ("up", "down"):
-            return "has pixels of another picture"
-        if _system(drawings.crs) != _system(results.crs):
-            return f"has another coordinate reference system, {results.crs!s:.80},"
-        return "has other times" if results.times != drawings.times else ""
-    if is_up(drawings.pixels) != results.y_up:
-        return "shows cages turned over, otherwise"
-    return "" if _shows(drawings, results.frame) else "has another page, or view box, and may not show all,"
+    own = results.page
+    if own.frame is not None:
+        if is_up(page.pixels) != results.y_up:
+            return "shows cages turned over, otherwise"
+        return "" if _shows(drawings, page, own.frame) else "has another page, or view box, and may not show all,"
+    if (page.pixels is None) != (own.pixels is None):
+        return f"has coordinates {'of a map' if own.pixels is None else 'in pixels'}, other ones"
+    sizes = [[(each.pixels or {}).get(key) for key in ("width", "height")] for each in (page, own)]
+    if sizes[0] != sizes[1] or (own.pixels or DOWN).get("y") not in ("up", "down"):
+        return "has pixels of another picture"
+    if _system(page.crs) != _system(own.crs):
+        return f"has another coordinate reference system, {own.crs!s:.80},"
+    return "has other times" if [*own.times] != [*page.times] else ""
 
 
-def _shows(drawings: Written, frame: Frame) -> bool:
-    """Whether a page is that of the drawings, or if they have none, shows all of them in their proportions."""
-    own, page = drawings.frame, frame.page
+def _shows(drawings: Sequence[Drawing], page: Page, frame: Frame) -> bool:
+    """Whether a frame is that of the drawings, or if they have none, shows all of them in their proportions."""
+    own, shown = page.frame, frame.page
     if own is not None and own.page is not None:
         words = [(each.width, each.height, each.preserve_aspect_ratio) for each in (own, frame)]
         boxes = np.array([each.view_box or each.page for each in (own, frame)], float)
         return words[0] == words[1] and bool(np.allclose(boxes[0], boxes[1], 0.0, SAME_PAGE * np.abs(boxes).max()))
-    if page is None or page != frame.view_box or frame.preserve_aspect_ratio or bool(frame.width) != bool(frame.height):
+    if (
+        shown is None
+        or shown != frame.view_box
+        or frame.preserve_aspect_ratio
+        or bool(frame.width) != bool(frame.height)
+    ):
         return False
-    points = np.concatenate([levels[0].vertices for levels in drawings.shapes])
-    points = points * (1.0, -1.0 if is_up(drawings.pixels) else 1.0)
-    return bool(((points >= page[:2]) & (points <= np.add(page[:2], page[2:]))).all())
+    points = np.concatenate([drawing.mesh.vertices for drawing in drawings])
+    points = points * (1.0, -1.0 if is_up(page.pixels) else 1.0)
+    return bool(((points >= shown[:2]) & (points <= np.add(shown[:2], shown[2:]))).all())
 
 
 def _system(crs: Any) -> Any:
@@ -154,11 +146,12 @@ def _system(crs: Any) -> Any:
     return None if "CRS84" in json.dumps(crs) else crs
 
 
-def _in_place(drawings: Written, results: Written) -> list[Levels]:
+def _in_place(page: Page, results: Written) -> list[Levels]:
     """The levels of results with y as in the drawings."""
-    if results.pixels is None or drawings.pixels is None or results.pixels["y"] == drawings.pixels.get("y"):
+    pixels = results.page.pixels
+    if pixels is None or is_up(pixels) == is_up(page.pixels):
         return results.shapes
-    height = float(results.pixels.get("height") or 0.0)
+    height = float(pixels.get("height") or 0.0)
     return [{level: turned_over(mesh, height) for level, mesh in each.items()} for each in results.shapes]
 
 
@@ -195,9 +188,9 @@ def _faults_of_levels(given: argparse.Namespace, fine: Mesh, cages: Sequence[Mes
             if excess > level.limit * (1.0 + float(TOLERANCE)):
                 yield f"level {number} has an excess of {100.0 * excess:.6g} %, not {100.0 * level.limit:.6g} %"
         else:
-            sizes = list(map(len, fine.loops))
-            most = level.of(sizes, keeps=given.same_loops or inside) if isinstance(level, Share) else level
-            if len(cage.vertices) > most:
+            sizes, keeps = list(map(len, fine.loops)), given.same_loops or inside
+            most = level.of(sizes, keeps=keeps) if isinstance(level, Share) else level
+            if len(cage.vertices) > most and not (keeps and isinstance(level, Share)):  # shares rise to keep loops
                 yield f"level {number} has {len(cage.vertices)} vertices, not {most}"
 
 
@@ -209,40 +202,20 @@ def _summary(results: Written) -> str:
         cages = [levels[level] for levels in results.shapes if level in levels]
         total += len(cages)
         counts = [(sum(len(cage.vertices) for cage in cages), "vertices"), (sum(len(c.loops) for c in cages), "loops")]
-        several = [(len(cages), "frames" if results.times else "shapes")] if len(results.shapes) > 1 else []
+        several = [(len(cages), "frames" if results.page.times else "shapes")] if len(results.shapes) > 1 else []
         said = (f"{count} {name if count != 1 else name[:-1]}" for count, name in (*several, *counts))
         lines.append(f"{'inner ' if level < 0 else ''}level {abs(level)}: {', '.join(said)}")
     return "\n".join([f"{total} cage{'s' * (total != 1)}: everything holds.", *lines])
 
 
+def _correspond(frames: Sequence[Mesh]) -> bool:
+    """Whether the vertices of each frame are those of the others, moved."""
+    return all(np.array_equal(frame.edges, frames[0].edges) for frame in frames)
+
+
 def _faults_between(cages: Sequence[Mesh], drawings: Sequence[Mesh]) -> list[str]:
-    """Contacts on the straight lines from each frame to the next, for frames with corresponding vertices."""
-    for frames in (cages, drawings):
-        if any(not np.array_equal(frame.edges, frames[0].edges) for frame in frames):
-            return ["frames differ in their numbers of vertices, so the motion between them is not known"]
+    """Contacts on the straight lines from each frame to the next."""
+    if not _correspond(cages):
+        return ["cages differ in their numbers of vertices, so the motion between them is not known"]
     steps = [np.stack([frame.vertices for frame in frames]) for frames in (cages, drawings)]
     return faults_of_motion(cages[0].edges, drawings[0].edges, steps[0], steps[1], range(len(cages) - 1))
-
-
-def _parser() -> argparse.ArgumentParser:
-    options = argparse.ArgumentParser(prog="nested-cages check", description=DESCRIPTION, epilog=EPILOG)
-    options.add_argument("drawing", metavar="DRAWING", nargs="+", help="several: pictures of the frames of a motion")
-    options.add_argument("result", metavar="RESULT")
-    options.add_argument("--levels", nargs="+", metavar="N", help="what each cage must have, as when they were made")
-    options.add_argument("--clearance", type=length, metavar="LENGTH", help="smallest distance (default: above 0)")
-    options.add_argument("--inside", action="store_true", help="the cages lie inside the drawing")
-    loops = options.add_mutually_exclusive_group()
-    loops.add_argument(
-        "--same-loops",
-        action="store_true",
-        help="each loop has one of its own: no hole is filled, no parts share one (default: they are named)",
-    )
-    loops.add_argument("--any-loops", action="store_true", help="cages may have other loops, and more")
-    options.add_argument("--grid", type=length, metavar="LENGTH", help="coordinates are multiples of this length")
-    options.add_argument("--symmetry", type=symmetry, metavar="WHAT", help="x, y or an order of rotations")
-    options.add_argument("--distance", type=length, metavar="LENGTH", help="no cage reaches farther than this")
-    options.add_argument("--threshold", type=float, default=HALF, metavar="ALPHA", help="of a picture, as when reading")
-    for names, how in OPTIONS["drawings"]:
-        options.add_argument(*names, **how)
-    options.set_defaults(limits={})
-    return options

@@ -6,12 +6,13 @@ program, if they have polygons and nothing else that a viewer could show.
 
 from __future__ import annotations
 
+import argparse
 import html
 import json
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +21,12 @@ import numpy as np
 from ..errors import invalid_file
 from ..formats import DRAWING_LIMITS, Frame, Limits, read_whole, to_svg
 from ..formats.geometries import shown
-from ..formats.pictures import alpha_channel, boundaries_of_picture
+from ..formats.pictures import HALF, alpha_channel, boundaries_of_picture
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import orientation
+from .ground import on_ground
+from .options import Metres, of_drawings
 from .sources import DOWN, read
 
 HEAD = re.compile(r'<svg xmlns="[^"]*" ([^>]*) overflow="visible" data-outlines="decoration">\n(<g [^>]*>\n)?')
@@ -45,69 +48,75 @@ Levels = dict[int, Mesh]
 
 
 @dataclass(frozen=True)
-class Written:
-    """What a file has."""
+class Drawing:
+    """A shape that cages are made around."""
 
-    shapes: list[Levels]
+    mesh: Mesh
+    shown: list[Mesh]
+    """What a picture may show of it: of pixels also the outline with holes closed, or with narrow gaps filled."""
+    given: Sequence[FloatArray] = ()
+    """Rings (k, 2) of a map as they stand in the file."""
+    style: Mapping[str, Any] = field(default_factory=dict)
+    """Properties that are a style."""
+
+
+@dataclass(frozen=True)
+class Page:
+    """Where coordinates lie."""
+
     frame: Frame | None = None
-    """Page of a picture."""
-    y_up: bool = False
-    """Whether y points up in a picture."""
+    """Of a picture."""
     crs: Any = None
     pixels: Mapping[str, Any] | None = None
-    """How the coordinates of a map lie on a picture."""
-    times: list[float] = field(default_factory=list)
+    """How the coordinates lie on a picture, unless they are those of a map."""
+    times: Sequence[float] = ()
     """Those of the shapes, if they are frames of a motion."""
-    given: list[list[FloatArray]] = field(default_factory=list)
-    """Rings (k, 2) of each shape of a map as they stand in the file."""
-    also: list[Mesh] = field(default_factory=list)
-    """Outlines that may be shown instead of that of the pixels: with holes closed, and with narrow gaps."""
-    styles: list[dict[str, Any]] = field(default_factory=list)
-    """Properties of the shapes of a map that are styles."""
 
 
-def read_drawings(paths: Sequence[str], options: Mapping[str, Any], threshold: float, padding: float) -> Written:
+@dataclass(frozen=True)
+class Written:
+    """What a file of cages has."""
+
+    shapes: list[Levels]
+    page: Page
+    y_up: bool = False
+    """Whether y points up in a picture."""
+    styles: Sequence[Mapping[str, Any]] = ()
+
+
+def read_drawings(given: argparse.Namespace) -> tuple[list[Drawing], Page]:
     """The drawings of a file; several files are the frames of a motion, one each. Raises NestedCagesError."""
-    files = [_drawings(path, options, threshold, padding) for path in paths]
+    files = [_drawings(path, given) for path in given.drawing]
     if len(files) == 1:
         return files[0]
-    for path, each in zip(paths, files, strict=True):
-        if len(each.shapes) != 1:
-            raise invalid_file(f"{path} has {len(each.shapes)} shapes; a frame of a motion is one.")
-    return Written(
-        [each.shapes[0] for each in files],
-        files[0].frame,
-        pixels=files[0].pixels,
-        times=list(map(float, range(len(files)))),
-    )
+    for path, (shapes, _) in zip(given.drawing, files, strict=True):
+        if len(shapes) != 1:
+            raise invalid_file(f"{path} has {len(shapes)} shapes; a frame of a motion is one.")
+    return [shapes[0] for shapes, _ in files], replace(files[0][1], times=[*map(float, range(len(files)))])
 
 
-def _drawings(path: str, options: Mapping[str, Any], threshold: float, padding: float) -> Written:
+def _drawings(path: str, given: argparse.Namespace) -> tuple[list[Drawing], Page]:
     """The drawings of one file; of a picture of this program those that it shows."""
     if Path(path).suffix.lower() == ".svg" and b'class="level-1"' in (content := read_whole(path, DRAWING_LIMITS)):
         picture = _picture(content)
-        pixels = None if picture.y_up else DOWN
-        return Written([{0: levels[0]} for levels in picture.shapes], picture.frame, pixels=pixels)
-    source = read(path, Limits(), options)
+        page = replace(picture.page, pixels=None if picture.y_up else DOWN)
+        return [Drawing(levels[0], [levels[0]]) for levels in picture.shapes], page
+    source = read(path, Limits(), of_drawings(given))
+    if isinstance(given.clearance, Metres):
+        source = on_ground(source, given.clearance, inside=given.inside)
     if source.failures:
         raise invalid_file(" ".join(source.failures))
-    outlines = [
-        [each.content]
-        if isinstance(each.content, Mesh)
-        else boundaries_of_picture(alpha_channel(each.content) > threshold, padding)
-        for each in source.shapes
-    ]
+    shapes = []
+    for each in source.shapes:
+        if isinstance(each.content, Mesh):
+            found = [each.drawn or each.content]
+            shapes.append(Drawing(each.content, found, each.given, _style(each.properties)))
+        else:
+            threshold = HALF if given.threshold is None else given.threshold
+            found = boundaries_of_picture(alpha_channel(each.content) > threshold, given.clearance or 0.0)
+            shapes.append(Drawing(found[0], found))
     times = [each.properties.get("time") for each in source.shapes]
-    return Written(
-        [{0: first} for first, *_ in outlines],
-        source.frame,
-        crs=source.crs,
-        pixels=source.pixels,
-        times=_increasing(times) if len(times) > 1 else [],
-        given=[list(each.given) for each in source.shapes],
-        also=[mesh for _, *more in outlines for mesh in more],
-        styles=[_style(each.properties) for each in source.shapes],
-    )
+    return shapes, Page(source.frame, source.crs, source.pixels, _increasing(times) if len(times) > 1 else [])
 
 
 def read_cages(path: str) -> Written:
@@ -150,7 +159,7 @@ def _picture(content: bytes) -> Written:
         shapes[owner][level] = mesh
     if any(0 not in levels for levels in shapes.values()):
         raise invalid_file("The picture does not show the drawing of each cage.")
-    return Written([shapes[owner] for owner in sorted(shapes, key=_place)], frame, y_up)
+    return Written([shapes[owner] for owner in sorted(shapes, key=_place)], Page(frame), y_up)
 
 
 def _points(loop: str) -> FloatArray:
@@ -174,8 +183,8 @@ def _map(content: bytes) -> Written:
         features = document["features"]
     else:
         features = [document if kind == "Feature" else {"type": "Feature", "properties": None, "geometry": document}]
-    found = Written([], crs=document.get("crs"), pixels=document.get("pixels"))
-    pieces, last, times = list[Mesh](), 0, []
+    shapes, times, styles = list[Levels](), list[Any](), list[dict[str, Any]]()
+    pieces, last = list[Mesh](), 0
     for number, feature in enumerate(features):
         mesh, properties = _feature(feature, number)
         level, piece = properties.get("level", 1), properties.get("piece")
@@ -183,23 +192,23 @@ def _map(content: bytes) -> Written:
             raise invalid_file(f"The level of feature {number} is {shown(level)}, not a whole number.")
         if type(piece) is int:
             pieces.append(mesh)
-            if not found.shapes or level != last or piece != len(pieces):
+            if not shapes or level != last or piece != len(pieces):
                 raise invalid_file(f"Feature {number} is a piece of no cage before it.")
         else:
-            _check_pieces(pieces, found.shapes, last)
+            _check_pieces(pieces, shapes, last)
             pieces, last = [], level
-            if not found.shapes or level in found.shapes[-1]:
-                found.shapes.append({})
+            if not shapes or level in shapes[-1]:
+                shapes.append({})
                 times.append(properties.get("time"))
-                found.styles.append(_style(properties))
-            found.shapes[-1][level] = mesh
-        if properties.get("time") != times[-1] or _style(properties) != found.styles[-1]:
+                styles.append(_style(properties))
+            shapes[-1][level] = mesh
+        if properties.get("time") != times[-1] or _style(properties) != styles[-1]:
             raise invalid_file(f"Feature {number} has another time or style than what is before it.")
-    _check_pieces(pieces, found.shapes, last)
+    _check_pieces(pieces, shapes, last)
     if "bbox" in document:
-        _check_box(document["bbox"], [mesh for levels in found.shapes for mesh in levels.values()])
-    found.times.extend(_increasing(times))
-    return found
+        _check_box(document["bbox"], [mesh for levels in shapes for mesh in levels.values()])
+    page = Page(crs=document.get("crs"), pixels=document.get("pixels"), times=_increasing(times))
+    return Written(shapes, page, styles=styles)
 
 
 def _feature(feature: Any, number: int) -> tuple[Mesh, dict[str, Any]]:

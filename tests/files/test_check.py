@@ -255,6 +255,10 @@ def test_the_coordinates_must_be_those_of_the_drawing(folder: Path, tmp_path: Pa
         drawing.write_text(to_geojson(ONE, pixels=pixels))
         result.write_text(to_geojson(AROUND, pixels=own))
         checked(drawing, result, holds=pixels == own)
+    for style, own in itertools.product(({}, {"fill-opacity": 0}), repeat=2):
+        drawing.write_text(to_geojson([Feature(ONE, style)]))
+        result.write_text(to_geojson([Feature(AROUND, own)]))
+        checked(drawing, result, holds=style == own)
     for crs, own in itertools.product((None, metres), repeat=2):
         drawing.write_text(to_geojson(ONE, crs=crs))
         result.write_text(to_geojson(AROUND, crs=own))
@@ -295,6 +299,16 @@ def test_what_cannot_be_read_is_a_sentence(text: str, name: str, folder: Path, t
     (tmp_path / name).write_text(text)
     checked(folder / "in.svg", tmp_path / name, holds=False)
     checked(tmp_path / name, folder / "out.svg", holds=False)
+
+
+@pytest.mark.slow
+def test_clearances_in_metres_hold_on_the_ground(tmp_path: Path) -> None:
+    drawing, result, shape = tmp_path / "in.geojson", tmp_path / "out.geojson", star(5, 12)
+    drawing.write_text(to_geojson(shape.moved(0.1 * shape.vertices + (10.0, 60.0))))
+    assert run(drawing, "--levels", 8, "--clearance", "5km", "-o", result, "-o", tmp_path / "out.svg").status == 0
+    checked(drawing, result, "--clearance", "5km", "--levels", 8)
+    checked(drawing, tmp_path / "out.svg", "--clearance", "4.9km")
+    checked(drawing, result, "--clearance", "20km", holds=False)
 
 
 def test_each_shape_of_a_map_has_its_own_cages(tmp_path: Path) -> None:
