@@ -29,6 +29,10 @@ else:
                 raise AttributeError(name)  # used by tools that inspect modules, not by the add-on
             try:
                 from .. import nestedcages_core
+
+                room = nestedcages_core.__name__
+                module = nestedcages_core if self.__name__ == "core" else import_module(f"{room}.{self.__name__}")
+                return getattr(module, name)
             except ImportError as error:
                 if (error.name or "").partition(".")[0] != "scipy":
                     raise
@@ -36,9 +40,6 @@ else:
                     "Nested Cages needs scipy, which is not bundled with this copy of the extension: "
                     "install the zip for your operating system and Blender version"
                 ) from error
-            room = nestedcages_core.__name__
-            module = nestedcages_core if self.__name__ == "core" else import_module(f"{room}.{self.__name__}")
-            return getattr(module, name)
 
     core, broad_phase = map(_LazyModule, ("core", "geometry.broad_phase"))
     distance = _LazyModule("geometry.distance")

@@ -10,6 +10,7 @@ import itertools
 import time
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any
 
 import bpy
 import numpy as np
@@ -37,6 +38,8 @@ MAX_CORNERS, UNMOVED = 8, 1e-5
 
 # Session IDs of the finest cages of changed sets, and the time of the last change.
 _changed: dict[int, float] = {}
+# Files since whose opening no change was looked at, when all of their drawings are.
+_new_files: set[str] = set()
 # By session ID of drawings: where they stood, and some of their points.
 _stood: dict[int, tuple[Matrix, list[Vector]]] = {}
 
@@ -125,10 +128,13 @@ def _remember(context: Context, cage: Object, holds: bool, finding: core.Fault, 
 @bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
 def _on_update(_scene: Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Notes outputs whose drawing has changed its shape; cages stay where it is, however it carries them."""
-    touched = {update.id.original.session_uid: update.is_updated_geometry for update in depsgraph.updates}
-    if not touched:
+    changed: list[tuple[Any, bool]] = [(each.id.original, each.is_updated_geometry) for each in depsgraph.updates]
+    if not changed:
         return
-    for cage_set in CageSet.everywhere():
+    touched = {block.session_uid: geometry for block, geometry in changed}
+    sets = CageSet.everywhere() if _new_files else _sets_of([block for block, _ in changed])
+    _new_files.clear()
+    for cage_set in sets:
         theirs = cage_set.drawings()
         if not theirs:
             continue
@@ -136,7 +142,7 @@ def _on_update(_scene: Scene, depsgraph: bpy.types.Depsgraph) -> None:
             id.session_uid for obj in (*theirs, *record.shown_in(theirs[0])) for id in (obj, obj.data) if id is not None
         ]
         if theirs[0].session_uid in _stood and touched.keys().isdisjoint(ids):
-            continue  # most of many sets, at each move of the mouse
+            continue
         cages = {cage.session_uid for cage in cage_set.cages}
         for source in theirs:
             _stay(cage_set, source)
@@ -147,6 +153,12 @@ def _on_update(_scene: Scene, depsgraph: bpy.types.Depsgraph) -> None:
             if not _changed:
                 Job(_checking(), background=True).start()
             _changed[cage_set.finest.session_uid] = time.perf_counter()
+
+
+def _sets_of(ids: Sequence[bpy.types.ID]) -> list[CageSet]:
+    """The sets of objects among data-blocks."""
+    ours = [obj for obj in ids if isinstance(obj, Object) and (record.has_node(obj) or obj.library is not None)]
+    return list(dict.fromkeys(each for obj in ours for each in CageSet.all_of(obj)))
 
 
 def _carried(cage_set: CageSet) -> list[Object]:
@@ -266,11 +278,21 @@ def _check(context: Context, cage_set: CageSet) -> None:
             remember(context, [*chain.objects, *chain.originals], findings)
 
 
+@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
+def _on_load(*_: object) -> None:
+    """The drawings of another file stand elsewhere."""
+    _stood.clear()
+    _new_files.add(bpy.data.filepath)
+
+
 def register() -> None:
     bpy.app.handlers.depsgraph_update_post.append(_on_update)
+    bpy.app.handlers.load_post.append(_on_load)
+    _new_files.add("")
 
 
 def unregister() -> None:
+    bpy.app.handlers.load_post.remove(_on_load)
     bpy.app.handlers.depsgraph_update_post.remove(_on_update)
     _changed.clear()
     _stood.clear()

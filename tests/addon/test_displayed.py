@@ -140,15 +140,17 @@ def test_a_change_that_cages_cannot_follow_is_said_at_once(timers, hasty, change
 @pytest.mark.slow
 @pytest.mark.parametrize("bound", slow_after(1, [True, False], thorough_after=1))
 @pytest.mark.parametrize("add", [bezier, lambda: wire("Drawing", [star()])])
-def test_a_transform_that_is_applied_moves_no_cage(add, bound) -> None:
+def test_a_transform_that_is_applied_moves_no_cage(add, bound, tmp_path) -> None:
     add()
     source = bpy.context.object
     source.scale, source.rotation_euler, source.location = (2.0, 2.0, 2.0), (0.1, 0.2, 0.3), (1.0, 2.0, 3.0)
     generate("16, 8")
-    cages = [bpy.data.objects[f"{source.name} Cage {level}"] for level in (1, 2)]
-    end = bpy.context.scene.frame_current
+    name, end = source.name, bpy.context.scene.frame_current
     if bound:
         bind()
+    else:
+        drawings.save(tmp_path / "caged.blend", again=True)
+    source, *cages = (bpy.data.objects[name + ending] for ending in ("", " Cage 1", " Cage 2"))
     choose(source)
     bpy.ops.object.transform_apply()
     for cage in cages:
