@@ -180,7 +180,7 @@ class BoxTree:
     def _closest(self, points: FloatArray) -> ClosestEdge:
         """The closest segment to points (2, P) by the pyramid."""
         count, level, dots = points.shape[1], self._top, None
-        while count * self._count(level - 1) <= FEW_PAIRS:
+        while level > 0 and count * self._count(level - 1) <= FEW_PAIRS:
             level -= 1
         point = np.arange(count).repeat(self._count(level))
         box = np.tile(np.arange(self._count(level)), count)
