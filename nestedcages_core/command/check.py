@@ -40,8 +40,9 @@ def check_files(given: argparse.Namespace) -> int:
         return _check_animation(Path(given.drawing[0]))
     kind, lost, summary = "error", list[str](), ""
     try:
-        drawings, page = read_drawings(given)
         results = read_cages(given.result)
+        given.inside |= all(level <= 0 for levels in results.shapes for level in levels)
+        drawings, page = read_drawings(given)
         kind, summary = "wrong", _summary(results)
         problems = list(_problems(given, drawings, page, results, lost))
     except OSError as error:

@@ -16,7 +16,7 @@ from ..geometry.mesh import Mesh
 from ..levels import Level
 from .making import Made, Result
 from .options import STEM, STREAM, WRITTEN
-from .sources import Source, is_up
+from .sources import DOWN, Source, is_up
 
 REPORT_FORMAT, REPORT_VERSION = "nested-cages report", 1
 """Identifies the reports."""
@@ -41,15 +41,16 @@ def text_of(result: Result, kind: str, *, flip_y: bool, pieces: int | None) -> s
 def frames_of(results: Sequence[Result], *, flip_y: bool, pieces: int | None) -> str:
     """The cages of several pictures, as frames at the times 0, 1, …, with corresponding vertices in the same order.
 
-    Raises NestedCagesError where a picture lacks cages, or the pictures differ in size.
+    Raises NestedCagesError where a picture lacks cages, or the pictures are to be turned over and differ in size.
     """
     counts = [len(result.made[0].levels) if result.made else 0 for result in results]
     missing = [Path(result.source.path).name for result, n in zip(results, counts, strict=True) if n < max(counts)]
     if missing or not max(counts):
         raise invalid_file(f"not written, since {', '.join(missing or ['every picture'])} lacks cages.")
-    if any(result.source.pixels != results[0].source.pixels for result in results):
-        raise invalid_file("the pictures differ in size, so they cannot be frames of one animation.")
-    height, pixels = _turn(results[0].source, flip_y)
+    same = all(result.source.pixels == results[0].source.pixels for result in results)
+    if flip_y and not same:
+        raise invalid_file("the pictures differ in size, so their frames cannot be turned over together.")
+    height, pixels = _turn(results[0].source, flip_y) if same else (None, DOWN)
     rows = []
     for number in range(max(counts)):
         levels = [result.made[0].levels[number] for result in results]
@@ -162,7 +163,7 @@ def _svg(result: Result) -> str:
         prefix = f"{number}-" if len(result.made) > 1 else ""
         meshes[f"{prefix}drawing"] = each.fine
         meshes.update({f"{prefix}cage-{k}": level.cage for k, level in enumerate(each.levels, 1)})
-        levels += range(1 + len(each.levels))
+        levels += [0, *(-k if level.inside else k for k, level in enumerate(each.levels, 1))]
     return to_svg(meshes, frame=result.source.frame, levels=levels, y_up=is_up(result.source.pixels))
 
 
@@ -176,7 +177,7 @@ def _feature(
         **measures(mesh),
         **made.shape.properties,
         **({} if time is None else {"time": time}),
-        "level": number,
+        "level": -number if level.inside else number,
         "vertices": len(mesh.vertices),
         "excess": level.report.excess,
         "clearance": level.report.clearance,

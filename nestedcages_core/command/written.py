@@ -92,7 +92,9 @@ def read_drawings(given: argparse.Namespace) -> tuple[list[Drawing], Page]:
     for path, (shapes, _) in zip(given.drawing, files, strict=True):
         if len(shapes) != 1:
             raise invalid_file(f"{path} has {len(shapes)} shapes; a frame of a motion is one.")
-    return [shapes[0] for shapes, _ in files], replace(files[0][1], times=[*map(float, range(len(files)))])
+    page = replace(files[0][1], times=[*map(float, range(len(files)))])
+    same = all(each.pixels == page.pixels for _, each in files)
+    return [shapes[0] for shapes, _ in files], page if same else replace(page, pixels=DOWN)
 
 
 def _drawings(path: str, given: argparse.Namespace) -> tuple[list[Drawing], Page]:
@@ -159,16 +161,13 @@ def _picture(content: bytes) -> Written:
         shapes[owner][level] = mesh
     if any(0 not in levels for levels in shapes.values()):
         raise invalid_file("The picture does not show the drawing of each cage.")
-    return Written([shapes[owner] for owner in sorted(shapes, key=_place)], Page(frame), y_up)
+    in_order = sorted(shapes, key=lambda owner: (len(owner), owner))  # numbers by their size
+    return Written([shapes[owner] for owner in in_order], Page(frame), y_up)
 
 
 def _points(loop: str) -> FloatArray:
     """(k, 2) of a loop of path data."""
     return np.array(re.findall(r"[^\sLZ]+", loop), float).reshape(-1, 2)
-
-
-def _place(owner: str) -> int:
-    return int(owner) if owner.isdecimal() else 0
 
 
 def _map(content: bytes) -> Written:
