@@ -278,11 +278,12 @@ def _touching(rings: Sequence[FloatArray]) -> FloatArray:
 
 def _pushed(mesh: Mesh, rings: Sequence[FloatArray], size: float) -> tuple[Mesh, FloatArray, FloatArray]:
     """A mesh with corners moved outwards by about the rounding, to hold rings, and ends of the edges left outside."""
-    push = PUSH * float(np.abs(mesh.vertices).max())
-    starts, ends = uncovered_edges(mesh, rings)
-    for _ in range(PUSHES):
-        if not len(starts):
+    given, number, push = mesh, 0, PUSH * float(np.abs(mesh.vertices).max())
+    starts, ends = first = uncovered_edges(mesh, rings)
+    for attempt in range(PUSHES):
+        if not len(starts) or (attempt >= PUSHES // 2 and len(starts) == number):
             break
+        number = len(starts)
         vertex = np.unique(near_pairs(mesh.vertices, starts, ends, TOUCHING * size)[0])
         here, before, after = (mesh.vertices[k] for k in (vertex, mesh.predecessor[vertex], mesh.successor[vertex]))
         back, on = (step / np.hypot(*step.T)[:, None] for step in (before - here, after - here))
@@ -291,14 +292,14 @@ def _pushed(mesh: Mesh, rings: Sequence[FloatArray], size: float) -> tuple[Mesh,
         moved = mesh.vertices.copy()
         bent = orientation(before, here, after) <= 0
         moved[vertex[bent]] += push * (outwards / np.hypot(*outwards.T)[:, None])[bent]
-        try:
-            mesh = mesh.moved(moved).validated()
-        except InvalidMeshError:
-            break
+        mesh = mesh.moved(moved)
         starts, ends = uncovered_edges(mesh, list(np.stack((starts, ends), axis=1)))
         starts, ends = (starts, ends) if len(starts) else uncovered_edges(mesh, rings)
         push *= 4.0
-    return mesh, starts, ends
+    try:
+        return mesh.validated(), starts, ends
+    except InvalidMeshError:
+        return given, *first
 
 
 def _without_gaps(whole: Any, width: float, said: list[str]) -> Any:

@@ -88,4 +88,4 @@ def edge_keys(starts: FloatArray, ends: FloatArray) -> AnyArray:
     """(E,) a value for each edge that is the same for equal edges, whatever their direction."""
     turned = (starts[:, 0] > ends[:, 0]) | ((starts[:, 0] == ends[:, 0]) & (starts[:, 1] > ends[:, 1]))
     both = np.where(turned[:, None], np.hstack((ends, starts)), np.hstack((starts, ends))) + 0.0
-    return both.view([("", np.float64)] * 4).ravel()
+    return both.view(np.dtype((np.void, 32))).ravel()
