@@ -37,7 +37,7 @@ NECK = 1e-6
 ROOM = 2e-5
 """Width over the diagonal of gaps that have no room for a cage at the default clearance."""
 
-ATTEMPTS, NECK_ATTEMPTS = 6, 3
+ATTEMPTS, NECK_ATTEMPTS = 10, 3
 """Attempts to join parts that touch and to cover lines, and the last of these by necks; then all grows."""
 
 PUSH, PUSHES = 4.0 * float(np.finfo(float).eps), 12
@@ -258,7 +258,7 @@ def _closed(whole: Any, rings: Sequence[FloatArray], size: float, width: float, 
             said.append(f"parts touch in {where}: joined")
             whole = shapely.union_all([whole, *shapely.buffer(shapely.points(touching), reach, quad_segs=1)])
         elif mesh is None:
-            whole = shapely.buffer(whole, reach, join_style="mitre", mitre_limit=MITRE)
+            whole = shapely.buffer(whole, NECK * size, join_style="mitre", mitre_limit=MITRE)
         else:
             mesh, starts, ends = _pushed(mesh, rings, size)
             if not len(starts):
