@@ -61,8 +61,8 @@ nested-cages puppet PAINTING -o SCENE makes a game puppet of a layered painting
 FILES = """\
 input files, several of them or patterns such as "icons/*.svg"; - reads the standard input:
   .svg            what is painted; curves become chords within --tolerance, overlapping shapes are united
-  .geojson .json  polygons; every feature gets its own cages. Faults are repaired as map programs do, and each repair
-                  is named
+  .geojson .json  polygons; every feature gets its own cages, which hold all its rings exactly. Polygons that touch
+                  or cross are united, and each change is named
   .shp .gpkg .topojson  as maps, through pyogrio
   .png            opaque pixels, in pixels with y downwards
 
@@ -215,8 +215,8 @@ OPTIONS = {
     ),
     "drawings": (
         _option("--tolerance", type=length, metavar="LENGTH", help="greatest distance between a curve and its chords "
-                "(default: 1/2000 of the drawing's diagonal); gaps and spikes narrower than a tenth of it go, in maps "
-                "too; a clearance of at least as much encloses the curves themselves"),
+                "(default: 1/2000 of the drawing's diagonal); a clearance of at least as much encloses the curves "
+                "themselves"),
         _option("--element", "--only", metavar="ID", help="read only the element with this id"),
         _option("--layers", nargs="+", metavar="NAME", help="read only these layers: of a drawing by label or "
                 "id, of a map file by name (default: the first with polygons)"),
@@ -242,7 +242,7 @@ OPTIONS = {
 }  # fmt: skip
 """The options by topic of the help."""
 
-ALSO_FOR = {"tolerance": {"map"}, "layers": {"map"}, "inside": {"drawing", "map"}}
+ALSO_FOR = {"layers": {"map"}, "inside": {"drawing", "map"}}
 """Kinds of files other than those of the topic that an option is for."""
 
 APART = (("inside", "jobs"), *(("convex", other) for other in ("inside", "min_edge", "min_angle", "directions")))

@@ -104,7 +104,7 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
         drawing = svg_drawing(data, **options)
         shapes = [NamedShape("drawing", drawing.mesh)]
         return Source(path, kind, shapes, drawing.notes, frame=drawing.frame, pixels=DOWN)
-    found = read_map(data, limits)
+    found = read_map(data, limits, inside=options.get("inside", False))
     if not found.features and not found.refused:
         raise invalid_file("There are no polygons; give a map with Polygon or MultiPolygon features.")
     notes = [f"{note[0].upper()}{note[1:]}" for note in found.notes]
