@@ -24,6 +24,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return status
     except KeyboardInterrupt:
         problem, status = "interrupted", INTERRUPTED
+    except MemoryError:
+        problem, status = "error: there is not enough memory for this input; make it smaller, or lower --limit", FAILED
     except (OSError, NestedCagesError) as error:
         problem, status = f"error: {sentence_of(error, 'standard output')}", FAILED
         drop(sys.stdout)

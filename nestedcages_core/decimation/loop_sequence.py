@@ -17,11 +17,14 @@ from ..geometry.mesh import Mesh
 from ..geometry.solids import mesh_of
 from ..libraries import has_shapely, load_shapely
 
+MAX_PARTS = 3000
+"""Parts up to which some are joined; more have their convex hull, since joins would take minutes."""
+
 
 class LoopSequence:
     """The outlines around a mesh, by the number of joins; last, the convex hull.
 
-    Joins need shapely; without it there are the mesh and its hull.
+    Joins need shapely; without it, or for very many parts, there are the mesh and its hull.
     """
 
     def __init__(self, fine: Mesh) -> None:
@@ -56,7 +59,7 @@ class LoopSequence:
     @cached_property
     def joins(self) -> list[Any]:
         """The polygon of each join, the shortest first."""
-        if not (self.fine.loop_signs > 0).sum() > 1 or not has_shapely():
+        if not 1 < (self.fine.loop_signs > 0).sum() <= MAX_PARTS or not has_shapely():
             return []
         from .bridging import bridges  # with more of scipy
 

@@ -18,11 +18,11 @@ class Limits:
     """Maximum input of a reader; each limit is checked before memory is allocated."""
 
     bytes: int = 2**27
-    """Size of a file: 128 MB of JSON take about 1.5 GB of memory."""
+    """Size of a file."""
     elements: int = 250_000
     """Features of a map, polygons of a collision outline."""
-    points: int = 5_000_000
-    """Points of all outlines together."""
+    points: int = 1_000_000
+    """Points of all outlines together: a million of them take about 1 GB of memory."""
     seconds: int = 10
     """Time for uniting outlines, as the numbers of their crossings and of boxes that meet tell it beforehand."""
     pixels: int = 2**26
