@@ -6,11 +6,14 @@ neighbours share. No land is cut off the coast, and regions leave no gap and do 
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
+import shapely
 from contourpy import contour_generator
 
 from coast import heights, outside, rugged
-from nestedcages_core import Feature, Mesh, coverage_cages, write_geojson
+from nestedcages_core import Mesh, coverage_cages
 from plot import INK, QUIET, RED, arguments, fill, line, panels, save
 
 REGIONS = 24
@@ -50,13 +53,18 @@ def main() -> None:
     given = arguments(__doc__)
     regions = divided(96 if given.small else 512, 5 if given.small else REGIONS)
     (found,) = coverage_cages(list(regions.values()), SHARE)
-    simple = dict(zip(regions, found.regions, strict=True))
+    simple = {name: Mesh.of(region) for name, region in zip(regions, found.regions, strict=True)}
     for region in regions.values():
         assert not outside(region, found.coast.cage).any()
     before = len(np.unique(np.concatenate([region.vertices for region in regions.values()]), axis=0))
     print(f"{len(regions)} regions of {before} points; simplified {found.points}, all land inside: {found.coast}")
     print(f"Borders moved by at most {found.width:.3g} of the map's size")
-    write_geojson(given.output / "regions.geojson", [Feature(mesh, {"name": name}) for name, mesh in simple.items()])
+    features = [
+        {"type": "Feature", "properties": {"name": name}, "geometry": shapely.geometry.mapping(region)}
+        for name, region in zip(regions, found.regions, strict=True)
+    ]
+    text = json.dumps({"type": "FeatureCollection", "features": features})
+    (given.output / "regions.geojson").write_text(text, encoding="utf-8")
     print(f"Wrote {given.output / 'regions.geojson'}")
 
     figure, axes = panels(3, width=5.2, height=5.6)

@@ -37,7 +37,7 @@ def test_regions_fill_the_cage_of_their_land(seed: int, turn: float) -> None:
     inner = [polygon(region) for region in regions]
     points = len(np.unique(np.concatenate([region.vertices for region in regions]), axis=0))
     for share, found in zip((0.12, 0.04), coverage_cages(regions, ["12%", "4%"]), strict=True):
-        made = [polygon(region) for region in found.regions]
+        made = list(found.regions)
         cage = polygon(found.coast.cage)
         assert core.verify(found.coast.cage, found.coast.fine, same_loops=not any(found.coast.report.lost))
         assert check(found.coast.fine, found.coast)
@@ -58,7 +58,7 @@ def test_borders_stay_within_the_width() -> None:
     counts = []
     for width in (0.01, 0.05):
         (found,) = coverage_cages(regions, Within(distance=0.05), width=width)
-        lines = shapely.union_all([polygon(region).boundary for region in found.regions])
+        lines = shapely.union_all([region.boundary for region in found.regions])
         shared, count = np.unique(np.concatenate([region.vertices for region in regions]), axis=0, return_counts=True)
         away = shapely.distance(shapely.points(shared[count > 1]), lines).max()
         assert away <= (1.0 + 1e-6) * found.width and found.width <= width
@@ -70,8 +70,21 @@ def test_regions_with_slightly_different_borders_have_no_gap() -> None:
     west = [(0, 0), (5, 0), (5.00003, 2), (5, 4), (0, 4)]
     east = [(5, 0), (9, 0), (9, 4), (5, 4), (4.99998, 1)]
     (found,) = coverage_cages([Mesh.from_loops([west]), Mesh.from_loops([east])], 4)
-    made = [polygon(region) for region in found.regions]
+    made = list(found.regions)
     assert shapely.union_all(made).area == pytest.approx(found.coast.cage.area, rel=1e-9)
     assert area(made) == pytest.approx(found.coast.cage.area, rel=1e-9)
     for width in (0.0, -1.0, float("nan")):
         refusal(coverage_cages, crooked(4), 12, width=width)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_regions_of_pixels_are_a_valid_coverage_with_simple_borders(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    fields = [np.cumsum(np.cumsum(rng.normal(size=(12, 12)), axis=0), axis=1) for _ in range(3)]
+    chosen = np.argmax(fields, axis=0)
+    places = [np.nonzero(chosen == k) for k in range(3)]
+    regions = [shapely.coverage_union_all(shapely.box(x, y, x + 1, y + 1)) for y, x in places if len(x)]
+    (found,) = coverage_cages(regions, 8)
+    assert shapely.coverage_is_valid(list(found.regions))
+    assert shapely.union_all(list(found.regions)).area == pytest.approx(found.coast.cage.area, rel=1e-9)
+    assert found.points < 0.6 * len(np.unique(shapely.get_coordinates(regions), axis=0))
