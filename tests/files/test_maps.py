@@ -80,16 +80,6 @@ def test_lines_and_points_left_out_are_reported() -> None:
         assert Mesh.of(mixed).area == 16.0
 
 
-@pytest.mark.parametrize(
-    "second", [moved(SQUARE, 4, 4), moved(SQUARE, 4), moved(SQUARE, 3, 3), [[1, 1], [2, 1], [2, 2], [1, 1]], SQUARE]
-)
-def test_polygons_that_touch_overlap_or_lie_in_each_other_are_united(second: list[list[float]]) -> None:
-    with pytest.warns(UserWarning):
-        (found,) = features_from_geojson(collection(feature([SQUARE], [second])))
-    assert found.mesh.area == pytest.approx(by_geos([[SQUARE], [second]]).area, rel=1e-6)
-    assert len(found.mesh.loops) == 1
-
-
 @pytest.mark.parametrize("size", [1e-285, 1e-300])
 def test_shapes_too_small_for_a_repair_are_an_error(size: float) -> None:
     """GEOS leaves nothing of a rectangle with a hole that begins at its corner, or can't read a ring of few numbers."""

@@ -111,19 +111,6 @@ def test_shapes_that_nearly_touch_are_told_apart_or_joined(off: float) -> None:
     assert found.area == pytest.approx(9.0, abs=1e-5)
 
 
-def test_edges_in_common_vanish() -> None:
-    unit = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
-    tiles = [path_of([unit + np.array([x, y])]) for x in range(3) for y in range(3)]
-    whole = from_svg(svg("".join(tiles)))
-    assert (whole.area, len(whole.loops)) == (pytest.approx(9.0), 1)
-    frame = from_svg(svg("".join(tile for k, tile in enumerate(tiles) if k != 4)))
-    assert (frame.area, sorted(frame.loop_signs.tolist())) == (pytest.approx(8.0), [-1, 1])
-    assert area_of(path_of([unit]) + path_of([unit[::-1]])) == 1.0
-    left = 2.0 * unit
-    for other, area in ((left + np.array([2.0, 1.0]), 8.0), (0.5 * left + np.array([2.0, 0.5]), 5.0)):
-        assert area_of(path_of([left]) + path_of([other])) == pytest.approx(area)
-
-
 HAIRLINES = {
     "hole": "M0 0H10V10H0zM2 2h6v{0}h-6z",
     "triangular hole": "M0 0H10V10H0zM2 2h6l-6 {0}z",
