@@ -29,13 +29,16 @@ from .ground import on_ground
 from .options import Metres, of_drawings
 from .sources import DOWN, read
 
-HEAD = re.compile(r'<svg xmlns="[^"]*" ([^>]*) overflow="visible" data-outlines="decoration">\n(<g [^>]*>\n)?')
-PATH = re.compile(r'  <path id="([^"]*)" class="(level|inner)-(\d{1,6})" [^>]*?"\n    d="([^"]*)"/>\n')
+HEAD = re.compile(r'<svg xmlns="[^"]*" ([^>]{,999}) overflow="visible" data-outlines="decoration">\n(<g [^>]*>\n)?')
+PATH = re.compile(r'  <path id="([^"]*)" class="(level|inner)-(\d{1,6})" [^>]{,299}"\n    d="([^"]*)"/>\n')
 ATTRIBUTE = re.compile(r'(\w+)="([^"]*)"')
 """Where a picture has what its writer was given: the page, and name, level and loops of each path."""
 
 LAST_WORDS = re.compile(r"-?(drawing|shape|cage-\d+)$| (Inner )?(Fine|Cage \d+)(\.\d+)?$")
 """What the command and Blender add to the number or name of a shape in an id."""
+
+MEASURES = {"level", "vertices", "excess", "clearance"}
+"""Properties of cages that the command has written."""
 
 STYLES = ("fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width")
 """Properties that viewers of maps take for a style."""
@@ -223,6 +226,8 @@ def _feature(feature: Any, number: int) -> tuple[Mesh, dict[str, Any]]:
     ):
         raise invalid_file(f"Feature {number} is no polygon.")
     mesh = Mesh.from_geometry(geometry)
+    if properties.keys() >= MEASURES and properties["vertices"] != len(mesh.vertices):
+        raise invalid_file(f"Feature {number} has {len(mesh.vertices)} vertices, not {shown(properties['vertices'])}.")
     polygons = [geometry["coordinates"]] if geometry["type"] == "Polygon" else geometry["coordinates"]
     if any(ring[0] != ring[-1] for polygon in polygons for ring in polygon):
         raise invalid_file(f"Feature {number} has a ring that is not closed.")

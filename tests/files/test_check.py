@@ -177,8 +177,8 @@ def forged_maps(text: str) -> Iterator[str]:
         yield changed(["features"], [other for k, other in enumerate(whole["features"]) if k != number])
         yield from (changed([*place, "properties", name], value) for name, value in (
             ("level", own["level"] + 1), ("level", 0), ("level", -own["level"]), ("level", "1"), ("level", True),
-            ("level", 1.0), ("piece", 7), ("piece", 1), ("fill-opacity", 0), ("stroke", "#fff"), ("time", 5),
-            ("stroke-width", 99)) if own.get(name) != value)  # fmt: skip
+            ("vertices", 5), ("piece", 7), ("piece", 1), ("fill-opacity", 0), ("stroke", "#fff"), ("time", 5),
+            ("stroke-width", 99)) if own.get(name) != value and (name != "vertices" or name in own))  # fmt: skip
         yield from (changed([*place, name], value) for name, value in (
             ("type", "Polygon"), ("geometries", []), ("coordinates", []), ("bbox", [0, 0, 0, 0]), ("properties", []),
             ("style", {"display": "none"}), ("geometry", {"type": "GeometryCollection", "geometries": [geometry]}),
