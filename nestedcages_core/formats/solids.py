@@ -18,39 +18,22 @@ import numpy as np
 
 from ..errors import InvalidMeshError, invalid_file, no_outline
 from ..geometry.arrays import FloatArray
-from ..geometry.broad_phase import BoxTree, near_pairs
+from ..geometry.broad_phase import BoxTree
 from ..geometry.mesh import Mesh
-from ..geometry.mesh.closeness import TOUCHING, close_vertices, has_gaps
-from ..geometry.mesh.covering import edge_keys, uncovered_edges
-from ..geometry.predicates import ON_BOUNDARY, orientation, segments_intersect, winding_number
-from ..geometry.vectors import format_point
-from ..libraries import needed
+from ..geometry.mesh.closeness import TOUCHING, has_gaps
+from ..geometry.mesh.covering import edge_keys
+from ..geometry.predicates import ON_BOUNDARY, segments_intersect, winding_number
+from .closing import all_rings, closed_mesh, counted, narrow_gaps, place_of
+from .closing import rings_in as rings_in
+from .closing import shapely as shapely
 from .geometries import without_repeated_points
 from .limits import Quota
-
-with needed("shapely", "Reading shapes"):
-    import shapely as shapely
-
-NECK = 1e-6
-"""Half the width of strips, and of necks in the first attempt, over the diagonal; 1.5e-5 in all attempts together."""
 
 ROOM = 2e-5
 """Width over the diagonal of gaps that have no room for a cage at the default clearance."""
 
-ATTEMPTS, NECK_ATTEMPTS = 10, 2
-"""Attempts to join parts that touch and to cover lines, and the last of these by necks; then all grows."""
-
-PUSH, PUSHES = 4.0 * float(np.finfo(float).eps), 12
-"""First distance by which corners are moved outwards, over the largest coordinate; each further one is 4 times that."""
-
-MITRE, NOTCH = 1.8, 50.0
-"""Maximum mitre length of offsets outwards, and of offsets back: notches above 2.3 degrees stay."""
-
 PAIRS_PER_SECOND, CROSSINGS_PER_SECOND, OWN_CROSSINGS_PER_SECOND = 1_000_000, 30_000, 2_000
 """Pairs of edges whose boxes meet, crossings of different outlines and of one with itself united in a second."""
-
-CLOSED_PER_SECOND = 50_000
-"""Points of outlines whose gaps are closed in a second (measured)."""
 
 FEW = 500
 """Number of edges that are united without counting their crossings first."""
@@ -113,19 +96,19 @@ def solid(
         raise no_outline("The shapes have no inside.")
     spend(parts, quota)
     whole = parts[0] if len(parts) == 1 else shapely.union_all(parts)
-    rings = [*_rings(parts), *lines]
+    rings = [*all_rings(parts), *lines]
     size = float(np.hypot(*np.ptp(np.concatenate(rings), axis=0)))
     if not 0.0 < size < math.inf:
         raise no_outline("The shapes have no inside, or lie too far apart.")
     if specks > 0.0 and not inside:
         whole = _without_specks(whole, specks, said)
-        rings = _rings([whole])
+        rings = all_rings([whole])
     if not inside:
-        return _closed(whole, rings, size, max(width, specks), said, quota)
-    if not np.isin(edge_keys(*_edges_of(_rings([whole]))), edge_keys(*_edges_of(rings))).all():
+        return closed_mesh(whole, rings, size, max(width, specks), said, quota)
+    if not np.isin(edge_keys(*_edges_of(all_rings([whole]))), edge_keys(*_edges_of(rings))).all():
         whole = shapely.buffer(whole, -TOUCHING * size, join_style="mitre")
     frame = shapely.box(*(whole.bounds + size * np.array((-1.0, -1.0, 1.0, 1.0))))
-    around = _closed(frame - whole, _rings([whole]), size, max(width, specks), said, quota)
+    around = closed_mesh(frame - whole, all_rings([whole]), size, max(width, specks), said, quota)
     low = around.vertices[:, 0].min()
     found = [ring[::-1] for ring in around.rings if ring[:, 0].min() > low]
     if not found:
@@ -188,12 +171,6 @@ def bounds_of(areas: Sequence[Area]) -> tuple[FloatArray, FloatArray]:
     return np.fmin.reduce(points), np.fmax.reduce(points)
 
 
-def rings_in(geometry: Any) -> list[FloatArray]:
-    """The rings (k, 2) of all polygons, not closed, with the inside to their left."""
-    polygons = [part for part in shapely.get_parts(geometry) if part.geom_type == "Polygon" and part.area > 0.0]
-    return _rings(shapely.orient_polygons(polygons)) if polygons else []
-
-
 def strip_width(loops: Sequence[FloatArray]) -> float:
     """Thickness of loops (k, 2) as thin strips: twice the signed area over the length, negative if clockwise."""
     area, length = 0.0, 0.0
@@ -212,7 +189,7 @@ def spend(geometries: Sequence[Any], quota: Quota | None, *, own: bool = False) 
     """
     if quota is None:
         return
-    starts, ends = _edges_of(_rings(geometries, lines=True))
+    starts, ends = _edges_of(all_rings(geometries, lines=True))
     if len(starts) < FEW:
         return
     _, first, copies = np.unique(edge_keys(starts, ends), return_index=True, return_counts=True)
@@ -239,113 +216,10 @@ def _plain(area: Painted) -> Mesh | None:
     return None
 
 
-def _closed(
-    whole: Any, rings: Sequence[FloatArray], size: float, width: float, said: list[str], quota: Quota | None
-) -> Mesh:
-    """A region as a mesh that holds all rings, its gaps closed. Raises InvalidMeshError."""
-    failed = InvalidMeshError("The shapes are too close together to be told apart.", code="mesh.crossing")
-    width, closed = max(width, TOUCHING * size), False
-    for attempt in range(ATTEMPTS):
-        reach, outlines, mesh = NECK * size * (attempt + 1), rings_in(whole), None
-        try:
-            mesh = Mesh.from_loops(outlines)
-        except InvalidMeshError as error:
-            failed = error
-        touching = _touching(outlines) if mesh is None else np.zeros((0, 2))
-        if not closed and not len(touching) and (mesh is None or has_gaps(mesh, width)):
-            if quota is not None:
-                quota.spend("seconds", sum(map(len, outlines)) / CLOSED_PER_SECOND)
-            whole, closed = _without_gaps(whole, width, said), True
-            continue
-        if closed and mesh is not None:
-            touching = mesh.vertices[close_vertices(mesh, TOUCHING * size)]
-        if attempt <= NECK_ATTEMPTS and len(touching):
-            where = f"{_counted(len(touching), 'point')}, the first {format_point(touching[0])}"
-            said.append(f"parts touch in {where}: joined")
-            whole = shapely.union_all([whole, *shapely.buffer(shapely.points(touching), reach, quad_segs=1)])
-        elif mesh is None:
-            whole = shapely.buffer(whole, NECK * size, join_style="mitre", mitre_limit=MITRE)
-        else:
-            mesh, starts, ends = _pushed(mesh, rings, size)
-            if not len(starts):
-                return mesh
-            edges = shapely.linestrings(np.stack((starts, ends), axis=1))
-            said.append(f"{_counted(len(edges), 'line')}, the first at {_at(edges[0])}: covered by thin strips")
-            strips = shapely.buffer(edges, NECK * size, cap_style="square", join_style="mitre")
-            whole = shapely.union_all([shapely.geometry.shape(mesh), *strips])
-    raise failed
-
-
-def _touching(rings: Sequence[FloatArray]) -> FloatArray:
-    """The points (k, 2) that rings have in common."""
-    places, number = np.unique(np.concatenate(rings), axis=0, return_counts=True)
-    return np.asarray(places[number > 1])
-
-
-def _pushed(mesh: Mesh, rings: Sequence[FloatArray], size: float) -> tuple[Mesh, FloatArray, FloatArray]:
-    """A mesh with corners moved outwards by about the rounding, to hold rings, and ends of the edges left outside."""
-    given, number, push = mesh, 0, PUSH * float(np.abs(mesh.vertices).max())
-    starts, ends = first = uncovered_edges(mesh, rings)
-    for attempt in range(PUSHES):
-        if not len(starts) or (attempt >= PUSHES // 2 and len(starts) == number):
-            break
-        number = len(starts)
-        vertex = np.unique(near_pairs(mesh.vertices, starts, ends, TOUCHING * size)[0])
-        here, before, after = (mesh.vertices[k] for k in (vertex, mesh.predecessor[vertex], mesh.successor[vertex]))
-        back, on = (step / np.hypot(*step.T)[:, None] for step in (before - here, after - here))
-        outwards = np.stack((on[:, 1] - back[:, 1], back[:, 0] - on[:, 0]), axis=1)  # the normals of both edges
-        outwards += np.where((outwards * (back + on)).sum(axis=1)[:, None] < 0.0, -1.0, 1.0) * (back + on)
-        moved = mesh.vertices.copy()
-        bent = orientation(before, here, after) <= 0
-        moved[vertex[bent]] += push * (outwards / np.hypot(*outwards.T)[:, None])[bent]
-        mesh = mesh.moved(moved)
-        starts, ends = uncovered_edges(mesh, list(np.stack((starts, ends), axis=1)))
-        starts, ends = (starts, ends) if len(starts) else uncovered_edges(mesh, rings)
-        push *= 4.0
-    try:
-        return mesh.validated(), starts, ends
-    except InvalidMeshError:
-        return given, *first
-
-
-def _without_gaps(whole: Any, width: float, said: list[str]) -> Any:
-    """A region with gaps and holes narrower than a width closed."""
-    parts, gaps = [], []
-    for part in shapely.get_parts(whole):
-        lakes = np.array([shapely.Polygon(ring) for ring in part.interiors], object)
-        narrow = 2.0 * shapely.area(lakes) < width * shapely.length(lakes)
-        gaps += list(lakes[narrow])
-        parts.append(
-            shapely.Polygon(part.exterior, shapely.get_exterior_ring(lakes[~narrow])) if narrow.any() else part
-        )
-    whole = shapely.multipolygons(parts)
-    gaps += _narrow_gaps(whole, width)
-    if not gaps:
-        return whole
-    said.append(f"{_counted(len(gaps), 'gap')} narrower than {width:.3g}, the first at {_at(gaps[0])}: closed")
-    return shapely.union_all([whole, *gaps])
-
-
-def _narrow_gaps(region: Any, width: float) -> list[Any]:
-    """What closing adds to a region so that no gap in it is narrower than a width, beyond rounding."""
-    reach, margin = 0.5 * width, 1e-3 * width
-    with suppress(shapely.errors.GEOSException):
-        wider = shapely.buffer(region, reach, join_style="mitre", mitre_limit=MITRE)
-        deep, back = (
-            shapely.difference(shapely.buffer(wider, by, join_style="mitre", mitre_limit=NOTCH), region)
-            for by in (-reach - margin, -reach)
-        )
-        gaps = shapely.get_parts(back)
-        gaps = gaps[shapely.area(gaps) > 0.0]
-        _, found = shapely.STRtree(gaps).query(shapely.get_parts(deep), predicate="intersects")
-        return list(gaps[np.unique(found)])
-    return []
-
-
 def _without_specks(whole: Any, width: float, said: list[str]) -> Any:
     """A region without parts and spikes narrower than a width; what joins others stays."""
     frame = shapely.box(*(whole.bounds + width * np.array((-9.0, -9.0, 9.0, 9.0))))
-    narrow = np.array(_narrow_gaps(frame - whole, width), object)
+    narrow = np.array(narrow_gaps(frame - whole, width), object)
     body = shapely.difference(whole, shapely.union_all(narrow))
     contacts = shapely.line_merge(shapely.intersection(shapely.boundary(narrow), body))
     loose = narrow[shapely.get_num_geometries(contacts) < 2]
@@ -353,32 +227,13 @@ def _without_specks(whole: Any, width: float, said: list[str]) -> Any:
         return whole
     longest = loose[int(np.argmax(shapely.length(loose)))]
     said.append(
-        f"{_counted(len(loose), 'part')} narrower than {width:.3g}, the longest at {_at(longest)} with a length of "
+        f"{counted(len(loose), 'part')} narrower than {width:.3g}, the longest at {place_of(longest)} with a length of "
         f"{0.5 * longest.length:.3g}: left out"
     )
     return shapely.difference(whole, shapely.union_all(loose))
-
-
-def _rings(geometries: Sequence[Any], *, lines: bool = False) -> list[FloatArray]:
-    """The rings (k, 2) of polygons, not closed; lines: those of lines too, which are closed then."""
-    parts = shapely.get_parts(shapely.get_parts(np.array(geometries, object)))
-    rings = shapely.get_rings(parts)
-    if lines:
-        rings = np.concatenate([rings, parts[shapely.get_dimensions(parts) == 1]])
-    points, ring = shapely.get_coordinates(rings, return_index=True)
-    begins = np.searchsorted(ring, np.arange(1, len(rings)))
-    return [each[:-1] if (each[0] == each[-1]).all() else each for each in np.split(points, begins) if len(each)]
 
 
 def _edges_of(loops: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Ends (E, 2), (E, 2) of all edges of loops."""
     none = np.zeros((0, 2))
     return np.concatenate([none, *loops]), np.concatenate([none, *(np.roll(loop, -1, axis=0) for loop in loops)])
-
-
-def _at(shape: Any) -> str:
-    return format_point(shapely.get_coordinates(shape)[0])
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"

@@ -81,17 +81,6 @@ def test_nested_loops_keep_their_points_whoever_paints_them() -> None:
     assert len(from_svg(svg(covered)).loops) == 1
 
 
-def test_what_touches_in_a_point_becomes_one() -> None:
-    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    chess = [square + np.array([x, y]) for x in range(4) for y in range(4) if (x + y) % 2]
-    found = from_svg(svg("".join(path_of([loop]) for loop in chess)))
-    assert len(found.loops) == 1 + 2  # the two inner squares left blank are holes
-    area = solid(found)
-    assert area.is_valid
-    assert all(area.covers(shapely.Polygon(loop)) for loop in chess)
-    assert area.area == pytest.approx(8.0, abs=1e-2)
-
-
 @pytest.mark.parametrize("ulps", [-3, -1, 1, 3])
 def test_parts_that_sums_of_decimals_put_an_ulp_apart_touch(ulps: int) -> None:
     """Or overlap by as much: they have a neck, and there is room for a cage."""
