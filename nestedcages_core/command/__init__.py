@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
@@ -15,20 +17,38 @@ DONE, FAILED, INTERRUPTED = 0, 1, 130
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit status. Ctrl-C and errors of the operating system end in a sentence."""
+    interrupts, process = list[int](), os.getpid()
+
+    def interrupt(number: int, frame: object) -> None:
+        if os.getpid() != process:  # a worker that has just begun
+            os._exit(INTERRUPTED)
+        interrupts.append(number)  # libraries make other errors of a KeyboardInterrupt while they are imported
+        raise KeyboardInterrupt
+
+    with suppress(ValueError):  # in another thread than the first
+        signal.signal(signal.SIGINT, interrupt)
     for stream in (sys.stdout, sys.stderr):
         with suppress(AttributeError, ValueError, OSError):  # a replaced stream, without an encoding
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     try:
         status = _run(sys.argv[1:] if arguments is None else list(arguments))
-        tell("", sys.stdout, end="")
-        return status
-    except KeyboardInterrupt:
-        problem, status = "interrupted", INTERRUPTED
-    except MemoryError:
-        problem, status = "error: there is not enough memory for this input; make it smaller, or lower --limit", FAILED
-    except (OSError, NestedCagesError) as error:
-        problem, status = f"error: {sentence_of(error, 'standard output')}", FAILED
-        drop(sys.stdout)
+        if not interrupts:
+            tell("", sys.stdout, end="")
+            return status
+        raise KeyboardInterrupt  # one that was lost on its way here
+    except BaseException as error:
+        if interrupts or isinstance(error, KeyboardInterrupt):
+            problem, status = "interrupted", INTERRUPTED
+        elif isinstance(error, MemoryError):
+            problem, status = "error: there is not enough memory for this input; make it smaller", FAILED
+        elif isinstance(error, OSError | NestedCagesError):
+            problem, status = f"error: {sentence_of(error, 'standard output')}", FAILED
+        else:
+            raise
+    finally:
+        with suppress(ValueError):
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+    drop(sys.stdout)
     with suppress(OSError):
         tell(problem, sys.stderr)
     return status

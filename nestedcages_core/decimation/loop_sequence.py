@@ -17,7 +17,7 @@ from ..geometry.mesh import Mesh
 from ..geometry.solids import mesh_of
 from ..libraries import has_shapely, load_shapely
 
-MAX_PARTS = 3000
+MAX_PARTS = 1000
 """Parts up to which some are joined; more have their convex hull, since joins would take minutes."""
 
 
