@@ -12,17 +12,15 @@ from ..errors import NestingError, invalid_file
 from ..levels import Level, Progress, Settings, Wanted, nested_cages
 from .solids import shapely, solid
 
-GAPS, FARTHEST = 4.0, 0.05
-"""Maximum tolerance of borders where none is given, in mean gaps between a coast and its cage, or in diagonals."""
+FARTHEST = 0.05
+"""Maximum tolerance of borders where no width is given, in diagonals."""
 
 STEPS, FINEST, COARSER = 10, 1e-3, 4.0
 """Halvings of the range of tolerances of borders, its least part, and its end over a width that is given."""
 
-COMMON_GRID = 1e-9
-"""Spacing, in diagonals of the land, of the numbers that regions are rounded to if their borders do not match."""
-
-TOUCH, BEYOND = 1e-9, 1e-6
-"""Share of a line from a coast to the cage that may lie on land, by rounding, and by how much it goes on behind it."""
+COMMON_GRID, TOUCH, BEYOND = 1e-9, 1e-9, 1e-6
+"""Spacing, in diagonals, of the numbers that regions are rounded to if their borders do not match; share of a line from
+a coast to the cage that may lie on land, by rounding; and by how much it goes on behind the cage."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,11 +62,9 @@ def coverage_cages(
     inner = _on_common_points([shapely.geometry.shape(region) for region in regions])
     found = []
     for level in nested_cages(solid(inner), levels, settings, progress=progress):
-        divided = _cells(inner, shapely.geometry.shape(level.cage))
-        gap = (level.cage.area - level.fine.area) / level.cage.edge_lengths.sum()
-        farthest = max(GAPS * gap, FARTHEST * level.cage.diagonal) if width is None else COARSER * width
+        farthest = FARTHEST * level.cage.diagonal if width is None else COARSER * width
         least = len(level.cage.vertices) / len(level.fine.vertices) * _count(inner)
-        inner, strayed = _simplified(divided, farthest, least, width)
+        inner, strayed = _simplified(_cells(inner, shapely.geometry.shape(level.cage)), farthest, least, width)
         if not shapely.coverage_is_valid(inner):
             raise NestingError(
                 "The regions are too thin to be divided along simple borders.", code="certificate.failed"
@@ -90,10 +86,9 @@ def _cells(regions: Sequence[Any], cage: Any) -> list[Any]:
     """The cage divided among regions: each has its land, and the sea in front of its coast."""
     lines = [*shapely.boundary(np.array(regions)), shapely.boundary(cage), *_ways_to_sea(regions, cage)]
     faces = shapely.get_parts(shapely.polygonize([shapely.union_all(lines)]))
-    places = shapely.point_on_surface(faces)
-    faces, places = (each[shapely.contains_properly(cage, places)] for each in (faces, places))
+    faces = faces[shapely.contains_properly(cage, shapely.point_on_surface(faces))]
     owner = np.full(len(faces), -1)
-    face, region = shapely.STRtree(regions).query(places, predicate="intersects")
+    face, region = shapely.STRtree(regions).query(shapely.point_on_surface(faces), predicate="intersects")
     owner[face[::-1]] = region[::-1]  # the first region, where some overlap
     _give_to_neighbours(faces, owner)
     return [shapely.coverage_union_all(faces[owner == k]) for k in range(len(regions))]
@@ -131,8 +126,7 @@ def _give_to_neighbours(faces: Any, owner: Any) -> None:
 
 def _simplified(coverage: Sequence[Any], farthest: float, least: float, width: float | None) -> tuple[list[Any], float]:
     """The coverage with the simplest borders, moved at most by a width or of a least count of points, and how far."""
-    low, high = FINEST * farthest, farthest
-    best, strayed = list(coverage), 0.0
+    low, high, best, strayed = FINEST * farthest, farthest, list(coverage), 0.0
     for _ in range(STEPS):
         tolerance = np.sqrt(low * high)
         trial = list(shapely.coverage_simplify(coverage, tolerance, simplify_boundary=False))
@@ -147,8 +141,8 @@ def _simplified(coverage: Sequence[Any], farthest: float, least: float, width: f
 def _moved_by(before: Sequence[Any], after: Sequence[Any]) -> float:
     """The largest distance of a point of a region from the outline of the same region afterwards."""
     points = [shapely.points(shapely.get_coordinates(region)) for region in before]
-    lines = shapely.boundary(np.array(after, object))
-    return max(float(shapely.distance(each, line).max(initial=0.0)) for each, line in zip(points, lines, strict=True))
+    pairs = zip(points, shapely.boundary(np.array(after, object)), strict=True)
+    return max(float(shapely.distance(each, line).max(initial=0.0)) for each, line in pairs)
 
 
 def _count(regions: Sequence[Any]) -> int:
