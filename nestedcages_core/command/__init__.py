@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from ..errors import NestedCagesError
-from .progress import drop, sentence_of, tell
+from .progress import STANDARD_OUTPUT, drop, sentence_of, tell
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 """Exit statuses; the last is that of a program ended by Ctrl-C. Wrong use ends with 2, by argparse."""
@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         elif isinstance(error, MemoryError):
             problem, status = "error: there is not enough memory for this input; make it smaller", FAILED
         elif isinstance(error, OSError | NestedCagesError):
-            problem, status = f"error: {sentence_of(error, 'standard output')}", FAILED
+            problem, status = f"error: {sentence_of(error, STANDARD_OUTPUT)}", FAILED
         else:
             raise
     finally:

@@ -16,6 +16,7 @@ from ..geometry.mesh import Mesh
 from ..levels import Level
 from .making import Made, Result
 from .options import STEM, STREAM, WRITTEN
+from .progress import STANDARD_OUTPUT
 from .sources import DOWN, Source, is_up
 
 REPORT_FORMAT, REPORT_VERSION = "nested-cages report", 1
@@ -85,8 +86,11 @@ def put(texts: Mapping[str, str]) -> None:
         return
     if sys.stdout is None or sys.stdout.closed:
         raise invalid_file("The standard output is closed; name a file.")
-    sys.stdout.buffer.write(texts[STREAM].encode("utf-8"))
-    sys.stdout.buffer.flush()
+    try:
+        sys.stdout.buffer.write(texts[STREAM].encode("utf-8"))
+        sys.stdout.buffer.flush()
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), STANDARD_OUTPUT) from error
 
 
 def report(entries: Sequence[Mapping[str, Any]]) -> str:

@@ -11,6 +11,9 @@ from typing import Any, TextIO
 
 from ..errors import NestedCagesError
 
+STANDARD_OUTPUT = "standard output"
+"""Its name in messages."""
+
 BAR = 24
 """Characters of the progress bar."""
 
@@ -27,8 +30,9 @@ def tell(text: str, stream: TextIO | None, *, end: str = "\n") -> None:
         stream.flush()
     except OSError as error:
         drop(stream)
+        # on Windows a closed pipe is an invalid argument
         if not isinstance(error, BrokenPipeError) and not (sys.platform == "win32" and error.errno == EINVAL):
-            raise  # on Windows a closed pipe is an invalid argument
+            raise OSError(error.errno, error.strerror or str(error), STANDARD_OUTPUT) from error
 
 
 def drop(stream: TextIO | None) -> None:
