@@ -286,7 +286,7 @@ def of_drawings(given: argparse.Namespace) -> dict[str, Any]:
     from ..formats import DRAWING_LIMITS
 
     return {
-        **{name: getattr(given, name) for name in ("tolerance", "element")},
+        **{name: getattr(given, name) for name in ("tolerance", "element", "inside")},
         **{name: not getattr(given, f"no_{name}") for name in ("strokes", "crop")},
         "layers": tuple(given.layers or ()),
         "limits": replace(DRAWING_LIMITS, **given.limits),

@@ -96,23 +96,6 @@ def test_arcs_out_of_range_are_mended_as_the_standard_says() -> None:
     assert painted("M3 3 A1 1 0 0 1 3 3 H9 V9 Z").area == 18.0  # no way to go: nothing
 
 
-@pytest.mark.parametrize("tolerance", [1.0, 0.1, 1e-3])
-@pytest.mark.parametrize(
-    ("data", "curve"),
-    [
-        ("M0 0C30 90 60 -80 100 5V200H0Z", [(0, 0), (30, 90), (60, -80), (100, 5)]),
-        ("M0 0Q40 90 100 0V200H0Z", [(0, 0), (40, 90), (100, 0)]),
-    ],
-)
-def test_chords_stay_within_the_tolerance(data: str, curve: list[tuple[float, float]], tolerance: float) -> None:
-    outline = painted(data, tolerance).boundary
-    dense = bezier(*curve)
-    assert shapely.distance(shapely.points(dense), outline).max() <= tolerance * 1.0001
-    corners = shapely.points(shapely.get_coordinates(outline))
-    near = corners[shapely.distance(corners, shapely.box(0.001, -90, 99.999, 90)) == 0.0]
-    assert shapely.distance(near, shapely.LineString(dense)).max() <= tolerance + 0.01
-
-
 def test_chords_follow_a_fraction_of_the_drawing_without_a_tolerance() -> None:
     for scale in (1e-6, 1.0, 1e6):
         circle = solid(from_svg(svg(f'<circle r="{scale}"/>')))

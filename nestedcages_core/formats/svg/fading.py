@@ -21,7 +21,9 @@ def visible(
     faintest: float,
     box: tuple[FloatArray, FloatArray],
     matrix: FloatArray,
-    bounds: FloatArray,
+    bounds: tuple[float, ...],
+    *,
+    inside: bool,
 ) -> Any:
     """The region within `bounds`, (x, y, x, y) of the document, where a gradient is more opaque than `faintest`.
 
@@ -39,7 +41,10 @@ def visible(
     here = moved(corners, np.asarray(np.linalg.inv(to_document), np.float64))
     parts = []
     for start, end in intervals_above(gradient.stops, alphas, faintest):
-        part = (_disc_between if gradient.radial else _strip)(gradient.numbers, start, end, here)
+        if gradient.radial:
+            part = _disc_between(gradient.numbers, start, end, here, inside=inside)
+        else:
+            part = _strip(gradient.numbers, start, end, here)
         parts.append(shapely.transform(part, lambda points: moved(points, to_document)))
     return shapely.intersection(shapely.union_all(parts), everywhere)
 
@@ -59,18 +64,19 @@ def _strip(numbers: tuple[float, ...], start: float, end: float, here: FloatArra
     return shapely.Polygon([origin + t * along + s * across for t, s in ends])
 
 
-def _disc_between(numbers: tuple[float, ...], start: float, end: float, here: FloatArray) -> Any:
-    """The region between two parameters of a radial gradient."""
+def _disc_between(numbers: tuple[float, ...], start: float, end: float, here: FloatArray, *, inside: bool) -> Any:
+    """The region between two parameters of a radial gradient, with chords outside of it, or inside."""
     cx, cy, radius, fx, fy = numbers
 
-    def disc(t: float) -> Any:
+    def disc(t: float, *, around: bool) -> Any:
         if not np.isfinite(t):
             return shapely.MultiPoint(here).convex_hull
         middle = shapely.Point(fx + (cx - fx) * t, fy + (cy - fy) * t)
-        return middle.buffer(max(radius * t, 0.0), quad_segs=GRADIENT_SEGMENTS)
+        wider = 1.0 / np.cos(np.pi / (4.0 * GRADIENT_SEGMENTS)) if around else 1.0
+        return middle.buffer(max(wider * radius * t, 0.0), quad_segs=GRADIENT_SEGMENTS)
 
-    outer = disc(end)
-    return outer if start <= 0.0 else shapely.difference(outer, disc(start))
+    outer = disc(end, around=not inside)
+    return outer if start <= 0.0 else shapely.difference(outer, disc(start, around=inside))
 
 
 def intervals_above(stops: tuple[Stop, ...], alphas: FloatArray, faintest: float) -> list[tuple[float, float]]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...errors import invalid_file
 from ...geometry.arrays import FloatArray
+from .curves import Subpath
 from .document import Document
 from .elements import name_of
 from .faults import Faults, quoted
@@ -18,7 +19,6 @@ from .names import layer_names
 from .options import SvgOptions
 from .outlines import through
 from .paints import Paint
-from .path_data import Subpath
 from .strokes import Stroke
 from .style import Style
 
@@ -150,14 +150,14 @@ def origin_of(style: Style, viewport: Viewport, title: str, faults: Faults) -> t
     return parse_length(x, "x", what, viewport), parse_length(y, "y", what, viewport)
 
 
+def is_meant(item: ET.Element) -> bool:
+    """Whether an element needs no extensions and is for readers of English, if it is for some only."""
+    languages = item.get("systemLanguage")
+    return not item.get("requiredExtensions") and (
+        languages is None or any(part.strip().lower().startswith("en") for part in languages.split(","))
+    )
+
+
 def chosen(item: ET.Element) -> list[ET.Element]:
-    """The element that a `switch` draws: its first child without unknown requirements."""
-    for child in item:
-        languages = child.get("systemLanguage")
-        if (
-            name_of(child) not in ("", "foreignObject")
-            and not child.get("requiredExtensions")
-            and (languages is None or any(part.strip().startswith("en") for part in languages.split(",")))
-        ):
-            return [child]
-    return []
+    """The element that a `switch` draws: the first of its children that is meant."""
+    return [child for child in item if name_of(child) not in ("", "foreignObject") and is_meant(child)][:1]

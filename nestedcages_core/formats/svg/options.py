@@ -21,7 +21,9 @@ class SvgOptions:
     """Options for reading a drawing."""
 
     tolerance: float | None = None
-    """Largest distance between a curve and its chords; 1/2000 of the drawing's diagonal if None."""
+    """Largest distance between a curve and the edges in its place; 1/2000 of the drawing's diagonal if None."""
+    inside: bool = False
+    """Whether these edges are inside of what is painted, for cages inside; by default they are outside."""
     element: str | None = None
     """The id of one element to read alone."""
     layers: tuple[str, ...] = ()

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..limits import Limits, Quota
+from .curves import CONIC, LINE, Subpath
 from .elements import name_of, title_of
 from .faults import quoted
 from .lengths import NUMBER, Viewport, attribute
-from .path_data import CUBIC, LINE, PathReader, Subpath, ellipse
+from .path_data import PathReader, ellipse
 
 OUTLINED = frozenset(("path", "rect", "circle", "ellipse", "line", "polyline", "polygon"))
 """Elements with an outline."""
@@ -60,8 +61,9 @@ def outline(item: ET.Element, viewport: Viewport, quota: Quota | None = None) ->
     if name in ("circle", "ellipse"):
         radii = [length("r")] * 2 if name == "circle" else _radii(item, viewport)
         centre = np.array([length("cx"), length("cy")])
-        points = ellipse(centre, np.diag(radii))
-        return [Subpath(points, np.full(len(points) // CUBIC, CUBIC), True)] if min(radii) > 0.0 else []
+        points, half = ellipse(centre, np.diag(radii))
+        count = len(points) // CONIC
+        return [Subpath(points, np.full(count, CONIC), np.full(count, half), True)] if min(radii) > 0.0 else []
     return []
 
 
@@ -69,7 +71,8 @@ def through(points: ArrayLike, *, closed: bool) -> list[Subpath]:
     """Lines through points."""
     given = np.asarray(points, dtype=np.float64)
     around = np.concatenate((given, given[:1])) if closed else given
-    return [Subpath(around, np.full(len(around) - 1, LINE), closed)] if len(given) > 1 else []
+    edges = len(around) - 1
+    return [Subpath(around, np.full(edges, LINE), np.zeros(edges), closed)] if len(given) > 1 else []
 
 
 def _radii(item: ET.Element, viewport: Viewport) -> list[float]:
@@ -86,8 +89,8 @@ def _rectangle(x: float, y: float, width: float, height: float, rx: float, ry: f
     if not (rx > 0.0 and ry > 0.0):
         return through(np.roll(corners, 2, axis=0), closed=True)
     centres = corners + np.array([[-rx, -ry], [rx, -ry], [rx, ry], [-rx, ry]])
-    quarters = [
-        ellipse(centre, np.diag((rx, ry)), k * math.pi / 2.0, math.pi / 2.0) for k, centre in enumerate(centres)
-    ]
-    degrees = np.concatenate([np.append(np.full(len(quarter) // CUBIC, CUBIC), LINE) for quarter in quarters])
-    return [Subpath(np.concatenate((*quarters, quarters[0][:1])), degrees, True)]
+    axes, quarter = np.diag((rx, ry)), math.pi / 2.0
+    arcs = [ellipse(centre, axes, k * quarter, quarter)[0] for k, centre in enumerate(centres)]
+    points = np.concatenate((*arcs, arcs[0][:1]))
+    degrees = np.array([CONIC, LINE] * 4)
+    return [Subpath(points, degrees, np.where(degrees == CONIC, quarter / 2.0, 0.0), True)]

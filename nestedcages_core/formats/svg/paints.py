@@ -10,30 +10,16 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from ...geometry.arrays import FloatArray
-from ..libraries import load_css
+from .colours import BLACK, CURRENT, Colour, colour_from, parsed_colour
 from .document import Document
 from .elements import link_of, name_of
 from .lengths import parse_length, share
 from .style import Style, Styles
 
 URL = re.compile(r"url\(\s*['\"]?\s*(#[^'\")\s]*)\s*['\"]?\s*\)\s*(.*)", re.DOTALL)
-OPAQUE = re.compile(r"#(?:[0-9a-fA-F]{3}){1,2}")
-
-LUMINANCE = (0.2125, 0.7154, 0.0721)
-"""Weights of red, green and blue (SVG 1.1, section 14.4)."""
-
 GRADIENTS = ("linearGradient", "radialGradient")
 MAX_LINKS = 16
 """Maximum length of a chain of gradients that refer to each other."""
-
-
-@dataclass(frozen=True)
-class Colour:
-    """Opacity, luminance and sRGB of a colour, from 0 to 1."""
-
-    alpha: float = 1.0
-    luminance: float = 0.0
-    rgb: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -66,7 +52,7 @@ class Paint:
     """A colour, or a gradient; `opacity` applies to both."""
 
     opacity: float
-    colour: Colour = Colour()
+    colour: Colour = BLACK
     gradient: Gradient | None = None
 
     @property
@@ -90,55 +76,40 @@ def link_in(value: str) -> tuple[str, str]:
     return (found[1], found[2].strip()) if found else ("", "")
 
 
-def colour_of(text: str, style: Style, *, bright: bool) -> Colour | None:
-    """A colour; None for none. bright: whether more than its opacity matters."""
-    text = text.strip()
-    lower = text.lower()
-    if lower == "currentcolor":
-        text = style.get("color", "black")
-        lower = text.lower()
-    if lower == "none":
+def colour_of(text: str, style: Style) -> Colour | None:
+    """A colour; None for none."""
+    if text.strip().lower() == "none":
         return None
-    if lower == "transparent":
-        return Colour(0.0)
-    if lower in ("white", "black"):
-        light = float(lower == "white")
-        return Colour(1.0, light, (light, light, light))
-    if not bright and (lower.isalpha() or OPAQUE.fullmatch(text)):
-        return Colour()
-    parsed = load_css()[0].color4.parse_color(text)
-    if parsed is None or parsed == "currentcolor":
-        return Colour()
-    red, green, blue = (min(max(float(part), 0.0), 1.0) for part in parsed.to("srgb").coordinates)
-    return Colour(float(parsed.alpha), _luminance(red, green, blue), (red, green, blue))
-
-
-def _luminance(red: float, green: float, blue: float) -> float:
-    return sum(weight * part for weight, part in zip(LUMINANCE, (red, green, blue), strict=True))
+    found = parsed_colour(text)
+    if found == CURRENT:
+        found = parsed_colour(style.get("color", "black"))
+    return found if isinstance(found, Colour) else Colour()
 
 
 class Paints:
     """The paints of a document."""
 
-    def __init__(self, document: Document, styles: Styles) -> None:
+    def __init__(self, document: Document, styles: Styles, *, colours: bool) -> None:
+        """colours: whether they matter, not only what is visible."""
+        self.colours = colours
         self.document = document
         self.styles = styles
-        self.gradients: dict[tuple[ET.Element, bool], Gradient | None] = {}
+        self.gradients: dict[ET.Element, Gradient | None] = {}
 
-    def paint(self, text: str, opacity: float, style: Style, *, bright: bool) -> Paint | None:
-        """A visible paint; None for none. bright: whether colours matter, as in masks."""
+    def paint(self, text: str, opacity: float, style: Style) -> Paint | None:
+        """A visible paint; None for none."""
         link, instead = link_in(text)
         if not link:
-            colour = colour_of(text, style, bright=bright)
+            colour = colour_of(text, style)
             return Paint(opacity * colour.alpha, colour) if colour else None
         server = self.document.linked(link)
         if server is None:
-            return self.paint(instead, opacity, style, bright=bright) if instead and "url(" not in instead else None
+            return self.paint(instead, opacity, style) if instead and "url(" not in instead else None
         if name_of(server) not in GRADIENTS:
-            return self._pattern(server, opacity, bright)
-        if (server, bright) not in self.gradients:
-            self.gradients[server, bright] = self._gradient(server, bright)
-        gradient = self.gradients[server, bright]
+            return self._pattern(server, opacity)
+        if server not in self.gradients:
+            self.gradients[server] = self._gradient(server)
+        gradient = self.gradients[server]
         if gradient is None:
             return None
         if len({stop.colour for stop in gradient.stops}) == 1:
@@ -146,19 +117,19 @@ class Paints:
             return Paint(opacity * colour.alpha, colour)
         return Paint(opacity, gradient=gradient)
 
-    def _pattern(self, item: ET.Element, opacity: float, bright: bool) -> Paint:
+    def _pattern(self, item: ET.Element, opacity: float) -> Paint:
         """A pattern, which counts as a whole, in the mean colour of its fills, or else of its strokes."""
-        styles = [self.styles.own(child) for child in item.iter() if bright and child is not item]
+        styles = [self.styles.own(child) for child in item.iter() if child is not item]
         for key in ("fill", "stroke"):
-            given = [colour_of(style[key], style, bright=bright) for style in styles if style.get(key)]
+            given = [colour_of(style[key], style) for style in styles if style.get(key)]
             found = np.array([colour.rgb for colour in given if colour is not None])
             if len(found):
-                red, green, blue = found.mean(axis=0).tolist()
-                self.document.faults.add("Patterns become their mean colour")
-                return Paint(opacity, Colour(1.0, _luminance(red, green, blue), (red, green, blue)))
+                if self.colours:
+                    self.document.faults.add("Patterns become their mean colour")
+                return Paint(opacity, colour_from(found.mean(axis=0)))
         return Paint(opacity)
 
-    def _gradient(self, item: ET.Element, bright: bool) -> Gradient | None:
+    def _gradient(self, item: ET.Element) -> Gradient | None:
         """A gradient with the inherited attributes and stops; None without stops."""
         given: dict[str, str] = {}
         stops: list[Stop] = []
@@ -167,7 +138,7 @@ class Paints:
             if link is None or name_of(link) not in GRADIENTS:
                 break
             given = {**link.attrib, **given}
-            stops = stops or self._stops(link, bright)
+            stops = stops or self._stops(link)
             link = self.document.linked(link_of(link))
         if not stops:
             return None
@@ -194,13 +165,13 @@ class Paints:
         cx, cy, r = length("cx", "50%"), length("cy", "50%"), length("r", "50%")
         return cx, cy, r, length("fx", repr(cx)), length("fy", repr(cy))
 
-    def _stops(self, item: ET.Element, bright: bool) -> list[Stop]:
+    def _stops(self, item: ET.Element) -> list[Stop]:
         stops: list[Stop] = []
         for child in item:
             if name_of(child) != "stop":
                 continue
             own = self.styles.own(child)
-            colour = colour_of(own.get("stop-color", "black"), own, bright=bright) or Colour(0.0)
+            colour = colour_of(own.get("stop-color", "black"), own) or Colour(0.0)
             alpha = colour.alpha * share(own.get("stop-opacity"))
             before = stops[-1].offset if stops else 0.0
             stops.append(Stop(max(share(child.get("offset"), 0.0), before), replace(colour, alpha=alpha)))

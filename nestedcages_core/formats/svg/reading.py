@@ -9,17 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InvalidMeshError, NestedCagesError, invalid_file
+from ...errors import InvalidMeshError, NestedCagesError, invalid_file, no_outline
 from ...geometry.mesh import Mesh
 from ..files import read_whole
 from ..limits import Quota
 from ..solids import ROOM, Area, bounds_of, shapely, solid, union_of
-from .areas import Areas
+from .areas import Areas, polygonal
 from .document import Box, Document, Frame
 from .nodes import Group, Shape
 from .options import SvgOptions
 from .paints import Paint
-from .path_data import flattened
 from .scene import Scene
 from .transforms import moved
 
@@ -142,10 +141,16 @@ class Reading:
         cut_off: list[str] = []
         narrow: list[str] = []
         if page is not None:
-            areas = _on_page(areas, page, cut_off, reading.quota)
+            areas = _on_page(areas, page, reading.tolerance, cut_off, reading.quota)
         size = float(np.hypot(*np.subtract(*bounds_of(areas))))
-        width = ROOM * size if self.document.strokes_count else 0.0  # ours are read as written
-        mesh = solid(areas, width=width, specks=self.options.specks, quota=reading.quota, notes=narrow)
+        mesh = solid(
+            areas,
+            width=ROOM * size if self.document.strokes_count else 0.0,  # ours are read as written
+            specks=self.options.specks,
+            inside=self.options.inside,
+            quota=reading.quota,
+            notes=narrow,
+        )
         new = [*cut_off, *(f"{note.capitalize()}." for note in narrow)]
         self.notes += [note for note in new if note not in self.notes]
         return mesh
@@ -228,7 +233,7 @@ def _covers(shape: Shape, page: Box) -> bool:
     if shape.fill is None or len(shape.subpaths) != 1:
         return False
     path = shape.subpaths[0]
-    points = flattened(moved(path.points, shape.matrix), path.degrees, max(page[2:]))
+    points = moved(path.ends, shape.matrix)
     x, y, width, height = page
     inside = np.clip(points, (x, y), (x + width, y + height))
     ahead = np.roll(inside, -1, axis=0)
@@ -236,8 +241,8 @@ def _covers(shape: Shape, page: Box) -> bool:
     return area >= PAGE_COVERED * width * height
 
 
-def _on_page(areas: list[Area], page: Box, notes: list[str], quota: Quota) -> list[Area]:
-    """Areas cut off at the edge of the page; those completely inside stay unchanged."""
+def _on_page(areas: list[Area], page: Box, tolerance: float, notes: list[str], quota: Quota) -> list[Area]:
+    """Areas cut off at the edge of the page; those that reach beyond it by the tolerance at most stay unchanged."""
     if not areas:
         return areas
     x, y, width, height = page
@@ -246,9 +251,11 @@ def _on_page(areas: list[Area], page: Box, notes: list[str], quota: Quota) -> li
     outside: list[Area] = []
     for area in areas:
         low, high = bounds_of([area])
-        (inside if ((low >= lower) & (high <= upper)).all() else outside).append(area)
+        (inside if ((low >= lower - tolerance) & (high <= upper + tolerance)).all() else outside).append(area)
     if not outside:
         return areas
-    cut = shapely.intersection(union_of(outside, quota), shapely.box(*lower, *upper))
+    cut = polygonal(shapely.intersection(union_of(outside, quota), shapely.box(*lower, *upper)))
+    if cut.area == 0.0 and not inside:
+        raise no_outline("Everything is outside of the page, where viewers show nothing; crop=False reads it.")
     notes.append("Cut off: what lies outside the page; crop=False keeps it.")
     return [*inside, cut]

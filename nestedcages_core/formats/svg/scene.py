@@ -12,6 +12,7 @@ import numpy as np
 from ...errors import NestedCagesError
 from ...geometry.mesh.validation import MAX_COORDINATE
 from ..limits import Quota
+from .curves import Subpath, length_of
 from .document import Document
 from .elements import link_of, name_of, title_of
 from .faults import quoted
@@ -28,6 +29,7 @@ from .nodes import (
     attach,
     check_names,
     chosen,
+    is_meant,
     mask_region,
     origin_of,
     rectangular_clip,
@@ -35,7 +37,6 @@ from .nodes import (
 from .options import SvgOptions
 from .outlines import OUTLINED, outline
 from .paints import Paint, Paints, link_in
-from .path_data import Subpath, length_of
 from .strokes import stroke_of
 from .style import MARKERS, Style, Styles
 from .transforms import fitted, moved, translation, view_box_of
@@ -60,9 +61,8 @@ class Scene:
         """colours: whether colours matter, not only what is visible."""
         self.document = document
         self.options = options
-        self.colours = colours
         self.styles = Styles(document)
-        self.paints = Paints(document, self.styles)
+        self.paints = Paints(document, self.styles, colours=colours)
         self.left_out: Counter[str] = Counter()
         self.quota = Quota(options.limits)
         self.groups: Counter[tuple[str, ...]] = Counter()
@@ -78,6 +78,8 @@ class Scene:
         self.quota.spend("elements", 1)
         name = name_of(item)
         if name not in GROUPS and name not in OUTLINED and name != "use" and name not in LEFT_OUT:
+            return
+        if not is_meant(item) or (around.purpose == CLIP and name in GROUPS):
             return
         _check_depth(around)
         style = self.styles.computed(item, around.style)
@@ -224,8 +226,7 @@ class Scene:
     def _paint(self, key: str, default: str, context: Context) -> Paint | None:
         style = context.style
         opacity = context.opacity * share(style.get(f"{key}-opacity"))
-        bright = self.colours or context.purpose == MASK
-        return self.paints.paint(style.get(key, default), opacity, style, bright=bright)
+        return self.paints.paint(style.get(key, default), opacity, style)
 
     def _clips(self, style: Style, context: Context) -> list[Clip]:
         """The clip path and the mask of an element."""

@@ -12,11 +12,15 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ..limits import Limits, Quota
 from ..solids import shapely, spend
-from .faults import quoted
+from .curves import angle_between
 from .lengths import Viewport, numbers, parse_length
 
 MAX_ARC_SEGMENTS = 64
 """Maximum number of chords of a quarter circle at a cap or join."""
+
+SNAP, PARALLEL, SHALLOW = 2e-4, 1e-3, 0.0125
+"""What GEOS takes liberties with, over half the width: points that close are one, turns below (radians) have no join,
+and dents that deep are levelled."""
 
 FLAT = "flat"
 CAPS = {"butt": FLAT, "round": "round", "square": "square"}
@@ -48,10 +52,17 @@ class Stroke:
 
 @dataclass(frozen=True, eq=False)
 class Polyline:
-    """Points (k, 2) of a line; a closed one does not repeat its first point."""
+    """A line in place of curves, which touches them and has their end tangents."""
 
     points: FloatArray
+    """(k, 2); a closed one ends where it begins."""
     closed: bool
+    least: FloatArray | None = None
+    """(k,) lower bounds of the length of the curves up to each point; None if the line has their length."""
+    error: float = 0.0
+    """Bound of its distance from the curves."""
+    turn: float = 0.0
+    """Largest angle between its edges on one curve, in radians."""
 
 
 def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
@@ -61,54 +72,70 @@ def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
     width = parse_length(style.get("stroke-width", "1"), "r", "stroke-width", viewport, 1.0)
     if not width > 0.0:
         return None
-    dashes: tuple[float, ...] = ()
     text = style.get("stroke-dasharray", "none")
-    if text != "none":
-        lengths = [viewport.length(part, "r") for part in text.replace(",", " ").split()]
-        if None in lengths:
-            what = f"The stroke-dasharray is {quoted(text)}, which is not a list of lengths: it is left out"
-            viewport.faults.add(what)
-        elif min(filter(None, lengths), default=0.0) >= 0.0:
-            dashes = tuple(length or 0.0 for length in lengths)
+    lengths = [viewport.length(part, "r") for part in text.replace(",", " ").split()]
+    dashes = () if None in lengths else tuple(length or 0.0 for length in lengths)
     limit = numbers(style.get("stroke-miterlimit", "4"))
     return Stroke(
         width,
         style.get("stroke-linecap", "butt"),
         style.get("stroke-linejoin", "miter"),
-        limit[0] if limit and limit[0] >= 1.0 else 4.0,
+        limit[0] if limit else 4.0,
         dashes,
         parse_length(style.get("stroke-dashoffset", "0"), "r", "stroke-dashoffset", viewport),
     )
 
 
-def stroked(lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: Quota) -> list[Any]:
-    """Geometries that together cover a stroke.
+def stroked(lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: Quota, *, inside: bool) -> list[Any]:
+    """Geometries that together cover the stroke of the curves that lines stand for; inside: that lie in it instead.
 
-    tolerance: largest distance of chords from round caps and joins. Raises NestedCagesError for too many
-    dashes, and for lines that cross themselves too often.
+    tolerance: distance of chords from round caps and joins. Raises NestedCagesError for too many dashes, and for lines
+    that cross themselves too often.
     """
-    lines = _dashed(lines, stroke, quota.limits)
     radius = 0.5 * stroke.width
-    ratio = min(max(tolerance / radius, 1e-9), 0.5)
-    segments = min(max(math.ceil(math.pi / 4.0 / math.acos(1.0 - ratio)), 2), MAX_ARC_SEGMENTS)
+    half = math.acos(1.0 / (1.0 + max(tolerance / radius, 1e-9)))
+    segments = min(max(math.ceil(math.pi / 4.0 / half), 2), MAX_ARC_SEGMENTS)
+    mitred = stroke.join not in ("round", "bevel")
     found = []
-    for line in lines:
+    for line in _dashed(lines, stroke, quota.limits, inside=inside):
         points = _different(line)
         closed = line.closed and len(points) > 2
+        reach = _reach(points, closed, line, stroke, segments, inside=inside)
+        if not reach > 0.0:
+            continue
         if len(points) == 1:
-            curve = shapely.points(points[0])
+            curve = shapely.Point(points[0])
         else:
-            curve = shapely.linearrings(points) if closed else shapely.linestrings(points)
-        if not shapely.is_simple(curve):
+            curve = shapely.LinearRing(points) if closed else shapely.LineString(points)
+        if not curve.is_simple:
             spend([curve], quota, own=True)
-        mitred = stroke.join not in ("round", "bevel")
-        tips = _tips(points, closed, radius, stroke.miter_limit) if mitred else None
+        tips = _tips(points, closed, reach, stroke.miter_limit) if mitred else None
         join = ("mitre" if tips is None else "bevel") if mitred else stroke.join
-        style = {"cap_style": CAPS.get(stroke.cap, FLAT), "join_style": join, "mitre_limit": stroke.miter_limit}
-        found.append(shapely.buffer(curve, radius, quad_segs=segments, **style))
+        style = {"cap_style": CAPS.get(stroke.cap, FLAT), "join_style": join, "mitre_limit": 1.01 * stroke.miter_limit}
+        found.append(shapely.buffer(curve, reach, quad_segs=segments, **style))
         if tips is not None and len(tips):
             found += list(shapely.polygons(tips))
     return [geometry for geometry in found if not geometry.is_empty]
+
+
+def _reach(points: FloatArray, closed: bool, line: Polyline, stroke: Stroke, segments: int, *, inside: bool) -> float:
+    """The distance of GEOS's outline from a line that puts it beyond the stroke; inside: within it."""
+    around = np.concatenate((points, points[:2])) if closed else points
+    steps = np.diff(around, axis=0)
+    turns = angle_between(steps[:-1], steps[1:])
+    parallel = float(turns.max(initial=0.0, where=turns < PARALLEL))
+    chord = line.turn
+    if stroke.join == "round":
+        quarter = math.pi / (2.0 * segments)
+        chord = max(chord, float((turns / np.maximum(np.floor(turns / quarter + 0.5), 1.0)).max(initial=0.0)))
+    if stroke.cap == "round" and not closed:
+        chord = max(chord, math.pi / (2.0 * segments))
+    lost = min(math.cos(parallel), math.cos(min(chord, math.pi / 3.0) / 2.0))
+    radius = 0.5 * stroke.width
+    if inside:
+        return (radius - line.error) * lost * (1.0 - SHALLOW)
+    short = chord > 0.0 or np.hypot(*steps.T).min(initial=math.inf) < SNAP * radius
+    return (radius + line.error) / lost * (1.0 + SNAP * short)
 
 
 def _different(line: Polyline) -> FloatArray:
@@ -130,9 +157,8 @@ def _tips(points: FloatArray, closed: bool, radius: float, limit: float) -> Floa
     before, after = (step / np.hypot(*step.T)[:, None] for step in (before, after))
     cosine = (before * after).sum(axis=1)
     turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    with np.errstate(divide="ignore"):
-        squared = np.where(cosine > -1.0, 2.0 / (1.0 + cosine), np.inf)  # square of mitre length by width
-    within = squared <= limit * limit
+    squared = np.where(cosine > -1.0, 2.0 / np.maximum(1.0 + cosine, 1e-300), np.inf)  # of mitre length by width
+    within = squared <= limit * limit * (1.0 + 1e-9)
     if within.all():
         return None
     bent = within & (turn != 0.0)
@@ -143,17 +169,24 @@ def _tips(points: FloatArray, closed: bool, radius: float, limit: float) -> Floa
     return np.asarray(np.stack((centre, centre + first, centre + tip, centre + second), axis=1))
 
 
-def _dashed(lines: Sequence[Polyline], stroke: Stroke, limits: Limits) -> list[Polyline]:
-    """The dashes of lines; the whole line if dashes leave no gap."""
+def _dashed(lines: Sequence[Polyline], stroke: Stroke, limits: Limits, *, inside: bool) -> list[Polyline]:
+    """The dashes of lines, which cover those of the curves or lie inside; the whole line if dashes leave no gap."""
     period = sum(stroke.dashes)
     if not period > 0.0 or not math.isfinite(period):
         return list(lines)
     found: list[Polyline] = []
     for line in lines:
-        points = np.concatenate((line.points, line.points[:1])) if line.closed else line.points
+        points, least = line.points, line.least
         along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
-        limits.check("points", len(found) + math.ceil(min(2.0 * along[-1] / period, 1e18)) * len(stroke.dashes))
-        found += [Polyline(_substring(points, along, *ends), False) for ends in _dashes(stroke, period, along[-1])]
+        number = len(stroke.dashes) * math.ceil(min(2.0 * along[-1] / period, 1e18))
+        limits.check("points", len(found) + number)
+        least = along if least is None else least
+        for low, high in _dashes(stroke, period, along[-1]):
+            first, last = (float(np.interp(at, least, along)) for at in (low, high))
+            first, last = (first + line.error, high - line.error) if inside else (low - line.error, last + line.error)
+            if first <= last:
+                piece = _substring(points, along, max(first, 0.0), min(last, along[-1]))
+                found.append(replace(line, points=piece, closed=False, least=None))
     return found
 
 

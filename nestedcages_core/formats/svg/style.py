@@ -8,10 +8,17 @@ from functools import lru_cache
 from xml.etree import ElementTree as ET
 
 from ...errors import NestedCagesError
-from ..libraries import load_css
+from ...libraries import needed
+from .colours import parsed_colour
 from .document import Document
-from .elements import name_of
-from .selectors import matched
+from .elements import name_of, title_of
+from .faults import quoted
+from .lengths import Viewport
+from .selectors import is_of_screens, matched
+from .transforms import read_transform
+
+with needed("tinycss2", "Reading SVG"):
+    import tinycss2
 
 MARKERS = ("marker", "marker-start", "marker-mid", "marker-end")
 
@@ -40,6 +47,32 @@ KNOWN = INHERITED | OWN | GEOMETRY
 UNSET = ("unset", "revert", "revert-layer")
 """Values that leave a property as if nothing were said."""
 
+WIDE = frozenset(("inherit", "initial", *UNSET))
+"""Values that every property has."""
+
+WORDS = {
+    "visibility": "visible hidden collapse",
+    "fill-rule": "nonzero evenodd",
+    "clip-rule": "nonzero evenodd",
+    "stroke-linecap": "butt round square",
+    "stroke-linejoin": "miter round bevel",
+    "overflow": "visible hidden scroll auto clip",
+    "mask-type": "luminance alpha",
+    "vector-effect": "none non-scaling-stroke non-scaling-size non-rotation fixed-position",
+    "display": "none inline block contents flex grid inline-block inline-flex inline-grid flow-root list-item table "
+    "inline-table table-row table-cell table-caption table-column table-row-group run-in ruby",
+}
+"""Keywords of properties; others have one of the kinds below."""
+
+COLOURS = frozenset(("color", "stop-color"))
+PAINTS = frozenset(("fill", "stroke"))
+SHARES = frozenset(("opacity", "fill-opacity", "stroke-opacity", "stop-opacity"))
+SHARE = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?%?|calc\(.*\)", re.IGNORECASE)
+LENGTHS = {"stroke-width": 0.0, "stroke-dashoffset": -float("inf"), "stroke-miterlimit": 0.0}
+"""Least values of those that are lengths or numbers."""
+
+ANY_SIZE = Viewport(1.0, 1.0)
+
 VARIABLE = re.compile(r"var\(\s*(--[\w-]+)\s*(?:,([^()]*))?\)")
 """A reference to a variable, and what is taken without it."""
 
@@ -62,12 +95,15 @@ class Styles:
     """The properties of every element of a document."""
 
     def __init__(self, document: Document) -> None:
+        self.document = document
         self.sheets: dict[ET.Element, Sequence[Declaration]] = {}
         self.known: dict[ET.Element, dict[str, str]] = {}
         texts = [
             "".join(item.itertext())
             for item in document.root.iter()
-            if name_of(item) == "style" and item.get("type", "text/css") in ("", "text/css")
+            if name_of(item) == "style"
+            and item.get("type", "text/css").strip().lower() in ("", "text/css")
+            and is_of_screens(item.get("media", ""))
         ]
         if any(text.strip() for text in texts):
             self.sheets = matched(document.root, texts, declarations)
@@ -81,12 +117,19 @@ class Styles:
 
     def _own(self, item: ET.Element) -> dict[str, str]:
         """In the order of CSS: attributes, sheets, style; important last."""
-        found = {key: value.strip() for key, value in item.attrib.items() if key in INHERITED | OWN}
+        attributes = [(key, value, False) for key, value in item.attrib.items() if key in INHERITED | OWN]
         given = [*self.sheets.get(item, ()), *(declarations(item.attrib["style"]) if "style" in item.attrib else ())]
+        found: dict[str, str] = {}
         for important in (False, True):
-            for key, value, is_important in given:
-                if is_important == important:
-                    found[key] = value
+            for key, value, is_important in [*attributes, *given]:
+                if is_important != important:
+                    continue
+                valid = understood(key, value)
+                if valid is not None:
+                    found[key] = valid
+                elif value.strip():
+                    what = f"The {key} of the {title_of(item)} is {quoted(value)}, which is not valid: it is ignored"
+                    self.document.faults.add(what)
         return found
 
     def computed(self, item: ET.Element, around: Style) -> dict[str, str]:
@@ -94,6 +137,8 @@ class Styles:
         style = {key: value for key, value in around.items() if key in INHERITED or key.startswith("--")}
         self.own(item)
         for key, value in _replaced(self.known[item], {**self.variables, **style}).items():
+            if "var(" in self.known[item][key]:
+                value = understood(key, value) or "unset"
             if value == "inherit":
                 if key in around:
                     style[key] = around[key]
@@ -112,6 +157,38 @@ class Styles:
             data = PATH_DATA.fullmatch(given["d"])
             given["d"] = data[1] if data else ""
         return ET.Element(item.tag, {**item.attrib, **given}) if given else item
+
+
+@lru_cache(maxsize=4096)
+def understood(key: str, value: str) -> str | None:
+    """A value of a property as browsers have it, keywords in lower case; None for one that they ignore."""
+    value = value.strip()
+    lower = value.lower()
+    if lower in WIDE:
+        return lower
+    if "var(" in lower or key.startswith("--"):
+        return value
+    if key in WORDS:
+        return lower if lower in WORDS[key].split() else None
+    if key in PAINTS and (lower in ("none", "context-fill", "context-stroke") or lower.startswith("url(")):
+        return lower if lower == "none" else value
+    if key in PAINTS or key in COLOURS:
+        return value if parsed_colour(value) is not None else None
+    if key in SHARES:
+        return value if SHARE.fullmatch(value) else None
+    if key in LENGTHS:
+        length = ANY_SIZE.length(lower, "r")
+        return value if length is not None and length >= LENGTHS[key] else None
+    if key == "stroke-dasharray":
+        lengths = [ANY_SIZE.length(part, "r") for part in lower.replace(",", " ").split()]
+        fine = lower == "none" or (lengths and all(length is not None and length >= 0.0 for length in lengths))
+        return lower if fine else None
+    if key == "transform":
+        try:
+            read_transform(value)
+        except NestedCagesError:
+            return None
+    return lower if lower == "none" else value or None
 
 
 def _replaced(found: dict[str, str], variables: Style) -> dict[str, str]:
@@ -135,26 +212,11 @@ def _replaced(found: dict[str, str], variables: Style) -> dict[str, str]:
 
 @lru_cache(maxsize=4096)
 def declarations(text: str) -> tuple[Declaration, ...]:
-    """Known declarations of a style attribute or of a rule."""
-    return tuple(each for each in _declared(text) if each[0] in KNOWN or each[0].startswith("--"))
-
-
-def unread(text: str) -> list[str]:
-    """Properties of a style attribute that are not followed here."""
-    return [key for key, _, _ in _declared(text) if key not in KNOWN and not key.startswith("--")]
-
-
-def _declared(text: str) -> list[Declaration]:
-    """All declarations of a style attribute or of a rule."""
-    if not text.strip():
-        return []
-    tinycss2, _ = load_css()
-    return [
-        (
-            node.name if node.name.startswith("--") else node.lower_name,
-            tinycss2.serialize(node.value).strip(),
-            node.important,
-        )
-        for node in tinycss2.parse_blocks_contents(text, True, True)
-        if node.type == "declaration"
-    ]
+    """Declarations of a style attribute or of a rule, of the properties that are followed here."""
+    found = []
+    for node in tinycss2.parse_blocks_contents(text, True, True) if text.strip() else ():
+        if node.type == "declaration":
+            name = node.name if node.name.startswith("--") else node.lower_name
+            if name in KNOWN or name.startswith("--"):
+                found.append((name, tinycss2.serialize(node.value).strip(), node.important))
+    return tuple(found)

@@ -1,0 +1,110 @@
+"""Curves and strokes of drawings against themselves: points on them, computed exactly, lie in what is read."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import shapely
+
+from nestedcages_core import Mesh, from_svg
+from support.documents import solid, svg
+
+Point = tuple[Fraction, Fraction]
+DEGREES = {"L": 1, "Q": 2, "C": 3}
+
+
+def is_outside(mesh: Mesh, point: Point, *, rim: bool = False) -> bool:
+    """Whether an exact point is strictly outside of a mesh; rim: outside or on it."""
+    x, y = point
+    turns = 0
+    for start, end in mesh.vertices[mesh.edges]:
+        if max(start[1], end[1]) < y or min(start[1], end[1]) > y or max(start[0], end[0]) < x:
+            continue
+        (x0, y0), (x1, y1) = (tuple(map(Fraction, map(float, each))) for each in (start, end))
+        side = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
+        if side == 0 and min(x0, x1) <= x <= max(x0, x1):
+            return rim
+        turns += (y0 <= y < y1 and side > 0) - (y1 <= y < y0 and side < 0)
+    return turns == 0
+
+
+def on_curve(control: np.ndarray, count: int = 12) -> list[Point]:
+    """Points of a Bézier curve at rational parameters."""
+    degree = len(control) - 1
+    exact = [(Fraction(float(x)), Fraction(float(y))) for x, y in control]
+    found = []
+    for t in (Fraction(k, count) for k in range(count + 1)):
+        shares = [math.comb(degree, k) * t**k * (1 - t) ** (degree - k) for k in range(degree + 1)]
+        x, y = (sum(share * each[axis] for share, each in zip(shares, exact, strict=True)) for axis in (0, 1))
+        found.append((Fraction(x), Fraction(y)))
+    return found
+
+
+def random_path(rng: np.random.Generator, scale: float) -> tuple[str, list[np.ndarray]]:
+    """Path data of wild curves, cusps and loops among them, and the control points of each curve."""
+    first = here = rng.integers(-64, 64, 2) / 8.0 * scale
+    data, curves = f"M{here[0]} {here[1]}", []
+    for kind in rng.choice(["L", "Q", "C", "C"], rng.integers(2, 8)):
+        points = rng.integers(-64, 64, (DEGREES[kind], 2)) / 8.0 * scale
+        if kind == "C" and rng.random() < 0.3:
+            points[0] = here if rng.random() < 0.5 else points[2]
+        data += kind + " ".join(map(str, points.ravel().tolist()))
+        curves.append(np.vstack((here, points)))
+        here = points[-1]
+    return data + "Z", [*curves, np.vstack((here, first))]
+
+
+@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(k, marks=pytest.mark.slow) for k in range(8, 24))])
+def test_every_point_of_a_path_lies_in_what_it_fills(seed: int) -> None:
+    """But for the rounding of the places where it crosses itself."""
+    data, curves = random_path(np.random.default_rng(seed), [1.0, 1e-5, 2.0**20][seed % 3])
+    found = from_svg(svg(f'<path fill-rule="{["nonzero", "evenodd"][seed % 2]}" d="{data}"/>'))
+    outside = [tuple(map(float, p)) for curve in curves for p in on_curve(curve) if is_outside(found, p)]
+    assert shapely.distance(solid(found), shapely.points(outside or [(0, 0)])).max(initial=0.0, where=bool(outside)) < (
+        1e-12 * found.diagonal
+    )
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_points_of_ellipses_lie_in_them_and_not_in_what_is_read_for_inner_cages(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    cx, cy, rx, ry = (rng.integers(8, 999, 4) / 8.0).tolist()
+    hole = f"M{cx - rx / 2} {cy}A{rx / 2} {ry / 2} 0 1 0 {cx + rx / 2} {cy}A{rx / 2} {ry / 2} 0 1 0 {cx - rx / 2} {cy}"
+    whole = f"M{cx - rx} {cy}A{rx} {ry} 0 1 {seed % 2} {cx + rx} {cy}A{rx} {ry} 0 1 {seed % 2} {cx - rx} {cy}"
+    ring = svg(f'<path fill-rule="evenodd" d="{whole}{hole}"/>')
+    covers, inside = from_svg(ring), from_svg(ring, inside=True)
+    for t in (Fraction(k, 7) for k in range(-21, 22)):
+        for size in (1, Fraction(1, 2)):
+            x, y = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
+            point = Fraction(cx) + size * Fraction(rx) * x, Fraction(cy) + size * Fraction(ry) * y
+            assert not is_outside(covers, point)
+            assert is_outside(inside, point, rim=True)
+    assert covers.area == pytest.approx(inside.area, rel=0.02)
+
+
+MATRICES = [(1, 0, 0, 1, 0, 0), (-1, 0, 0, 2, 0, 0), (1, 0, 0.8, 1, 0, 0), (1e-3, 0, 5e-4, 2e-3, 9, 9)]
+
+
+@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(k, marks=pytest.mark.slow) for k in range(10, 32))])
+def test_every_point_of_a_stroke_lies_in_what_is_read(seed: int) -> None:
+    rng, (a, b, c, d, e, f) = np.random.default_rng(seed), MATRICES[seed % 4]
+    curves = [rng.integers(-64, 64, (4, 2)) / 8.0]
+    curves.append(np.vstack((curves[0][3], rng.integers(-64, 64, (3, 2)) / 8.0)))
+    data = " ".join(map(str, np.vstack((curves[0], curves[1][1:])).ravel().tolist())).split(" ", 2)
+    join, width = rng.choice(["miter", "round", "bevel"]), float(rng.choice([0.25, 1.0, 4.0]))
+    style = (
+        f'stroke-width="{width}" stroke-linecap="{rng.choice(["butt", "round", "square"])}" stroke-linejoin="{join}"'
+    )
+    path = f'<path fill="none" stroke="red" {style} d="M{data[0]} {data[1]}C{data[2]}"/>'
+    found = solid(from_svg(svg(f'<g transform="matrix({a} {b} {c} {d} {e} {f})">{path}</g>')))
+    t, points = np.linspace(0.0, 1.0, 200)[:, None], []
+    for p in curves:
+        along = 3.0 * ((1 - t) ** 2 * (p[1] - p[0]) + 2 * t * (1 - t) * (p[2] - p[1]) + t**2 * (p[3] - p[2]))
+        on = (1 - t) ** 3 * p[0] + 3 * t * (1 - t) ** 2 * p[1] + 3 * t**2 * (1 - t) * p[2] + t**3 * p[3]
+        normal = np.stack((-along[:, 1], along[:, 0]), axis=1) / np.hypot(*along.T)[:, None]
+        points += [on + share * width * normal for share in (-0.5, 0.25, 0.5)]
+    if join == "round":
+        points.append(curves[1][0] + 0.5 * width * np.hstack((np.cos(7.0 * t), np.sin(7.0 * t))))
+    where = np.concatenate(points) @ [(a, b), (c, d)] + (e, f)
+    assert shapely.distance(found, shapely.points(where)).max() < 1e-11 * max(map(abs, found.bounds))
