@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InvalidMeshError
 from ..geometry.arrays import FloatArray
-from ..geometry.broad_phase import near_pairs
+from ..geometry.broad_phase import BoxTree, near_pairs
 from ..geometry.mesh import Mesh
 from ..geometry.mesh.closeness import TOUCHING, close_vertices, has_gaps
 from ..geometry.mesh.covering import uncovered_edges
@@ -76,9 +76,18 @@ def closed_mesh(
 
 
 def _touching(rings: Sequence[FloatArray]) -> FloatArray:
-    """The points (k, 2) that rings have in common."""
-    places, number = np.unique(np.concatenate(rings), axis=0, return_counts=True)
-    return np.asarray(places[number > 1])
+    """The points (k, 2) that rings have in common, or else those of one on an edge of another or of itself."""
+    vertices, ends = np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+    places, number = np.unique(vertices, axis=0, return_counts=True)
+    if (number > 1).any():
+        return np.asarray(places[number > 1])
+    on_edge = [np.zeros((0, 2))]
+    for k, edge in BoxTree(vertices, vertices).blocks(BoxTree(vertices, ends)):
+        point, start, end = vertices[k], vertices[edge], ends[edge]
+        between = (point != start).any(axis=1) & (point != end).any(axis=1)
+        between &= ((np.minimum(start, end) <= point) & (point <= np.maximum(start, end))).all(axis=1)
+        on_edge.append(point[between][orientation(start[between], end[between], point[between]) == 0])
+    return np.unique(np.concatenate(on_edge), axis=0)
 
 
 def _pushed(mesh: Mesh, rings: Sequence[FloatArray], size: float) -> tuple[Mesh, FloatArray, FloatArray]:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidMeshError, invalid_file, no_outline
+from ..errors import InvalidMeshError, invalid_file
 from ..geometry.arrays import FloatArray
 from ..geometry.broad_phase import BoxTree
 from ..geometry.mesh import Mesh
@@ -93,13 +93,13 @@ def solid(
         return mesh
     parts = [part for part in regions(areas, quota) if part.area > 0.0]
     if not parts:
-        raise no_outline("The shapes have no inside.")
+        raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     spend(parts, quota)
     whole = parts[0] if len(parts) == 1 else shapely.union_all(parts)
     rings = [*all_rings(parts), *lines]
     size = float(np.hypot(*np.ptp(np.concatenate(rings), axis=0)))
     if not 0.0 < size < math.inf:
-        raise no_outline("The shapes have no inside, or lie too far apart.")
+        raise InvalidMeshError("The shapes have no inside, or lie too far apart.", code="mesh.empty")
     if specks > 0.0 and not inside:
         whole = _without_specks(whole, specks, said)
         rings = all_rings([whole])
@@ -112,7 +112,7 @@ def solid(
     low = around.vertices[:, 0].min()
     found = [ring[::-1] for ring in around.rings if ring[:, 0].min() > low]
     if not found:
-        raise no_outline("The shapes have no inside.")
+        raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     return Mesh.from_loops(found)
 
 

@@ -215,7 +215,7 @@ def test_anything_that_describes_a_shape_has_cages(make: Callable[..., Hierarchy
 
 
 def test_what_is_no_shape_has_no_cages() -> None:
-    for wrong in (None, "star.svg", ring(20)[:, :1], {"type": "Point", "coordinates": [0, 0]}):
+    for wrong in (None, "star.svg", ring(20)[:, :1], {"type": "Sphere"}):
         with rejected("mesh.unreadable", NestingError if isinstance(wrong, str | None) else core.InvalidMeshError):
             nested_cages(wrong, [5])  # type: ignore[arg-type]
 

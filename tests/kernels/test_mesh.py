@@ -391,8 +391,6 @@ VALID = {
     "a hole at its shell": Polygon(FRAME, [[(0, 2), (2, 1), (2, 3)]]),
     "holes that touch": Polygon(FRAME, [box(1, 1, 2, 2).exterior, box(2, 2, 3, 3).exterior]),
     "a ring that touches itself": Polygon([(0, 0), (2, 1), (4, 0), (4, 4), (2, 1), (0, 4)]),
-    "a repeated point": Polygon([(0, 0), (1, 0), (1, 0), (1, 1)]),
-    "one in a hole": Polygon(FRAME, [[(1, 1), (2, 1), (2, 1), (2, 2)]]),
     "faces with an edge in common": GeometryCollection([box(0, 0, 1, 1), box(1, 0, 2, 1)]),
     "faces that overlap": GeometryCollection([box(0, 0, 1, 1), box(0.5, 0.5, 2, 2)]),
     "a face in another": GeometryCollection([box(0, 0, 5, 5), box(1, 1, 2, 2)]),
@@ -422,7 +420,7 @@ def test_geometries_of_shapely_are_shapes_and_a_warning_tells_of_repairs(name: s
     [
         (Polygon([(0, 0), (2, 2), (2, 0), (0, 2)]), "mesh.crossing"),
         (Polygon(box(0, 0, 1, 1).exterior, [box(3, 0, 4, 1).exterior]), "mesh.nesting"),
-        (Polygon([(0, 0), (1, 1), (2, 2)]), "mesh.spike"),
+        (Polygon([(0, 0), (1, 1), (2, 2)]), "mesh.empty"),
         (GeometryCollection([shapely.Point(0, 0)]), "mesh.empty"),
     ],
 )
@@ -432,9 +430,8 @@ def test_geometries_that_no_repair_mends_are_refused(wrong: Any, code: str) -> N
         Mesh.of(wrong)
 
 
-@pytest.mark.parametrize("name", ["parts that touch in a corner", "a repeated point"])
-def test_meshes_and_judges_stay_strict(name: str) -> None:
-    geometry = VALID[name]
+def test_meshes_and_judges_stay_strict() -> None:
+    geometry = VALID["parts that touch in a corner"]
     for read in (Mesh.from_geometry, lambda shape: Mesh.of(shape, strict=True)):
         with pytest.raises(InvalidMeshError):
             read(geometry)
