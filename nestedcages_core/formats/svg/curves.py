@@ -115,7 +115,8 @@ class Pieces:
         depth = cross(after - before, self.starts[joint] - before) / np.maximum(_norm(after - before), TINY)
         depth *= np.where(side[joint] < 0, -1, 1)
         low = np.where(side[joint] == 0, -JOINT * self.tolerance, 0.25 * self.push)
-        kept[joint, 0] = ~((depth >= low) & (depth <= JOINT * self.tolerance))
+        goes_on = ((self.starts[joint] - before) * (after - self.starts[joint])).sum(axis=1) > 0.0
+        kept[joint, 0] = ~(goes_on & (depth >= low) & (depth <= JOINT * self.tolerance))
         numbers = np.add.reduceat(kept.sum(axis=1), self.first[:-1])
         return np.split(points.reshape(-1, 2)[kept.ravel()], np.cumsum(numbers)[:-1])
 

@@ -22,6 +22,9 @@ SNAP, PARALLEL, SHALLOW = 2e-4, 1e-3, 0.0125
 """What GEOS takes liberties with, over half the width: points that close are one, turns below (radians) have no join,
 and dents that deep are levelled."""
 
+TIGHT = 1.2
+"""Factor on the width up to which bends are tight."""
+
 FLAT = "flat"
 CAPS = {"butt": FLAT, "round": "round", "square": "square"}
 """GEOS's names of caps."""
@@ -113,9 +116,29 @@ def stroked(lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: 
         join = ("mitre" if tips is None else "bevel") if mitred else stroke.join
         style = {"cap_style": CAPS.get(stroke.cap, FLAT), "join_style": join, "mitre_limit": 1.01 * stroke.miter_limit}
         found.append(shapely.buffer(curve, reach, quad_segs=segments, **style))
+        if not inside:
+            found += list(shapely.polygons(_folds(points, closed, reach)))
         if tips is not None and len(tips):
             found += list(shapely.polygons(tips))
     return [geometry for geometry in found if not geometry.is_empty]
+
+
+def _folds(points: FloatArray, closed: bool, reach: float) -> FloatArray:
+    """(K, 4, 2) quadrilaterals that sweep a line, and the bevels between them, if it has bends tighter than the width:
+    GEOS leaves out what lies on the inner side of such a bend next to a cap."""
+    around = np.concatenate((points, points[:2])) if closed else points
+    steps = np.diff(around, axis=0)
+    lengths = np.hypot(*steps.T)
+    turns = angle_between(steps[:-1], steps[1:])
+    folds = np.minimum(lengths[:-1], lengths[1:]) < TIGHT * reach * turns
+    if not folds.any():
+        return np.zeros((0, 4, 2))
+    normals = reach * np.stack((-steps[:, 1], steps[:, 0]), axis=1) / lengths[:, None]
+    start, end, aside = around[:-1], around[1:], normals
+    at, before, after = around[1:-1][folds], normals[:-1][folds], normals[1:][folds]
+    side = np.where(angle_between(before, steps[1:][folds]) < math.pi / 2.0, -1.0, 1.0)[:, None]
+    bevels = np.stack((at, at + side * before, at + side * after, at), axis=1)
+    return np.concatenate((np.stack((start + aside, start - aside, end - aside, end + aside), axis=1), bevels))
 
 
 def _reach(points: FloatArray, closed: bool, line: Polyline, stroke: Stroke, segments: int, *, inside: bool) -> float:
