@@ -213,7 +213,7 @@ def _displayed(
         drawn is not None and tile(areas, [seen(frame, transform(matrix, p.astype(np.float64))) for p in drawn.loops])
     ):
         return None
-    loops, off = united(obj.name, areas), float(np.ptp(frame.from_world(transform(matrix, points))[1]))
+    loops, off = united(obj.name, areas, closed=True), float(np.ptp(frame.from_world(transform(matrix, points))[1]))
     if off > PLANARITY * size(np.concatenate(loops)) * frame.scale and not options.project:
         raise _not_flat(obj.name, off)
     return Outline(obj.name, _placed(matrix, frame, loops), matrix, obj.session_uid, letters=True, filled=True)

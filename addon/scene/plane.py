@@ -179,14 +179,17 @@ def united_loops(name: str, loops: Sequence[FloatArray], *, evenodd: bool = Fals
     return tuple(loops)
 
 
-def united(name: str, areas: Sequence[core.formats.Painted]) -> Loops:
-    """The outline of the union of areas, loops (k, 2), float32 values as float64. Raises: UserError."""
+def united(name: str, areas: Sequence[core.formats.Painted], *, closed: bool = False) -> Loops:
+    """The outline of the union of areas, loops (k, 2), float32 values as float64. Raises: UserError.
+
+    closed: whether gaps of `CLOSED_GAP` are closed even if they do not collapse, wider ones if these do.
+    """
     points = np.concatenate([loop for area in areas for loop in area.loops])
     extent = size(points)
     problem: core.NestedCagesError | None = None
-    for gap in (0.0, CLOSED_GAP * extent):
+    for gap in CLOSED_GAP * extent * np.array([1.0, 3.0, 0.0] if closed else [0.0, 1.0]):
         try:
-            mesh = core.formats.solid(areas, width=gap)
+            mesh = core.formats.solid(areas, width=float(gap))
             loops = tuple(float32_loop(mesh.vertices[loop]) for loop in mesh.loops)
             loops = tuple(loop for loop in loops if len(loop) >= SMALLEST_LOOP)  # others are slits of rounding
             core.Mesh.from_loops(loops)

@@ -5,8 +5,6 @@ import dataclasses
 import itertools
 import math
 import pickle
-import subprocess
-import sys
 import warnings
 from decimal import Decimal
 from fractions import Fraction
@@ -441,26 +439,6 @@ def test_meshes_and_judges_stay_strict() -> None:
         assert verify(around, geometry, same_loops=False)
     with pytest.raises(InvalidMeshError):
         verify_motion(around, geometry, [around.vertices], np.zeros((1, 8, 2)))
-
-
-WITHOUT_SHAPELY = """
-import sys, warnings
-sys.modules["shapely"] = None
-warnings.simplefilter("ignore")
-from nestedcages_core import Mesh, NestedCagesError
-polygon = lambda *rings: {"type": "Polygon", "coordinates": rings}
-assert len(Mesh.of(polygon([(0, 0), (1, 0), (1, 0), (1, 1)])).vertices) == 3
-try:
-    Mesh.of(polygon([(0, 0), (6, 0), (6, 6), (0, 6)], [(0, 2), (2, 1), (2, 3)]))
-except NestedCagesError as error:
-    print(error.code, error.data["library"])
-"""
-
-
-@pytest.mark.slow
-def test_without_shapely_repeated_points_are_left_out_and_other_repairs_ask_for_it() -> None:
-    found = subprocess.run([sys.executable, "-c", WITHOUT_SHAPELY], capture_output=True, text=True, check=True)
-    assert found.stdout.split() == ["dependency.missing", "shapely"]
 
 
 def test_vertices_and_edges_are_no_two_loops() -> None:
