@@ -7,6 +7,7 @@ import signal
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
+from pathlib import Path
 
 from ..errors import NestedCagesError
 from .progress import STANDARD_OUTPUT, drop, sentence_of, tell
@@ -61,6 +62,10 @@ def _run(words: Sequence[str]) -> int:
             from .check_options import parsed
 
             given = parsed(words[1:])
+            if given.result is None:
+                from .check_animation import check_animation
+
+                return check_animation(Path(given.drawing[0]))
             from .check import check_files
 
             return check_files(given)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -36,8 +35,6 @@ SAME_PAGE = 1e-6
 
 def check_files(given: argparse.Namespace) -> int:
     """Run the command; the exit status."""
-    if given.result is None:
-        return _check_animation(Path(given.drawing[0]))
     kind, lost, summary = "error", list[str](), ""
     try:
         results = read_cages(given.result)
@@ -60,15 +57,6 @@ def _first(sentences: Sequence[str]) -> list[str]:
     """So many that they can be read, and how many more there are."""
     more = len(sentences) - MOST_SAID
     return [*sentences[:MOST_SAID], *([f"and {more} more"] if more > 0 else [])]
-
-
-def _check_animation(path: Path) -> int:
-    """Check what Blender plays of a file, by the add-on's own program."""
-    for needed in (path, program := Path(__file__).resolve().parents[2] / "addon" / "__main__.py"):
-        if not needed.is_file():
-            tell(f"error: {needed}: No such file", sys.stderr)
-            return WRONG
-    return subprocess.run([sys.executable, program, path], check=False).returncode
 
 
 def _problems(
