@@ -164,10 +164,9 @@ def joined(mesh: Mesh, distance: float) -> Mesh:
 
 def bounds_of(areas: Sequence[Area]) -> tuple[FloatArray, FloatArray]:
     """Lower left and upper right corner of all areas, (2,), (2,); NaN where they are empty."""
-    corners = [np.full((1, 2), np.nan)]
-    for area in areas:
-        corners += list(area.loops) if isinstance(area, Painted) else [np.reshape(area.bounds, (-1, 2))]
-    points = np.concatenate(corners)
+    loops = [loop for area in areas if isinstance(area, Painted) for loop in area.loops]
+    others = np.array([area for area in areas if not isinstance(area, Painted)], object)
+    points = np.concatenate([np.full((1, 2), np.nan), *loops, shapely.bounds(others).reshape(-1, 2)])
     return np.fmin.reduce(points), np.fmax.reduce(points)
 
 

@@ -25,6 +25,9 @@ and dents that deep are levelled."""
 TIGHT = 1.2
 """Factor on the width up to which bends are tight."""
 
+ROUNDING = 1.0 - 2.0**-38
+"""Factor on the size of parts of a stroke that its outline has to cover."""
+
 FLAT = "flat"
 CAPS = {"butt": FLAT, "round": "round", "square": "square"}
 """GEOS's names of caps."""
@@ -115,9 +118,14 @@ def stroked(lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: 
         tips = _tips(points, closed, reach, stroke.miter_limit) if mitred else None
         join = ("mitre" if tips is None else "bevel") if mitred else stroke.join
         style = {"cap_style": CAPS.get(stroke.cap, FLAT), "join_style": join, "mitre_limit": 1.01 * stroke.miter_limit}
-        found.append(shapely.buffer(curve, reach, quad_segs=segments, **style))
-        if not inside:
-            found += list(shapely.polygons(_folds(points, closed, reach)))
+        outline = shapely.buffer(curve, reach, quad_segs=segments, **style)
+        found.append(outline)
+        folds = np.zeros((0, 4, 2)) if inside else _folds(points, closed, reach)
+        if len(folds):
+            shapely.prepare(outline)
+            centres = folds.mean(axis=1, keepdims=True)
+            lost = ~shapely.covers(outline, shapely.polygons(centres + ROUNDING * (folds - centres)))
+            found += list(shapely.polygons(folds[lost]))
         if tips is not None and len(tips):
             found += list(shapely.polygons(tips))
     return [geometry for geometry in found if not geometry.is_empty]
