@@ -119,6 +119,8 @@ def solid(
 def union_of(areas: Sequence[Area], quota: Quota | None = None) -> Any:
     """The union of areas as a valid geometry. Raises NestedCagesError beyond the quota."""
     parts = regions(areas, quota)
+    if len(parts) == 1:
+        return parts[0]
     spend(parts, quota)
     return shapely.union_all(parts)
 
@@ -186,11 +188,9 @@ def spend(geometries: Sequence[Any], quota: Quota | None, *, own: bool = False) 
 
     own: whether they are one outline, which may cross itself. Raises NestedCagesError beyond the quota.
     """
-    if quota is None:
+    if quota is None or shapely.get_num_coordinates(geometries).sum() < FEW:
         return
     starts, ends = _edges_of(all_rings(geometries, lines=True))
-    if len(starts) < FEW:
-        return
     _, first, copies = np.unique(edge_keys(starts, ends), return_index=True, return_counts=True)
     starts, ends = starts[first], ends[first]
     rate = OWN_CROSSINGS_PER_SECOND if own else CROSSINGS_PER_SECOND

@@ -147,10 +147,10 @@ class Areas:
         whole = union_of(areas, self.quota)
         if whole.is_empty:
             return []
-        matrix = outer @ shape.matrix
-        box = _box(self._outline(replace(shape, matrix=np.eye(3)), np.eye(3)))
-        gradient, faintest = paint.gradient, self.options.faintest
-        part = visible(gradient, paint.alphas, faintest, box, matrix, whole.bounds, inside=self.inside)
+        matrix, gradient = outer @ shape.matrix, paint.gradient
+        if gradient.of_box:
+            matrix = matrix @ _unit_box(self._outline(replace(shape, matrix=np.eye(3)), np.eye(3)))
+        part = visible(gradient, paint.alphas, self.options.faintest, matrix, whole.bounds, inside=self.inside)
         return [self._of_two(shapely.intersection, whole, part)]
 
     def _stroked(self, shape: Shape, stroke: Stroke, matrix: FloatArray) -> list[Area]:
@@ -178,7 +178,7 @@ class Areas:
         ]
         parts = stroked(lines, stroke, tolerance, self.quota, inside=self.inside)
         self.quota.spend("points", int(shapely.get_num_coordinates(parts).sum()))
-        return [shapely.transform(part, lambda points: moved(points, after)) for part in parts]
+        return list(shapely.transform(parts, lambda points: moved(points, after)))
 
     def _outline(self, node: Group | Shape, outer: FloatArray) -> list[FloatArray]:
         """Points of the outlines of a node, regardless of paint."""
@@ -202,8 +202,7 @@ class Areas:
         if clip.of_box:
             if np.linalg.det(clip.matrix[:2, :2]) == 0.0:
                 return []
-            low, high = _box(self._outline(group, np.asarray(np.linalg.inv(clip.matrix), np.float64)))
-            matrix = matrix @ translation(*low) @ scaling(*(high - low))
+            matrix = matrix @ _unit_box(self._outline(group, np.asarray(np.linalg.inv(clip.matrix), np.float64)))
         low, high = bounds_of(areas)
         inside = self._masked(clip.content, matrix) if clip.is_mask else self.of(clip.content, matrix)
         if len(inside) == 1 and _is_box_around(inside[0], low, high):
@@ -285,10 +284,10 @@ def _uncovered(region: Any, outlines: Any, slivers: FloatArray) -> Any:
     """
     shapes = shapely.polygons(slivers)
     holes = [ring for part in shapely.get_parts(region) for ring in part.interiors]
+    shapely.prepare(region)
     roomy = not holes or shapely.area(shapely.polygons(holes)).min() > shapely.area(shapes).max()
     if roomy and shapely.covers(region, outlines):
         return shapes[:0]
-    shapely.prepare(region)
     found = shapes[~shapely.covers(region, shapes)]
     return np.where(shapely.is_valid(found), found, shapely.convex_hull(found))
 
@@ -301,10 +300,10 @@ def polygonal(region: Any) -> Any:
     return shapely.MultiPolygon(list(shapely.get_parts(parts[shapely.get_dimensions(parts) == 2])))
 
 
-def _box(outlines: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
-    """Lower left and upper right corner."""
+def _unit_box(outlines: list[FloatArray]) -> FloatArray:
+    """The matrix that takes the unit square to the box around outlines."""
     points = np.concatenate(outlines)
-    return points.min(axis=0), points.max(axis=0)
+    return translation(*points.min(axis=0)) @ scaling(*np.ptp(points, axis=0))
 
 
 def _is_box_around(area: Any, low: FloatArray, high: FloatArray) -> bool:

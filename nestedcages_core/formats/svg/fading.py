@@ -9,7 +9,7 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ..solids import shapely
 from .paints import Gradient, Stop
-from .transforms import moved, scaling, translation
+from .transforms import moved
 
 GRADIENT_SEGMENTS = 32
 """Chords of a quarter circle."""
@@ -19,7 +19,6 @@ def visible(
     gradient: Gradient,
     alphas: FloatArray,
     faintest: float,
-    box: tuple[FloatArray, FloatArray],
     matrix: FloatArray,
     bounds: tuple[float, ...],
     *,
@@ -27,14 +26,10 @@ def visible(
 ) -> Any:
     """The region within `bounds`, (x, y, x, y) of the document, where a gradient is more opaque than `faintest`.
 
-    alphas: (S,) of the stops; box: corners of what is painted, in its own units; matrix: from these to the document.
+    alphas: (S,) of the stops; matrix: from the units of the gradient, before its own matrix, to the document.
     """
     everywhere = shapely.box(*bounds)
-    low, high = box
-    to_document = matrix
-    if gradient.of_box:
-        to_document = to_document @ translation(*low) @ scaling(*(high - low))
-    to_document = to_document @ gradient.matrix
+    to_document = matrix @ gradient.matrix
     if gradient.repeats or not abs(np.linalg.det(to_document[:2, :2])) > 0.0:
         return everywhere
     corners = shapely.get_coordinates(everywhere)
