@@ -32,6 +32,9 @@ FLAT = "flat"
 CAPS = {"butt": FLAT, "round": "round", "square": "square"}
 """GEOS's names of caps."""
 
+DASH_POINTS = 8
+"""Points that a dash counts for, before it is made: as many take as long."""
+
 
 @dataclass(frozen=True)
 class Stroke:
@@ -209,8 +212,8 @@ def _dashed(lines: Sequence[Polyline], stroke: Stroke, limits: Limits, *, inside
     for line in lines:
         points, least = line.points, line.least
         along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
-        number = len(stroke.dashes) * math.ceil(min(2.0 * along[-1] / period, 1e18))
-        limits.check("points", len(found) + number)
+        number = len(stroke.dashes) // 2 * math.ceil(min(along[-1] / period, 1e18))
+        limits.check("points", DASH_POINTS * (len(found) + number))
         least = along if least is None else least
         for low, high in _dashes(stroke, period, along[-1]):
             first, last = (float(np.interp(at, least, along)) for at in (low, high))

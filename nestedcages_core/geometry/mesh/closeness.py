@@ -25,7 +25,7 @@ def has_gaps(mesh: Mesh, width: float) -> bool:
     first, size = 0, SAMPLE
     order = np.random.default_rng(0).permutation(len(mesh.vertices))  # crowds show before they make all pairs
     while first < len(order):
-        if len(close_vertices(mesh, width, order[first : first + size])):
+        if len(close_vertices(mesh, width, np.sort(order[first : first + size]))):
             return True
         first, size = first + size, SAMPLE * size
     return False
