@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from .. import keys
 from ..core import broad_phase, core, distance
+from ..core import loops as loops_of
 from ..errors import Fault, FloatArray, UserError
 from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
-from .faces import faces_in, is_thick, may_show_more, seen, tile
+from .faces import is_thick, may_show_more, seen, shown_in, tile
 from .grease_pencil import KINDS, Counts, Painting
 from .plane import PLANARITY, Frame, fitted_frame, own_frame, size, transform, united, united_loops, world_matrix
 from .reading import (
@@ -208,10 +209,12 @@ def _displayed(
     with temporary() as blocks:
         shapes = [shown_at(context, obj, blocks, each) for each in sorted({0, render_resolution(obj)})]
         depsgraph = context.evaluated_depsgraph_get()
-        areas = [area for each in shapes for area in faces_in(each.evaluated_get(depsgraph), matrix, frame)]
-    if not areas or (
-        drawn is not None and tile(areas, [seen(frame, transform(matrix, p.astype(np.float64))) for p in drawn.loops])
-    ):
+        displayed = [shown_in(each.evaluated_get(depsgraph), matrix, frame) for each in shapes]
+    outlines = [] if drawn is None else [seen(frame, transform(matrix, p.astype(np.float64))) for p in drawn.loops]
+    if drawn is not None and tile(np.concatenate([each.triangles for each in displayed]), outlines):
+        return None
+    areas = [area for each in displayed for area in each.areas()]
+    if not areas:
         return None
     loops, off = united(obj.name, areas, closed=True), float(np.ptp(frame.from_world(transform(matrix, points))[1]))
     if off > PLANARITY * size(np.concatenate(loops)) * frame.scale and not options.project:
@@ -278,8 +281,8 @@ def _deviation(outline: Outline, frame: Frame, loops: Sequence[FloatArray]) -> f
     if not outline.curve:
         return 0.0
     places = frame.from_world(transform(outline.matrix, np.concatenate(outline.curve).astype(np.float64)))[0]
-    starts, ends = np.concatenate(loops), np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
-    return BETWEEN * float(broad_phase.BoxTree(starts, ends).closest(places).distance.max(initial=0.0))
+    tree = loops_of.Loops.of(np.concatenate(loops), list(map(len, loops))).tree
+    return BETWEEN * float(tree.closest(places).distance.max(initial=0.0))
 
 
 def joined(drawing: Drawing, others: Sequence[Drawing]) -> Drawing:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from bpy.types import Object
@@ -38,21 +39,37 @@ def may_show_more(obj: Object) -> bool:
     return bool(modifiers) if obj.type == "CURVE" else obj.type == "MESH" and obj.mode != "EDIT"
 
 
-def faces_in(evaluated: Object, matrix: FloatArray, frame: Frame) -> Iterator[core.formats.Painted]:
-    """The triangles of an evaluated object and the inside of its lone closed lines, seen in a frame, float32."""
+class Shown(NamedTuple):
+    """What an object shows in a frame, float32: triangles (t, 3, 2) not seen edge-on, and lone closed lines (k, 2)."""
+
+    triangles: FloatArray
+    loops: list[FloatArray]
+
+    def areas(self) -> Iterator[core.formats.Painted]:
+        """The triangles, and the inside of the lines."""
+        yield from (core.formats.Painted([each]) for each in self.triangles)
+        if self.loops:
+            yield core.formats.Painted(self.loops, evenodd=True)
+
+
+def shown_in(evaluated: Object, matrix: FloatArray, frame: Frame) -> Shown:
+    """What an evaluated object with a matrix shows in a frame."""
     with evaluated_mesh(evaluated) as mesh:
         if mesh is None:
-            return
+            return Shown(np.zeros((0, 3, 2)), [])
         mesh.calc_loop_triangles()
         points, lone = points_of(mesh), loop_edges(mesh, 0)
         triangles = stored(mesh.loop_triangles, "vertices", 3, np.int32)
     flat = seen(frame, transform(matrix, points))
     shapes = flat[triangles]
     spread = np.ptp(shapes, axis=1).max(axis=1) if len(shapes) else np.zeros(0)
-    yield from (core.formats.Painted([each]) for each in shapes[_areas(shapes) > EDGE_ON * spread**2])
     loops = [flat[loop] for loop in chains(lone, len(points)).closed if len(loop) >= SMALLEST_LOOP]
-    if loops:
-        yield core.formats.Painted(loops, evenodd=True)
+    return Shown(shapes[_areas(shapes) > EDGE_ON * spread**2], loops)
+
+
+def faces_in(evaluated: Object, matrix: FloatArray, frame: Frame) -> Iterator[core.formats.Painted]:
+    """The areas of what an evaluated object with a matrix shows in a frame."""
+    return shown_in(evaluated, matrix, frame).areas()
 
 
 def seen(frame: Frame, points: FloatArray) -> FloatArray:
@@ -60,16 +77,15 @@ def seen(frame: Frame, points: FloatArray) -> FloatArray:
     return frame.from_world(points)[0].astype(np.float32).astype(np.float64)
 
 
-def tile(areas: list[core.formats.Painted], loops: list[FloatArray]) -> bool:
-    """Whether the triangles among areas have the area that loops (k, 2) enclose, as they do if these are their outline;
-    true without triangles, and for loops that cross.
+def tile(triangles: FloatArray, loops: list[FloatArray]) -> bool:
+    """Whether triangles (t, 3, 2) have the area that loops (k, 2) enclose, as they do if these are their outline; true
+    without triangles, and for loops that cross.
     """
-    shapes = np.array([area.loops[0] for area in areas if not area.evenodd]).reshape(-1, 3, 2)
     try:
-        whole = core.Mesh.from_loops(loops).area if len(shapes) else 0.0
+        whole = core.Mesh.from_loops(loops).area if len(triangles) else 0.0
     except core.NestedCagesError:
         return True
-    return bool(abs(float(_areas(shapes).sum()) - whole) <= SAME_AREA * whole)
+    return bool(abs(float(_areas(triangles).sum()) - whole) <= SAME_AREA * whole)
 
 
 def _areas(triangles: FloatArray) -> FloatArray:

@@ -77,7 +77,7 @@ def closed_mesh(
 
 def _touching(rings: Sequence[FloatArray]) -> FloatArray:
     """The points (k, 2) that rings have in common, or else those of one on an edge of another or of itself."""
-    vertices, ends = np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+    vertices, ends = edges_of(rings)
     places, number = np.unique(vertices, axis=0, return_counts=True)
     if (number > 1).any():
         return np.asarray(places[number > 1])
@@ -165,6 +165,12 @@ def all_rings(geometries: Sequence[Any], *, lines: bool = False) -> list[FloatAr
     points, ring = shapely.get_coordinates(rings, return_index=True)
     begins = np.searchsorted(ring, np.arange(1, len(rings)))
     return [each[:-1] if (each[0] == each[-1]).all() else each for each in np.split(points, begins) if len(each)]
+
+
+def edges_of(loops: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Ends (E, 2), (E, 2) of all edges of loops."""
+    none = np.zeros((0, 2))
+    return np.concatenate([none, *loops]), np.concatenate([none, *(np.roll(loop, -1, axis=0) for loop in loops)])
 
 
 def place_of(shape: Any) -> str:

@@ -7,14 +7,6 @@ from typing import Any
 from ..libraries import needed
 
 
-def load_css() -> tuple[Any, Any]:
-    """tinycss2, with its colours, and cssselect2."""
-    with needed("tinycss2 and cssselect2", "Reading styles and colours by function or in masks"):
-        import cssselect2
-        import tinycss2.color4
-    return tinycss2, cssselect2
-
-
 def load_pyogrio(purpose: str) -> Any:
     """pyogrio (GDAL), for the subject of a sentence. Raises NestedCagesError where it is missing."""
     with needed("pyogrio", purpose, "install it with 'pip install nested-cages[maps]'"):

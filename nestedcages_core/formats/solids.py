@@ -23,7 +23,7 @@ from ..geometry.mesh import Mesh
 from ..geometry.mesh.closeness import TOUCHING, has_gaps
 from ..geometry.mesh.covering import edge_keys
 from ..geometry.predicates import ON_BOUNDARY, segments_intersect, winding_number
-from .closing import all_rings, closed_mesh, counted, narrow_gaps, place_of
+from .closing import all_rings, closed_mesh, counted, edges_of, narrow_gaps, place_of
 from .closing import rings_in as rings_in
 from .closing import shapely as shapely
 from .geometries import without_repeated_points
@@ -112,7 +112,7 @@ def solid(
         rings = all_rings([whole])
     if not inside:
         return closed_mesh(whole, rings, size, max(width, specks), said, quota)
-    if not np.isin(edge_keys(*_edges_of(all_rings([whole]))), edge_keys(*_edges_of(rings))).all():
+    if not np.isin(edge_keys(*edges_of(all_rings([whole]))), edge_keys(*edges_of(rings))).all():
         whole = shapely.buffer(whole, -TOUCHING * size, join_style="mitre")
     frame = shapely.box(*(whole.bounds + size * np.array((-1.0, -1.0, 1.0, 1.0))))
     around = closed_mesh(frame - whole, all_rings([whole]), size, max(width, specks), said, quota)
@@ -146,7 +146,7 @@ def regions(areas: Sequence[Area], quota: Quota | None = None) -> list[Any]:
         lines = [shapely.LinearRing(loop) for loop in loops]
         spend(lines, quota, own=True)
         faces = shapely.get_parts(shapely.polygonize([shapely.union_all(lines)])) if lines else np.zeros(0, object)
-        winding = winding_number(shapely.get_coordinates(shapely.point_on_surface(faces)), *_edges_of(loops))
+        winding = winding_number(shapely.get_coordinates(shapely.point_on_surface(faces)), *edges_of(loops))
         inside = (winding % 2 == 1 if area.evenodd else winding != 0) | (winding == ON_BOUNDARY)
         found.append(shapely.coverage_union_all(faces[inside]) if inside.any() else shapely.Polygon())
     return found
@@ -197,7 +197,7 @@ def spend(geometries: Sequence[Any], quota: Quota | None, *, own: bool = False) 
     """
     if quota is None or shapely.get_num_coordinates(geometries).sum() < FEW:
         return
-    starts, ends = _edges_of(all_rings(geometries, lines=True))
+    starts, ends = edges_of(all_rings(geometries, lines=True))
     quota.spend("seconds", _meeting_chains(starts, ends) / CHAIN_PAIRS_PER_SECOND)
     _, first, copies = np.unique(edge_keys(starts, ends), return_index=True, return_counts=True)
     starts, ends = starts[first], ends[first]
@@ -256,9 +256,3 @@ def _without_specks(whole: Any, width: float, said: list[str]) -> Any:
         f"{0.5 * longest.length:.3g}: left out"
     )
     return shapely.difference(whole, shapely.union_all(loose))
-
-
-def _edges_of(loops: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
-    """Ends (E, 2), (E, 2) of all edges of loops."""
-    none = np.zeros((0, 2))
-    return np.concatenate([none, *loops]), np.concatenate([none, *(np.roll(loop, -1, axis=0) for loop in loops)])

@@ -22,9 +22,8 @@ MOST_STEPS = 100
 MOST_HALVINGS = 60
 """Cap of loops that halve: what is left is then below the spacing of doubles."""
 
-PROGRESS_RATIO, PATIENCE = 0.98, 3
-"""Part that is left of what is to vanish, above which a step makes no progress; steps in a row without any, after which
-a loop ends."""
+PATIENCE = 3
+"""Steps in a row without progress after which a loop ends."""
 
 BACKTRACKING = 0.5
 """Factor on a step that fails (Nocedal & Wright 2006, section 3.1); its inverse on one after a good step."""
