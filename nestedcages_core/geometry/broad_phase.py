@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .arrays import FloatArray, IntArray
+from .arrays import BoolArray, FloatArray, IntArray
 from .distance import SMALLEST_LENGTH
 from .oriented_boxes import OrientedBoxes
 
@@ -69,7 +69,8 @@ class BoxTree:
     """Segments (E, 2) -> (E, 2) and the pyramid of their boxes, which is built when it is needed.
 
     Segments of which each begins near the end of the one before form a chain. In the pyramid chains stay whole and are
-    sorted along a space-filling curve, so any order of the input is accepted.
+    sorted along a space-filling curve, so any order of the input is accepted. Where that makes smaller boxes, long
+    segments are sorted one by one.
 
     Parameters
     ----------
@@ -231,17 +232,34 @@ class BoxTree:
     @cached_property
     def _order(self) -> IntArray:
         """(E,) the index of each segment in the order of the pyramid."""
-        order = np.arange(len(self))
         starts, ends = self.starts.T.copy(), self.ends.T
         with np.errstate(over="ignore"):  # beyond the range of a double all are sorted
-            farthest = (starts.max(axis=1) - starts.min(axis=1)) / np.sqrt(len(order))
-            apart = (np.abs(starts[:, 1:] - ends[:, :-1]) > farthest[:, None]).any(axis=0)
+            farthest = ((starts.max(axis=1) - starts.min(axis=1)) / np.sqrt(len(self)))[:, None]
+            apart = (np.abs(starts[:, 1:] - ends[:, :-1]) > farthest).any(axis=0)
+            long = (np.abs(starts[:, 1:] - starts[:, :-1]) > farthest).any(axis=0)
+        chained = self._sorted_chains(apart)
+        if (long <= apart).all():
+            return chained
+        return min(chained, self._sorted_chains(apart | long), key=self._crowding)
+
+    def _sorted_chains(self, apart: BoolArray) -> IntArray:
+        """(E,) order in which segments stay together unless they are apart from the one before, (E - 1,)."""
+        order = np.arange(len(self))
         begins = np.concatenate(([0], 1 + apart.nonzero()[0]))
         if len(begins) > FEW_CHAINS:
             sequence = _along_curve(self.starts[begins])
             sizes = np.diff(begins, append=len(order))[sequence]
             order += np.repeat(begins[sequence] - (np.cumsum(sizes) - sizes), sizes)
         return order
+
+    def _crowding(self, order: IntArray) -> float:
+        """Sum of the areas of the boxes around FANOUT segments each, in an order (E,)."""
+        low, high = self._extents
+        first = np.arange(0, len(order), FANOUT)
+        low = np.minimum.reduceat(low.take(order, axis=1), first, axis=1)
+        high = np.maximum.reduceat(high.take(order, axis=1), first, axis=1)
+        with np.errstate(over="ignore", invalid="ignore"):
+            return float(np.prod(high - low, axis=0).sum())
 
     @cached_property
     def _sorted(self) -> tuple[FloatArray, FloatArray]:
