@@ -56,6 +56,8 @@ class Painted:
     loops: Sequence[FloatArray]
     evenodd: bool = False
     """Even-odd fill rule instead of non-zero winding."""
+    region: Any = None
+    """Its inside as a valid geometry, if it is known."""
 
 
 def solid(
@@ -103,7 +105,7 @@ def solid(
         raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     spend(parts, quota)
     whole = parts[0] if len(parts) == 1 else shapely.union_all(parts)
-    rings = [*all_rings(parts), *lines]
+    rings = [*_given_rings(areas), *lines]
     size = float(np.hypot(*np.ptp(np.concatenate(rings), axis=0)))
     if not 0.0 < size < math.inf:
         raise InvalidMeshError("The shapes have no inside, or lie too far apart.", code="mesh.empty")
@@ -136,8 +138,9 @@ def regions(areas: Sequence[Area], quota: Quota | None = None) -> list[Any]:
     """The inside of each area as a valid geometry: the faces between its loops whose winding numbers are inside."""
     found = []
     for area in areas:
-        if not isinstance(area, Painted):
-            found.append(area)
+        region = area.region if isinstance(area, Painted) else area
+        if region is not None:
+            found.append(region)
             continue
         loops = [loop for loop in map(without_repeated_points, area.loops) if len(loop) > 2]
         if len(loops) == 1 and (simple := shapely.Polygon(loops[0])).is_valid:
@@ -150,6 +153,13 @@ def regions(areas: Sequence[Area], quota: Quota | None = None) -> list[Any]:
         inside = (winding % 2 == 1 if area.evenodd else winding != 0) | (winding == ON_BOUNDARY)
         found.append(shapely.coverage_union_all(faces[inside]) if inside.any() else shapely.Polygon())
     return found
+
+
+def _given_rings(areas: Sequence[Area]) -> list[FloatArray]:
+    """The outlines of areas as they were given, in any direction, without loops that enclose nothing."""
+    loops = [without_repeated_points(loop) for area in areas if isinstance(area, Painted) for loop in area.loops]
+    enclosing = [loop for loop in loops if abs(strip_width([loop])) > TOUCHING * np.ptp(loop, axis=0).max()]
+    return [*enclosing, *all_rings([area for area in areas if not isinstance(area, Painted)])]
 
 
 def clipped(areas: Sequence[Area], others: Sequence[Area], *, inside: bool) -> list[Painted]:

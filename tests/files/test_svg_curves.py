@@ -11,23 +11,38 @@ from nestedcages_core import from_svg
 from support.documents import solid, svg
 
 DEGREES = {"L": 1, "Q": 2, "C": 3}
+ALONG = np.linspace(0.0, 1.0, 13)
 
 
-def on_curve(control: np.ndarray) -> np.ndarray:
-    """(13, 2) points of a Bézier curve."""
-    return np.asarray(BPoly(control[:, None], [0.0, 1.0])(np.linspace(0.0, 1.0, 13)))
+def arc(here: np.ndarray, rng: np.random.Generator, scale: float) -> tuple[str, np.ndarray]:
+    """Path data of an elliptical arc, and (13, 2) points on it."""
+    (rx, ry), turn, begin, angle = rng.uniform(0.5, 8.0, 2) * scale, rng.uniform(0, 90), *rng.uniform(-6, 6, 2)
+    t, c, s = begin + angle * ALONG, math.cos(math.radians(turn)), math.sin(math.radians(turn))
+    around = np.stack((rx * np.cos(t), ry * np.sin(t)), axis=1) @ [(c, s), (-s, c)]
+    points = around - around[0] + here
+    return f"A{rx} {ry} {turn} {int(abs(angle) > math.pi)} {int(angle > 0)} {points[-1, 0]} {points[-1, 1]}", points
 
 
 def random_path(rng: np.random.Generator, scale: float) -> tuple[str, list[np.ndarray]]:
-    """Path data of wild curves, cusps and loops among them, and the control points of each curve."""
+    """Path data of wild curves with cusps, loops, arcs and a spike, and points on each from end to end."""
     first = here = rng.integers(-64, 64, 2) / 8.0 * scale
     data, curves = f"M{here[0]} {here[1]}", []
-    for kind in rng.choice(["L", "Q", "C", "C"], rng.integers(2, 8)):
-        points = rng.integers(-64, 64, (DEGREES[kind], 2)) / 8.0 * scale
-        if kind == "C" and rng.random() < 0.3:
-            points[0] = here if rng.random() < 0.5 else points[2]
-        data += kind + " ".join(map(str, points.ravel().tolist()))
-        curves.append(np.vstack((here, points)))
+    for kind in [*rng.choice(["L", "Q", "C", "C", "A"], rng.integers(2, 8)), "L"]:
+        if len(curves) == 1:
+            spike = rng.integers(-64, 64, 2) / 8.0 * scale
+            data += "L" + " ".join(map(str, [*spike.tolist(), *here.tolist()]))
+            curves.append(np.vstack((here, spike)))
+        if kind == "A":
+            text, points = arc(here, rng, scale)
+            data += text
+        else:
+            control = np.vstack((here, rng.integers(-64, 64, (DEGREES[kind], 2)) / 8.0 * scale))
+            if kind == "C" and rng.random() < 0.3:
+                control[1] = here if rng.random() < 0.5 else control[3]
+            data += kind + " ".join(map(str, control[1:].ravel().tolist()))
+            points = np.asarray(BPoly(control[:, None], [0.0, 1.0])(ALONG))
+            points[-1] = control[-1]
+        curves.append(points)
         here = points[-1]
     return data + "Z", [*curves, np.vstack((here, first))]
 
@@ -36,8 +51,9 @@ def random_path(rng: np.random.Generator, scale: float) -> tuple[str, list[np.nd
 def test_every_point_of_a_path_lies_in_what_it_fills(seed: int) -> None:
     data, curves = random_path(np.random.default_rng(seed), [1.0, 1e-5, 2.0**20][seed % 3])
     found = from_svg(svg(f'<path fill-rule="{["nonzero", "evenodd"][seed % 2]}" d="{data}"/>'))
-    points = shapely.points(np.concatenate([on_curve(curve) for curve in curves]))
+    points = shapely.points(np.concatenate(curves))
     assert shapely.distance(solid(found), points).max() < 1e-12 * found.diagonal
+    assert shapely.covers(solid(found), shapely.points(np.concatenate([curve[[0, -1]] for curve in curves]))).all()
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -53,6 +69,14 @@ def test_points_of_ellipses_lie_in_them_and_not_in_what_is_read_for_inner_cages(
     assert shapely.covers(covers, points).all()
     assert not shapely.contains_properly(inside, points).any()
     assert covers.area == pytest.approx(inside.area, rel=0.02)
+
+
+@pytest.mark.parametrize("turn", np.linspace(0.1, 3.0, 30))
+def test_round_joins_are_covered_at_any_corner(turn: float) -> None:
+    x, y, along = 10.0 * math.cos(turn), 10.0 * math.sin(turn), np.linspace(0.0, turn, 200)
+    found = solid(from_svg(svg(f'<path fill="none" stroke="red" stroke-linejoin="round" d="M-9 0h9L{x} {y}"/>')))
+    arc = 0.499999999 * np.stack((np.sin(along), -np.cos(along)), axis=1)
+    assert shapely.covers(found, shapely.points(arc)).all()
 
 
 MATRICES = [(1, 0, 0, 1, 0, 0), (-1, 0, 0, 2, 0, 0), (1, 0, 0.8, 1, 0, 0), (1e-3, 0, 5e-4, 2e-3, 9, 9)]

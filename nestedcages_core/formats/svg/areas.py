@@ -122,11 +122,10 @@ class Areas:
             low, high = bounds_of([Painted([*slivers, *loops])])
             free = shapely.box(*(low - tolerance), *(high + tolerance)) - region
         left = _uncovered(free, shapely.MultiLineString(inner), slivers)
-        if not len(left):
-            return [region]
-        spend([region, *left], self.quota)
-        rest = shapely.union_all(left)
-        return [polygonal(shapely.difference(region, rest) if self.inside else shapely.union(region, rest))]
+        painted = Painted(loops, shape.evenodd, region)
+        if not self.inside:
+            return [painted, *left]
+        return [self._of_two(shapely.difference, region, union_of(left, self.quota))] if len(left) else [painted]
 
     def _pieces(
         self, paths: Sequence[Subpath], points: Sequence[FloatArray], tolerance: float, max_turn: float = MAX_TURN

@@ -22,6 +22,9 @@ SNAP, PARALLEL, SHALLOW = 2e-4, 1e-3, 0.0125
 """What GEOS takes liberties with, over half the width: points that close are one, turns below (radians) have no join,
 and dents that deep are levelled."""
 
+TIE = 1e-6
+"""Segments of a join beyond a half that GEOS may round down."""
+
 TIGHT = 1.2
 """Factor on the width up to which bends are tight."""
 
@@ -161,7 +164,7 @@ def _reach(points: FloatArray, closed: bool, line: Polyline, stroke: Stroke, seg
     chord = line.turn
     if stroke.join == "round":
         quarter = math.pi / (2.0 * segments)
-        chord = max(chord, float((turns / np.maximum(np.floor(turns / quarter + 0.5), 1.0)).max(initial=0.0)))
+        chord = max(chord, float((turns / np.maximum(np.ceil(turns / quarter - 0.5 - TIE), 1.0)).max(initial=0.0)))
     if stroke.cap == "round" and not closed:
         chord = max(chord, math.pi / (2.0 * segments))
     lost = min(math.cos(parallel), math.cos(min(chord, math.pi / 3.0) / 2.0))
