@@ -5,8 +5,7 @@ cage that an armature moves: vertices near the joints, weights computed inside i
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -116,16 +115,6 @@ def add_bones(
         created.append(new)
     bpy.ops.object.mode_set(mode="OBJECT")
     return made
-
-
-@contextmanager
-def removed_on_failure(made: list[Object]) -> Iterator[None]:
-    """Removes new objects if what follows fails or is cancelled."""
-    try:
-        yield
-    except BaseException:
-        bpy.data.batch_remove([block for obj in made for block in (obj, obj.data)])
-        raise
 
 
 def add_skeleton(context: Context, drawing: Drawing, skeleton: core.character.Skeleton) -> tuple[Object, int]:

@@ -21,10 +21,11 @@ from ..memory import key_of, known
 from ..scene import display, filling, ownership, placement
 from ..scene.ownership import scene_of
 from ..scene.plane import PLANARITY, Frame, world_matrix
+from .importers import PIXEL
 
 # Triangles along the longer side of a picture, which let it bend smoothly.
 CELLS = 24
-# Distance between pictures that are laid out in a row, in units.
+# Distance between pictures that are laid out in a row, as a fraction of their mean width.
 GAP = 0.1
 
 
@@ -86,33 +87,28 @@ def pictures_in(material: bpy.types.Material | None) -> list[Any]:
     return [node for node in nodes if node.bl_idname == "ShaderNodeTexImage"]
 
 
-def canvas_of(obj: Object | None, size: tuple[int, int]) -> Canvas:
-    """The place where an object shows a picture of that size in pixels; without an object, 1 unit long at the origin.
-    Raises: UserError.
-    """
-    extent = np.array(size) / max(size)
-    matrix = np.eye(4)
-    corner = -0.5 * extent
-    if obj is not None:
-        matrix = world_matrix(obj)
-        if obj.type == "MESH":
-            return _on_faces(obj, matrix)
-        extent = extent * obj.empty_display_size
-        corner = np.array(obj.empty_image_offset) * extent
-    axes = matrix[:3, :3]
+def canvas_of(obj: Object, size: tuple[int, int]) -> Canvas:
+    """The place where an object shows a picture of that size in pixels. Raises: UserError."""
+    matrix = world_matrix(obj)
+    if obj.type == "MESH":
+        return _on_faces(obj, matrix)
+    extent = np.array(size) / max(size) * obj.empty_display_size
+    corner, axes = np.array(obj.empty_image_offset) * extent, matrix[:3, :3]
     return Canvas(
         matrix[:3, 3] + axes[:, 0] * corner[0] + axes[:, 1] * corner[1], axes[:, 0] * extent[0], axes[:, 1] * extent[1]
     )
 
 
 def side_by_side(sizes: Sequence[tuple[int, int]]) -> list[Canvas]:
-    """Places for pictures of these sizes in pixels: in a row from left to right, centred at the origin, 1 unit long."""
-    canvases = [canvas_of(None, size) for size in sizes]
-    widths = np.array([canvas.width[0] for canvas in canvases])
-    left = np.cumsum(widths + GAP) - widths - GAP
-    left -= 0.5 * (left[-1] + widths[-1])
+    """Places for pictures of these sizes in pixels: upright in a row from left to right, centred at the origin."""
+    sides = PIXEL * np.array(sizes, dtype=np.float64)
+    steps = sides[:, 0] + GAP * sides[:, 0].mean()
+    left = np.cumsum(steps) - steps
+    left -= 0.5 * (left[-1] + sides[-1, 0])
+    axes = np.eye(3)
     return [
-        replace(canvas, corner=np.array((x, canvas.corner[1], 0.0))) for x, canvas in zip(left, canvases, strict=True)
+        Canvas(np.array((x, 0.0, -0.5 * height)), width * axes[0], height * axes[2])
+        for x, (width, height) in zip(left, sides, strict=True)
     ]
 
 

@@ -126,6 +126,9 @@ class JobOperator(Operator):
     exclusive = False
     # Settings of the 3D view that show the result.
     shown_by: tuple[views.Setting, ...] = ()
+    # New drawings that the view turns to, and whether they stand upright.
+    framed: tuple[Object, ...] = ()
+    upright = True
 
     _job: Job | None = None
     _timer: Any = None
@@ -178,6 +181,7 @@ class JobOperator(Operator):
         if job.error is not None:
             raise job.error
         views.show(context, self.shown_by)
+        views.look_at(context, self.framed, upright=self.upright)
         return {"FINISHED"}
 
     def cancel(self, context: Context) -> None:

@@ -19,6 +19,7 @@ from ..properties.kinds import choice, length, number, whole
 from ..record import CageSet
 from ..scene import filling, ownership
 from ..scene.areas import paints
+from ..scene.blocks import removed_on_failure
 from ..scene.convert import Drawing
 from ..scene.ownership import check_free, select, sets_of_chosen
 from .base import JobOperator, SetOperator, pose
@@ -153,11 +154,11 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
         parts, identity = [part for group in groups for part in group], armature and armature.session_uid
         whole, problems = self.united(context, parts)
         yield Progress(0.0, "uniting painted areas")
-        new = [] if armature else [characters.add_skeleton(context, whole, core.character.Skeleton())[0]]
-        armature = found_object(identity) if identity else new[0]
-        if armature is None or whole.source is None:
-            raise UserError("The armature or a drawing was deleted meanwhile, so the cage was discarded")
-        with characters.removed_on_failure(new):
+        with removed_on_failure():
+            given = found_object(identity) if identity else None
+            armature = given or characters.add_skeleton(context, whole, core.character.Skeleton())[0]
+            if (identity and not given) or whole.source is None:
+                raise UserError("The armature or a drawing was deleted meanwhile, so the cage was discarded")
             cage_set = yield from characters.make(context, whole, armature, self.vertices)
         cage = cage_set.cages[-1]
         pose(context, armature)

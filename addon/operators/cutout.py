@@ -28,6 +28,7 @@ from ..keys import found_object
 from ..properties.kinds import flag, text, whole
 from ..properties.settings import filled, settings_of
 from ..scene import grease_pencil
+from ..scene.blocks import removed_on_failure
 from ..scene.convert import Drawing, fine_drawing, read
 from ..scene.ownership import scene_of, select
 from .base import pose
@@ -51,7 +52,6 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
     """
 
     bl_label = "Cutout"
-    exclusive = True
     shown_by = (TEXTURES, FLAT_LIGHT)
 
     filepath: text(
@@ -74,16 +74,22 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         return super().ask(context, event) if selected else ImportHelper.invoke(self, context, event)
 
     def draw(self, _context: Context) -> None:
-        self.draw_options("vertices", *NAMES, "skeleton")
+        self.draw_options("vertices", *NAMES, "standard", "skeleton")
         alone = self.layout.column()
         alone.active = not self.skeleton
         for name in ("levels", "bind", "handles"):
             alone.prop(self, name)
 
     def work(self, context: Context) -> Work[None]:
-        if not paths_of(self) and not _shown_pictures(context) and _strokes(context):
-            yield from self._cut_layers(context, _strokes(context))
-            return
+        with removed_on_failure():
+            if not paths_of(self) and not _shown_pictures(context) and _strokes(context):
+                yield from self._cut_layers(context, _strokes(context))
+            else:
+                yield from self._cut_pictures(context)
+        self.show_colours(context)
+
+    def _cut_pictures(self, context: Context) -> Work[None]:
+        """Makes each picture a mesh, in cages. Raises: UserError."""
         parts, settings = self._parts(context), settings_of(context)
         levels = parse_levels(self.levels, lengths(scene_of(context)))
         drawings: list[tuple[Part, Drawing]] = []
@@ -115,12 +121,12 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
             caged = {id(result.drawing) for result in results}
             drawings = [(part, drawing) for part, drawing in drawings if id(drawing) in caged]
         made: list[Object] = []
-        with characters.removed_on_failure(made):
-            for part, drawing in drawings:
-                data = pictures.textured_mesh(drawing.name, drawing.mesh(), part.canvas, part.image)
-                made.append(pictures.place(context, drawing.name, data, drawing.frame, found_object(part.shown_by)))
-            context.view_layer.update()
-            yield from self._rig(context, made, results)
+        for part, drawing in drawings:
+            data = pictures.textured_mesh(drawing.name, drawing.mesh(), part.canvas, part.image)
+            made.append(pictures.place(context, drawing.name, data, drawing.frame, found_object(part.shown_by)))
+        context.view_layer.update()
+        yield from self._rig(context, made, results)
+        self.framed = tuple(made) if paths_of(self) else ()
         _hide([found_object(part.shown_by) for part, _ in drawings])
         self.tell_skipped(problems, "picture")
         for name in opaque:
@@ -134,17 +140,16 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         """Makes each layer that shows something an object of its own, in cages. Raises: UserError."""
         levels, methods = parse_levels(self.levels, lengths(scene_of(context))), filled(Methods, settings_of(context))
         made = [part for obj in drawn for part in grease_pencil.separated(context, obj)]
-        with characters.removed_on_failure(made):
-            context.view_layer.update()
-            results: list[Result] = []
-            if not self.skeleton:
-                requests = [Request(fine_drawing(read(context, part))) for part in made]
-                generation = Generation(requests, Options(levels=levels, methods=methods))
-                yield from generation
-                if generation.problems:
-                    raise generation.problems[0]
-                results = generation.results
-            yield from self._rig(context, made, results)
+        context.view_layer.update()
+        results: list[Result] = []
+        if not self.skeleton:
+            requests = [Request(fine_drawing(read(context, part))) for part in made]
+            generation = Generation(requests, Options(levels=levels, methods=methods))
+            yield from generation
+            if generation.problems:
+                raise generation.problems[0]
+            results = generation.results
+        yield from self._rig(context, made, results)
         self.tell_hidden(context, drawn)
         _hide(drawn)
 

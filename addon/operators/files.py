@@ -11,7 +11,7 @@ from bpy.props import CollectionProperty
 from bpy.types import Context, Object
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from .. import characters, record
+from .. import record
 from ..core import game
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
@@ -21,8 +21,9 @@ from ..puppets import armatures, exported, imported, repainting
 from ..puppets.moving import Making
 from ..record import CageSet
 from ..scene import convert, ownership
+from ..scene.blocks import removed_on_failure
 from ..scene.filling import mesh_of
-from ..scene.ownership import chosen, each_of_chosen, select, sets_of_chosen
+from ..scene.ownership import chosen, each_of_chosen, scene_of, select, sets_of_chosen
 from .base import DialogJobOperator, Operator, Outcome, pose
 from .puppet import make_puppet
 from .views import FLAT_LIGHT, TEXTURES
@@ -50,7 +51,9 @@ PICTURE = ".png"
 
 
 class FilesOperator(DialogJobOperator):
-    """A job on one file or several."""
+    """A job on one file or several, which leaves nothing behind if it ends early."""
+
+    exclusive = True
 
     directory: text("Folder", "Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
     files: CollectionProperty(
@@ -59,6 +62,21 @@ class FilesOperator(DialogJobOperator):
         type=bpy.types.OperatorFileListElement,
         options={"HIDDEN", "SKIP_SAVE"},
     )
+    filter_folder: flag("Folders", "Show folders", default=True, options={"HIDDEN", "SKIP_SAVE"})
+    standard: flag(
+        "Standard Colours",
+        "Show colours as other programs do: sets View Transform of the scene to Standard",
+        options={"SKIP_SAVE"},
+    )
+
+    def prepare(self, context: Context) -> None:
+        if not self.properties.is_property_set("standard"):
+            self.standard = not bpy.data.is_saved
+
+    def show_colours(self, context: Context) -> None:
+        """Lets the scene show the colours of files as they are, if that is asked for."""
+        if self.standard:
+            scene_of(context).view_settings.view_transform = "Standard"
 
 
 def paths_of(operator: Any) -> list[Path]:
@@ -107,7 +125,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         return self.invoke_popup(context)
 
     def draw(self, _context: Context) -> None:
-        self.draw_options("outlines", "hidden", "repaint", "plane", "centre", "y", "scale")
+        self.draw_options("outlines", "hidden", "repaint", "plane", "centre", "y", "scale", "standard")
 
     def work(self, context: Context) -> Work[None]:
         paths = paths_of(self)
@@ -117,6 +135,12 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         rig = armatures.puppet_of(context.selected_objects) if self.repaint else None
         if self.repaint and (rig is None or len(drawings) != 1):
             raise UserError("Select the puppet of a painting, and choose one file with the painting as it is now")
+        with removed_on_failure():
+            yield from self._read(context, drawings, rig)
+        self.show_colours(context)
+
+    def _read(self, context: Context, drawings: dict[Path, list[str] | None], rig: Object | None) -> Work[None]:
+        """Reads files, and places what is in them or repaints a puppet. Raises: UserError."""
         shapes: list[importers.Shape] = []
         layered_files: list[tuple[str, Any]] = []
         puppets = []
@@ -155,12 +179,12 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
             )
         if self.outlines == "PUPPET" and drawn:
             context.view_layer.update()
-            with characters.removed_on_failure(drawn):
-                for own in in_parts or [drawn]:
-                    yield from make_puppet(self, context, own, None, Making())
-            self.shown_by = (FLAT_LIGHT,)
+            for own in in_parts or [drawn]:
+                yield from make_puppet(self, context, own, None, Making())
+            self.shown_by, self.framed = (FLAT_LIGHT,), tuple(drawn)
             return
         self.shown_by = (TEXTURES, FLAT_LIGHT) if puppets else (FLAT_LIGHT,) if layered_files else ()
+        self.framed, self.upright = tuple(made), not placed if self.plane == "AUTO" else self.plane == "XZ"
         select(context, *made)
         if puppets and not (placed or drawn):
             layers, bones = (sum(len(getattr(each, kind)) for each in puppets) for kind in ("parts", "bones"))

@@ -8,7 +8,6 @@ import bpy
 from bpy.types import Context, Object
 
 from .. import record
-from ..characters import removed_on_failure
 from ..errors import UserError, counted
 from ..generation.job import Work
 from ..io.pictures import image_on
@@ -16,6 +15,7 @@ from ..properties.kinds import choice, flag, text
 from ..puppets import armatures, caps, clips, controls, duplicates, moving
 from ..scene import filling, grease_pencil
 from ..scene.areas import paints
+from ..scene.blocks import removed_on_failure
 from ..scene.ownership import check_local, chosen, scene_of
 from .base import JobOperator, Operator, pose
 from .views import OUTLINES
@@ -53,10 +53,10 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
         duplicates.complete_puppets()
         objects, old = _selected_parts(context)
         self.tell_hidden(context, objects)
-        layers = grease_pencil.stacked(context, objects[0]) if old is None and len(objects) == 1 else []
-        title = objects[0].name if layers else ""
-        options = moving.Making(self.limits, self.linear, float(self.reach), self.caps, title)
-        with removed_on_failure(layers):
+        with removed_on_failure():
+            layers = grease_pencil.stacked(context, objects[0]) if old is None and len(objects) == 1 else []
+            title = objects[0].name if layers else ""
+            options = moving.Making(self.limits, self.linear, float(self.reach), self.caps, title)
             yield from make_puppet(self, context, layers or objects, old, options)
         if layers:
             objects[0].hide_set(True)

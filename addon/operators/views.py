@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from math import pi
 from typing import Any, TypeAlias
 
 import bpy
 import numpy as np
-from bpy.types import Context
+from bpy.types import Context, Object
+from mathutils import Quaternion, Vector
 from numpy.typing import NDArray
 
 # A setting by its part of the view and its name, its default, and what is better.
@@ -19,6 +21,8 @@ TEXTURES: Setting = ("shading", "color_type", "MATERIAL", "TEXTURE")
 OUTLINES: Setting = ("overlay", "wireframe_threshold", 1.0, 0.5)
 # Distance of a view from places in it, as a multiple of how far they are apart, and at least of their object's size.
 NEAR, CLOSEST = 2.5, 0.25
+# Size of a view as a multiple of what it frames, millimetres of a view's sensor, and the least distance.
+MARGIN, SENSOR, SMALLEST = 1.3, 72.0, 1e-3
 # Cages in their own colours.
 WIRES: Setting = ("shading", "wireframe_color_type", "THEME", "OBJECT")
 
@@ -27,13 +31,35 @@ def show(context: Context, settings: Iterable[Setting]) -> None:
     """Changes what still has its default, in the view of a context, or in all of its window if it is another editor's,
     such as a menu of the top bar.
     """
-    here = context.space_data
-    areas = context.window.screen.areas if context.window is not None else ()
-    others: list[Any] = [area.spaces.active for area in areas if area.type == "VIEW_3D"]
-    for space in [here] if isinstance(here, bpy.types.SpaceView3D) else others:
+    for space in _spaces(context):
         for part, name, default, better in settings:
             if getattr(getattr(space, part), name) == default:
                 setattr(getattr(space, part), name, better)
+
+
+def _spaces(context: Context) -> list[Any]:
+    """The view of a context, or all of its window."""
+    here = context.space_data
+    areas = context.window.screen.areas if context.window is not None else ()
+    others = [area.spaces.active for area in areas if area.type == "VIEW_3D"]
+    return [here] if isinstance(here, bpy.types.SpaceView3D) else others
+
+
+def look_at(context: Context, objects: Sequence[Object], *, upright: bool) -> None:
+    """Turns the 3D view to new drawings, from the front or from the top, as near as they fill it; not a camera's."""
+    space = _spaces(context)[:1]
+    corners = np.array([obj.matrix_world @ Vector(corner) for obj in objects for corner in obj.bound_box])
+    if not space or not len(corners) or space[0].region_3d.view_perspective == "CAMERA":
+        return
+    area = next(each for each in context.window.screen.areas if each.spaces.active == space[0])
+    width, height = np.ptp(corners, axis=0)[[0, 2 if upright else 1]]
+    shown: Any = space[0].region_3d
+    shown.view_perspective = "ORTHO"
+    shown.view_rotation = Quaternion((1.0, 0.0, 0.0), pi / 2.0 if upright else 0.0)
+    shown.view_location = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    longer = max(area.width, area.height)
+    across = MARGIN * max(width * longer / area.width, height * longer / area.height)
+    shown.view_distance = max(across * space[0].lens / SENSOR, SMALLEST)
 
 
 def frame(context: Context, places: NDArray[np.float64], size: float) -> None:

@@ -16,13 +16,12 @@ from .. import keys
 from ..characters import skin
 from ..core import blamed, game
 from ..errors import FloatArray
+from ..io.importers import PIXEL
 from ..io.pictures import pictures_in
 from ..scene import display, filling
 from ..scene.plane import Frame, size
 from . import armatures, controls
 
-# Metres per pixel, as of other drawings.
-PIXEL = 0.01
 # Distance between two layers, as a fraction of the painting's size.
 DEPTH = 1e-3
 # Files that hold layers, those of the core's readers.

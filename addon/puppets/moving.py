@@ -18,12 +18,13 @@ from bpy.types import Collection, Context, Object
 
 from .. import keys, record
 from ..binding import field
-from ..characters import removed_on_failure, skin
+from ..characters import skin
 from ..core import blamed, core
 from ..errors import UserError
 from ..generation.job import Progress, Work
 from ..io import silhouettes
 from ..scene import filling
+from ..scene.blocks import removed_on_failure
 from ..scene.ownership import select
 from ..scene.plane import Frame, middle_of_box, turned_as_most
 from . import armatures, caps, controls, weights
@@ -137,14 +138,12 @@ def articulate(
     _check_followers(given, puppet)
     everyone = [obj for own in given.objects for obj in own]
     solved, before = puppet, weights.carriers_of(old) if old is not None else weights.left_over(everyone)
-    new: list[Object] = []
-    with removed_on_failure(new):
+    with removed_on_failure():
         if old is None:
             home = _common_home(given)
             root = puppet.draft.parts[puppet.draft.part_of[0]].name
             title = options.title or (home.name if home else root)
             armature = armatures.add_armature(context, home, given.frame, title)
-            new.append(armature)
             armatures.hang_as(armature, everyone)
         else:
             armature, puppet = old, weights.by_hand(old, puppet, given.frame)
@@ -161,7 +160,6 @@ def articulate(
             if carrier is not None and id(carrier) not in carriers:
                 carriers[id(carrier)] = made = _carrier(context, objects[0], armature, given.frame, puppet, number)
                 weights.note_solved(made, solved.fields[number].weights)
-                new += _with_field(made)
             for obj in objects:
                 field.release(obj)
                 obj[keys.DRAWN] = puppet.draft.parts[number].name
