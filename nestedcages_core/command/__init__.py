@@ -7,10 +7,9 @@ import signal
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
-from pathlib import Path
 
 from ..errors import NestedCagesError
-from .progress import STANDARD_OUTPUT, drop, sentence_of, tell
+from .printing import STANDARD_OUTPUT, drop, sentence_of, tell
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 """Exit statuses; the last is that of a program ended by Ctrl-C. Wrong use ends with 2, by argparse."""
@@ -59,29 +58,28 @@ def _run(words: Sequence[str]) -> int:
     """Run the command that the first word names. What it needs is imported when its words have been read."""
     try:
         if words[:1] == ["check"]:
-            from .check_options import parsed
+            from .options import check_parser
 
-            given = parsed(words[1:])
-            if given.result is None:
-                from .check_animation import check_animation
-
-                return check_animation(Path(given.drawing[0]))
+            options = check_parser()
+            given = options.parse_args(words[1:])
             from .check import check_files
 
-            return check_files(given)
-        if words[:1] == ["puppet"]:
+            failed = check_files(options, given)
+        elif words[:1] == ["puppet"]:
             from .puppet_options import parser as puppet_parser
 
             given = puppet_parser().parse_args(words[1:])
             from .puppet import make_puppet
 
-            return FAILED if make_puppet(given) else DONE
-        from .options import parser
+            failed = make_puppet(given)
+        else:
+            from .options import parser
 
-        options = parser()
-        given = options.parse_args(words)
-        from .run import make_cages
+            options = parser()
+            given = options.parse_args(words)
+            from .run import make_cages
 
-        return FAILED if make_cages(options, given) else DONE
+            failed = make_cages(options, given)
     except SystemExit as end:  # of argparse, which has printed its message
         return int(end.code or 0)
+    return FAILED if failed else DONE

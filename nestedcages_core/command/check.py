@@ -4,53 +4,64 @@ from __future__ import annotations
 
 import argparse
 import json
+import subprocess
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ..checker import TOLERANCE, check, faults_of_motion, faults_of_rings
-from ..errors import NestedCagesError
-from ..formats import Frame
+from ..errors import NestedCagesError, invalid_file
+from ..formats import DRAWING_LIMITS, read_whole
 from ..formats.decimals import turned_over
-from ..formats.lonlat import may_be_degrees
+from ..formats.pictures import HALF, alpha_channel, boundaries_of_picture
 from ..geometry.mesh import Mesh
 from ..levels import Share, Within
-from .options import Metres
-from .progress import tell
-from .sources import DOWN, is_up
-from .written import Drawing, Levels, Page, Written, read_cages, read_drawings
-
-HOLDS, WRONG = 0, 1
-"""Exit statuses; wrong use ends with 2, by argparse."""
+from .printing import sentence_of, tell
+from .results import Levels, Results, look_of, read_picture, read_results
+from .sources import DOWN, Shape, Source, read
 
 MOST_SAID = 20
 """Maximum number of problems that are printed."""
 
-SAME_PAGE = 1e-6
-"""Difference of two pages, over the largest number, that is the rounding of their decimals."""
 
-
-def check_files(given: argparse.Namespace) -> int:
-    """Run the command; the exit status."""
+def check_files(options: argparse.ArgumentParser, given: argparse.Namespace) -> bool:
+    """Run the command; whether something does not hold, or cannot be read."""
+    if len(given.drawing) == 1:
+        if not given.drawing[0].lower().endswith(".blend"):
+            options.error("the drawing and the result are needed")
+        return _animation_fails(Path(given.drawing[0]))
+    *given.drawing, given.result = given.drawing
     kind, lost, summary = "error", list[str](), ""
     try:
-        results = read_cages(given.result)
+        results = read_results(given.result)
         given.inside |= all(level <= 0 for levels in results.shapes for level in levels)
-        drawings, page = read_drawings(given)
+        drawings = _drawings(given)
+        if results.picture:
+            read_picture(results.picture, drawings)
+            results = results._replace(crs=drawings.crs, pixels=drawings.pixels)
         kind, summary = "wrong", _summary(results)
-        problems = list(_problems(given, drawings, page, results, lost))
+        problems = list(_problems(given, drawings, results, lost))
     except OSError as error:
-        problems = [f"{error.filename}: {error.strerror}"]
+        problems = [sentence_of(error, given.result)]
     except (NestedCagesError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         problems = [f"the files cannot be read as outlines: {error}"]
     for problem in _first(problems):
         tell(f"{kind}: {problem}", sys.stderr)
     if not problems:
         tell("\n".join([summary, *_first(lost)]), sys.stdout)
-    return WRONG if problems else HOLDS
+    return bool(problems)
+
+
+def _animation_fails(path: Path) -> bool:
+    """Check what Blender plays of a file, by the add-on's own program."""
+    for needed in (path, program := Path(__file__).resolve().parents[2] / "addon" / "__main__.py"):
+        if not needed.is_file():
+            tell(f"error: {needed}: No such file", sys.stderr)
+            return True
+    return subprocess.run([sys.executable, program, path], check=False).returncode != 0
 
 
 def _first(sentences: Sequence[str]) -> list[str]:
@@ -59,89 +70,94 @@ def _first(sentences: Sequence[str]) -> list[str]:
     return [*sentences[:MOST_SAID], *([f"and {more} more"] if more > 0 else [])]
 
 
-def _problems(
-    given: argparse.Namespace, drawings: Sequence[Drawing], page: Page, results: Written, lost: list[str]
-) -> Iterator[str]:
+def _drawings(given: argparse.Namespace) -> Source:
+    """The drawings of a file; several files are the frames of a motion, one each. Raises NestedCagesError."""
+    files = [_drawing(path, given) for path in given.drawing]
+    if len(files) == 1:
+        return files[0]
+    for each in files:
+        if len(each.shapes) != 1:
+            raise invalid_file(f"{each.path} has {len(each.shapes)} shapes; a frame of a motion is one.")
+    frames = [replace(each.shapes[0], properties={"time": time}) for time, each in enumerate(files)]
+    same = all(each.pixels == files[0].pixels for each in files)
+    return replace(files[0], shapes=frames, pixels=files[0].pixels if same else DOWN)
+
+
+def _drawing(path: str, given: argparse.Namespace) -> Source:
+    """The drawings of one file; of a picture of this program those that it shows."""
+    if path.lower().endswith(".svg") and b'class="level-1"' in (content := read_whole(path, DRAWING_LIMITS)):
+        shapes, frame, y_up = read_picture(content)
+        shown = [Shape("drawing", levels[0]) for levels in shapes]
+        return Source(path, "drawing", shown, frame=frame, pixels=None if y_up else DOWN)
+    source = read(path, given)
+    if source.failures:
+        raise invalid_file(" ".join(source.failures))
+    return source
+
+
+def _problems(given: argparse.Namespace, drawings: Source, results: Results, lost: list[str]) -> Iterator[str]:
     """What is wrong; lost: gets what is said of loops that have none of their own."""
-    drawn, count = ", ".join(given.drawing), len(drawings)
+    drawn, count = ", ".join(given.drawing), len(drawings.shapes)
     if count != len(results.shapes):
         yield f"{drawn} has {count} shape{'s' * (count != 1)}, {given.result} cages of {len(results.shapes)}"
         return
-    if problem := _other_place(drawings, page, results):
-        yield f"{given.result} {problem} than {drawn}"
+    if not _same_place(drawings, results):
+        yield f"{given.result} has another coordinate reference system than {drawn}, or lies on another picture"
         return
-    may_differ = given.any_loops or Path(given.drawing[0]).suffix.lower() == ".png"  # its holes are closed
-    clearance = None if isinstance(given.clearance, Metres) and may_be_degrees(page.crs) else given.clearance
-    options: dict[str, Any] = {"grid": given.grid, "symmetry": given.symmetry, "distance": given.distance}
-    for number, (drawing, levels) in enumerate(zip(drawings, _in_place(page, results), strict=True)):
-        of_shape = f"shape {number + 1}: " if count > 1 else ""
-        outlines = [mesh for mesh in drawing.shown if 0 not in levels or _ends(mesh) == _ends(levels[0])]
-        if not outlines or (results.styles and results.styles[number] != drawing.style):
-            yield f"{of_shape}{given.result} shows another drawing, or another style, than {drawn} has"
+    clearance = None if any(shape.drawn for shape in drawings.shapes) else given.clearance
+    fines = list[Mesh]()
+    for number, (shape, levels) in enumerate(zip(drawings.shapes, _in_place(drawings, results), strict=True)):
+        of_shape, outlines = f"shape {number + 1}: " if count > 1 else "", _outlines(shape, given)
+        fine = shape.content if isinstance(shape.content, Mesh) else outlines[0]
+        shown = [mesh for mesh in outlines if 0 not in levels or _ends(mesh) == _ends(levels[0])]
+        if not shown or (results.looks and results.looks[number] != look_of(shape.properties)):
+            yield f"{of_shape}{given.result} shows another drawing, time or style than {drawn} has"
             continue
+        fines.append(fine)
         for inside, cages in _sides(levels, given.inside):
-            as_many = map(_has_more, (drawing.mesh, *cages), cages)
-            options["same_loops"] = [given.same_loops or (more and not may_differ) for more in as_many]
-            verdict = check(drawing.mesh, cages, clearance, inside=inside, **options)
-            faults = [[*_faults_of_levels(given, outline, cages, inside)] for outline in outlines]
-            problems = [*verdict.problems, *min(faults, key=len)]
-            if cages and len(drawing.given):
-                problems += faults_of_rings(cages[0], drawing.given, inside=inside)
-            yield from (f"{of_shape}{problem}" for problem in problems)
+            may_differ = given.any_loops or fine is not shape.content  # holes of pictures are closed
+            more = map(_has_more, (fine, *cages), cages)
+            verdict = check(
+                fine,
+                cages,
+                clearance,
+                same_loops=[given.same_loops or (each and not may_differ) for each in more],
+                inside=inside,
+                **{name: getattr(given, name) for name in ("grid", "symmetry", "distance")},
+            )
             lost += [f"{of_shape}{sentence}" for sentence in verdict.lost]
-    fines = [drawing.mesh for drawing in drawings]
-    if page.times and len(given.drawing) == 1 and _correspond(fines):
+            faults = [[*_faults_of_levels(given, outline, cages, inside)] for outline in shown]
+            rings = faults_of_rings(cages[0], shape.given, inside=inside) if cages and len(shape.given) else []
+            yield from (f"{of_shape}{problem}" for problem in (*verdict.problems, *min(faults, key=len), *rings))
+    times = [shape.properties.get("time") for shape in drawings.shapes]
+    numbers = [time for time in times if isinstance(time, int | float)]
+    if len(given.drawing) == 1 < count == len(fines) and sorted({*numbers}) == times and _correspond(fines):
         yield from _faults_between([levels[1] for levels in results.shapes], fines)
 
 
-def _other_place(drawings: Sequence[Drawing], page: Page, results: Written) -> str:
-    """Why the coordinates of results are not those of drawings; empty if they are."""
-    own = results.page
-    if own.frame is not None:
-        if is_up(page.pixels) != results.y_up:
-            return "shows cages turned over, otherwise"
-        return "" if _shows(drawings, page, own.frame) else "has another page, or view box, and may not show all,"
-    if (page.pixels is None) != (own.pixels is None):
-        return f"has coordinates {'of a map' if own.pixels is None else 'in pixels'}, other ones"
-    sizes = [[(each.pixels or {}).get(key) for key in ("width", "height")] for each in (page, own)]
-    if sizes[0] != sizes[1] or (own.pixels or DOWN).get("y") not in ("up", "down"):
-        return "has pixels of another picture"
-    if _system(page.crs) != _system(own.crs):
-        return f"has another coordinate reference system, {own.crs!s:.80},"
-    return "has other times" if [*own.times] != [*page.times] else ""
-
-
-def _shows(drawings: Sequence[Drawing], page: Page, frame: Frame) -> bool:
-    """Whether a frame is that of the drawings, or if they have none, shows all of them in their proportions."""
-    own, shown = page.frame, frame.page
-    if own is not None and own.page is not None:
-        words = [(each.width, each.height, each.preserve_aspect_ratio) for each in (own, frame)]
-        boxes = np.array([each.view_box or each.page for each in (own, frame)], float)
-        return words[0] == words[1] and bool(np.allclose(boxes[0], boxes[1], 0.0, SAME_PAGE * np.abs(boxes).max()))
-    if (
-        shown is None
-        or shown != frame.view_box
-        or frame.preserve_aspect_ratio
-        or bool(frame.width) != bool(frame.height)
-    ):
+def _same_place(drawings: Source, results: Results) -> bool:
+    """Whether coordinates are in the same system, or on a picture of the same size."""
+    if (drawings.pixels is None) != (results.pixels is None):
         return False
-    points = np.concatenate([drawing.mesh.vertices for drawing in drawings])
-    points = points * (1.0, -1.0 if is_up(page.pixels) else 1.0)
-    return bool(((points >= shown[:2]) & (points <= np.add(shown[:2], shown[2:]))).all())
+    own, other = ({**(each.pixels or DOWN)} for each in (drawings, results))
+    systems = [None if "CRS84" in json.dumps(each.crs) else each.crs for each in (drawings, results)]  # the default
+    return other.pop("y", "") in ("up", "down") and bool(own.pop("y")) and own == other and systems[0] == systems[1]
 
 
-def _system(crs: Any) -> Any:
-    """A coordinate reference system; that of GeoJSON, which needs no name, is None."""
-    return None if "CRS84" in json.dumps(crs) else crs
-
-
-def _in_place(page: Page, results: Written) -> list[Levels]:
+def _in_place(drawings: Source, results: Results) -> list[Levels]:
     """The levels of results with y as in the drawings."""
-    pixels = results.page.pixels
-    if pixels is None or is_up(pixels) == is_up(page.pixels):
+    if results.pixels is None or (results.pixels.get("y") == "up") == drawings.y_up:
         return results.shapes
-    height = float(pixels.get("height") or 0.0)
+    height = float(results.pixels.get("height") or 0.0)
     return [{level: turned_over(mesh, height) for level, mesh in each.items()} for each in results.shapes]
+
+
+def _outlines(shape: Shape, given: argparse.Namespace) -> list[Mesh]:
+    """What may be shown of a shape: of pixels also the outline with holes closed, or with narrow gaps filled."""
+    if isinstance(shape.content, Mesh):
+        return [shape.drawn or shape.content]
+    threshold = HALF if given.threshold is None else given.threshold
+    return boundaries_of_picture(alpha_channel(shape.content) > threshold, given.clearance or 0.0)
 
 
 def _sides(levels: Levels, inside: bool) -> Iterator[tuple[bool, list[Mesh]]]:
@@ -183,18 +199,15 @@ def _faults_of_levels(given: argparse.Namespace, fine: Mesh, cages: Sequence[Mes
                 yield f"level {number} has {len(cage.vertices)} vertices, not {most}"
 
 
-def _summary(results: Written) -> str:
+def _summary(results: Results) -> str:
     """What was checked: the levels with their vertices and loops, of all shapes together."""
-    levels = sorted({level for levels in results.shapes for level in levels if level}, key=lambda k: (k < 0, abs(k)))
-    lines, total = [], 0
-    for level in levels:
-        cages = [levels[level] for levels in results.shapes if level in levels]
-        total += len(cages)
-        counts = [(sum(len(cage.vertices) for cage in cages), "vertices"), (sum(len(c.loops) for c in cages), "loops")]
-        several = [(len(cages), "frames" if results.page.times else "shapes")] if len(results.shapes) > 1 else []
-        said = (f"{count} {name if count != 1 else name[:-1]}" for count, name in (*several, *counts))
-        lines.append(f"{'inner ' if level < 0 else ''}level {abs(level)}: {', '.join(said)}")
-    return "\n".join([f"{total} cage{'s' * (total != 1)}: everything holds.", *lines])
+    levels = sorted({level for each in results.shapes for level in each if level}, key=lambda k: (k < 0, abs(k)))
+    by_level = {level: [each[level] for each in results.shapes if level in each] for level in levels}
+    lines = [f"{sum(map(len, by_level.values()))} cages: everything holds."]
+    for level, cages in by_level.items():
+        sizes = f"{sum(len(cage.vertices) for cage in cages)} vertices, {sum(len(cage.loops) for cage in cages)} loops"
+        lines.append(f"{'inner ' * (level < 0)}level {abs(level)}: {len(cages)} shapes, {sizes}")
+    return "\n".join(lines)
 
 
 def _correspond(frames: Sequence[Mesh]) -> bool:

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-import argparse
 import signal
 import sys
+from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from ..batch import Outcome, nested_cages_many
-from ..errors import NestedCagesError
+import numpy as np
+
+from ..batch import nested_cages_many
+from ..errors import NestedCagesError, invalid_file
 from ..formats import Limits
+from ..formats.lonlat import POLE, TURN
 from ..formats.pictures import HALF, picture_cages
 from ..geometry.mesh import Mesh
-from ..levels import Hierarchy, Level, Settings, inner_cages, nested_cages
-from .ground import counts, measured
-from .progress import ProgressLine
-from .sources import NamedShape, Source
+from ..levels import Hierarchy, Level, Settings, Share, inner_cages, nested_cages
+from .sources import Shape, Source
 
 MAX_PROCESSES_ON_WINDOWS = 61
 """Worker processes that Python can wait for there."""
@@ -30,26 +31,25 @@ REPORTED = ("note.count", "note.loops")
 SETTINGS = ("clearance", "grid", "loops", "convex", "symmetry", "min_edge", "min_angle", "seconds")
 """Options that are settings of the same name."""
 
-CONSTRAINTS = ("directions", "box")
-"""Options that are constraints."""
+Show = Callable[[float, str], None]
+"""Shows the fraction of a file that is done, and what is being done."""
 
 
 class Made(NamedTuple):
     """The cages of one shape, from the finest to the coarsest."""
 
-    shape: NamedShape
+    shape: Shape
     fine: Mesh
     levels: Sequence[Level]
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """The cages and failures of a file."""
+    """The cages of a file, with a sentence for each shape that has none, or not all of them."""
 
     source: Source
     made: Sequence[Made] = ()
     failures: Sequence[str] = ()
-    """One sentence per shape that has no cages, or not all of them."""
 
     @property
     def notes(self) -> Iterator[str]:
@@ -64,68 +64,74 @@ class Result:
         """The certificate of every cage."""
         lines = []
         for each in self.made:
-            count = len(each.fine.loops)
-            name = each.shape.name if len(self.source.shapes) + len(self.source.failures) > 1 else "Drawing"
-            lines.append(f"{name}: {len(each.fine.vertices)} vertices, {count} loop{'s' * (count != 1)}")
+            lines.append(f"{each.shape.name}: {len(each.fine.vertices)} vertices, loops: {len(each.fine.loops)}")
             cages = ((k, len(level.cage.vertices), level.report) for k, level in enumerate(each.levels, 1))
             lines += [f"  Level {k}: {number} vertices, {report}" for k, number, report in cages]
         return "\n".join(lines)
 
 
-def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
+def settings_of(given: Namespace) -> Settings:
+    """The settings that the options say. Raises NestedCagesError for what does not go together."""
+    constraints = [each for each in (given.directions, given.box) if each is not None]
+    return Settings(**{name: getattr(given, name) for name in SETTINGS}, constraints=constraints, steps=False)
+
+
+def make(source: Source, given: Namespace, settings: Settings, show: Show) -> Result:
     """The cages of a file. If a shape fails, its finished levels and all other shapes are kept."""
-    failures = list(source.failures)
-    made: list[Made] = []
-
-    def failed(shape: NamedShape, error: NestedCagesError) -> None:
-        failures.append(f"{shape.name}: {error}" if len(source.shapes) > 1 else str(error))
-
-    for shape, outcome in zip(source.shapes, _outcomes(source, given, line), strict=True):
-        hierarchy, error = outcome.result, outcome.error
-        if error is not None:
-            if not isinstance(error, NestedCagesError):
+    made, failures = list[Made](), list(source.failures)
+    outcomes = _outcomes(source.shapes, given, settings, show)
+    for shape, (hierarchy, error) in zip(source.shapes, outcomes, strict=True):
+        try:
+            if isinstance(hierarchy, Hierarchy) and hierarchy.levels:
+                levels = (
+                    hierarchy.levels if shape.drawn is None else _on_ground(shape.drawn, given.clearance, hierarchy)
+                )
+                made.append(Made(shape, shape.drawn or hierarchy.fine, levels))
+            if error is not None:
                 raise error
-            failed(shape, error)
-            hierarchy = error.partial
-        if isinstance(hierarchy, Hierarchy) and hierarchy.levels:
-            try:
-                made.append(Made(shape, shape.drawn or hierarchy.fine, measured(shape, hierarchy.levels)))
-            except NestedCagesError as beyond:
-                failed(shape, beyond)
+        except NestedCagesError as problem:
+            failures.append(f"{shape.name}: {problem}" if len(source.shapes) > 1 else str(problem))
     return Result(source, made, failures)
 
 
-def _outcomes(source: Source, given: argparse.Namespace, line: ProgressLine) -> list[Outcome]:
-    """The cages of the shapes of a file, or the error of each."""
-    chosen = {name: getattr(given, name) for name in SETTINGS}
-    if any(shape.metres for shape in source.shapes):
-        chosen["clearance"] = None  # shapes are grown by it
-    constraints = [each for name in CONSTRAINTS if (each := getattr(given, name)) is not None]
-    settings = Settings(**chosen, constraints=constraints, steps=False)
-    shapes = [shape.content for shape in source.shapes]
-    levels = [counts(shape, given.levels, keeps=given.loops == "keep") for shape in source.shapes]
-    if source.kind == "map" and not given.inside and len(shapes) > 1:
-        executor = partial(_processes, given.jobs) if given.jobs > 1 else None
-        by_shape = dict(enumerate(levels))
-        return nested_cages_many(shapes, by_shape, settings, executor=executor, progress=line.show)
-    of_picture = {
-        "padding": given.clearance or 0.0,
-        "threshold": HALF if given.threshold is None else given.threshold,
-        "holes": given.loops == "keep",
-        "limits": replace(Limits(), **given.limits),
-    }
-    outcomes = []
-    for k, shape in enumerate(shapes):
-        work: Callable[..., Hierarchy]
-        if isinstance(shape, Mesh):
-            work = partial(inner_cages if given.inside else nested_cages, shape, levels[k], settings)
-        else:
-            work = partial(picture_cages, shape, given.levels, settings=settings, **of_picture)
+def _outcomes(
+    shapes: Sequence[Shape], given: Namespace, settings: Settings, show: Show
+) -> Iterator[tuple[Any, Exception | None]]:
+    """For each shape its cages, or those made before an error, and the error."""
+    if any(shape.drawn for shape in shapes):
+        settings = replace(settings, clearance=None)  # shapes are grown by it
+    levels = [_counts(shape, given) for shape in shapes]
+    if (given.jobs or 1) > 1:
+        contents = [shape.content for shape in shapes]
+        executor = partial(_processes, given.jobs)
+        many = nested_cages_many(
+            contents,
+            dict(enumerate(levels)),
+            settings,
+            executor=executor,
+            progress=lambda batch: show(batch.fraction, batch.message),
+        )
+        yield from ((each.result or getattr(each.error, "partial", None), each.error) for each in many)
+        return
+    for number, shape in enumerate(shapes):
+        work: Callable[..., Hierarchy] = inner_cages if given.inside else nested_cages
+        if not isinstance(shape.content, Mesh):
+            work = partial(
+                picture_cages,
+                padding=given.clearance or 0.0,
+                threshold=HALF if given.threshold is None else given.threshold,
+                holes=given.loops == "keep",
+                limits=replace(Limits(), **dict(given.limits)),
+            )
+
+        def listen(progress: Any, number: int = number, name: str = shape.name) -> None:
+            text = f"level {progress.level + 1}, {progress.stage}"
+            show((number + progress.fraction) / len(shapes), f"{name}, {text}" if len(shapes) > 1 else text)
+
         try:
-            outcomes.append(Outcome(k, work(progress=line.show)))
+            yield work(shape.content, levels[number], settings=settings, progress=listen), None
         except NestedCagesError as error:
-            outcomes.append(Outcome(k, None, error))
-    return outcomes
+            yield error.partial, error
 
 
 def _processes(count: int) -> Executor:
@@ -133,3 +139,27 @@ def _processes(count: int) -> Executor:
 
     count = min(count, MAX_PROCESSES_ON_WINDOWS) if sys.platform == "win32" else count
     return ProcessPoolExecutor(count, initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN))
+
+
+def _counts(shape: Shape, given: Namespace) -> list[Any]:
+    """Levels of a shape, with shares as numbers where what is drawn is not what cages are made around."""
+    if shape.drawn is None:
+        return list(given.levels)
+    sizes, keeps = [len(loop) for loop in shape.drawn.loops], given.loops == "keep"
+    return [level.of(sizes, keeps=keeps) if isinstance(level, Share) else level for level in given.levels]
+
+
+def _on_ground(drawn: Mesh, metres: float, hierarchy: Hierarchy) -> Sequence[Level]:
+    """Levels with the excess over what is drawn, and the clearance in metres that the shape was grown by.
+
+    Raises NestedCagesError for cages that go over a pole, or around the earth and into the clearance.
+    """
+    found, (west, _, east, _) = [], hierarchy.fine.bounds
+    for level in hierarchy.levels:
+        x, y = level.vertices.T
+        if np.abs(y).max() > POLE or x.max() - TURN > west or x.min() + TURN < east:
+            raise invalid_file("A cage with so few vertices goes over a pole or around the earth; give it more.")
+        excess = level.cage.area / drawn.area - 1.0
+        report = replace(level.report, clearance=float(metres), wanted_clearance=float(metres), excess=excess)
+        found.append(replace(level, report=report))
+    return found

@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import os
 from collections import Counter
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
-from math import inf, nan
+from collections.abc import Callable, Sequence
+from functools import wraps
+from math import inf
 from pathlib import Path
 from sys import modules
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -32,63 +32,72 @@ KINDS = {".svg": "drawing", ".png": "picture",
 WRITTEN = {".svg": "svg", ".geojson": "geojson", ".json": "geojson"}
 """Output formats by extension."""
 
-GEOJSON = (".geojson", ".json", STREAM)
-"""Ends of the names of outputs that are GeoJSON, or may be."""
-
 METRES = {"m": 1.0, "km": 1000.0, "mi": 1609.344}
 """Units of lengths on the ground."""
 
-AXES = {"x": (0.0, 1.0), "y": (1.0, 0.0)}
-"""Directions of the mirrors that turn over a coordinate."""
+FOR = {
+    "inside": ("drawing", "map"),
+    "jobs": ("map",),
+    "tolerance": ("drawing",),
+    "element": ("drawing",),
+    "layers": ("drawing", "map"),
+    "no_strokes": ("drawing",),
+    "no_crop": ("drawing",),
+    "threshold": ("picture",),
+}
+"""The kinds of files that some options are for."""
 
-HELP_WIDTH = 79
-"""Columns of the help: no wider than the narrowest usual terminal."""
-
-USAGE = "nested-cages FILE [FILE ...] --levels N [N ...] [-o FILE] [options]"
+APART = (("inside", "jobs"), *(("convex", other) for other in ("inside", "min_edge", "min_angle", "directions")))
+"""Options that exclude each other."""
 
 DESCRIPTION = """\
 Wraps drawings, maps and sprites in nested cages: coarse outlines that strictly
 enclose them, never cross themselves, and have an area at a local minimum. Each
 one is certified by exact predicates before it is written."""
 
-MORE = """\
-more: --help shape, drawings, maps, pictures, outlines, files (formats, limits,
-exit status, examples) or all
-nested-cages check DRAWING RESULT checks what was written
-nested-cages puppet PAINTING -o SCENE makes a game puppet of a layered painting
-"""
-
-FILES = """\
-input files, several of them or patterns such as "icons/*.svg"; - reads the standard input:
-  .svg            what is painted; curves become chords within --tolerance, overlapping shapes are united
-  .geojson .json  polygons; every feature gets its own cages, which hold all its rings exactly. Polygons that touch
-                  or cross are united, and each change is named
+EPILOG = """\
+input files, several of them or patterns such as "icons/*.svg"; - reads the
+standard input:
+  .svg            what is painted; overlapping shapes are united
+  .geojson .json  polygons; each feature gets cages that hold all its rings
   .shp .gpkg .topojson  as maps, through pyogrio
   .png            opaque pixels, in pixels with y downwards
 
-output files (by extension, all lengths and places in the units of the input):
-  .svg            the drawing and its cages, as paths with the ids "drawing", "cage-1", "cage-2", ...; a picture's lie
-                  on its pixels, a map has the north up
-  .geojson .json  one feature per cage, with its level, vertices, excess, clearance, area and centroid; coordinates of
-                  pictures are pixels, which a member "pixels" says
-  -               the standard output: SVG of a drawing, GeoJSON of a map or a picture
-  The files of an input are written together, whole or not at all. For several input files name outputs with {stem},
-  such as cages/{stem}.svg; a .geojson without it takes the cages of several pictures as the frames of one animation,
-  each with its "time"
+output files, in the units of the input; those of an input are written
+together, whole or not at all:
+  .svg            the drawing and its cages: "drawing", "cage-1", "cage-2", ...
+  .geojson .json  a feature for each cage, with its measures
+  -               SVG of a drawing, GeoJSON of a map or a picture
+  For several inputs names have {stem}, as in cages/{stem}.svg; a .geojson
+  without it takes the cages of pictures as the frames of an animation.
 
 exit status:
   0  all cages were made, certified and written
-  1  a cage could not be made or a file not be read or written; the message says why. What worked is written
+  1  a cage could not be made, or a file not be read or written; the rest is
   2  wrong use of the options
   130  interrupted
 
 examples:
   nested-cages logo.svg --levels 64 24 -o cages.svg
-  nested-cages "icons/*.svg" --levels 20% 8% -o "cages/{stem}.svg" --report report.json
-  nested-cages sprite.png --levels 16 --clearance 2 -o outline.geojson --flip-y
-  nested-cages regions.geojson --levels 200 50 --clearance 5km --jobs 4 -o simple.geojson
-  curl ... | nested-cages - --levels 50% -o - > simple.geojson
+  nested-cages "icons/*.svg" --levels 20% 8% -o "cages/{stem}.svg"
+  nested-cages sprite.png --levels 16 --clearance 2 -o outline.geojson
+  nested-cages regions.geojson --levels 200 --clearance 5km -o simple.geojson
+
+nested-cages check DRAWING RESULT checks what was written.
+nested-cages puppet PAINTING -o SCENE makes a puppet of a layered painting.
 """
+
+CHECK = """\
+Checks cages in a file: without rounding, on the coordinates in the files, by code
+that shares nothing with the method. RESULT is an .svg that this program has
+written around the DRAWING, word by word, or a GeoJSON of polygons alone, of any
+program; anything else is rejected. DRAWING is read with the options that the
+cages were made with; several pictures are the frames of a motion. The motion
+between frames in GeoJSON is checked on straight lines. A single FILE.blend is
+checked as Blender plays it, with the add-on's folder next to this package and
+Blender as a Python module."""
+
+CHECK_STATUS = "exit status: 0 everything holds, 1 something does not, or a file cannot be read, 2 wrong use"
 
 Value = TypeVar("Value")
 
@@ -102,244 +111,207 @@ def kind_of(path: str) -> str | None:
     return "stream" if path == STREAM else KINDS.get(Path(path).suffix.lower())
 
 
-def _number(what: str, holds: Callable[[float], bool], kind: type = float) -> Callable[[str], Any]:
-    """A reader of numbers that hold; what: these in words."""
+def _reads(what: str) -> Callable[[Callable[[str], Value]], Callable[[str], Value]]:
+    """Lets a function that reads the value of an option say in words what is needed where it fails."""
 
+    def wrapped(read: Callable[[str], Value]) -> Callable[[str], Value]:
+        @wraps(read)
+        def reader(text: str) -> Value:
+            try:
+                return read(text)
+            except (TypeError, ValueError, NestedCagesError):
+                raise argparse.ArgumentTypeError(f"{what} is needed, not {text!r}") from None
+
+        return reader
+
+    return wrapped
+
+
+def number(what: str, low: float, high: float = inf, kind: type = float) -> Callable[[str], Any]:
+    """Reads numbers above the lower bound and below the upper one; what: these in words."""
+
+    @_reads(what)
     def read(text: str) -> Any:
-        try:
-            value = float(text)
-        except ValueError:
-            value = nan
-        if not holds(value):
-            raise argparse.ArgumentTypeError(f"{what} is needed, not {text!r}")
-        return kind(value)
+        value = kind(text)
+        if not low < value < high:
+            raise ValueError
+        return value
 
     return read
 
 
 def at_least(least: int) -> Callable[[str], Any]:
-    return _number(f"a whole number of at least {least}", lambda value: value >= least and value % 1 == 0, int)
+    return number(f"a whole number of at least {least}", least - 1, kind=int)
 
 
-length = _number("a length above 0", lambda value: 0.0 < value < inf)
+length = number("a length above 0", 0.0)
 
 
+@_reads("a length above 0, of a map also in m, km or mi,")
 def clearance(text: str) -> float:
-    """A length in units of the input, or in metres."""
     unit = text.lstrip("0123456789.eE+-").strip()
     return Metres(length(text.removesuffix(unit)) * METRES[unit]) if unit in METRES else float(length(text))
 
 
+@_reads("x, y, found or a whole number of at least 2")
 def symmetry(text: str) -> Mirror | Rotation | DetectSymmetry:
     from ..geometry.symmetry import DetectSymmetry, Mirror, Rotation
 
     if text == "found":
         return DetectSymmetry()
-    order = _number("x, y, found or a whole number of at least 2", lambda value: value >= 2 and value % 1 == 0, int)
-    return Mirror(None, AXES[text]) if text in AXES else Rotation(None, order(text))
+    return Mirror(None, (float(text == "y"), float(text == "x"))) if text in ("x", "y") else Rotation(None, int(text))
 
 
+@_reads("axes, transit or a list of angles such as 0,60,120")
 def directions(text: str) -> AxisAligned:
     from ..constraints.axis_aligned import TRANSIT, AxisAligned
 
     words = {"axes": AxisAligned(), "transit": AxisAligned(TRANSIT)}
-    return words[text] if text in words else _made(AxisAligned, text, "axes, transit or angles such as 0,60,120")
+    return words[text] if text in words else AxisAligned(tuple(map(float, text.split(","))))
 
 
+@_reads("a pair of corners such as 0,0,640,480")
 def box(text: str) -> Box:
     from ..constraints.box import Box
 
-    def between(corners: tuple[float, ...]) -> Box:
-        x, y, u, v = corners
-        return Box((min(x, u), min(y, v)), (max(x, u), max(y, v)))
-
-    return _made(between, text, "two corners such as 0,0,640,480")
+    x, y, u, v = map(float, text.split(","))
+    return Box((min(x, u), min(y, v)), (max(x, u), max(y, v)))
 
 
-def _made(maker: Callable[[tuple[float, ...]], Value], text: str, what: str) -> Value:
-    """What a maker makes of numbers between commas; what: these in words."""
-    try:
-        return maker(tuple(float(word) for word in text.split(",")))
-    except (TypeError, ValueError, NestedCagesError):
-        raise argparse.ArgumentTypeError(f"{what} are needed, not {text!r}") from None
-
-
+@_reads("the name of a limit with a whole number, such as pixels=1000000,")
 def _limit(text: str) -> tuple[str, int]:
     from ..formats import Limits
 
-    name, _, number = text.partition("=")
-    if name not in vars(Limits()):
-        known = ", ".join(vars(Limits()))
-        raise argparse.ArgumentTypeError(f"{known} can be limited, as in pixels=1000000, not {text!r}")
-    return name, int(at_least(1)(number))
+    name, _, value = text.partition("=")
+    Limits(**{name: int(value)})
+    return name, int(value)
 
 
-def _option(*names: str, metavar: str | None = None, **how: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
-    """An option with a value of this name, or one that is on or off."""
-    return names, {**how, "metavar": metavar} if metavar else {"action": "store_true", **how}
+class _Levels(argparse.Action):
+    """Levels from the finest to the coarsest."""
+
+    def __call__(self, options: argparse.ArgumentParser, given: Any, words: Any, name: str | None = None) -> None:
+        from ..levels import in_order, level_words, parse_level
+
+        try:
+            levels = in_order([parse_level(word) for word in level_words(" ".join(words))])
+        except NestedCagesError as error:
+            raise argparse.ArgumentError(self, str(error)) from None
+        if not levels:
+            raise argparse.ArgumentError(self, "at least one level is needed")
+        given.levels = levels
 
 
-MAIN = "options"
-
-OPTIONS = {
-    MAIN: (
-        _option("--levels", nargs="+", metavar="N", required=True, help="what each cage has, innermost "
-                "first: a number of vertices, 32; a share of the shape's vertices, 8%%; or the fewest within a "
-                "distance, 2px, or an excess of area, +25%%"),
-        _option("-o", "--output", action="append", default=[], metavar="FILE", help=".svg or .geojson to write, "
-                "or - for the standard output; may be repeated"),
-        _option("--clearance", type=clearance, metavar="LENGTH", help="smallest distance of a cage from what it "
-                "encloses, in units of the input; of a map also in m, km or mi, as in 5km"),
-        _option("--inside", help="make cages inside the shapes instead"),
-        _option("--loops", action="store", choices=("auto", "keep", "one"), default="auto", help="auto: holes are "
-                "filled and parts share a loop where that is tighter; keep: every loop has its own; one: a silhouette"),
-        _option("--seconds", type=_number("a time above 0", lambda value: 0.0 < value < inf), metavar="S",
-                help="time for each shape; the levels made by then are kept"),
-        _option("--report", metavar="FILE", help="write all measures and messages as JSON"),
-        _option("--quiet", help="no progress"),
-    ),
-    "shape": (
-        _option("--convex", help="convex cages: this many vertices around each part, holes filled"),
-        _option("--symmetry", type=symmetry, metavar="WHAT", help="x (left and right alike), y (top and bottom alike), "
-                "both about the middle of the drawing, a number (rotations of that order about its centroid), or found "
-                "(the drawing's own)"),
-        _option("--min-edge", type=length, metavar="LENGTH", help="no cage edge is shorter, where there is room"),
-        _option("--min-angle", type=_number("an angle above 0 and below 60 degrees", lambda value: 0.0 < value < 60.0),
-                metavar="DEGREES", help="no angle between cage edges is sharper than this, where there is room; below "
-                "60"),
-        _option("--directions", type=directions, metavar="WHAT", help="edges are along the axes (axes), also along "
-                "both diagonals (transit), or at these angles in degrees, such as 0,60,120"),
-        _option("--box", type=box, metavar="X,Y,X,Y", help="cages stay between two corners, as in --box=-8,0,8,9"),
-        _option("--grid", type=length, metavar="LENGTH", help="cage vertices are multiples of this length: 1 for whole "
-                "pixels, 1e-6 for six decimals"),
-    ),
-    "drawings": (
-        _option("--tolerance", type=length, metavar="LENGTH", help="greatest distance between a curve and its chords "
-                "(default: 1/2000 of the drawing's diagonal); a clearance of at least as much encloses the curves "
-                "themselves"),
-        _option("--element", "--only", metavar="ID", help="read only the element with this id"),
-        _option("--layers", nargs="+", metavar="NAME", help="read only these layers: of a drawing by label or "
-                "id, of a map file by name (default: the first with polygons)"),
-        _option("--no-strokes", help="leave strokes out"),
-        _option("--no-crop", help="keep what lies outside the page"),
-    ),
-    "maps": (
-        _option("--jobs", type=at_least(1), metavar="N", help="processes for the features (default: 1)"),
-    ),
-    "pictures": (
-        _option("--threshold", type=_number("a number from 0 to 1", lambda value: 0.0 <= value <= 1.0), metavar="ALPHA",
-                help="opacity from 0 to 1 above which a pixel counts as opaque (default: 0.5)"),
-    ),
-    "outlines": (
-        _option("--flip-y", help="turn y over; that of a picture then counts upwards from its lower edge"),
-        _option("--pieces", type=at_least(3), metavar="N", help="add convex pieces of at most N vertices, which tile "
-                "each cage, as features with a number as \"piece\"; Box2D takes 8"),
-    ),
-    "files": (
-        _option("--limit", dest="limits", type=_limit, action="append", default=[], metavar="WHAT=N", help="raise or "
-                "lower a limit of reading: bytes, elements, points, seconds or pixels (SECURITY.md has the defaults)"),
-    ),
-}  # fmt: skip
-"""The options by topic of the help."""
-
-ALSO_FOR = {"layers": {"map"}, "inside": {"drawing", "map"}}
-"""Kinds of files other than those of the topic that an option is for."""
-
-APART = (("inside", "jobs"), *(("convex", other) for other in ("inside", "min_edge", "min_angle", "directions")))
-"""Options that exclude each other."""
-
-
-class _Help(argparse.Action):
-    """Prints the help on a topic, or that on all that most people need."""
-
-    def __call__(self, options: argparse.ArgumentParser, _: Any, values: Any, __: str | None = None) -> None:
-        topics = list(OPTIONS) if values == "all" else [values or MAIN]
-        print(parser(topics, files=values in ("all", "files")).format_help())
-        options.exit()
-
-
-def parser(shown: Collection[str] = tuple(OPTIONS), *, files: bool = True) -> argparse.ArgumentParser:
-    """The parser; shown: topics, for the help on these. files: whether the help tells of formats and exit statuses."""
+def parser() -> argparse.ArgumentParser:
+    """The options that make cages."""
+    version = modules[__name__.rpartition(".command.")[0]].__version__
     options = argparse.ArgumentParser(
         prog="nested-cages",
-        usage=USAGE,
-        description=DESCRIPTION if MAIN in shown else None,
-        epilog=FILES if files else MORE if MAIN in shown else "",
-        formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(prog, width=HELP_WIDTH, max_help_position=22),
-        add_help=False,
+        usage="nested-cages FILE [FILE ...] --levels N [N ...] [-o FILE] [options]",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     options.add_argument("input", nargs="+", metavar="FILE", help=argparse.SUPPRESS)
-    for topic in shown:
-        group = options.add_argument_group(topic)
-        for names, how in OPTIONS[topic]:
-            group.add_argument(*names, **how)
-        if topic == MAIN:
-            version = f"nested-cages {modules[__name__.rpartition('.command.')[0]].__version__}"
-            group.add_argument("--version", action="version", version=version, help="print the version")
-    topics = [*list(OPTIONS)[1:], "all"]
-    options.add_argument("-h", "--help", action=_Help, nargs="?", choices=topics, help=argparse.SUPPRESS)
+    options.add_argument("--version", action="version", version=f"nested-cages {version}", help="print the version")
+    add = options.add_argument
+    add("--levels", nargs="+", action=_Levels, metavar="N", required=True, help="what each cage has: a number of "
+        "vertices, 32; a share of the shape's vertices, 8%%; or the fewest within a distance, 2px, or an excess of "
+        "area, +25%%")  # fmt: skip
+    add("-o", "--output", action="append", default=[], metavar="FILE", help=".svg or .geojson to write, or - for the "
+        "standard output; may be repeated")  # fmt: skip
+    add("--clearance", type=clearance, metavar="LENGTH", help="smallest distance of a cage from what it encloses, in "
+        "units of the input; of a map also in m, km or mi, as in 5km")  # fmt: skip
+    add("--inside", action="store_true", help="make cages inside the shapes instead")
+    add("--loops", choices=("auto", "keep", "one"), default="auto", help="auto: holes are filled and parts share a "
+        "loop where that is tighter; keep: every loop has its own; one: a silhouette")  # fmt: skip
+    add("--seconds", type=number("a time above 0", 0.0), metavar="S", help="time for each shape; the levels made by "
+        "then are kept")  # fmt: skip
+    add("--report", metavar="FILE", help="write all measures and messages as JSON")
+    add("--quiet", action="store_true", help="no progress")
+    add = options.add_argument_group("shape").add_argument
+    add("--convex", action="store_true", help="convex cages: this many vertices around each part, holes filled")
+    add("--symmetry", type=symmetry, metavar="WHAT", help="x (left and right alike), y (top and bottom alike), both "
+        "about the middle of the drawing, a number (rotations of that order about its centroid), or found (the "
+        "drawing's own)")  # fmt: skip
+    add("--min-edge", type=length, metavar="LENGTH", help="no cage edge is shorter, where there is room")
+    add("--min-angle", type=number("an angle above 0 and below 60 degrees", 0.0, 60.0), metavar="DEGREES",
+        help="no angle between cage edges is sharper than this, where there is room; below 60")  # fmt: skip
+    add("--directions", type=directions, metavar="WHAT", help="edges are along the axes (axes), also along both "
+        "diagonals (transit), or at these angles in degrees, such as 0,60,120")  # fmt: skip
+    add("--box", type=box, metavar="X,Y,X,Y", help="cages stay between two corners, as in --box=-8,0,8,9")
+    add("--grid", type=length, metavar="LENGTH", help="cage vertices are multiples of this length: 1 for whole pixels, "
+        "1e-6 for six decimals")  # fmt: skip
+    _add_reading(options)
+    add = options.add_argument_group("maps, limits").add_argument
+    add("--jobs", type=at_least(1), metavar="N", help="processes for the features of a map (default: 1)")
+    add("--limit", dest="limits", type=_limit, action="append", default=[], metavar="WHAT=N", help="raise or lower a "
+        "limit of reading: bytes, elements, points, seconds or pixels (SECURITY.md has the defaults)")  # fmt: skip
+    add = options.add_argument_group("GeoJSON").add_argument
+    add("--flip-y", action="store_true", help="turn y over; that of a picture then counts upwards from its lower edge")
+    add("--pieces", type=at_least(3), metavar="N", help="add convex pieces of at most N vertices, which tile each "
+        'cage, as features with a number as "piece"; Box2D takes 8')  # fmt: skip
     return options
 
 
-def of_drawings(given: argparse.Namespace) -> dict[str, Any]:
-    """The options of drawings as `SvgOptions`."""
-    from ..formats import DRAWING_LIMITS
+def _add_reading(options: argparse.ArgumentParser) -> None:
+    """Add the options that say how drawings and pictures are read."""
+    add = options.add_argument_group("drawings, pictures").add_argument
+    add("--tolerance", type=length, metavar="LENGTH", help="greatest distance between a curve and the edges in its "
+        "place, which lie outside of it (default: 1/2000 of the drawing's diagonal)")  # fmt: skip
+    add("--element", metavar="ID", help="read only the element with this id")
+    add("--layers", nargs="+", metavar="NAME", help="read only these layers: of a drawing by label or id, of a map "
+        "file by name (default: the first with polygons)")  # fmt: skip
+    add("--no-strokes", action="store_true", help="leave strokes out")
+    add("--no-crop", action="store_true", help="keep what lies outside the page")
+    add("--threshold", type=number("a number from 0 to 1", -1e-300, 1.0 + 1e-15), metavar="ALPHA", help="opacity from "
+        "0 to 1 above which a pixel counts as opaque (default: 0.5)")  # fmt: skip
 
-    return {
-        **{name: getattr(given, name) for name in ("tolerance", "element", "inside")},
-        **{name: not getattr(given, f"no_{name}") for name in ("strokes", "crop")},
-        "layers": tuple(given.layers or ()),
-        "limits": replace(DRAWING_LIMITS, **given.limits),
-    }
+
+def check_parser() -> argparse.ArgumentParser:
+    """The options that check cages."""
+    options = argparse.ArgumentParser(
+        prog="nested-cages check",
+        usage="nested-cages check DRAWING [DRAWING ...] RESULT [options]",
+        description=CHECK,
+        epilog=CHECK_STATUS,
+    )
+    add = options.add_argument
+    add("drawing", metavar="FILE", nargs="+", help=argparse.SUPPRESS)
+    add("--levels", nargs="+", action=_Levels, default=[], metavar="N", help="what each cage must have, as when they "
+        "were made")  # fmt: skip
+    add("--clearance", type=clearance, metavar="LENGTH", help="smallest distance (default: above 0)")
+    add("--inside", action="store_true", help="the cages lie inside the drawing")
+    add_loops = options.add_mutually_exclusive_group().add_argument
+    add_loops("--same-loops", action="store_true", help="each loop has one of its own: no hole is filled, no parts "
+              "share one (default: they are named)")  # fmt: skip
+    add_loops("--any-loops", action="store_true", help="cages may have other loops, and more")
+    add("--grid", type=length, metavar="LENGTH", help="coordinates are multiples of this length")
+    add("--symmetry", type=symmetry, metavar="WHAT", help="x, y or an order of rotations")
+    add("--distance", type=length, metavar="LENGTH", help="no cage reaches farther than this")
+    _add_reading(options)
+    options.set_defaults(limits=[])
+    return options
 
 
 def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[str]) -> None:
-    """Exit with a message if the options contradict each other or do not apply to the files; fill in defaults."""
-    from ..levels import level_words, parse_level
-
-    for path in paths:
-        if kind_of(path) is None:
-            options.error(f"{Path(path).name}: a file is read if it ends in {', '.join(KINDS)}")
-    try:
-        given.levels = [parse_level(word) for word in level_words(" ".join(given.levels))]
-    except NestedCagesError as error:
-        options.error(f"argument --levels: {error}")
-    if not given.levels:
-        options.error("argument --levels: at least one level is needed")
+    """Exit with a message if options contradict each other or do not apply to the files, or outputs collide."""
     kinds = {kind_of(path) for path in paths}
-    named = [(topic[:-1], names[0]) for topic in ("drawings", "maps", "pictures") for names, _ in OPTIONS[topic]]
-    for owner, name in [*named, ("drawing", "--inside")]:
-        word = _word(name)
-        if _is_given(given, word) and not kinds & {owner, "stream", *ALSO_FOR.get(word, ())}:
-            options.error(f"{name} is for a {owner}, and there is none among the input")
-    if isinstance(given.clearance, Metres) and not kinds & {"map", "stream"}:
-        options.error("--clearance in metres is for a map, and there is none among the input; give it without a unit")
+    if None in kinds:
+        unread = next(path for path in paths if kind_of(path) is None)
+        options.error(f"{Path(unread).name}: a file is read if it ends in {', '.join(KINDS)}")
+    for name, owners in FOR.items():
+        if getattr(given, name) and not kinds & {*owners, "stream"}:
+            word = name.replace("_", "-")
+            options.error(f"--{word} is for a {' or a '.join(owners)}, and there is none among the input")
     for one, other in APART:
-        if _is_given(given, one) and _is_given(given, other):
+        if getattr(given, one) and getattr(given, other):
             both = f"--{one} and --{other}".replace("_", "-")
             options.error(f"{both} do not go together; give only one of them")
     if [*given.output, given.report].count(STREAM) > 1 or (STREAM in given.output and len(paths) > 1):
         options.error("the standard output takes one of the outputs and the report, and the cages of one file")
-    for name in (names[0] for names, _ in OPTIONS["outlines"]):
-        if _is_given(given, _word(name)) and not any(path.lower().endswith(GEOJSON) for path in given.output):
-            options.error(f"{name} is for GeoJSON; write it with -o FILE.geojson")
-    _check_files(options, given, paths)
-    given.jobs = given.jobs or 1
-    given.limits = dict(given.limits)
-
-
-def _is_given(given: argparse.Namespace, word: str) -> bool:
-    value = getattr(given, word)
-    return value is not None and value is not False
-
-
-def _word(name: str) -> str:
-    """The attribute of an option."""
-    return name.lstrip("-").replace("-", "_")
-
-
-def _check_files(options: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[str]) -> None:
-    """Exit with a message if an output cannot be written, is written twice, or is read; links are followed."""
+    if (given.flip_y or given.pieces) and {*map(format_of, given.output)} <= {"svg"}:
+        options.error("--flip-y and --pieces are for GeoJSON; write it with -o FILE.geojson")
     stems = Counter(Path(path).stem.casefold() for path in paths)  # Windows and macOS take both cases for one file
     doubled = next((Path(path).stem for path in paths if stems[Path(path).stem.casefold()] > 1), None)
     if given.output and doubled is not None:
@@ -348,11 +320,10 @@ def _check_files(options: argparse.ArgumentParser, given: argparse.Namespace, pa
     for path in [*given.output, given.report]:
         if path in (None, STREAM):
             continue
-        suffix = Path(path).suffix.lower()
-        if path != given.report and suffix not in WRITTEN:
+        if path != given.report and not format_of(path):
             options.error(f"{Path(path).name or repr(path)}: a file is written if it ends in {', '.join(WRITTEN)}")
-        animation = suffix in GEOJSON and all(kind_of(each) == "picture" for each in paths)
-        if path != given.report and len(paths) > 1 and STEM not in path and not animation:
+        is_animation = format_of(path) == "geojson" and kinds == {"picture"}
+        if path != given.report and len(paths) > 1 and STEM not in path and not is_animation:
             options.error(f"{path}: each of several input files needs its own; put {STEM} into the name")
         if not Path(path).parent.is_dir():
             options.error(f"{path}: there is no folder {Path(path).parent}")
@@ -361,3 +332,9 @@ def _check_files(options: argparse.ArgumentParser, given: argparse.Namespace, pa
             if place in taken:
                 options.error(f"{path} {taken[place]}")
             taken[place] = f"is written twice, as {path} too; give each its own name"
+
+
+def format_of(path: str, kind: str = "map") -> str | None:
+    """The format of an output, of a drawing or another kind of input; None for what cannot be written."""
+    by_kind = "svg" if kind == "drawing" else "geojson"
+    return by_kind if path == STREAM else WRITTEN.get(Path(path).suffix.lower())

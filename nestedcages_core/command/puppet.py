@@ -23,7 +23,7 @@ from ..game import (
 from ..game.kept import KEPT_LIMITS
 from ..puppet import PartChoice
 from .options import at_least
-from .progress import sentence_of, tell
+from .printing import sentence_of, tell
 
 
 def make_puppet(given: argparse.Namespace) -> bool:

@@ -5,17 +5,14 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, TextIO
+from pathlib import Path
 
 from ..errors import NestedCagesError
-from ..formats import Limits
-from ..levels import in_order
-from .ground import on_ground
-from .making import Result, make
-from .options import STEM, STREAM, Metres, check_use, of_drawings
-from .outputs import entry, frames_of, put, report, table, targets, text_of
-from .progress import ProgressLine, sentence_of, tell
+from ..levels import Settings
+from .making import Result, make, settings_of
+from .options import STEM, STREAM, check_use, format_of
+from .outputs import entry, frames_of, geojson_of, put, report, summary, svg_of
+from .printing import ProgressLine, sentence_of, tell
 from .sources import Source, matching_files, read
 
 
@@ -23,32 +20,34 @@ def make_cages(options: argparse.ArgumentParser, given: argparse.Namespace) -> b
     """Process all files and write what concerns them together; whether anything failed."""
     paths = matching_files(given.input)
     check_use(options, given, paths)
+    try:
+        settings = settings_of(given)
+    except NestedCagesError as error:
+        options.error(str(error))
     out = sys.stderr if STREAM in (*given.output, given.report) else sys.stdout
-    if in_order(given.levels) != given.levels:
-        tell("note: The levels are made from the finest to the coarsest.", sys.stderr)
     several = len(paths) > 1
     frames = [path for path in given.output if several and path != STREAM and STEM not in path]
     given.output = [path for path in given.output if path not in frames]
-    line = ProgressLine(sys.stderr, silent=given.quiet, files=len(paths))
-    results: list[Result] = []
-    entries: list[dict[str, Any]] = []
+    line, results, entries, failed = ProgressLine(len(paths)), list[Result](), [], False
     try:
         for line.file, path in enumerate(paths):
-            result, failures, written = _file(path, given, line, None if several else out)
+            result, failures, written = _file(path, given, settings, line)
             line.end()
             for failure in failures:
                 known = failure.startswith(path) or not several
                 tell(f"error: {failure if known else f'{path}: {failure}'}", sys.stderr)
+            if result.made or several:
+                tell(summary(result, failures) if several else str(result), out)
+            for file in written:
+                tell(f"Wrote {file}", out if file != STREAM else None)
             results.append(result)
             entries.append(entry(result, written, failures))
+            failed |= bool(failures)
     finally:
         line.end()
-    failed = any(said["errors"] for said in entries)
-    if several:
-        tell(table(entries), out)
     for file in frames:
         try:
-            put({file: frames_of(results, flip_y=given.flip_y, pieces=given.pieces)})
+            put({file: frames_of(results, given)})
             tell(f"Wrote {file}", out)
         except NestedCagesError as error:
             tell(f"error: {file}: {error}", sys.stderr)
@@ -59,28 +58,23 @@ def make_cages(options: argparse.ArgumentParser, given: argparse.Namespace) -> b
 
 
 def _file(
-    path: str, given: argparse.Namespace, line: ProgressLine, out: TextIO | None
+    path: str, given: argparse.Namespace, settings: Settings, line: ProgressLine
 ) -> tuple[Result, Sequence[str], Sequence[str]]:
-    """Process one file; returns its cages, a sentence for each failure, and what was written. out: None for silence."""
-    result = Result(Source(path, "unknown"))
-    prefix = f"{path}: " if line.files > 1 else ""
+    """Process one file; returns its cages, a sentence for each failure, and what was written."""
+    result, prefix = Result(Source(path, "unknown")), f"{path}: " if line.files > 1 else ""
     try:
-        source = read(path, replace(Limits(), **given.limits), of_drawings(given))
-        outputs = targets(given.output, source)
-        if isinstance(given.clearance, Metres):
-            source = on_ground(source, given.clearance, inside=given.inside)
+        source = read(path, given)
         for note in source.notes:
             tell(f"note: {prefix}{note}", sys.stderr)
-        result = make(source, given, line)
+        result = make(source, given, settings, (lambda *_: None) if given.quiet else line.show)
         line.end()
         for note in result.notes:
             tell(f"note: {prefix}{note}", sys.stderr)
-        tell(str(result), out)
-        outputs = outputs if result.made else {}
-        put({file: text_of(result, kind, flip_y=given.flip_y, pieces=given.pieces) for file, kind in outputs.items()})
-        for file in outputs:
-            if file != STREAM:
-                tell(f"Wrote {file}", out)
-        return result, result.failures, [*outputs]
+        texts: dict[str, str] = {}
+        for name in given.output if result.made else ():
+            file = name.replace(STEM, "stdin" if path == STREAM else Path(path).stem)
+            texts[file] = svg_of(result) if format_of(name, source.kind) == "svg" else geojson_of(result, given)
+        put(texts)
+        return result, result.failures, [*texts]
     except (OSError, NestedCagesError) as error:
         return result, [*result.failures, sentence_of(error, path)], []

@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import glob
+import re
 import sys
+from argparse import Namespace
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from ..errors import invalid_file
-from ..formats import (
-    Frame,
-    Limits,
-    map_document,
-    read_map,
-    read_whole,
-    svg_drawing,
-)
+from ..errors import NestedCagesError, invalid_file
+from ..formats import DRAWING_LIMITS, Frame, Limits, map_document, read_map, read_whole, svg_drawing
+from ..formats.lonlat import grown_on_ground, may_be_degrees, system_name
 from ..formats.pictures import decode_png
 from ..geometry.arrays import AnyArray, FloatArray
 from ..geometry.mesh import Mesh
-from .options import STREAM, kind_of
+from .options import STREAM, Metres, kind_of
 
 DOWN = {"y": "down"}
 """The `pixels` member for coordinates of a drawing or a picture, as `to_geojson` writes it."""
@@ -31,18 +27,17 @@ BEGINNINGS = {b"\x89PNG": "picture", b"<": "drawing", b"{": "map"}
 
 
 @dataclass(frozen=True, eq=False)
-class NamedShape:
+class Shape:
     """The shape to enclose: a mesh, or a picture whose opaque pixels become one."""
 
     name: str
     content: Mesh | AnyArray
     properties: Mapping[str, Any] = field(default_factory=dict)
     id: str | int | float | None = None
-    drawn: Mesh | None = None
-    """What is drawn, where the content is grown by a clearance in metres."""
-    metres: float | None = None
     given: Sequence[FloatArray] = ()
     """Rings of a map as they were read."""
+    drawn: Mesh | None = None
+    """What is drawn, where the content is grown by a clearance in metres."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +47,7 @@ class Source:
     path: str
     kind: str
     """One of `KINDS`."""
-    shapes: Sequence[NamedShape] = ()
+    shapes: Sequence[Shape] = ()
     notes: Sequence[str] = ()
     """Sentences about repairs and omissions."""
     failures: Sequence[str] = ()
@@ -62,6 +57,11 @@ class Source:
     """Page of a drawing or a picture, for SVG output."""
     pixels: Mapping[str, Any] | None = None
     """How coordinates lie on a picture, as `to_geojson` writes it; None for maps."""
+
+    @property
+    def y_up(self) -> bool:
+        """Whether y points up: in maps, and in pixels that say so."""
+        return self.pixels is None or self.pixels.get("y") == "up"
 
 
 def matching_files(patterns: Sequence[str]) -> list[str]:
@@ -78,33 +78,44 @@ def matching_files(patterns: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def is_up(pixels: Mapping[str, Any] | None) -> bool:
-    """Whether y points up: in maps, and in pixels that say so."""
-    return pixels is None or pixels.get("y") == "up"
-
-
-def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
-    """The shapes of a file; options: those of drawings. Raises NestedCagesError or OSError."""
+def read(path: str, given: Namespace) -> Source:
+    """The shapes of a file, grown where a clearance is in metres. Raises NestedCagesError or OSError."""
+    limits, kind = replace(Limits(), **dict(given.limits)), kind_of(path)
     data: Any
-    kind: str | None
     if path == STREAM:
         data, kind = _streamed(limits)
     else:
-        kind = kind_of(path)
-        data = map_document(path, limits, options.get("layers")) if kind == "map" else read_whole(path, limits)
-    if kind == "picture":
-        picture = decode_png(data, limits=limits)
-        opaque = ("No pixel is fully transparent, so the whole picture may count as opaque.",)
-        height, width = picture.shape[:2]
-        frame = Frame((0.0, 0.0, float(width), float(height)), str(width), str(height))
-        pixels = {**DOWN, "width": width, "height": height}
-        whole = picture[:, :, 3].min() > 0
-        return Source(path, kind, [NamedShape("drawing", picture)], opaque if whole else (), frame=frame, pixels=pixels)
+        data = map_document(path, limits, given.layers) if kind == "map" else read_whole(path, limits)
+    if kind == "map":
+        source = _map(path, data, limits, given.inside)
+        return _on_ground(source, given) if isinstance(given.clearance, Metres) else source
+    if isinstance(given.clearance, Metres):
+        raise invalid_file("A clearance in m, km or mi is for a map; give it in units of the file.")
     if kind == "drawing":
-        drawing = svg_drawing(data, **options)
-        shapes = [NamedShape("drawing", drawing.mesh)]
-        return Source(path, kind, shapes, drawing.notes, frame=drawing.frame, pixels=DOWN)
-    found = read_map(data, limits, inside=options.get("inside", False))
+        drawing = svg_drawing(
+            data,
+            **{name: getattr(given, name) for name in ("tolerance", "element", "inside")},
+            layers=tuple(given.layers or ()),
+            strokes=not given.no_strokes,
+            crop=not given.no_crop,
+            limits=replace(DRAWING_LIMITS, **dict(given.limits)),
+        )
+        return Source(path, kind, [Shape("drawing", drawing.mesh)], drawing.notes, frame=drawing.frame, pixels=DOWN)
+    picture = decode_png(data, limits=limits)
+    height, width = picture.shape[:2]
+    opaque = "No pixel is fully transparent, so the whole picture may count as opaque."
+    return Source(
+        path,
+        "picture",
+        [Shape("drawing", picture)],
+        [opaque] if picture[:, :, 3].min() > 0 else [],
+        frame=Frame((0.0, 0.0, float(width), float(height)), str(width), str(height)),
+        pixels={**DOWN, "width": width, "height": height},
+    )
+
+
+def _map(path: str, data: Any, limits: Limits, inside: bool) -> Source:
+    found = read_map(data, limits, inside=inside)
     if not found.features and not found.refused:
         raise invalid_file("There are no polygons; give a map with Polygon or MultiPolygon features.")
     notes = [f"{note[0].upper()}{note[1:]}" for note in found.notes]
@@ -117,8 +128,26 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
         if found.crs is None
         else "The map's coordinate reference system is kept."
     )
-    shapes = [NamedShape(each.name, each.mesh, each.properties, each.id, given=each.given) for each in found.features]
+    shapes = [Shape(each.name, each.mesh, each.properties, each.id, each.given) for each in found.features]
     return Source(path, "map", shapes, notes, found.refused, found.crs, pixels=found.pixels)
+
+
+def _on_ground(source: Source, given: Namespace) -> Source:
+    """A map whose shapes, if in degrees, are grown by a clearance on the ground, or shrunk for cages inside."""
+    if not may_be_degrees(source.crs):
+        name = system_name(source.crs) or ""
+        if re.search(r"\bft|foot|feet|degree", name, re.IGNORECASE):
+            raise invalid_file(f"The map's system, {name:.60}, is not in metres; give the clearance in its units.")
+        note = f"The clearance is taken in units of the map's system, {name:.60}, as metres."
+        return replace(source, notes=[*source.notes, note])
+    shapes, failures = list[Shape](), list(source.failures)
+    for shape in source.shapes:
+        try:
+            drawn, grown = grown_on_ground(Mesh.of(shape.content), given.clearance, inside=given.inside)
+            shapes.append(replace(shape, content=grown, drawn=drawn))
+        except NestedCagesError as error:
+            failures.append(f"{shape.name}: {error}")
+    return replace(source, shapes=shapes, failures=failures)
 
 
 def _streamed(limits: Limits) -> tuple[bytes, str]:

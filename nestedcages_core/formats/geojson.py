@@ -264,37 +264,43 @@ def write_geojson(
     write_whole(path, to_geojson(shapes, **options))
 
 
-def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
-    """A JSON document, and whether it has NaN or Infinity somewhere. Raises NestedCagesError."""
+def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, list[str]]:
+    """A JSON document, and what it has that strict readers reject. Raises NestedCagesError."""
     if not isinstance(text, str | bytes | bytearray):
         raise invalid_file(f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}.")
     limits.check("bytes", len(text))
-    constants: list[str] = []
+    faults: list[str] = []
 
     def constant(name: str) -> float:
-        constants.append(name)
+        faults.append(name)
         return float(name)
 
+    def members(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(pairs)
+        if len(found) < len(pairs):
+            faults.append("an object with a member twice")
+        return found
+
     try:
-        document = json.loads(text, parse_constant=constant)
+        document = json.loads(text, parse_constant=constant, object_pairs_hook=members)
     except (ValueError, RecursionError) as error:
         problem: object = "its brackets are nested too deeply" if isinstance(error, RecursionError) else error
         if "int_max_str_digits" in str(error):  # Python's advice, to programmers
             problem = "a whole number in it has thousands of digits"
         raise invalid_file(f"This is not {what}: {problem}.") from error
-    return document, bool(constants)
+    return document, faults
 
 
 def _loaded(source: Any, limits: Limits) -> tuple[Mapping[str, Any], bool]:
     """The document, and whether its numbers may be NaN."""
-    document, has_nan = getattr(source, "__geo_interface__", source), True
+    document, faults = getattr(source, "__geo_interface__", source), ["NaN"]
     if not isinstance(document, Mapping):
-        document, has_nan = loaded_json(source, "GeoJSON", limits)
+        document, faults = loaded_json(source, "GeoJSON", limits)
     if not isinstance(document, Mapping) or not isinstance(document.get("type"), str):
         raise invalid_file("This is not GeoJSON: the document is not an object with a type.")
     if document["type"] == "Topology":
         raise invalid_file("This is TopoJSON; give its file to read_geojson or the command, which use pyogrio.")
-    return document, has_nan
+    return document, bool(faults)
 
 
 def _feature_members(

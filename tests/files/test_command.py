@@ -397,7 +397,7 @@ SVG = ["letter.svg", "--levels", "24"]
      ([*SVG, "--convex", "--inside"], 2), ([*SVG, "--directions", "up"], 2), ([*SVG, "--directions", "0"], 2),
      ([*SVG, "--box", "1,2,3"], 2), ([*SVG, "--box", "1,1,1,2"], 2), ([*SVG, "--box", "a,b,c,d"], 2),
      (["empty.geojson", "--levels", "24", "--inside", "--jobs", "2"], 2), ([*SVG, "-o", "-", "--report", "-"], 2),
-     ([*SVG, "--clearance", "5km"], 2),
+     ([*SVG, "--clearance", "5km"], 1),
      (["letter.svg", *SVG, "link.svg", "-o", "-"], 2),
      (["letter.svg", "LETTER.geojson", "--levels", "24", "-o", "{stem}-cages.svg"], 2),  # one file on Windows
      (["letter.svg", "fake.png", "--levels", "24", "-o", "out.svg"], 2), (["letter.txt", "--levels", "24"], 2),

@@ -7,7 +7,7 @@ import sys
 from contextlib import suppress
 from errno import EINVAL
 from time import perf_counter
-from typing import Any, TextIO
+from typing import TextIO
 
 from ..errors import NestedCagesError
 
@@ -16,9 +16,6 @@ STANDARD_OUTPUT = "standard output"
 
 BAR = 24
 """Characters of the progress bar."""
-
-LEAST_PASSED = 1.0
-"""Seconds after which the time left is told."""
 
 
 def tell(text: str, stream: TextIO | None, *, end: str = "\n") -> None:
@@ -50,34 +47,27 @@ def sentence_of(error: OSError | NestedCagesError, path: str) -> str:
 
 
 class ProgressLine:
-    """A progress bar with the time left on a terminal, one line per stage elsewhere."""
+    """A bar with the time left on a terminal, elsewhere a line for each tenth."""
 
-    def __init__(self, stream: TextIO | None, *, silent: bool, files: int = 1) -> None:
-        self.stream = None if silent or stream is None or stream.closed else stream
-        self.moving = self.stream is not None and self.stream.isatty()
+    def __init__(self, files: int) -> None:
         self.files, self.file = files, 0
-        self.began = perf_counter()
-        self.last = ""
-        self.seen: set[tuple[int, str]] = set()
+        self._began, self._tenth, self._last = perf_counter(), -1, ""
 
-    def show(self, progress: Any) -> None:
-        """Show the progress of a run or a batch, of the file with the number `file`."""
-        stage = getattr(progress, "stage", "")
-        text = progress.message if self.moving or not stage else f"level {progress.level + 1}, {stage}"
-        if self.moving:
-            done, passed = (self.file + progress.fraction) / self.files, perf_counter() - self.began
-            seconds = round(passed * (1.0 - done) / done) if passed >= LEAST_PASSED and done > 0.0 else None
-            left = "" if seconds is None else f"{seconds // 60}:{seconds % 60:02} left, "
-            where = f"file {self.file + 1} of {self.files}, " if self.files > 1 else ""
-            shown = f"[{'#' * round(BAR * done):.<{BAR}}] {100 * done:3.0f} % {left}{where}{text}"
-            tell("\r" + shown.ljust(len(self.last)), self.stream, end="")
-            self.last = shown
-        elif (self.file, text) not in self.seen:
-            tell(f"{100 * progress.fraction:3.0f} % {text}", self.stream)
-            self.seen.add((self.file, text))
+    def show(self, fraction: float, text: str) -> None:
+        """Show how far the file with the number `file` is, and what is being done."""
+        done, passed = (self.file + fraction) / self.files, perf_counter() - self._began
+        if sys.stderr is not None and not sys.stderr.closed and sys.stderr.isatty():
+            seconds = round(passed * (1.0 - done) / max(done, 1e-9))
+            left = f"{seconds // 60}:{seconds % 60:02} left, " if passed > 1.0 else ""
+            line = f"[{'#' * round(BAR * done):.<{BAR}}] {100 * done:3.0f} % {left}{text}"
+            tell("\r" + line.ljust(len(self._last)), sys.stderr, end="")
+            self._last = line
+        elif int(10.0 * done) > self._tenth:
+            self._tenth = int(10.0 * done)
+            tell(f"{10 * self._tenth:3} %  {text}", sys.stderr)
 
     def end(self) -> None:
         """End the line of the bar."""
-        if self.last:
-            tell("", self.stream)
-        self.last = ""
+        if self._last:
+            tell("", sys.stderr)
+        self._last = ""
