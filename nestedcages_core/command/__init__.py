@@ -7,12 +7,16 @@ import signal
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
+from importlib import import_module
 
 from ..errors import NestedCagesError
 from .printing import STANDARD_OUTPUT, drop, sentence_of, tell
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 """Exit statuses; the last is that of a program ended by Ctrl-C. Wrong use ends with 2, by argparse."""
+
+OPTIONS = {"cages": ".options", "check": ".check_options", "puppet": ".puppet_options"}
+"""Modules with the options of each command."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -54,32 +58,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status
 
 
-def _run(words: Sequence[str]) -> int:
+def _run(words: list[str]) -> int:
     """Run the command that the first word names. What it needs is imported when its words have been read."""
+    name = words.pop(0) if words[:1] in (["check"], ["puppet"]) else "cages"
     try:
-        if words[:1] == ["check"]:
-            from .options import check_parser
-
-            options = check_parser()
-            given = options.parse_args(words[1:])
-            from .check import check_files
-
-            failed = check_files(options, given)
-        elif words[:1] == ["puppet"]:
-            from .puppet_options import parser as puppet_parser
-
-            given = puppet_parser().parse_args(words[1:])
-            from .puppet import make_puppet
-
-            failed = make_puppet(given)
-        else:
-            from .options import parser
-
-            options = parser()
+        options = import_module(OPTIONS[name], __name__).parser()
+        try:
             given = options.parse_args(words)
-            from .run import make_cages
-
-            failed = make_cages(options, given)
+        except NestedCagesError as error:
+            options.error(str(error))
+        return FAILED if import_module(f".{name}", __name__).run(options, given) else DONE
     except SystemExit as end:  # of argparse, which has printed its message
         return int(end.code or 0)
-    return FAILED if failed else DONE

@@ -7,7 +7,6 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +26,7 @@ MOST_SAID = 20
 """Maximum number of problems that are printed."""
 
 
-def check_files(options: argparse.ArgumentParser, given: argparse.Namespace) -> bool:
+def run(options: argparse.ArgumentParser, given: argparse.Namespace) -> bool:
     """Run the command; whether something does not hold, or cannot be read."""
     if len(given.drawing) == 1:
         if not given.drawing[0].lower().endswith(".blend"):
@@ -78,9 +77,9 @@ def _drawings(given: argparse.Namespace) -> Source:
     for each in files:
         if len(each.shapes) != 1:
             raise invalid_file(f"{each.path} has {len(each.shapes)} shapes; a frame of a motion is one.")
-    frames = [replace(each.shapes[0], properties={"time": time}) for time, each in enumerate(files)]
+    frames = [each.shapes[0]._replace(properties={"time": time}) for time, each in enumerate(files)]
     same = all(each.pixels == files[0].pixels for each in files)
-    return replace(files[0], shapes=frames, pixels=files[0].pixels if same else DOWN)
+    return files[0]._replace(shapes=frames, pixels=files[0].pixels if same else DOWN)
 
 
 def _drawing(path: str, given: argparse.Namespace) -> Source:

@@ -7,9 +7,9 @@ import sys
 from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -20,13 +20,10 @@ from ..formats.lonlat import POLE, TURN
 from ..formats.pictures import HALF, picture_cages
 from ..geometry.mesh import Mesh
 from ..levels import Hierarchy, Level, Settings, Share, inner_cages, nested_cages
-from .sources import Shape, Source
+from .sources import Made, Shape, Source
 
 MAX_PROCESSES_ON_WINDOWS = 61
 """Worker processes that Python can wait for there."""
-
-REPORTED = ("note.count", "note.loops")
-"""Codes of notes that are reported of several files too."""
 
 SETTINGS = ("clearance", "grid", "loops", "convex", "symmetry", "min_edge", "min_angle", "seconds")
 """Options that are settings of the same name."""
@@ -35,49 +32,14 @@ Show = Callable[[float, str], None]
 """Shows the fraction of a file that is done, and what is being done."""
 
 
-class Made(NamedTuple):
-    """The cages of one shape, from the finest to the coarsest."""
-
-    shape: Shape
-    fine: Mesh
-    levels: Sequence[Level]
-
-
-@dataclass(frozen=True, eq=False)
-class Result:
-    """The cages of a file, with a sentence for each shape that has none, or not all of them."""
-
-    source: Source
-    made: Sequence[Made] = ()
-    failures: Sequence[str] = ()
-
-    @property
-    def notes(self) -> Iterator[str]:
-        """What became of counts that are too small, and of loops."""
-        for each in self.made:
-            name = f"{each.shape.name}: " if len(self.made) > 1 else ""
-            for number, level in enumerate(each.levels, 1):
-                notes = (note for note in level.report.notes if note.code in REPORTED)
-                yield from (f"{name}Level {number}: {note}" for note in notes)
-
-    def __str__(self) -> str:
-        """The certificate of every cage."""
-        lines = []
-        for each in self.made:
-            lines.append(f"{each.shape.name}: {len(each.fine.vertices)} vertices, loops: {len(each.fine.loops)}")
-            cages = ((k, len(level.cage.vertices), level.report) for k, level in enumerate(each.levels, 1))
-            lines += [f"  Level {k}: {number} vertices, {report}" for k, number, report in cages]
-        return "\n".join(lines)
-
-
 def settings_of(given: Namespace) -> Settings:
     """The settings that the options say. Raises NestedCagesError for what does not go together."""
     constraints = [each for each in (given.directions, given.box) if each is not None]
     return Settings(**{name: getattr(given, name) for name in SETTINGS}, constraints=constraints, steps=False)
 
 
-def make(source: Source, given: Namespace, settings: Settings, show: Show) -> Result:
-    """The cages of a file. If a shape fails, its finished levels and all other shapes are kept."""
+def make(source: Source, given: Namespace, settings: Settings, show: Show) -> Source:
+    """A file with its cages. If a shape fails, its finished levels and all other shapes are kept."""
     made, failures = list[Made](), list(source.failures)
     outcomes = _outcomes(source.shapes, given, settings, show)
     for shape, (hierarchy, error) in zip(source.shapes, outcomes, strict=True):
@@ -91,7 +53,7 @@ def make(source: Source, given: Namespace, settings: Settings, show: Show) -> Re
                 raise error
         except NestedCagesError as problem:
             failures.append(f"{shape.name}: {problem}" if len(source.shapes) > 1 else str(problem))
-    return Result(source, made, failures)
+    return source._replace(made=made, failures=failures)
 
 
 def _outcomes(

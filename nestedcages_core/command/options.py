@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections import Counter
 from collections.abc import Callable, Sequence
-from functools import wraps
 from math import inf
 from pathlib import Path
 from sys import modules
-from typing import TYPE_CHECKING, Any, TypeVar
-
-from ..errors import NestedCagesError
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # what values of options are read by is imported when there are some: the help is quick without
     from ..constraints.axis_aligned import AxisAligned
@@ -51,55 +47,24 @@ APART = (("inside", "jobs"), *(("convex", other) for other in ("inside", "min_ed
 """Options that exclude each other."""
 
 DESCRIPTION = """\
-Wraps drawings, maps and sprites in nested cages: coarse outlines that strictly
-enclose them, never cross themselves, and have an area at a local minimum. Each
-one is certified by exact predicates before it is written."""
+Wraps drawings (.svg), maps (.geojson .json .shp .gpkg .topojson) and pictures
+(.png) in nested cages: coarse outlines that strictly enclose them, never cross
+themselves, and have an area at a local minimum. Each one is certified by exact
+predicates before it is written. FILE may be a pattern, or - for the standard
+input."""
 
 EPILOG = """\
-input files, several of them or patterns such as "icons/*.svg"; - reads the
-standard input:
-  .svg            what is painted; overlapping shapes are united
-  .geojson .json  polygons; each feature gets cages that hold all its rings
-  .shp .gpkg .topojson  as maps, through pyogrio
-  .png            opaque pixels, in pixels with y downwards
-
-output files, in the units of the input; those of an input are written
-together, whole or not at all:
-  .svg            the drawing and its cages: "drawing", "cage-1", "cage-2", ...
-  .geojson .json  a feature for each cage, with its measures
-  -               SVG of a drawing, GeoJSON of a map or a picture
-  For several inputs names have {stem}, as in cages/{stem}.svg; a .geojson
-  without it takes the cages of pictures as the frames of an animation.
-
-exit status:
-  0  all cages were made, certified and written
-  1  a cage could not be made, or a file not be read or written; the rest is
-  2  wrong use of the options
-  130  interrupted
+exit status: 0 all cages were made and written, 1 a cage could not be made, or
+a file not be read or written, 2 wrong use of the options, 130 interrupted
 
 examples:
   nested-cages logo.svg --levels 64 24 -o cages.svg
   nested-cages "icons/*.svg" --levels 20% 8% -o "cages/{stem}.svg"
   nested-cages sprite.png --levels 16 --clearance 2 -o outline.geojson
   nested-cages regions.geojson --levels 200 --clearance 5km -o simple.geojson
-
-nested-cages check DRAWING RESULT checks what was written.
-nested-cages puppet PAINTING -o SCENE makes a puppet of a layered painting.
+  nested-cages check logo.svg cages.svg
+  nested-cages puppet cat.psd -o cat.tscn
 """
-
-CHECK = """\
-Checks cages in a file: without rounding, on the coordinates in the files, by code
-that shares nothing with the method. RESULT is an .svg that this program has
-written around the DRAWING, word by word, or a GeoJSON of polygons alone, of any
-program; anything else is rejected. DRAWING is read with the options that the
-cages were made with; several pictures are the frames of a motion. The motion
-between frames in GeoJSON is checked on straight lines. A single FILE.blend is
-checked as Blender plays it, with the add-on's folder next to this package and
-Blender as a Python module."""
-
-CHECK_STATUS = "exit status: 0 everything holds, 1 something does not, or a file cannot be read, 2 wrong use"
-
-Value = TypeVar("Value")
 
 
 class Metres(float):
@@ -111,49 +76,28 @@ def kind_of(path: str) -> str | None:
     return "stream" if path == STREAM else KINDS.get(Path(path).suffix.lower())
 
 
-def _reads(what: str) -> Callable[[Callable[[str], Value]], Callable[[str], Value]]:
-    """Lets a function that reads the value of an option say in words what is needed where it fails."""
-
-    def wrapped(read: Callable[[str], Value]) -> Callable[[str], Value]:
-        @wraps(read)
-        def reader(text: str) -> Value:
-            try:
-                return read(text)
-            except (TypeError, ValueError, NestedCagesError):
-                raise argparse.ArgumentTypeError(f"{what} is needed, not {text!r}") from None
-
-        return reader
-
-    return wrapped
+def length(text: str) -> float:
+    if not 0.0 < (value := float(text)) < inf:
+        raise ValueError
+    return value
 
 
-def number(what: str, low: float, high: float = inf, kind: type = float) -> Callable[[str], Any]:
-    """Reads numbers above the lower bound and below the upper one; what: these in words."""
-
-    @_reads(what)
-    def read(text: str) -> Any:
-        value = kind(text)
-        if not low < value < high:
-            raise ValueError
-        return value
-
-    return read
-
-
-def at_least(least: int) -> Callable[[str], Any]:
-    return number(f"a whole number of at least {least}", least - 1, kind=int)
-
-
-length = number("a length above 0", 0.0)
-
-
-@_reads("a length above 0, of a map also in m, km or mi,")
 def clearance(text: str) -> float:
     unit = text.lstrip("0123456789.eE+-").strip()
-    return Metres(length(text.removesuffix(unit)) * METRES[unit]) if unit in METRES else float(length(text))
+    return Metres(length(text.removesuffix(unit)) * METRES[unit]) if unit in METRES else length(text)
 
 
-@_reads("x, y, found or a whole number of at least 2")
+def at_least(least: int) -> Callable[[str], int]:
+    """Reads whole numbers that are not less."""
+
+    def whole_number(text: str) -> int:
+        if (value := int(text)) < least:
+            raise argparse.ArgumentTypeError(f"a whole number of at least {least} is needed, not {text}")
+        return value
+
+    return whole_number
+
+
 def symmetry(text: str) -> Mirror | Rotation | DetectSymmetry:
     from ..geometry.symmetry import DetectSymmetry, Mirror, Rotation
 
@@ -162,7 +106,6 @@ def symmetry(text: str) -> Mirror | Rotation | DetectSymmetry:
     return Mirror(None, (float(text == "y"), float(text == "x"))) if text in ("x", "y") else Rotation(None, int(text))
 
 
-@_reads("axes, transit or a list of angles such as 0,60,120")
 def directions(text: str) -> AxisAligned:
     from ..constraints.axis_aligned import TRANSIT, AxisAligned
 
@@ -170,7 +113,6 @@ def directions(text: str) -> AxisAligned:
     return words[text] if text in words else AxisAligned(tuple(map(float, text.split(","))))
 
 
-@_reads("a pair of corners such as 0,0,640,480")
 def box(text: str) -> Box:
     from ..constraints.box import Box
 
@@ -178,28 +120,50 @@ def box(text: str) -> Box:
     return Box((min(x, u), min(y, v)), (max(x, u), max(y, v)))
 
 
-@_reads("the name of a limit with a whole number, such as pixels=1000000,")
-def _limit(text: str) -> tuple[str, int]:
+def limit(text: str) -> tuple[str, int]:
     from ..formats import Limits
 
     name, _, value = text.partition("=")
-    Limits(**{name: int(value)})
-    return name, int(value)
+    return name, int(getattr(Limits(**{name: int(value)}), name))
 
 
-class _Levels(argparse.Action):
+class Levels(argparse.Action):
     """Levels from the finest to the coarsest."""
 
     def __call__(self, options: argparse.ArgumentParser, given: Any, words: Any, name: str | None = None) -> None:
         from ..levels import in_order, level_words, parse_level
 
-        try:
-            levels = in_order([parse_level(word) for word in level_words(" ".join(words))])
-        except NestedCagesError as error:
-            raise argparse.ArgumentError(self, str(error)) from None
-        if not levels:
-            raise argparse.ArgumentError(self, "at least one level is needed")
-        given.levels = levels
+        given.levels = in_order([parse_level(word) for word in level_words(" ".join(words))])
+
+
+def shared() -> argparse.ArgumentParser:
+    """The options that make cages and that check them."""
+    options = argparse.ArgumentParser(add_help=False)
+    add = options.add_argument
+    add("--levels", nargs="+", action=Levels, default=[], metavar="N", help="what each cage has: a number of "
+        "vertices, 32; a share of the shape's vertices, 8%%; or the fewest within a distance, 2px, or an excess of "
+        "area, +25%%")  # fmt: skip
+    add("--clearance", type=clearance, metavar="LENGTH", help="smallest distance of a cage from what it encloses, in "
+        "units of the input; of a map also in m, km or mi, as in 5km")  # fmt: skip
+    add("--inside", action="store_true", help="cages lie inside the shapes instead")
+    add("--grid", type=length, metavar="LENGTH", help="cage vertices are multiples of this length: 1 for whole pixels, "
+        "1e-6 for six decimals")  # fmt: skip
+    add("--symmetry", type=symmetry, metavar="WHAT", help="x (left and right alike), y (top and bottom alike), both "
+        "about the middle of the drawing, a number (rotations of that order about its centroid), or found (the "
+        "drawing's own)")  # fmt: skip
+    add = options.add_argument_group("how files are read").add_argument
+    add("--tolerance", type=length, metavar="LENGTH", help="greatest distance between a curve and the edges in its "
+        "place, which lie outside of it (default: 1/2000 of the drawing's diagonal)")  # fmt: skip
+    add("--element", metavar="ID", help="only the element of a drawing with this id")
+    add("--layers", nargs="+", metavar="NAME", help="only these layers: of a drawing by label or id, of a map file by "
+        "name (default: the first with polygons)")  # fmt: skip
+    add("--no-strokes", action="store_true", help="without the strokes of a drawing")
+    add("--no-crop", action="store_true", help="with what lies outside the page of a drawing")
+    add("--threshold", type=float, metavar="ALPHA", help="opacity from "
+        "0 to 1 above which a pixel counts as opaque (default: 0.5)")  # fmt: skip
+    add("--limit", dest="limits", type=limit, action="append", default=[], metavar="WHAT=N", help="raise or lower a "
+        "limit: bytes, elements, points, seconds or pixels (SECURITY.md has the defaults)")  # fmt: skip
+    return options
 
 
 def parser() -> argparse.ArgumentParser:
@@ -211,92 +175,41 @@ def parser() -> argparse.ArgumentParser:
         description=DESCRIPTION,
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
+        parents=[shared()],
     )
-    options.add_argument("input", nargs="+", metavar="FILE", help=argparse.SUPPRESS)
-    options.add_argument("--version", action="version", version=f"nested-cages {version}", help="print the version")
     add = options.add_argument
-    add("--levels", nargs="+", action=_Levels, metavar="N", required=True, help="what each cage has: a number of "
-        "vertices, 32; a share of the shape's vertices, 8%%; or the fewest within a distance, 2px, or an excess of "
-        "area, +25%%")  # fmt: skip
+    add("input", nargs="+", metavar="FILE", help=argparse.SUPPRESS)
+    add("--version", action="version", version=f"nested-cages {version}", help="print the version")
     add("-o", "--output", action="append", default=[], metavar="FILE", help=".svg or .geojson to write, or - for the "
-        "standard output; may be repeated")  # fmt: skip
-    add("--clearance", type=clearance, metavar="LENGTH", help="smallest distance of a cage from what it encloses, in "
-        "units of the input; of a map also in m, km or mi, as in 5km")  # fmt: skip
-    add("--inside", action="store_true", help="make cages inside the shapes instead")
+        "standard output; may be repeated. For several inputs it has {stem} in its name; a .geojson without it takes "
+        "the cages of pictures as the frames of an animation")  # fmt: skip
     add("--loops", choices=("auto", "keep", "one"), default="auto", help="auto: holes are filled and parts share a "
         "loop where that is tighter; keep: every loop has its own; one: a silhouette")  # fmt: skip
-    add("--seconds", type=number("a time above 0", 0.0), metavar="S", help="time for each shape; the levels made by "
+    add("--seconds", type=float, metavar="S", help="time for each shape; the levels made by "
         "then are kept")  # fmt: skip
     add("--report", metavar="FILE", help="write all measures and messages as JSON")
     add("--quiet", action="store_true", help="no progress")
-    add = options.add_argument_group("shape").add_argument
+    add("--jobs", type=at_least(1), metavar="N", help="processes for the features of a map (default: 1)")
+    add = options.add_argument_group("shape of cages").add_argument
     add("--convex", action="store_true", help="convex cages: this many vertices around each part, holes filled")
-    add("--symmetry", type=symmetry, metavar="WHAT", help="x (left and right alike), y (top and bottom alike), both "
-        "about the middle of the drawing, a number (rotations of that order about its centroid), or found (the "
-        "drawing's own)")  # fmt: skip
-    add("--min-edge", type=length, metavar="LENGTH", help="no cage edge is shorter, where there is room")
-    add("--min-angle", type=number("an angle above 0 and below 60 degrees", 0.0, 60.0), metavar="DEGREES",
-        help="no angle between cage edges is sharper than this, where there is room; below 60")  # fmt: skip
+    add("--min-edge", type=length, metavar="LENGTH", help="no edge is shorter, where there is room")
+    add("--min-angle", type=float, metavar="DEGREES", help="no angle between edges is sharper, where there is room; "
+        "below 60")  # fmt: skip
     add("--directions", type=directions, metavar="WHAT", help="edges are along the axes (axes), also along both "
         "diagonals (transit), or at these angles in degrees, such as 0,60,120")  # fmt: skip
     add("--box", type=box, metavar="X,Y,X,Y", help="cages stay between two corners, as in --box=-8,0,8,9")
-    add("--grid", type=length, metavar="LENGTH", help="cage vertices are multiples of this length: 1 for whole pixels, "
-        "1e-6 for six decimals")  # fmt: skip
-    _add_reading(options)
-    add = options.add_argument_group("maps, limits").add_argument
-    add("--jobs", type=at_least(1), metavar="N", help="processes for the features of a map (default: 1)")
-    add("--limit", dest="limits", type=_limit, action="append", default=[], metavar="WHAT=N", help="raise or lower a "
-        "limit of reading: bytes, elements, points, seconds or pixels (SECURITY.md has the defaults)")  # fmt: skip
-    add = options.add_argument_group("GeoJSON").add_argument
-    add("--flip-y", action="store_true", help="turn y over; that of a picture then counts upwards from its lower edge")
-    add("--pieces", type=at_least(3), metavar="N", help="add convex pieces of at most N vertices, which tile each "
+    add = options.add_argument_group("GeoJSON that is written").add_argument
+    add("--flip-y", action="store_true", help="y turned over; that of a picture then counts up from its lower edge")
+    add("--pieces", type=at_least(3), metavar="N", help="also convex pieces of at most N vertices, which tile each "
         'cage, as features with a number as "piece"; Box2D takes 8')  # fmt: skip
-    return options
-
-
-def _add_reading(options: argparse.ArgumentParser) -> None:
-    """Add the options that say how drawings and pictures are read."""
-    add = options.add_argument_group("drawings, pictures").add_argument
-    add("--tolerance", type=length, metavar="LENGTH", help="greatest distance between a curve and the edges in its "
-        "place, which lie outside of it (default: 1/2000 of the drawing's diagonal)")  # fmt: skip
-    add("--element", metavar="ID", help="read only the element with this id")
-    add("--layers", nargs="+", metavar="NAME", help="read only these layers: of a drawing by label or id, of a map "
-        "file by name (default: the first with polygons)")  # fmt: skip
-    add("--no-strokes", action="store_true", help="leave strokes out")
-    add("--no-crop", action="store_true", help="keep what lies outside the page")
-    add("--threshold", type=number("a number from 0 to 1", -1e-300, 1.0 + 1e-15), metavar="ALPHA", help="opacity from "
-        "0 to 1 above which a pixel counts as opaque (default: 0.5)")  # fmt: skip
-
-
-def check_parser() -> argparse.ArgumentParser:
-    """The options that check cages."""
-    options = argparse.ArgumentParser(
-        prog="nested-cages check",
-        usage="nested-cages check DRAWING [DRAWING ...] RESULT [options]",
-        description=CHECK,
-        epilog=CHECK_STATUS,
-    )
-    add = options.add_argument
-    add("drawing", metavar="FILE", nargs="+", help=argparse.SUPPRESS)
-    add("--levels", nargs="+", action=_Levels, default=[], metavar="N", help="what each cage must have, as when they "
-        "were made")  # fmt: skip
-    add("--clearance", type=clearance, metavar="LENGTH", help="smallest distance (default: above 0)")
-    add("--inside", action="store_true", help="the cages lie inside the drawing")
-    add_loops = options.add_mutually_exclusive_group().add_argument
-    add_loops("--same-loops", action="store_true", help="each loop has one of its own: no hole is filled, no parts "
-              "share one (default: they are named)")  # fmt: skip
-    add_loops("--any-loops", action="store_true", help="cages may have other loops, and more")
-    add("--grid", type=length, metavar="LENGTH", help="coordinates are multiples of this length")
-    add("--symmetry", type=symmetry, metavar="WHAT", help="x, y or an order of rotations")
-    add("--distance", type=length, metavar="LENGTH", help="no cage reaches farther than this")
-    _add_reading(options)
-    options.set_defaults(limits=[])
     return options
 
 
 def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[str]) -> None:
     """Exit with a message if options contradict each other or do not apply to the files, or outputs collide."""
     kinds = {kind_of(path) for path in paths}
+    if not given.levels:
+        options.error("--levels is needed")
     if None in kinds:
         unread = next(path for path in paths if kind_of(path) is None)
         options.error(f"{Path(unread).name}: a file is read if it ends in {', '.join(KINDS)}")
@@ -312,11 +225,7 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
         options.error("the standard output takes one of the outputs and the report, and the cages of one file")
     if (given.flip_y or given.pieces) and {*map(format_of, given.output)} <= {"svg"}:
         options.error("--flip-y and --pieces are for GeoJSON; write it with -o FILE.geojson")
-    stems = Counter(Path(path).stem.casefold() for path in paths)  # Windows and macOS take both cases for one file
-    doubled = next((Path(path).stem for path in paths if stems[Path(path).stem.casefold()] > 1), None)
-    if given.output and doubled is not None:
-        options.error(f"two input files are called {doubled}; run them one by one")
-    taken = {os.path.realpath(path): f"is the input {path}; write to another file" for path in paths if path != STREAM}
+    taken = {_place(path): f"is the input {path}; write to another file" for path in paths if path != STREAM}
     for path in [*given.output, given.report]:
         if path in (None, STREAM):
             continue
@@ -327,11 +236,16 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
             options.error(f"{path}: each of several input files needs its own; put {STEM} into the name")
         if not Path(path).parent.is_dir():
             options.error(f"{path}: there is no folder {Path(path).parent}")
-        for stem in {Path(each).stem for each in paths} if STEM in path else {""}:
-            place = os.path.realpath(path.replace(STEM, stem))
+        for stem in [Path(each).stem for each in paths] if STEM in path else [""]:
+            place = _place(path.replace(STEM, stem))
             if place in taken:
                 options.error(f"{path} {taken[place]}")
             taken[place] = f"is written twice, as {path} too; give each its own name"
+
+
+def _place(path: str) -> str:
+    """The place of a file, in the one way in which Windows and macOS take names."""
+    return os.path.realpath(path).casefold()
 
 
 def format_of(path: str, kind: str = "map") -> str | None:

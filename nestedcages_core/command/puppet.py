@@ -26,7 +26,7 @@ from .options import at_least
 from .printing import sentence_of, tell
 
 
-def make_puppet(given: argparse.Namespace) -> bool:
+def run(_: argparse.ArgumentParser, given: argparse.Namespace) -> bool:
     """Run the command; whether it failed."""
     try:
         engines = [given.engine or engine_for(path) for path in given.output]

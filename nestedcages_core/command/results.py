@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections import Counter
 from collections.abc import Mapping
@@ -108,14 +109,14 @@ def read_picture(content: bytes, drawings: Source | None = None) -> tuple[list[L
 
 def _map(content: bytes) -> Results:
     """The features of a map by their levels. Raises NestedCagesError for more than polygons."""
-    document, faults = loaded_json(content, "GeoJSON", Limits())
+    document = loaded_json(content, "GeoJSON", Limits(), _once)
+    json.dumps(document, allow_nan=False)  # raises
     if document.get("type") != "FeatureCollection":
         feature = document if document.get("type") == "Feature" else {"type": "Feature", "geometry": document}
         document = {"type": "FeatureCollection", "features": [feature]}
     others = {key for key, value in document.items() if isinstance(value, dict | list)} - {"crs", "pixels", "bbox"}
-    if faults or others != {"features"}:
-        what = ", ".join([*faults, *sorted(others - {"features"})]) or "no features"
-        raise invalid_file(f"The map has {what}, and is not checked.")
+    if others != {"features"}:
+        raise invalid_file(f"The map has {', '.join(sorted(others)) or 'no features'}, not features alone.")
     shapes, looks, tiles = list[Levels](), list[dict[str, Any]](), dict[tuple[int, int], list[Mesh]]()
     for number, feature in enumerate(document["features"]):
         mesh, properties = _feature(feature, number)
@@ -139,6 +140,13 @@ def _map(content: bytes) -> Results:
             raise invalid_file(f"The pieces of a cage of level {level} do not fill it, each once and convex.")
     _check_box(document, [mesh for levels in shapes for mesh in levels.values()])
     return Results(shapes, looks, document.get("crs"), document.get("pixels"))
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object. Raises NestedCagesError for a member that is there twice."""
+    if len(found := dict(pairs)) < len(pairs):
+        raise invalid_file("The map has an object with the same member twice.")
+    return found
 
 
 def _feature(feature: Any, number: int) -> tuple[Mesh, dict[str, Any]]:

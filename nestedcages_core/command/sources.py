@@ -7,9 +7,8 @@ import re
 import sys
 from argparse import Namespace
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 from ..errors import NestedCagesError, invalid_file
 from ..formats import DRAWING_LIMITS, Frame, Limits, map_document, read_map, read_whole, svg_drawing
@@ -17,6 +16,7 @@ from ..formats.lonlat import grown_on_ground, may_be_degrees, system_name
 from ..formats.pictures import decode_png
 from ..geometry.arrays import AnyArray, FloatArray
 from ..geometry.mesh import Mesh
+from ..levels import Level
 from .options import STREAM, Metres, kind_of
 
 DOWN = {"y": "down"}
@@ -26,13 +26,12 @@ BEGINNINGS = {b"\x89PNG": "picture", b"<": "drawing", b"{": "map"}
 """The content of a stream by its first bytes."""
 
 
-@dataclass(frozen=True, eq=False)
-class Shape:
+class Shape(NamedTuple):
     """The shape to enclose: a mesh, or a picture whose opaque pixels become one."""
 
     name: str
     content: Mesh | AnyArray
-    properties: Mapping[str, Any] = field(default_factory=dict)
+    properties: Mapping[str, Any] = {}
     id: str | int | float | None = None
     given: Sequence[FloatArray] = ()
     """Rings of a map as they were read."""
@@ -40,9 +39,16 @@ class Shape:
     """What is drawn, where the content is grown by a clearance in metres."""
 
 
-@dataclass(frozen=True, eq=False)
-class Source:
-    """A file that was read."""
+class Made(NamedTuple):
+    """The cages of one shape, from the finest to the coarsest."""
+
+    shape: Shape
+    fine: Mesh
+    levels: Sequence[Level]
+
+
+class Source(NamedTuple):
+    """A file that was read, and what was made of it."""
 
     path: str
     kind: str
@@ -51,12 +57,14 @@ class Source:
     notes: Sequence[str] = ()
     """Sentences about repairs and omissions."""
     failures: Sequence[str] = ()
-    """Sentences about shapes that could not be read."""
+    """Sentences about shapes that could not be read, or have not all of their cages, and files not written."""
     crs: Any = None
     frame: Frame | None = None
     """Page of a drawing or a picture, for SVG output."""
     pixels: Mapping[str, Any] | None = None
     """How coordinates lie on a picture, as `to_geojson` writes it; None for maps."""
+    made: Sequence[Made] = ()
+    written: Sequence[str] = ()
 
     @property
     def y_up(self) -> bool:
@@ -65,17 +73,9 @@ class Source:
 
 
 def matching_files(patterns: Sequence[str]) -> list[str]:
-    """The files that match names and patterns such as `icons/*.svg`. Raises NestedCagesError for one without any."""
-    found: list[str] = []
-    for pattern in patterns:
-        if pattern == STREAM or not glob.has_magic(pattern) or Path(pattern).exists():
-            found.append(pattern)
-            continue
-        matches = sorted(path for path in glob.glob(pattern, recursive=True) if kind_of(path))
-        if not matches:
-            raise invalid_file(f"{pattern}: no file that can be read has such a name.")
-        found.extend(matches)
-    return list(dict.fromkeys(found))
+    """The files that match patterns such as `icons/*.svg`; what no file matches stays as it is."""
+    found = (sorted(filter(kind_of, glob.glob(pattern, recursive=True))) or [pattern] for pattern in patterns)
+    return list(dict.fromkeys(path for paths in found for path in paths))
 
 
 def read(path: str, given: Namespace) -> Source:
@@ -118,18 +118,9 @@ def _map(path: str, data: Any, limits: Limits, inside: bool) -> Source:
     found = read_map(data, limits, inside=inside)
     if not found.features and not found.refused:
         raise invalid_file("There are no polygons; give a map with Polygon or MultiPolygon features.")
-    notes = [f"{note[0].upper()}{note[1:]}" for note in found.notes]
-    if found.without_polygons:
-        notes.append(f"Features without polygons, left out: {found.without_polygons}.")
-    notes.append(
-        "The coordinates are those of a picture."
-        if found.pixels is not None
-        else "The map names no coordinate reference system; coordinates are kept as they are."
-        if found.crs is None
-        else "The map's coordinate reference system is kept."
-    )
+    without = [f"Features without polygons: {found.without_polygons}."] if found.without_polygons else []
     shapes = [Shape(each.name, each.mesh, each.properties, each.id, each.given) for each in found.features]
-    return Source(path, "map", shapes, notes, found.refused, found.crs, pixels=found.pixels)
+    return Source(path, "map", shapes, [*found.notes, *without], found.refused, found.crs, pixels=found.pixels)
 
 
 def _on_ground(source: Source, given: Namespace) -> Source:
@@ -139,15 +130,15 @@ def _on_ground(source: Source, given: Namespace) -> Source:
         if re.search(r"\bft|foot|feet|degree", name, re.IGNORECASE):
             raise invalid_file(f"The map's system, {name:.60}, is not in metres; give the clearance in its units.")
         note = f"The clearance is taken in units of the map's system, {name:.60}, as metres."
-        return replace(source, notes=[*source.notes, note])
+        return source._replace(notes=[*source.notes, note])
     shapes, failures = list[Shape](), list(source.failures)
     for shape in source.shapes:
         try:
             drawn, grown = grown_on_ground(Mesh.of(shape.content), given.clearance, inside=given.inside)
-            shapes.append(replace(shape, content=grown, drawn=drawn))
+            shapes.append(shape._replace(content=grown, drawn=drawn))
         except NestedCagesError as error:
             failures.append(f"{shape.name}: {error}")
-    return replace(source, shapes=shapes, failures=failures)
+    return source._replace(shapes=shapes, failures=failures)
 
 
 def _streamed(limits: Limits) -> tuple[bytes, str]:

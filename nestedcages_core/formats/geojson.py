@@ -7,7 +7,7 @@ import math
 import os
 import warnings
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -106,7 +106,7 @@ def read_map(source: Any, limits: Limits | None = None, *, specks: float = 0.0, 
         For input that is not GeoJSON or exceeds the limits.
     """
     limits = limits or Limits()
-    document, has_nan = _loaded(source, limits)
+    document = _loaded(source, limits)
     members: Any = document.get("features") if document["type"] == "FeatureCollection" else [document]
     if isinstance(members, str | bytes | Mapping) or not hasattr(members, "__iter__"):
         raise invalid_file(f"The FeatureCollection has {shown(members)} where its list of features belongs.")
@@ -118,7 +118,7 @@ def read_map(source: Any, limits: Limits | None = None, *, specks: float = 0.0, 
         quota.spend("elements", 1)
         name = f"feature {number}"
         try:
-            geometry, properties, identity, lost = _feature_members(member, has_nan)
+            geometry, properties, identity, lost = _feature_members(member)
             name = _name(number, properties, identity)
             polygons = [] if geometry is None else polygons_of(geometry, left_out=left_out)
         except InvalidMeshError as error:
@@ -264,48 +264,32 @@ def write_geojson(
     write_whole(path, to_geojson(shapes, **options))
 
 
-def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, list[str]]:
-    """A JSON document, and what it has that strict readers reject. Raises NestedCagesError."""
+def loaded_json(text: Any, what: str, limits: Limits, members: Callable[[list[Any]], Any] | None = None) -> Any:
+    """A JSON document; members: makes an object of its pairs, instead of a dict. Raises NestedCagesError."""
     if not isinstance(text, str | bytes | bytearray):
         raise invalid_file(f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}.")
     limits.check("bytes", len(text))
-    faults: list[str] = []
-
-    def constant(name: str) -> float:
-        faults.append(name)
-        return float(name)
-
-    def members(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        found = dict(pairs)
-        if len(found) < len(pairs):
-            faults.append("an object with a member twice")
-        return found
-
     try:
-        document = json.loads(text, parse_constant=constant, object_pairs_hook=members)
+        return json.loads(text, object_pairs_hook=members)
     except (ValueError, RecursionError) as error:
         problem: object = "its brackets are nested too deeply" if isinstance(error, RecursionError) else error
         if "int_max_str_digits" in str(error):  # Python's advice, to programmers
             problem = "a whole number in it has thousands of digits"
         raise invalid_file(f"This is not {what}: {problem}.") from error
-    return document, faults
 
 
-def _loaded(source: Any, limits: Limits) -> tuple[Mapping[str, Any], bool]:
-    """The document, and whether its numbers may be NaN."""
-    document, faults = getattr(source, "__geo_interface__", source), ["NaN"]
+def _loaded(source: Any, limits: Limits) -> Mapping[str, Any]:
+    document = getattr(source, "__geo_interface__", source)
     if not isinstance(document, Mapping):
-        document, faults = loaded_json(source, "GeoJSON", limits)
+        document = loaded_json(source, "GeoJSON", limits)
     if not isinstance(document, Mapping) or not isinstance(document.get("type"), str):
         raise invalid_file("This is not GeoJSON: the document is not an object with a type.")
     if document["type"] == "Topology":
         raise invalid_file("This is TopoJSON; give its file to read_geojson or the command, which use pyogrio.")
-    return document, bool(faults)
+    return document
 
 
-def _feature_members(
-    member: Any, has_nan: bool
-) -> tuple[Any, Mapping[str, Any], str | int | float | None, tuple[str, ...]]:
+def _feature_members(member: Any) -> tuple[Any, Mapping[str, Any], str | int | float | None, tuple[str, ...]]:
     """Geometry, properties and id of a feature or a bare geometry, and a note on values that JSON cannot represent."""
     mapping = getattr(member, "__geo_interface__", member)
     if not isinstance(mapping, Mapping):
@@ -313,8 +297,7 @@ def _feature_members(
     if mapping.get("type") != "Feature":
         return mapping, {}, None, ()
     properties, identity = mapping.get("properties"), mapping.get("id")
-    properties = properties if isinstance(properties, Mapping) else {}
-    properties, lost = _finite(properties) if has_nan else (properties, ())
+    properties, lost = _finite(properties if isinstance(properties, Mapping) else {})
     return mapping.get("geometry"), properties, identity if isinstance(identity, str | int | float) else None, lost
 
 

@@ -84,7 +84,7 @@ def _sparse(rows: FloatArray) -> list[list[list[float]]]:
 
 def from_puppet_json(text: str | bytes, *, limits: Limits = KEPT_LIMITS) -> GamePuppet:
     """The puppet of a JSON by `to_puppet_json`; its meshes have empty pictures. Raises NestedCagesError."""
-    document, _ = loaded_json(text, "a puppet", limits)
+    document = loaded_json(text, "a puppet", limits)
     try:
         if not isinstance(document, Mapping) or document.get("format") != FORMAT:
             raise invalid_file(f'This is no puppet: its format is not "{FORMAT}".')

@@ -37,7 +37,7 @@ def region(left: float, name: str | None, count: int = 40) -> dict[str, Any]:
 def reported(path: Path) -> list[dict[str, Any]]:
     """The entries of a report."""
     document = json.loads(path.read_text(encoding="utf-8"))
-    assert (document["format"], document["version"]) == ("nested-cages report", 1)
+    assert (document["format"], document["version"]) == ("nested-cages report", 2)
     return document["inputs"]
 
 
@@ -179,7 +179,7 @@ def test_several_files_patterns_and_percentages(drawing: Path, tmp_path: Path) -
     assert [each["vertices"] for each in spiky["shapes"][0]["levels"]] == [30, 12]
     assert letter["errors"] == [] and spiky["written"] == [str(Path("cages") / "star.svg")]
     assert verify(from_svg((tmp_path / "cages" / "star.svg").read_text(), element="cage-2"), star(5, 60))
-    assert all(name in done.out for name in ("star.svg", "letter.svg", "broken.svg"))
+    assert all(name in done.out for name in ("star.svg", "letter.svg"))
 
 
 @pytest.mark.slow
@@ -198,10 +198,10 @@ def test_a_count_is_a_promise(name: str, tmp_path: Path) -> None:
     (tmp_path / name).write_bytes(given if isinstance(given, bytes) else given.encode())
     command = [tmp_path / name, "--levels", 10, 5, "--quiet"]
     done = run(*command, "--report", tmp_path / "r.json")
-    assert done.status == 0 and "note: " in done.err
+    assert done.status == 0
     first, second = reported(tmp_path / "r.json")[0]["shapes"][0]["levels"]
     assert first["vertices"] <= 10 and second["vertices"] <= 5
-    assert first["filled"] or first["joined"]
+    assert any(first["lost"].values()) and all(note in done.out for note in first["notes"])
     assert run(*command, "--loops", "keep").status == 1
 
 
@@ -403,7 +403,7 @@ SVG = ["letter.svg", "--levels", "24"]
      (["letter.svg", "fake.png", "--levels", "24", "-o", "out.svg"], 2), (["letter.txt", "--levels", "24"], 2),
      ([*SVG, "-o", "out.pdf"], 2), ([*SVG, "-o", "no/out.svg"], 2), ([*SVG, "-o", "o.svg", "--report", "./o.svg"], 2),
      ([*SVG, "-o", "letter.svg"], 2), ([*SVG, "-o", "link.svg"], 2), ([*SVG, "-o", "{stem}.svg"], 2),
-     (["*.svgz", "--levels", "24"], 1), (["none.svg", "--levels", "24"], 1),
+     (["*.svgz", "--levels", "24"], 2), (["none.svg", "--levels", "24"], 1),
      (["letter.svg", "--levels", "5", "--loops", "keep"], 1),
      (["deep.geojson", "--levels", "24", "--limit", "bytes=10"], 1), ([*SVG, "--limit", "points=10"], 1),
      ([*SVG, "--element", "x"], 1), (["empty.geojson", "--levels", "24"], 1), (["fake.png", "--levels", "24"], 1),
