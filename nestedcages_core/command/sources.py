@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from ..errors import NestedCagesError, invalid_file
 from ..formats import DRAWING_LIMITS, Frame, Limits, map_document, read_map, read_whole, svg_drawing
-from ..formats.lonlat import grown_on_ground, may_be_degrees, system_name
+from ..formats.lonlat import may_be_degrees, system_name
 from ..formats.pictures import decode_png
 from ..geometry.arrays import AnyArray, FloatArray
 from ..geometry.mesh import Mesh
@@ -131,6 +131,8 @@ def _on_ground(source: Source, given: Namespace) -> Source:
             raise invalid_file(f"The map's system, {name:.60}, is not in metres; give the clearance in its units.")
         note = f"The clearance is taken in units of the map's system, {name:.60}, as metres."
         return source._replace(notes=[*source.notes, note])
+    from ..formats.ground import grown_on_ground  # needs shapely
+
     shapes, failures = list[Shape](), list(source.failures)
     for shape in source.shapes:
         try:
