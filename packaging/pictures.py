@@ -508,7 +508,7 @@ def posed() -> Steps:
     cage = bpy.data.objects["Letter & Cage 2"]
     only(cage)
     with override():
-        bpy.ops.object.nested_cages_add_handles("EXEC_DEFAULT")
+        bpy.ops.object.nested_cages_puppet("EXEC_DEFAULT", source="HANDLES")
         for bone in bpy.context.object.pose.bones:
             lean = Matrix.Translation((0.35 * bone.bone.head_local.y, 0.0, 0.0))
             bone.matrix = lean @ bone.matrix

@@ -229,10 +229,7 @@ class SetOperator(JobOperator):
         return ""
 
     def work(self, context: Context) -> Work[None]:
-        sets = sets_of_chosen(context, both=self.both)
-        suitable = [cage_set for cage_set in sets if not self._why_not(cage_set)]
-        if not suitable:
-            raise UserError(self._why_not(sets[0]) if sets else NOTHING)
+        suitable = self.suitable(context, sets_of_chosen(context, both=self.both))
         complete()
         results = yield from self.all(context, suitable)
         problems = [result for result in results if isinstance(result, UserError)]
@@ -242,6 +239,13 @@ class SetOperator(JobOperator):
             raise problems[0]
         self.finish(context, done)
         self.tell_skipped(problems)
+
+    def suitable(self, context: Context, sets: Sequence[CageSet]) -> list[CageSet]:
+        """The sets to work on. Raises: UserError if there are none."""
+        usable = [cage_set for cage_set in sets if not self._why_not(cage_set)]
+        if not usable:
+            raise UserError(self._why_not(sets[0]) if sets else NOTHING)
+        return usable
 
     def all(self, context: Context, sets: Sequence[CageSet]) -> Work[list[Any]]:
         """The results of the work on each set, or why there is none."""

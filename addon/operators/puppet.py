@@ -1,4 +1,6 @@
-"""Make Puppet: an armature that moves the parts of a layered drawing by themselves; clips of its bones."""
+"""Make Puppet: an armature that moves the parts of a layered drawing by themselves, or one cage around all of them, or
+the vertices of cages; clips of its bones.
+"""
 
 from __future__ import annotations
 
@@ -7,21 +9,26 @@ from collections.abc import Sequence
 import bpy
 from bpy.types import Context, Object
 
-from .. import record
+from .. import characters, record
+from ..binding import binding, field, handles
+from ..binding.copies import complete
+from ..core import core
 from ..errors import UserError, counted
-from ..generation.job import Work
+from ..generation.job import Progress, Work, drain
 from ..io.pictures import image_on
-from ..properties.kinds import choice, flag, text
+from ..keys import found_object
+from ..properties.kinds import choice, flag, length, number, text, whole
 from ..puppets import armatures, caps, clips, controls, duplicates, moving
-from ..scene import filling, grease_pencil
+from ..scene import filling, grease_pencil, ownership
 from ..scene.areas import paints
 from ..scene.blocks import removed_on_failure
-from ..scene.ownership import check_local, chosen, scene_of
+from ..scene.convert import Drawing
+from ..scene.ownership import check_local, chosen, scene_of, select, sets_of_chosen
 from .base import JobOperator, Operator, pose
 from .views import OUTLINES
 
 # Roles of objects that are no drawings of their own.
-HELPERS = (record.FIELD, record.PROXY)
+OWN_ROLES = (record.FIELD, record.PROXY)
 # Degrees: joints that turn less without a fold are told, and what a joint of a rigid part turns.
 WIDE, HALF_TURN = 60.0, 180.0
 CLIP_ITEMS = (
@@ -31,27 +38,61 @@ CLIP_ITEMS = (
 )
 
 
+PARTS, ONE_CAGE, BONES, HANDLES = "PARTS", "ONE_CAGE", "BONES", "HANDLES"
+SOURCE_ITEMS = (
+    (PARTS, "Parts", "Each part moves by itself: those that overlap are joined, and long ones bend"),
+    (ONE_CAGE, "One Cage", "A cage around all drawings bends them: by the selected armature, or bones along the limbs"),
+    (BONES, "Bones Only", "An armature along the limbs, to edit before a puppet of one cage is made with it"),
+    (HANDLES, "Handles", "A bone for each vertex of the coarsest cage, which moves that vertex and the drawing"),
+)
+
+
 class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
-    """Give the selected drawings bones, so that each part moves by itself: those that overlap hang on each other, and
-    long ones bend. Hang a bone on another one and press again, and the puppet follows
+    """Give the selected drawings bones: a puppet of parts that move by themselves, one cage that bends them all, or a
+    bone for each vertex of their cages. Parent a bone to another one and press again, and the puppet follows
     """
 
     bl_label = "Make Puppet"
     modes = ("OBJECT", "POSE")
     exclusive = True
 
+    source: choice("From", "What the bones move", SOURCE_ITEMS, options={"SKIP_SAVE"})
     limits: flag("Limit Turns", "Limit each joint to the range in which nothing folds over itself", default=True)
     reach: flag("IK", "Let legs and arms follow the controls at their ends, instead of the turns of their bones")
     caps: flag("Painted Joints", "Let paint stay behind at joints, so that nothing opens there", default=True)
     linear: flag("Blend as Engines", "Blend bones linearly, as game engines do, instead of with Preserve Volume")
+    vertices: whole("Vertices", "Vertices of the cage apart from those at joints; 0: as many as its loops need", min=0)
+    gap: length("Join Gaps", "Join parts that are closer than this, so that one skeleton can move both")
+    protrudes: number(
+        "Limbs Protrude",
+        "How far a limb reaches out at least, in radii of the body there; larger: fewer limbs",
+        default=1.0,
+        min=0.05,
+        soft_max=5.0,
+    )
 
-    needs = staticmethod(lambda context: _selected_parts(context)[0])
+    needs = staticmethod(lambda context: _selected_parts(context)[0] or _drawings(context) or sets_of_chosen(context))
     missing = "Select the parts of a drawing: meshes, curves, texts, pictures or Grease Pencil"
-    shown_by = (OUTLINES,)
+
+    def draw(self, _context: Context) -> None:
+        self.layout.use_property_split = True
+        shown = {PARTS: ("limits", "reach", "caps", "linear"), ONE_CAGE: ("vertices", "gap", "protrudes")}
+        for name in ("source", *shown.get(self.source, ("gap", "protrudes") if self.source == BONES else ())):
+            self.layout.prop(self, name)
 
     def work(self, context: Context) -> Work[None]:
+        self.shown_by = () if self.source == BONES else (OUTLINES,)
+        if self.source != PARTS and context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        work = {PARTS: self._parts, ONE_CAGE: self._one_cage, BONES: self._bones, HANDLES: self._handles}
+        yield from work[self.source](context)
+
+    def _parts(self, context: Context) -> Work[None]:
+        """Bones for each part."""
         duplicates.complete_puppets()
         objects, old = _selected_parts(context)
+        if not objects:
+            raise UserError(self.missing)
         self.tell_hidden(context, objects)
         with removed_on_failure():
             layers = grease_pencil.stacked(context, objects[0]) if old is None and len(objects) == 1 else []
@@ -61,6 +102,87 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
         if layers:
             objects[0].hide_set(True)
             objects[0].hide_render = True
+
+    def _one_cage(self, context: Context) -> Work[None]:
+        """A cage around all drawings, with vertices where joints need them, that bones move."""
+        armature = _armature(context)
+        complete()
+        groups = ownership.with_parts(_drawings(context))
+        parts, identity = [part for group in groups for part in group], armature and armature.session_uid
+        whole, problems = self._united(context, parts)
+        yield Progress(0.0, "uniting painted areas")
+        with removed_on_failure():
+            given = found_object(identity) if identity else None
+            armature = given or characters.add_skeleton(context, whole, self._skeleton)[0]
+            if (identity and not given) or whole.source is None:
+                raise UserError("The armature or a drawing was deleted meanwhile, so the cage was discarded")
+            cage_set = yield from characters.make(context, whole, armature, self.vertices)
+        cage = cage_set.cages[-1]
+        pose(context, armature)
+        self.tell_skipped(problems, "object")
+        self.report(
+            {"INFO"},
+            f"{counted(len(parts), 'drawing')} in a cage of {len(cage.data.vertices)} vertices: "
+            f"pose '{armature.name}', and they follow",
+        )
+
+    def _bones(self, context: Context) -> Work[None]:
+        """An armature along the limbs of the drawings."""
+        parts = [part.session_uid for part in _drawings(context)]
+        whole, problems = self._united(context, _drawings(context))
+        yield Progress(0.0, "uniting painted areas")
+        armature, number = characters.add_skeleton(context, whole, self._skeleton)
+        select(context, *(obj for part in parts if (obj := found_object(part)) is not None), armature)
+        self.tell_skipped(problems, "object")
+        self.report({"INFO"}, f"{counted(number, 'bone')}: edit them, then make a puppet of one cage")
+
+    def _handles(self, context: Context) -> Work[None]:
+        """A bone for each vertex of the coarsest cages, which are bound first."""
+        complete()
+        sets = [each for each in sets_of_chosen(context, both=False) if not each.inside]
+        if not sets:
+            raise UserError("Select a drawing that has cages around it, or one of these cages")
+        cages = [each.cages[-1] for each in sets]
+        for cage in cages:
+            check_local(cage)
+            if handles.handles_of(cage):
+                raise UserError(f"'{cage.name}' has handles already")
+        loose = [binding.steps(context, each, "AUTO") for each in sets if not each.bound]
+        results = yield from binding.in_step(context, loose)
+        failed = next((each for each in results if isinstance(each, UserError)), None)
+        if failed is not None:
+            raise failed
+        pose(context, handles.add(context, cages))
+        number = sum(len(filling.points_of(filling.mesh_of(cage))) for cage in cages)
+        self.report({"INFO"}, f"{counted(number, 'handle')}: move them, and the drawing follows")
+
+    @property
+    def _skeleton(self) -> core.character.Skeleton:
+        return core.character.Skeleton(protrudes=self.protrudes)
+
+    def _united(self, context: Context, parts: Sequence[Object]) -> tuple[Drawing, list[UserError]]:
+        """The parts in their own shapes as one drawing, and why some were left out. Raises: UserError."""
+        if not parts:
+            raise UserError("Select the drawings: meshes, curves, texts or Grease Pencil")
+        self.tell_hidden(context, parts)
+        with field.unposed(map(field.shown_by, parts)):
+            return drain(characters.united_drawing(context, parts, self.gap))
+
+
+def _drawings(context: Context) -> Sequence[Object]:
+    """The selected objects that paint something and are no cages; of an armature alone, what it moves."""
+    drawn = [obj for obj in context.selected_objects if paints(obj) and record.level_of(obj) is None]
+    return drawn or [obj for each in sets_of_chosen(context) for obj in each.originals]
+
+
+def _armature(context: Context) -> Object | None:
+    """The selected armature, of several the active one; else the one that moves the selected drawings already."""
+    active = context.view_layer.objects.active
+    armatures = [obj for obj in context.selected_objects if obj.type == "ARMATURE"]
+    cages = [each.members[-1] for each in sets_of_chosen(context)] if not armatures else []
+    rigs = [each for cage in cages for each in cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)]
+    moving = [each.object for each in rigs if each.object is not None]
+    return active if active in armatures else next(iter((*armatures, *moving)), None)
 
 
 def make_puppet(
@@ -172,7 +294,7 @@ def _is_rectangle(obj: Object) -> bool:
 def _selected_parts(context: Context) -> tuple[list[Object], Object | None]:
     """The drawings of a puppet, and its armature if there is one: what is selected, with all that moves with it."""
     selected = list(context.selected_objects)
-    ours = [obj for obj in selected if record.level_of(obj) is not None or record.is_helper(obj, *HELPERS)]
+    ours = [obj for obj in selected if record.level_of(obj) is not None or record.is_helper(obj, *OWN_ROLES)]
     drawings = [obj for obj in selected if paints(obj) and obj not in ours and not armatures.is_cap(obj)]
     old = armatures.puppet_of(sorted(selected, key=lambda obj: obj.type != "ARMATURE"))
     known = armatures.drawings_of(old) if old is not None else []

@@ -1,8 +1,8 @@
-"""Verify Cages, Show and Write Report."""
+"""Verify Cages and Show."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import islice
 
 import bpy
@@ -25,7 +25,7 @@ from ..scene import convert, ownership
 from ..scene.ownership import chosen, each_of_chosen, scene_of, select, sets_of_chosen
 from ..scene.plane import transform, world_matrix
 from . import views
-from .base import JobOperator, Operator, SetOperator, last_fault
+from .base import JobOperator, Operator, last_fault
 
 
 class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
@@ -245,43 +245,3 @@ def _select_points(obj: Object, fault: Fault) -> None:
     for place in fault.places:
         chosen = points[np.linalg.norm(there - place, axis=1).argmin()]
         setattr(chosen, "select_control_point" if hasattr(chosen, "select_control_point") else "select", True)
-
-
-NAME = "Nested Cages Report"
-FRAMES = ("first frame", "growing back from frame", "tightening from frame", "result on frame")
-
-
-class OBJECT_OT_nested_cages_report(SetOperator, bpy.types.Operator):
-    """Write a text with all facts about these cages: certificates, binding errors, times, notes"""
-
-    bl_label = "Write Report"
-    modes = ("OBJECT", "POSE")
-    both = True
-
-    def finish(self, _context: Context, done: Sequence[tuple[CageSet, None]]) -> None:
-        text = bpy.data.texts.get(NAME) or bpy.data.texts.new(NAME)
-        text.from_string("\n\n".join("\n".join(lines(cage_set)) for cage_set, _ in done) + "\n")
-        self.report({"INFO"}, f"Written to the text '{NAME}': open it in a Text Editor")
-
-
-def lines(cage_set: CageSet) -> Iterator[str]:
-    """The lines of the report, level by level."""
-    yield cage_set.name
-    certified = dict(zip(cage_set.cages, cage_set.certificates, strict=True))
-    for obj in cage_set.members:
-        node = record.node_of(obj)
-        numbers: dict[str, float] = {"vertices": len(obj.data.vertices)}
-        if obj in certified:
-            numbers |= {"excess": node.excess, "clearance": node.clearance, "seconds": node.seconds}
-            numbers |= {name: frame for name, frame in zip(FRAMES, node.frames, strict=True) if frame >= 0}
-        yield ""
-        yield obj.name
-        for label, value in numbers.items():
-            yield f"    {label}: {value:.6g}"
-        edited = not cage_set.bound and record.is_edited(obj)
-        unknown = "" if edited and record.is_judged(obj) else record.EDITED
-        certificate = unknown if edited else certified[obj].sentence if obj in certified else ""
-        follows = f"{node.link}, error {node.link_error:.1e} at rest" if node.link else ""
-        said = (node.start, certificate, follows, *record.sentences(node, checks=True))
-        for sentence in filter(None, said):
-            yield f"    {sentence}"

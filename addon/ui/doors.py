@@ -20,7 +20,8 @@ from ..generation.levels import lengths, loop_sizes, meanings, parse_levels
 from ..generation.rules import KEEP
 from ..io.pictures import image_on
 from ..operators.base import Operator, last_fault
-from ..operators.puppet import CLIP_ITEMS
+from ..operators.bind import REST
+from ..operators.puppet import CLIP_ITEMS, HANDLES, ONE_CAGE
 from ..operators.views import redraw
 from ..properties import groups
 from ..properties.kinds import choice, registration
@@ -128,11 +129,11 @@ def _first(layout: Any, name: str, **options: Any) -> Any:
 
 def _rig_door(layout: Any, context: Context) -> None:
     given = any(obj.type == "ARMATURE" and not is_puppet(obj) for obj in context.selected_objects)
-    first, second = ("rig", "puppet") if given else ("puppet", "rig")
-    _first(layout, first, icon="ARMATURE_DATA")
+    button = _first(layout, "puppet", icon="ARMATURE_DATA")
+    if button is not None and given:
+        button.source = ONE_CAGE
     column = layout.column(align=True)
-    column.operator(f"object.nested_cages_{second}", icon="MOD_ARMATURE")
-    column.operator("object.nested_cages_suggest_bones", icon="GROUP_BONE")
+    column.operator_menu_enum("object.nested_cages_puppet", "source", icon="MOD_ARMATURE")
     column.operator("object.nested_cages_bind", text="Bind New Parts", icon="LINKED")
     puppet = puppet_of(chosen(context))
     if puppet is not None:
@@ -170,10 +171,12 @@ def _cages_door(layout: Any, context: Context) -> None:
     row.label(text=counts(context), translate=False)
     groups.draw(column, settings, groups.SPACE)
     grid = layout.column(align=True)
-    for pair in (("bind", "LINKED", "unbind", "UNLINKED"), ("rebind", "FILE_REFRESH", "add_handles", "BONE_DATA")):
-        row = grid.row(align=True)
-        for name, icon in zip(pair[::2], pair[1::2], strict=True):
-            row.operator(f"object.nested_cages_{name}", icon=icon)
+    bound = any(each.bound for each in sets_of_chosen(context))
+    row = grid.row(align=True)
+    text, icon = ("Unbind", "UNLINKED") if bound else ("Bind to Cages", "LINKED")
+    row.operator("object.nested_cages_bind", text=text, icon=icon)
+    row.operator("object.nested_cages_bind", text="Rest from Pose", icon="FILE_REFRESH").action = REST
+    grid.operator("object.nested_cages_puppet", text="Add Handles", icon="BONE_DATA").source = HANDLES
     grid.operator("object.nested_cages_follow", icon="CON_FOLLOWTRACK")
 
 

@@ -15,21 +15,16 @@ ENTRIES: tuple[dict[str, Any], ...] = (
     {"select_fault": "VIEWZOOM", "verify": "CHECKMARK"},
     {
         "bind": "LINKED",
-        "add_handles": "BONE_DATA",
-        "suggest_bones": "GROUP_BONE",
-        "rig": "ARMATURE_DATA",
         "puppet": "OUTLINER_OB_ARMATURE",
         "clip": "ACTION",
         "snap": "SNAP_ON",
         "follow": "CON_FOLLOWTRACK",
         "live": "REC",
-        "rebind": "FILE_REFRESH",
-        "unbind": "UNLINKED",
     },
     {"remove_animation": "X"},
 )
 ON_FILES: dict[str, Any] = {"from_image": "IMAGE_DATA", "cutout": "IMAGE_PLANE", "silhouette": "MOD_SOLIDIFY"}
-ON_FILES |= {"import": "IMPORT", "export": "EXPORT", "report": "TEXT"}
+ON_FILES |= {"import": "IMPORT", "export": "EXPORT"}
 
 
 class VIEW3D_MT_nested_cages(bpy.types.Menu):

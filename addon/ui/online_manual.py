@@ -14,13 +14,13 @@ ROOT = Path(__file__).resolve().parents[2]
 GUIDES = ((ROOT / "manual" / "docs" / "guide", ".html"), (ROOT / "docs" / "guide", ".md"))
 # Suffixes of operators, prefixes of settings, and the page about each.
 OPERATORS = {
-    **dict.fromkeys(("verify", "report"), "verify"),
-    **dict.fromkeys(("bind", "rebind", "unbind", "add_handles"), "bind"),
+    "verify": "verify",
+    "bind": "bind",
     "remove_animation": "animation",
     **dict.fromkeys(("follow", "live"), "motion"),
     **dict.fromkeys(("to_objects", "pieces", "export", "import"), "export"),
     **dict.fromkeys(("from_image", "cutout"), "pictures"),
-    **dict.fromkeys(("puppet", "clip", "snap", "rig", "suggest_bones"), "characters"),
+    **dict.fromkeys(("puppet", "clip", "snap"), "characters"),
     "select_fault": "messages",
     "silhouette": "silhouette",
 }

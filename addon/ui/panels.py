@@ -85,7 +85,6 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         column.operator("object.nested_cages_verify", icon="CHECKMARK")
         if any(bool(each.bound) or each.record.moving for each in outputs):
             column.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
-        column.operator("object.nested_cages_report", icon="TEXT")
         results.draw_live(column)
 
 

@@ -213,7 +213,7 @@ def test_the_original_is_back_when_the_animation_goes_and_while_it_is_bound() ->
     drawings.bind()
     at_frame(3)
     assert not source.hide_viewport and "Drawing Moving" not in bpy.data.objects
-    bpy.ops.object.nested_cages_unbind()
+    bpy.ops.object.nested_cages_bind(action="UNBIND")
     at_frame(3)
     assert source.hide_viewport and "Drawing Moving" in bpy.data.objects
     bpy.ops.object.nested_cages_remove_animation()

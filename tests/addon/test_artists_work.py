@@ -104,11 +104,11 @@ def test_work_on_a_cage_outlives_new_cages_binding_and_unbinding() -> None:
     assert_rigged(cage, exact=True)
     bpy.ops.object.nested_cages_bind()
     assert_rigged(cage, exact=True)
-    bpy.ops.object.nested_cages_rebind()
+    bpy.ops.object.nested_cages_bind(action="REST_FROM_POSE")
     assert_rigged(cage, exact=True)
     assert generate(source, "24, 16")[-1] == cage and len(cage.data.vertices) == 16
     assert_rigged(cage)
-    bpy.ops.object.nested_cages_unbind()
+    bpy.ops.object.nested_cages_bind(action="UNBIND")
     assert_rigged(cage)
     assert generate(source, "30, 14")[-1] == cage
     assert_rigged(cage)
@@ -136,7 +136,7 @@ def test_what_was_made_while_bound_stays_when_unbound() -> None:
     bpy.ops.object.nested_cages_bind()
     rigged(cage)
     cage.keyframe_insert("location", frame=3)
-    bpy.ops.object.nested_cages_unbind()
+    bpy.ops.object.nested_cages_bind(action="UNBIND")
     assert_rigged(cage, exact=True)
     assert {"location", "hide_viewport"} <= {curve.data_path for curve in drawings.curves_of(cage) if not curve.mute}
 
@@ -153,7 +153,7 @@ def test_a_posed_drawing_is_still_posed_with_new_cages() -> None:
     posed = evaluated(source)
     assert np.abs(posed - rest).max() > 0.5
     generate(source, "16")
-    assert bpy.ops.object.nested_cages_unbind.poll()
+    assert drawings.set_of(cage).bound
     assert cage.location.x == pytest.approx(0.7)
     assert np.abs(evaluated(source) - posed).max() < 0.12
     generate(source, "16")
@@ -303,7 +303,7 @@ def test_an_appended_rig_can_be_worked_on(saved) -> None:
     *_, cage = generate(source, "16")
     assert len(cage.data.vertices) == 16
     assert_rigged(cage)
-    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind(action="UNBIND") == {"FINISHED"}
 
 
 @pytest.mark.parametrize("reloaded", slow_after(1, [True, False]))
@@ -329,10 +329,10 @@ def test_an_override_is_posed_and_moved_and_says_what_it_cannot(saved, reloaded)
         before = snapshot()
     (home,) = drawings.sets().all_of(source)
     assert home.cages[-1] == cage and all(obj.override_library for obj in (*members(home), *home.parts))
-    for work in (bpy.ops.object.nested_cages_rebind, bpy.ops.object.nested_cages_unbind):
+    for action in ("REST_FROM_POSE", "UNBIND"):
         choose(source)
         with refused("'Drawing", unchanged=False):
-            work()
+            bpy.ops.object.nested_cages_bind(action=action)
     choose(source)
     with refused("'Drawing", unchanged=False):
         bpy.ops.object.nested_cages_generate(levels="10")
@@ -344,7 +344,7 @@ def test_handles_move_the_drawing_with_new_cages_too() -> None:
     *_, cage = generate(source, "12")
     bpy.ops.object.nested_cages_bind()
     choose(cage)
-    assert bpy.ops.object.nested_cages_add_handles() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_puppet(source="HANDLES") == {"FINISHED"}
     generate(source, "16")
     rest = evaluated(source)
     modifier = next(modifier for modifier in cage.modifiers if modifier.type == "ARMATURE")

@@ -477,7 +477,7 @@ def test_layers_with_transforms_of_their_own_bend_where_they_are() -> None:
     np.testing.assert_allclose(shown(obj)[:count], still + across, atol=1e-5)
     assert np.ptp(shown(obj)[count:], axis=0).max() > 0.3
     choose(obj)
-    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind(action="UNBIND") == {"FINISHED"}
     np.testing.assert_allclose(shown(obj)[:count], still, atol=1e-5)
     assert not len(obj.data.attributes)
 
@@ -558,9 +558,9 @@ def test_what_is_painted_on_a_later_frame_is_silhouetted_cut_out_and_rigged(fram
     assert apart(solid_now(bpy.context.object), paint) < 1e-4
     bpy.data.objects.remove(bpy.context.object)
     choose(obj)
-    assert bpy.ops.object.nested_cages_suggest_bones() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_puppet(source="BONES") == {"FINISHED"}
     rig = bpy.context.object
-    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_puppet(source="ONE_CAGE") == {"FINISHED"}
     assert solid_now(cages_of(obj)[0]).contains(paint)
     before = shown(obj)
     rig.pose.bones[0].rotation_mode, rig.pose.bones[0].rotation_euler.z = "XYZ", 0.5

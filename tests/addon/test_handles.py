@@ -9,7 +9,8 @@ import gpu
 import numpy as np
 import pytest
 
-from support.drawings import circle, evaluated, poly_curve, set_of, star
+from support.blender import refused
+from support.drawings import choose, circle, evaluated, poly_curve, set_of, star
 
 
 @pytest.fixture
@@ -58,7 +59,7 @@ def test_each_handle_moves_its_corner_and_the_drawing_follows(cage) -> None:
     assert len(cage.data.polygons) and cage.display_type == "WIRE" and not cage.show_all_edges
     fine = set_of(cage).fine
     before, drawing = evaluated(cage), evaluated(fine)
-    assert bpy.ops.object.nested_cages_add_handles() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_puppet(source="HANDLES") == {"FINISHED"}
     assert bpy.context.mode == "POSE"
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.context.view_layer.update()
@@ -93,10 +94,11 @@ def test_outlines_are_drawn_and_the_corners_of_the_bound_cage(drawn, cage) -> No
 
 
 @pytest.mark.slow
-def test_handles_are_for_bound_cages_and_added_once(cage) -> None:
-    assert bpy.ops.object.nested_cages_add_handles() == {"FINISHED"}
+def test_handles_bind_and_are_added_once(cage) -> None:
+    bpy.ops.object.nested_cages_bind(action="UNBIND")
+    assert bpy.ops.object.nested_cages_puppet(source="HANDLES") == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
-    bpy.context.view_layer.objects.active = cage
-    assert not bpy.ops.object.nested_cages_add_handles.poll()
-    bpy.ops.object.nested_cages_unbind()
-    assert not bpy.ops.object.nested_cages_add_handles.poll()
+    choose(cage)
+    assert set_of(cage).bound
+    with refused(f"'{cage.name}'"):
+        bpy.ops.object.nested_cages_puppet(source="HANDLES")

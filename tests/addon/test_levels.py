@@ -232,10 +232,11 @@ def test_selected_cages_of_both_sides_are_one_chain() -> None:
 def test_inner_cages_move_nothing_and_say_so() -> None:
     poly_curve("Drawing", [star()])
     generate("16", inside=True)
-    for operator in ("bind", "add_handles", "live"):
+    for operator in ("bind", "live"):
         assert not getattr(bpy.ops.object, f"nested_cages_{operator}").poll()
     for name, options in (
         ("bind", {}),
+        ("puppet", {"source": "HANDLES"}),
         ("follow", {"levels": "16", "inside": True}),
         ("follow", {"levels": "2u"}),
         ("generate", {"levels": "20, +5%", "inside": True}),

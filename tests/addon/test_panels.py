@@ -39,13 +39,13 @@ def sprite() -> None:
 
 def rigged() -> None:
     squares(0.0, 0.8, 1.6)
-    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_puppet(source="ONE_CAGE") == {"FINISHED"}
 
 
 def handles() -> None:
     poly_curve("Drawing", [star()])
     generate("8")
-    assert bpy.ops.object.nested_cages_bind() == bpy.ops.object.nested_cages_add_handles() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind() == bpy.ops.object.nested_cages_puppet(source="HANDLES") == {"FINISHED"}
     assert bpy.context.mode == "POSE"
 
 
@@ -56,9 +56,9 @@ FITTING = {
     "a drawing": (lambda: poly_curve("Drawing", [star()]), "generate"),
     "drawings side by side": (lambda: squares(0.0, 2.0, 4.0), "generate"),
     "overlapping parts": (lambda: squares(0.0, 0.5, 1.0), "puppet"),
-    "an armature": (bpy.ops.object.armature_add, "rig"),
+    "an armature": (bpy.ops.object.armature_add, "puppet"),
     "a picture": (sprite, "cutout"),
-    "a rig in Pose Mode": (rigged, "rig"),
+    "a rig in Pose Mode": (rigged, "puppet"),
     "handles in Pose Mode": (handles, "generate"),
 }
 
@@ -178,7 +178,7 @@ def test_levels_are_told_for_all_selected_drawings() -> None:
 
 
 @pytest.mark.slow
-def test_results_are_short_and_the_numbers_are_in_a_report() -> None:
+def test_results_are_short() -> None:
     poly_curve("Drawing", [star()])
     generate("20, 8")
     first, second = (1.0 + certificate(cage).excess for cage in made()[1:])
@@ -189,11 +189,6 @@ def test_results_are_short_and_the_numbers_are_in_a_report() -> None:
     bind()
     drawn = draw()
     assert not any("error" in line or "Harmonic" in line for line in drawn)
-    assert {"object.nested_cages_add_handles", "object.nested_cages_unbind"} <= set(drawn)
-    assert bpy.ops.object.nested_cages_report() == {"FINISHED"}
-    report = bpy.data.texts["Nested Cages Report"].as_string()
-    for cage in made()[1:]:
-        assert cage.name in report and f"{certificate(cage).clearance:.3g}" in report
 
 
 @pytest.mark.slow

@@ -46,7 +46,7 @@ def test_everything_has_a_description(extension) -> None:
 
 
 def test_f1_leads_to_a_page_of_the_guide() -> None:
-    for name, page in (("ops.object.nested_cages_rebind", "bind"), ("types.NestedCagesSettings.clearance", "levels")):
+    for name, page in (("ops.object.nested_cages_bind", "bind"), ("types.NestedCagesSettings.clearance", "levels")):
         assert DocView._lookup_rna_url(f"bpy.{name}", verbose=False) == (ROOT / f"docs/guide/{page}.md").as_uri()
 
 

@@ -85,7 +85,7 @@ def test_rigging_needs_bones_in_the_plane() -> None:
     figure()
     rig = armature("Away", Up=((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
     with refused("'Away'"):
-        bpy.ops.object.nested_cages_rig()
+        bpy.ops.object.nested_cages_puppet(source="ONE_CAGE")
     assert rig.select_get() and not [o for o in bpy.data.objects if "Cage" in o.name]
 
 
@@ -130,7 +130,7 @@ def test_parts_added_later_and_instances_follow_and_are_verified(character: Char
     assert verify(cage), certificate(cage).finding
     ring.location.y += 1.0
     assert not verify(cage) and "'Ring'" in certificate(cage).finding
-    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind(action="UNBIND") == {"FINISHED"}
     assert not ring.modifiers and empty.instance_type == "COLLECTION" and not empty.children
 
 
@@ -149,7 +149,7 @@ def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
         cage.data.transform(Matrix.Diagonal((1.5, 1.0, 1.0, 1.0)))
         bpy.context.view_layer.update()
         np.testing.assert_allclose(points(eye), before * (1.5, 1.0, 1.0), atol=1e-5)
-        assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+        assert bpy.ops.object.nested_cages_bind(action="UNBIND") == {"FINISHED"}
         choose(eye, head)
 
 
@@ -163,8 +163,10 @@ def test_what_acts_on_a_part_acts_on_its_character(character: Character, name, r
     (home,) = drawings.sets().all_of(parts["Leg.R"])
     for again in (False, True):
         choose(parts[name], armature)
-        work = bpy.ops.object.nested_cages_rig if again else bpy.ops.object.nested_cages_generate
-        assert work(**({} if again else {"levels": "40"})) == {"FINISHED"}
+        if again:
+            assert bpy.ops.object.nested_cages_puppet(source="ONE_CAGE") == {"FINISHED"}
+        else:
+            drawings.generate("40")
         if bpy.context.mode == "POSE":
             bpy.ops.object.mode_set(mode="OBJECT")
         assert {set_of(part) for part in parts.values()} == {home}
@@ -185,7 +187,7 @@ def test_rigging_again_fits_the_cage_to_new_parts(character: Character, height) 
     turn(armature, bone_at(armature, 1.3, 1.1), 10.0)
     hat = face("Hat", capsule((-0.3, height), (0.3, height), 0.1))
     choose(*parts.values(), hat, armature)
-    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_puppet(source="ONE_CAGE") == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     assert cage.name in bpy.data.objects and [m.type for m in cage.modifiers].count("ARMATURE") == 1
     assert [m.name for m in hat.modifiers] == ["Nested Cages Follow"]
@@ -290,5 +292,5 @@ def test_gradients_patterns_uses_and_lines_become_parts_and_the_rest_is_told(tmp
     assert homes == {"Faded": "Inner", "Woven": "odd", "Button 3": "Button", "Line": "odd"}
     told = reports.read().splitlines()
     assert len([line for line in told if "'odd.svg'" in line]) >= 3  # gradients, patterns, a text
-    assert bpy.ops.object.nested_cages_suggest_bones() == {"FINISHED"}
-    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_puppet(source="BONES") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_puppet(source="ONE_CAGE") == {"FINISHED"}

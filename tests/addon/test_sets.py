@@ -73,7 +73,7 @@ def test_a_copy_of_what_is_seen_is_a_character_at_once_and_gets_its_own_when_it_
         obj.location.y += 5.0
     np.testing.assert_allclose(world(copies["Body"]), before["Body"] + (1.0, 5.0, 0.0), atol=1e-5)
     drawings.choose(copies["Hat"])
-    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind(action="UNBIND") == {"FINISHED"}
     assert not own.missing and not own.bound and found.bound and not {*members(own)} & {*members(found)}
     assert not {obj.data for obj in members(own)} & {obj.data for obj in members(found)}
     for name in PARTS:
@@ -96,7 +96,7 @@ def test_partial_copies_are_no_more_than_what_was_copied() -> None:
     few = set_of(finest["Body"])
     assert "'Body Fine'" in few.missing[0] and len(few) == 1
     drawings.choose(finest["Body"])
-    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind(action="UNBIND") == {"FINISHED"}
     assert len(few) == 2 and not few.missing and len(found.parts) == 3 and not found.missing
 
 
@@ -127,11 +127,8 @@ def test_a_saved_file_works_as_before(bound: bool, tmp_path) -> None:
     assert scene.frame_end > 20 and [len(obj.data.vertices) for obj in members(found)] == [60, 24, 12]
     assert sets().all_of(source) == [found] and bool(found.bound) is bound
     assert not any(each.edited for each in found.certificates)
-    assert bpy.ops.object.nested_cages_report() == {"FINISHED"}
-    report = bpy.data.texts["Nested Cages Report"].as_string()
-    assert all(cage.name in report for cage in found)
-    for work in ("rebind", "unbind") if bound else ():
-        assert getattr(bpy.ops.object, f"nested_cages_{work}")() == {"FINISHED"}
+    for action in ("REST_FROM_POSE", "UNBIND") if bound else ():
+        bind(action=action)
     show(source)
     scene.frame_set(1)
     assert source.hide_viewport  # its moving copy plays
@@ -149,7 +146,7 @@ def test_a_set_is_known_by_its_objects_wherever_they_are() -> None:
     source, collection = caged(bound=True)
     fine, finer, coarsest = made()
     show(source)
-    bpy.ops.object.nested_cages_add_handles()
+    bpy.ops.object.nested_cages_puppet(source="HANDLES")
     bpy.ops.object.mode_set(mode="OBJECT")
     controls = bpy.data.collections.new("Controls")
     bpy.context.scene.collection.children.link(controls)
@@ -169,7 +166,7 @@ def test_a_set_is_known_by_its_objects_wherever_they_are() -> None:
         controls.objects.link(obj)
     bpy.data.collections.remove(collection)
     show(source)
-    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind(action="UNBIND") == {"FINISHED"}
     (found,) = sets().all_of(source)
     assert members(found) == [fine, finer, coarsest] and not found.bound
     assert found.settings.levels == "20, 10" and set(controls.objects) >= {fine, finer, coarsest}
@@ -212,7 +209,7 @@ def test_a_copy_is_a_character_of_its_own(kind: str, how: str, tmp_path) -> None
     assert moved_by(copy, original.cages[-1]) == 0.0
     assert moved_by(copy, own.cages[-1]) > 0.1
     show(copy)
-    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind(action="UNBIND") == {"FINISHED"}
     assert original.bound and not own.bound
     generate("16")
     assert [len(members(found)) for found in (original, own)] == [3, 2]
@@ -242,7 +239,7 @@ def test_several_drawings_are_rigged_in_three_actions() -> None:
     found = [set_of(part) for part in parts]
     assert all(each.bound for each in found)
     show(*parts)
-    assert bpy.ops.object.nested_cages_add_handles() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_puppet(source="HANDLES") == {"FINISHED"}
     rig = bpy.context.view_layer.objects.active
     assert bpy.context.mode == "POSE" and len(rig.data.bones) == 32
     before = [evaluated(each.fine).copy() for each in found]
@@ -255,8 +252,16 @@ def test_several_drawings_are_rigged_in_three_actions() -> None:
     assert bpy.context.mode == "POSE"  # a pose is checked where it is
     bpy.ops.object.mode_set(mode="OBJECT")
     show(*parts)
-    for action in ("rebind", "unbind", "remove_animation"):
-        assert getattr(bpy.ops.object, f"nested_cages_{action}")() == {"FINISHED"}
+    bind(action="REST_FROM_POSE")
+    binding, *others = found
+    show(binding.source)
+    bind()  # one alone is unbound; of all, the rest stays bound until all are
+    show(*parts)
+    assert [bool(each.bound) for each in found] == [False, True, True, True]
+    for bound in (True, False):
+        bind()
+        assert all(bool(each.bound) is bound for each in (binding, *others))
+    assert bpy.ops.object.nested_cages_remove_animation() == {"FINISHED"}
     assert not any(each.bound or each.cages[0].data.shape_keys for each in found)
 
 
@@ -277,7 +282,7 @@ def test_what_an_edit_makes_untrue_is_not_said() -> None:
     bind(method="LINEAR")  # measures the cage as it is
     said = certificate(cage)
     assert said.excess > 0.3 and not said.edited and not said.need
-    assert bpy.ops.object.nested_cages_rebind() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind(action="REST_FROM_POSE") == {"FINISHED"}
     assert set_of(source).bound == "LINEAR"
 
 

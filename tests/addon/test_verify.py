@@ -179,8 +179,8 @@ def test_thickness_is_for_renders_only() -> None:
     (automatic,) = cage.modifiers
     assert automatic.name == "Nested Cages Automatic Thickness" and automatic.show_render
     assert not automatic.show_viewport
-    for operator, seen in ((bpy.ops.object.nested_cages_bind, False), (bpy.ops.object.nested_cages_unbind, True)):
-        assert operator() == {"FINISHED"} and automatic.show_render is seen
+    for seen in (False, True):
+        assert bpy.ops.object.nested_cages_bind() == {"FINISHED"} and automatic.show_render is seen
 
 
 EIGHT = np.array([(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])

@@ -17,7 +17,7 @@ class Animator:
         self.random, self.path, self.count = random, path, 0
         self.others: dict[str, np.ndarray] = {}
         self.names = list(figure())
-        assert bpy.ops.object.nested_cages_suggest_bones() == {"FINISHED"}
+        assert bpy.ops.object.nested_cages_puppet(source="BONES") == {"FINISHED"}
         self.bones = bpy.context.object.name
         self.rig()
         self.move()
@@ -63,7 +63,7 @@ class Animator:
     def rig(self) -> None:
         """Regenerates."""
         choose(*self.parts, self.armature)
-        assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+        assert bpy.ops.object.nested_cages_puppet(source="ONE_CAGE") == {"FINISHED"}
         bpy.ops.object.mode_set(mode="OBJECT")
 
     def turn(self) -> None:

@@ -70,9 +70,9 @@ def points(obj: Any) -> Loop:
 
 def rigged(parts: dict[str, Any]) -> tuple[Any, Any]:
     """The armature and the cage of a figure with suggested bones."""
-    assert bpy.ops.object.nested_cages_suggest_bones() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_puppet(source="BONES") == {"FINISHED"}
     armature = bpy.context.object
-    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_puppet(source="ONE_CAGE") == {"FINISHED"}
     assert bpy.context.object == armature and bpy.context.mode == "POSE"
     bpy.ops.object.mode_set(mode="OBJECT")
     return armature, set_of(parts["Torso"]).cages[0]

@@ -55,10 +55,9 @@ class Flock:
 
     def operate(self) -> None:
         choose(self.some().parts[0])
-        work = self.random.choice(("unbind", "rebind", "bind", "report"))
-        operator = getattr(bpy.ops.object, f"nested_cages_{work}")
-        if operator.poll():
-            try_operator(operator)
+        action = self.random.choice(("UNBIND", "REST_FROM_POSE", "BIND", "TOGGLE"))
+        if bpy.ops.object.nested_cages_bind.poll():
+            try_operator(bpy.ops.object.nested_cages_bind, action=action)
 
     def generate(self) -> None:
         choose(self.some().parts[0])
