@@ -301,7 +301,7 @@ def silhouette() -> Steps:
     parts.insert(0, hat())
     only(*parts)
     with override():
-        bpy.ops.object.nested_cages_silhouette("EXEC_DEFAULT", plane="TOP")
+        bpy.ops.object.nested_cages_to_objects("EXEC_DEFAULT", plane="TOP")
     made = bpy.context.object
     made.location.x = 2.6
     made.color = (0.35, 0.5, 0.65, 1.0)
@@ -346,7 +346,7 @@ def image_dialog() -> Steps:
     yield from sidebar()
     yield 0.5
     with override():
-        bpy.ops.object.nested_cages_from_image("INVOKE_DEFAULT", image="fish")
+        bpy.ops.object.nested_cages_import("INVOKE_DEFAULT", outlines="ONE")
     yield from shoot("image_dialog", (340, 340, 690, 585))
 
 
@@ -424,7 +424,7 @@ def pieces() -> Steps:
     yield from sign()
     generate(levels="30")
     with override():
-        bpy.ops.object.nested_cages_pieces(most=6)
+        bpy.ops.object.nested_cages_to_objects(shape="PIECES", pieces=6)
     for obj in bpy.data.objects:
         obj.hide_set("Piece" not in obj.name)
     yield from shoot("pieces", (0, 30, 775, 720))

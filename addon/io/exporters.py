@@ -1,8 +1,8 @@
-"""Cages as curves, faces and prisms in the scene, as convex pieces for collisions, and as files."""
+"""Cages as faces that play their animation, as convex pieces for collisions, and as files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -15,14 +15,10 @@ from mathutils import Matrix
 from .. import keys, record
 from ..animation import shape_keys, visibility
 from ..core import blamed, core, triangulation
-from ..errors import FloatArray, UserError
+from ..errors import UserError
 from ..memory import remembered
-from ..record import CageSet
-from ..scene import convert, display, filling, placement, reading
-from ..scene.plane import PLANARITY, Frame, size
-
-# Radius of strokes, as a fraction of the size.
-STROKE_RADIUS = 0.004
+from ..scene import convert, display, filling, placement
+from ..scene.plane import PLANARITY, Frame
 
 # Units of length in CSS with their metres: of Blender's units that CSS has, and of systems for all others.
 CSS_UNITS = {
@@ -30,39 +26,6 @@ CSS_UNITS = {
     "CENTIMETERS": ("cm", 1e-2),
     **dict.fromkeys(("INCHES", "IMPERIAL"), ("in", 0.0254)),
 }
-
-SHAPES: dict[str, Callable[[str, FloatArray, core.Mesh, float], bpy.types.ID]] = {
-    "CURVE": lambda name, points, mesh, _: filling.curve(name, points, mesh),
-    "FILLED": lambda name, points, mesh, _: filling.filled(name, points, mesh),
-    "PRISM": lambda name, points, mesh, height: filling.prism(
-        name, points, mesh, 0.5 * height or filling.HALF_HEIGHT * size(points)
-    ),
-    "GREASE_PENCIL": lambda name, points, mesh, _: reading.drawing(
-        name, [points[loop] for loop in mesh.loops], STROKE_RADIUS * size(points)
-    ),
-}
-"""The data of each kind of object from a name, points (n, 3) of an outline, and the height of prisms, 0 for a fifth of
-the size. Raises: UserError, for Grease Pencil before Blender 4.3.
-"""
-
-
-def make(context: Context, objects: Sequence[Object], shape: str, height: float) -> list[Object]:
-    """New objects of a kind of `SHAPES`, one per object as evaluated now, in its collection. Raises: UserError."""
-    drawings = [convert.fine_drawing(convert.read(context, obj)) for obj in objects]
-    meshes = [drawing.mesh() for drawing in drawings]
-    made = []
-    for obj, drawing, mesh in zip(objects, drawings, meshes, strict=True):
-        frame = drawing.frame
-        name = f"{obj.name} {shape.replace('_', ' ').title()}"
-        points = frame.points(mesh.vertices)
-        new = bpy.data.objects.new(name, SHAPES[shape](name, points, mesh, height / frame.scale))
-        new.color = display.colour(record.level_of(obj) or 0)
-        if shape == "GREASE_PENCIL":
-            new.color = new.active_material.grease_pencil.color = obj.color
-        (obj.users_collection or [context.scene.collection])[0].objects.link(new)
-        put(new, obj, frame)
-        made.append(new)
-    return made
 
 
 def put(new: Object, obj: Object, frame: Frame) -> None:
@@ -171,20 +134,13 @@ def write(
         formats.write_whole(path, text)
 
 
-# Kinds of rigid bodies: static pieces, and one moving body per cage, made of its pieces.
-PASSIVE, ACTIVE = "PASSIVE", "ACTIVE"
-
 # A drawing, its mesh, and its convex pieces as indices of vertices.
 Tiles: TypeAlias = "tuple[convert.Drawing, core.Mesh, Sequence[Sequence[int]]]"
 
 
-def make_pieces(
-    context: Context, objects: Sequence[Object], most: int, height: float, body: str = ""
-) -> list[list[Object]]:
-    """The pieces of each object as currently evaluated, in their own collection next to it. Raises: UserError.
-
-    most: maximum number of vertices of a piece. height: height of prisms, in scene units; 0 makes faces, or rigid
-    bodies with a fifth of the outline's size. body: `PASSIVE`, `ACTIVE` or empty; an active body precedes its pieces.
+def make_pieces(context: Context, objects: Sequence[Object], most: int) -> list[Object]:
+    """The convex pieces of each object as it is evaluated now, faces of at most so many vertices in a collection of
+    their own next to it. Raises: UserError.
     """
     tiles: list[Tiles] = []
     for obj in objects:
@@ -193,62 +149,19 @@ def make_pieces(
         with blamed(f"'{drawing.name}'"):
             made_of = partial(core.formats.piece_vertices, mesh, most)
             tiles.append((drawing, mesh, remembered(made_of, mesh.vertices.nbytes, "pieces", mesh, most)))
-    made = [_write(context, obj, each, height, body) for obj, each in zip(objects, tiles, strict=True)]
-    for obj, group in zip(objects, made, strict=True) if body else ():
-        bodies = group[:1] if body == ACTIVE else []
-        if bodies:
-            context.view_layer.update()
-            _carry(obj, group[0])
-        if context.scene.rigidbody_world is None:
-            bpy.ops.rigidbody.world_add()
-        for obj in group:
-            with context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):
-                bpy.ops.rigidbody.object_add(type=body)  # type: ignore[arg-type]
-            obj.rigid_body.collision_shape = "COMPOUND" if obj in bodies else "CONVEX_HULL"
-    return made
+    return [new for obj, each in zip(objects, tiles, strict=True) for new in _place_pieces(context, obj, each)]
 
 
-def _write(context: Context, obj: Object, tiles: Tiles, height: float, body: str) -> list[Object]:
-    """The pieces of one object, preceded by their compound body if it is active."""
-    (drawing, mesh, pieces), made = tiles, []
-    frame, points = drawing.frame, drawing.frame.points(mesh.vertices)
-    half = 0.5 * height / frame.scale if height > 0.0 or not body else filling.HALF_HEIGHT * size(points)
+def _place_pieces(context: Context, obj: Object, tiles: Tiles) -> Iterator[Object]:
+    """The pieces of one object."""
+    drawing, mesh, pieces = tiles
+    points = drawing.frame.points(mesh.vertices)
     home = bpy.data.collections.new(f"{obj.name} Pieces")
     (obj.users_collection or [context.scene.collection])[0].children.link(home)
     for number, piece in enumerate(pieces, 1):
         name = f"{obj.name} Piece {number}"
-        new = bpy.data.objects.new(name, filling.piece(name, points[list(piece)], half))
+        new = bpy.data.objects.new(name, filling.new_mesh(name, points[list(piece)], faces=[range(len(piece))]))
         new.color = display.colour(1, number)
         home.objects.link(new)
-        put(new, obj, frame)
-        made.append(new)
-    if body != ACTIVE:
-        return made
-    centroid = core.formats.measures(mesh)["centroid"]
-    middle = Matrix.Translation((*centroid, frame.height))  # bodies rotate around their origin
-    name = f"{obj.name} Body"
-    data = filling.prism(name, points, mesh, half)
-    data.transform(middle.inverted())
-    whole = bpy.data.objects.new(name, data)
-    home.objects.link(whole)
-    whole.matrix_world = Matrix(frame.matrix.tolist()) @ middle
-    for new in made:
-        new.matrix_world = Matrix()
-        new.parent, new.matrix_parent_inverse = whole, middle.inverted()
-        new.display_type, new.hide_render = "WIRE", True
-    return [whole, *made]
-
-
-def _carry(obj: Object, whole: Object) -> None:
-    """Parents an outline to its body, and with a cage its drawing and the other cages, each where it is now."""
-    cage_set = CageSet.of(obj)
-    drawn = [cage_set.source, *cage_set.members] if cage_set is not None else [obj]
-    for each in filter(None, drawn):
-        root = each
-        while root.parent is not None:
-            root = root.parent
-        if root is not whole:
-            place = root.matrix_world.copy()
-            root.parent = whole
-            root.matrix_parent_inverse = whole.matrix_world.inverted()
-            root.matrix_world = place
+        put(new, obj, drawing.frame)
+        yield new

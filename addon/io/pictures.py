@@ -208,14 +208,16 @@ class Picture:
         return traced
 
 
-def place_outline(context: Context, picture: Picture, mesh: core.Mesh, target: Object | None = None) -> Object:
-    """A new object with the outline as a wire over the image, as shown by an image empty of size 1 or by `target`.
-
-    The longer side of the picture is one unit, and its middle is the object's origin.
+def place_outline(
+    context: Context, picture: Picture, mesh: core.Mesh, target: Object | None = None, *, unit: float = PIXEL
+) -> Object:
+    """A new object with the outline as a wire, over the image that a `target` shows, or with so many units per pixel
+    around the middle of the picture.
     """
-    unit, offset = 1.0 / max(picture.size), (-0.5, -0.5)
+    offset = (-0.5, -0.5)
     if target is not None:
-        unit, offset = unit * target.empty_display_size, (target.empty_image_offset[0], target.empty_image_offset[1])
+        unit = target.empty_display_size / max(picture.size)
+        offset = (target.empty_image_offset[0], target.empty_image_offset[1])
     points = (mesh.vertices + np.array(offset) * picture.size) * unit
     name = f"{picture.name} Outline"
     obj = bpy.data.objects.new(name, filling.new_mesh(name, points, mesh.edges))
@@ -224,10 +226,3 @@ def place_outline(context: Context, picture: Picture, mesh: core.Mesh, target: O
     if target is not None:
         placement.stand_as(target, obj)
     return obj
-
-
-def image_of(context: Context) -> bpy.types.Image | None:
-    """The image of the active image empty, or of an image editor."""
-    obj = context.view_layer.objects.active
-    shown = image_on(obj) if obj is not None and obj.type == "EMPTY" else None
-    return shown or getattr(context.space_data, "image", None)

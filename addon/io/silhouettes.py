@@ -57,22 +57,21 @@ def painted_loops(
     objects: Sequence[Object],
     frame: Frame,
     *,
-    strokes: bool = True,
     closed: bool = False,
     fill_holes: bool = False,
     gap: float = 0.0,
 ) -> Work[tuple[tuple[FloatArray, ...], list[UserError]]]:
     """The loops (k, 2) of the silhouette of objects in a frame, and why some have none. Raises: UserError if all do.
 
-    strokes: with the width of strokes; closed: closed ones are areas too. fill_holes: without holes. gap: parts closer
-    than this length of the scene are joined.
+    closed: closed strokes are areas too. fill_holes: without holes. gap: parts closer than this length of the scene are
+    joined.
     """
     areas: list[core.formats.Painted] = []
     problems: list[UserError] = []
     for done, obj in enumerate(objects):
         yield Progress(0.5 * done / len(objects), f"reading '{obj.name}'")
         try:
-            painted = areas_of(context, obj, frame, strokes=strokes, closed=closed)
+            painted = areas_of(context, obj, frame, closed=closed)
             areas += [area for area in painted if any(map(_has_room, area.loops))]
         except UserError as error:
             problems.append(error)

@@ -74,7 +74,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         return super().ask(context, event) if selected else ImportHelper.invoke(self, context, event)
 
     def draw(self, _context: Context) -> None:
-        self.draw_options("vertices", *NAMES, "standard", "skeleton")
+        self.draw_options(*NAMES, "standard", "skeleton")
         alone = self.layout.column()
         alone.active = not self.skeleton
         for name in ("levels", "bind", "handles"):

@@ -1,4 +1,4 @@
-"""Drawings from files, by the menu or dropped into the view; cages as other objects, as convex pieces and as files."""
+"""Drawings from files, by the menu or dropped into the view, and outlines of images; cages and puppets as files."""
 
 from __future__ import annotations
 
@@ -12,19 +12,23 @@ from bpy.types import Context, Object
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from .. import record
-from ..core import game
+from ..core import core, game
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
-from ..io import exporters, importers, svg_parts
-from ..properties.kinds import choice, flag, length, number, text, whole
+from ..io import exporters, importers, pictures, svg_parts
+from ..io.pictures import Picture, image_on
+from ..keys import found_object
+from ..properties.kinds import choice, flag, number, text, whole
 from ..puppets import armatures, exported, imported, repainting
 from ..puppets.moving import Making
 from ..record import CageSet
 from ..scene import convert, ownership
 from ..scene.blocks import removed_on_failure
 from ..scene.filling import mesh_of
-from ..scene.ownership import chosen, each_of_chosen, scene_of, select, sets_of_chosen
+from ..scene.ownership import chosen, each_of_chosen, scene_of, select
 from .base import DialogJobOperator, Operator, Outcome, pose
+from .pictures import NAMES as TRACING
+from .pictures import PictureProperties, trace_options
 from .puppet import make_puppet
 from .views import FLAT_LIGHT, TEXTURES
 
@@ -35,7 +39,7 @@ Y_ITEMS = (
 )
 OUTLINE_ITEMS = (
     ("AUTO", "Automatic", "Parts of drawings with several shapes, one outline of others; exported cages as they were"),
-    ("ONE", "One Outline", "The filled area of everything, with overlaps united"),
+    ("ONE", "One Outline", "The filled area of everything, overlaps united; of a picture, around its opaque pixels"),
     ("SEVERAL", "Several Outlines", "An outline of each shape"),
     ("PARTS", "Parts of a Character", "A filled part of each shape with its colours and strokes, one above the other"),
     ("PUPPET", "Puppet", "The same with bones, weights and controls, ready to pose"),
@@ -86,9 +90,9 @@ def paths_of(operator: Any) -> list[Path]:
     return [Path(bpy.path.abspath(path)) for path in given if path]
 
 
-class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Read drawings: the filled area of an SVG, each feature of a GeoJSON, or a layered painting as a puppet with
-    bones
+class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
+    """Read drawings: the filled area of an SVG, each feature of a GeoJSON, a layered painting as a puppet with bones,
+    or the outline of a picture
     """
 
     bl_label = "Import Outlines"
@@ -109,7 +113,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         min=0.0,
         soft_max=100.0,
     )
-    outlines: choice("SVG As", "What to make of an SVG", OUTLINE_ITEMS, default="AUTO")
+    outlines: choice("As", "What to make of a drawing", OUTLINE_ITEMS, default="AUTO")
     hidden: flag("Hidden Layers", "Include hidden layers of a painting, as hidden parts")
     repaint: flag(
         "Repaint Selected",
@@ -121,25 +125,43 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         "Centre", "Put the middle of a drawing at the origin; maps and exported cages keep their places", default=True
     )
 
-    def ask(self, context: Context, _event: bpy.types.Event) -> Any:
-        return self.invoke_popup(context)
+    def ask(self, context: Context, event: bpy.types.Event) -> Any:
+        return super().ask(context, event) if self._shown(context) is not None else self.invoke_popup(context)
 
-    def draw(self, _context: Context) -> None:
+    def draw(self, context: Context) -> None:
+        if self._shown(context) is not None:
+            self.draw_options(*TRACING)
+            return
         self.draw_options("outlines", "hidden", "repaint", "plane", "centre", "y", "scale", "standard")
+        if self.outlines == "ONE":
+            self.draw_options(*TRACING)
+
+    def _shown(self, context: Context) -> Object | None:
+        """The selected image empty whose outline is asked for; None if files are to be read."""
+        active = context.view_layer.objects.active
+        shows = active is not None and active.type == "EMPTY" and image_on(active) is not None and active.select_get()
+        return active if shows and self.outlines == "ONE" and not paths_of(self) else None
 
     def work(self, context: Context) -> Work[None]:
+        shown = self._shown(context)
+        if shown is not None:
+            yield from self._outline_of(context, shown)
+            return
         paths = paths_of(self)
         if not paths or (paths[0].is_dir() and not any(paths[0].glob("*.[pP][nN][gG]"))):
             raise UserError("Choose a file to read")
-        drawings = drawings_in(paths)
+        traced = [path for path in paths if self.outlines == "ONE" and path.suffix.lower() == PICTURE]
+        drawings = drawings_in([path for path in paths if path not in traced])
         rig = armatures.puppet_of(context.selected_objects) if self.repaint else None
         if self.repaint and (rig is None or len(drawings) != 1):
             raise UserError("Select the puppet of a painting, and choose one file with the painting as it is now")
         with removed_on_failure():
-            yield from self._read(context, drawings, rig)
+            yield from self._read(context, drawings, traced, rig)
         self.show_colours(context)
 
-    def _read(self, context: Context, drawings: dict[Path, list[str] | None], rig: Object | None) -> Work[None]:
+    def _read(
+        self, context: Context, drawings: dict[Path, list[str] | None], traced: list[Path], rig: Object | None
+    ) -> Work[None]:
         """Reads files, and places what is in them or repaints a puppet. Raises: UserError."""
         shapes: list[importers.Shape] = []
         layered_files: list[tuple[str, Any]] = []
@@ -163,6 +185,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
                 self.report({"WARNING"}, f"'{path.name}': {note}")
         made = yield from importers.place(context, shapes, y_down=Y_DOWN[self.y], scale=self.scale)
         drawn = [obj for obj, shape in zip(made, shapes, strict=True) if not shape.placed]
+        drawn += yield from self._outlines_of(context, traced)
         in_parts = []
         for title, parts in layered_files:
             in_parts.append(
@@ -196,6 +219,28 @@ class OBJECT_OT_nested_cages_import(FilesOperator, ImportHelper, bpy.types.Opera
         count = sum(len(mesh_of(obj).vertices) for obj in made)
         word = "part" if layered_files and not shapes else "outline"
         self.report({"INFO"}, f"{counted(len(made), word)}, {count} vertices")
+
+    def _outline_of(self, context: Context, shown: Object) -> Work[None]:
+        """The outline of the picture that an image empty shows, on it."""
+        identity, image = shown.session_uid, image_on(shown)
+        assert image is not None
+        picture = Picture.of(image)
+        mesh = yield from self._trace(picture)
+        select(context, pictures.place_outline(context, picture, mesh, found_object(identity)))
+        self.report({"INFO"}, f"{len(mesh.vertices)} vertices around all opaque pixels of '{picture.name}'")
+
+    def _outlines_of(self, context: Context, paths: list[Path]) -> Work[list[Object]]:
+        """The outlines of picture files, in a row."""
+        made, left, unit = list[Object](), 0.0, self.scale or importers.PIXEL
+        for path in paths:
+            picture = Picture.of(pictures.load(path))
+            made.append(pictures.place_outline(context, picture, (yield from self._trace(picture)), unit=unit))
+            width = unit * picture.size[0]
+            made[-1].location.x, left = left + 0.5 * width, left + (1.0 + pictures.GAP) * width
+        return made
+
+    def _trace(self, picture: Picture) -> Work[core.Mesh]:
+        return (yield from picture.trace(self.vertices, **trace_options(self)))
 
     def _repaint(self, context: Context, rig: Object, painting: Any) -> None:
         """Changes a puppet to a painting. Raises: UserError."""
@@ -231,59 +276,28 @@ class NESTEDCAGES_FH_outlines(bpy.types.FileHandler):
         return context.mode == "OBJECT" and context.area is not None and context.area.type == "VIEW_3D"
 
 
-SHAPE_ITEMS = (
-    ("CURVE", "Curves", "Filled 2D curves"),
-    ("FILLED", "Faces", "Meshes of triangles, with holes open"),
-    ("PRISM", "Prisms", "Closed meshes of some height"),
-    ("GREASE_PENCIL", "Grease Pencil", "Closed strokes in the colour of the cage (Blender 4.3 or later)"),
-    ("ANIMATED", "Animated Faces", "Meshes of triangles that play the steps, for Alembic, which drops loose edges"),
-)
-FILE_ITEMS = (
+OUTLINES = (
     ("SVG", "SVG", "One path per outline, holes cut out"),
     ("GEOJSON", "GeoJSON", "One feature per outline with its area and centroid, for maps, shapely and game engines"),
 )
 SUFFIXES = {"SVG": ".svg", "GEOJSON": ".geojson"}
-ENGINE_ITEMS = (
-    ("GODOT", "Godot 4", "A scene with the textures and actions of the puppet"),
+ENGINES = (
+    ("GODOT", "Godot 4", "A scene with the textures and actions of a puppet or cutout"),
     ("SPINE", "Spine 4.2", "A skeleton with its atlas and actions"),
     ("DRAGONBONES", "DragonBones 5.5", "A skeleton with its atlas and actions"),
     ("SCRIPT", "Own Script", "Bones, meshes, weights and actions as JSON, with the atlas"),
 )
-ENGINES = {identifier: identifier.lower() for identifier, _, _ in ENGINE_ITEMS}
 
 
-class OnOutlines(Operator):
-    """Works on the selected outlines, as they are on this frame."""
-
-    needs = staticmethod(lambda context: has_outlines(context))
-    missing = "Select cages, or other objects with a closed outline"
-
-
-class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
-    """Make new objects from the selected cages: as on this frame, or as faces that play the animation"""
-
-    bl_label = "Cages to Objects"
-
-    shape: choice("Shape", "Object type to create", SHAPE_ITEMS, default="FILLED")
-    height: length("Height", "Height of the prisms; 0 uses a fifth of the outline's size", soft_max=10.0)
-
-    def run(self, context: Context) -> None:
-        objects = outlines(context)
-        if self.shape == "ANIMATED":
-            made = exporters.make_animated(objects)
-        else:
-            made = exporters.make(context, objects, self.shape, self.height)
-        select(context, *made)
-
-
-class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator):  # type: ignore[misc]
+class OBJECT_OT_nested_cages_export(Operator, ExportHelper, bpy.types.Operator):  # type: ignore[misc]
     """Write the selected outlines, or a drawing with all of its cages, as they are on this frame, to a file; or a
     puppet with its bones and actions for a game engine
     """
 
     needs = staticmethod(lambda context: has_outlines(context) or armatures.puppet_of(context.selected_objects))
+    missing = "Select cages, a puppet, or other objects with a closed outline"
 
-    bl_label = "Export Cages"
+    bl_label = "Export"
     bl_options = {"REGISTER", "PRESET"}
     modes = ("OBJECT", "POSE")
 
@@ -294,8 +308,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         default=";".join(f"*{ending}" for ending in SUFFIXES.values()),
         options={"HIDDEN"},
     )
-    kind: choice("Format", "File format of outlines", FILE_ITEMS, default="SVG")
-    engine: choice("Engine", "What plays the selected puppet", ENGINE_ITEMS, default="GODOT")
+    kind: choice("For", "What reads the file: outlines, or an engine that plays a puppet", (*OUTLINES, *ENGINES))
     flip_y: flag("Y Down", "Let the y axis point down, as in images, SVG and most 2D engines", default=True)
     world: flag("World", "Write world coordinates, seen from the top, front or right, instead of the first object's")
     scale: number(
@@ -317,20 +330,19 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
     @property
     def filename_ext(self) -> str:
         """The file extension that Blender's helper adds."""
-        if self._puppet(bpy.context) is None:
-            return SUFFIXES[self.kind]
-        return f".{game.ENGINES[ENGINES[self.engine]].ending.rpartition('.')[2]}"
+        return SUFFIXES.get(self.kind) or f".{game.ENGINES[self.kind.lower()].ending.rpartition('.')[2]}"
 
     def _puppet(self, context: Context) -> Object | None:
         """The armature of the puppet to write; None if outlines are asked for."""
-        if self.properties.is_property_set("kind") and not self.properties.is_property_set("engine"):
-            return None
-        return armatures.puppet_of(context.selected_objects or chosen(context))
+        rig = armatures.puppet_of(context.selected_objects or chosen(context))
+        if not self.properties.is_property_set("kind") and rig is not None:
+            self.kind = ENGINES[0][0]
+        return None if self.kind in SUFFIXES else rig
 
-    def draw(self, context: Context) -> None:
-        of_outlines = ("kind", "flip_y", "world", "scale", "pieces")
+    def draw(self, _context: Context) -> None:
         self.layout.use_property_split = True
-        for name in of_outlines if self._puppet(context) is None else ("engine",):
+        of_outlines = ("flip_y", "world", "scale", *(("pieces",) if self.kind == "GEOJSON" else ()))
+        for name in ("kind", *(of_outlines if self.kind in SUFFIXES else ())):
             self.layout.prop(self, name)
 
     def invoke(self, context: Context, event: bpy.types.Event) -> Outcome:  # type: ignore[override]
@@ -347,9 +359,12 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         path = Path(bpy.path.abspath(self.filepath))
         rig = self._puppet(context)
         if rig is not None:
-            self._write(context, rig, path)
+            files, notes = exported.write(context, rig, path, self.kind.lower())
+            for note in notes:
+                self.report({"WARNING"}, note)
+            self.report({"INFO"}, f"{', '.join(file.name for file in files)} written")
             return
-        if self.properties.is_property_set("engine"):
+        if self.kind not in SUFFIXES:
             raise UserError("Select a puppet: an imported painting, or a drawing with the bones of 'Make Puppet'")
         objects = outlines(context)
         shapes = exporters.meshes(context, objects, world=self.world, scale=self.scale)
@@ -363,13 +378,6 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
             size=exporters.paper(context, objects[0], world=self.world) if self.scale == 1.0 else None,
         )
         self.report({"INFO"}, f"{counted(len(shapes), 'outline')} written to {path.name}")
-
-    def _write(self, context: Context, rig: Object, path: Path) -> None:
-        """Writes a puppet for a game engine. Raises: UserError."""
-        files, notes = exported.write(context, rig, path, ENGINES[self.engine])
-        for note in notes:
-            self.report({"WARNING"}, note)
-        self.report({"INFO"}, f"{', '.join(file.name for file in files)} written")
 
 
 def has_outlines(context: Context) -> bool:
@@ -390,42 +398,3 @@ def outlines(context: Context) -> list[Object]:
         elif convert.readable(obj):
             outlined.append(obj)
     return list(dict.fromkeys(outlined))
-
-
-def coarsest(context: Context) -> list[Object]:
-    """Of these, the coarsest cage of each drawing, and other selected outlines."""
-    outlined, selected = outlines(context), context.selected_objects
-    sets = [[obj for obj in each.members if obj in outlined] for each in sets_of_chosen(context)]
-    finer = {obj for objects in sets for obj in objects[:-1] if obj not in selected}
-    return [obj for obj in outlined if obj not in finer]
-
-
-BODY_ITEMS = (
-    ("NONE", "None", "Objects alone"),
-    (exporters.PASSIVE, "Passive", "Each piece is a static rigid body with the shape of its convex hull"),
-    (exporters.ACTIVE, "Active", "One dynamic rigid body per cage, made of its pieces"),
-)
-
-
-class OBJECT_OT_nested_cages_pieces(OnOutlines, bpy.types.Operator):
-    """Tile the selected cages, or the coarsest of a drawing, with convex polygons of few vertices, for collisions"""
-
-    bl_label = "Convex Pieces"
-
-    most: whole("Vertices", "Maximum number of vertices of a piece; Box2D takes 8", default=8, min=3, soft_max=32)
-    height: length(
-        "Height",
-        "Height of the pieces; 0 makes flat faces, or rigid bodies a fifth of the outline's size high",
-        soft_max=10.0,
-    )
-    body: choice("Rigid Body", "What the pieces do in a simulation", BODY_ITEMS)
-
-    def run(self, context: Context) -> None:
-        objects = coarsest(context)
-        made = exporters.make_pieces(context, objects, self.most, self.height, "" if self.body == "NONE" else self.body)
-        if self.body == exporters.ACTIVE:
-            select(context, *(group[0] for group in made))
-        else:
-            select(context, *(obj for group in made for obj in group))
-        number = sum(len(group) - (self.body == exporters.ACTIVE) for group in made)
-        self.report({"INFO"}, f"{counted(number, 'convex piece')} of at most {self.most} vertices")

@@ -23,16 +23,13 @@ from .reading import has_nodes, realized, temporary
 SOLID = {"MESH", "CURVE", "FONT", "SURFACE", "META"}
 
 
-def areas_of(
-    context: Context, obj: Object, frame: Frame, *, strokes: bool = True, closed: bool = False
-) -> list[core.formats.Painted]:
+def areas_of(context: Context, obj: Object, frame: Frame, *, closed: bool = False) -> list[core.formats.Painted]:
     """All that an object paints, its instances included, as float32 shapes in a frame. Raises: UserError if nothing.
 
-    strokes: with the width of Grease Pencil strokes; closed: closed strokes are areas too, even if not filled.
+    closed: closed strokes of Grease Pencil are areas too, even if not filled.
     """
     if obj.type in grease_pencil.KINDS:
-        counts = grease_pencil.Counts(strokes, closed or not strokes)
-        areas = grease_pencil.Painting.of(context, obj).areas(frame, counts)
+        areas = grease_pencil.Painting.of(context, obj).areas(frame, grease_pencil.Counts(closed=closed))
     else:
         areas, depsgraph = list[core.formats.Painted](), context.evaluated_depsgraph_get()
         if obj.type in SOLID:  # faces, those of instances included, and the inside of closed lines

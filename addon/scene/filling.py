@@ -1,4 +1,4 @@
-"""Filled outlines: cages as triangulated faces, as closed prisms, and as curve objects."""
+"""Meshes as arrays, and cages as triangulated faces."""
 
 from __future__ import annotations
 
@@ -13,9 +13,6 @@ from numpy.typing import NDArray
 
 from ..core import blamed, core, triangulation
 from ..errors import FloatArray
-
-# Half the height of a prism around a planar drawing, as a fraction of the cage's size.
-HALF_HEIGHT = 0.1
 
 AttributeType = Literal["INT", "FLOAT", "FLOAT_VECTOR"]
 
@@ -101,41 +98,3 @@ def add_attribute(data: Mesh, name: str, kind: AttributeType, values: NDArray[An
     """Sets an attribute of the vertices, a new one if there is none of that name."""
     attribute: Any = data.attributes.get(name) or data.attributes.new(name, kind, "POINT")
     attribute.data.foreach_set("vector" if kind == "FLOAT_VECTOR" else "value", values.ravel())
-
-
-def prism(name: str, points: FloatArray, mesh: core.Mesh, half_height: float) -> Mesh:
-    """A new closed mesh: the filled outline (n, 3) below and above its plane, and walls between; normals point out."""
-    return _raised(name, points, triangulation.triangulate(mesh).triangles, np.asarray(mesh.successor), half_height)
-
-
-def piece(name: str, points: FloatArray, half_height: float) -> Mesh:
-    """A new mesh of a convex polygon (k, 3): a face, or a prism around its plane."""
-    face = np.arange(len(points))[None]
-    if half_height > 0.0:
-        return _raised(name, points, face, np.roll(face[0], -1), half_height)
-    return new_mesh(name, points, faces=face)
-
-
-def _raised(
-    name: str, points: FloatArray, below: NDArray[np.int64], after: NDArray[np.int64], half_height: float
-) -> Mesh:
-    """The prism of a solid by its faces (t, k), with walls from each point to the one after it (n,)."""
-    count, raised = len(points), np.array([0.0, 0.0, half_height])
-    start = np.arange(count)
-    walls = np.column_stack([start, after, after + count, start + count])
-    faces = [*below[:, ::-1].tolist(), *(below + count).tolist(), *walls.tolist()]
-    return new_mesh(name, np.concatenate([points - raised, points + raised]), faces=faces)
-
-
-def curve(name: str, points: FloatArray, mesh: core.Mesh) -> bpy.types.Curve:
-    """A new filled 2D curve with one closed poly spline per loop of the outline (n, 3)."""
-    data = bpy.data.curves.new(name, "CURVE")
-    data.dimensions = "2D" if not points[:, 2].any() else "3D"
-    if data.dimensions == "2D":
-        data.fill_mode = "BOTH"  # type: ignore[assignment]  # the stubs only have the modes of 3D curves
-    for loop in mesh.loops:
-        spline = data.splines.new("POLY")
-        spline.points.add(len(loop) - 1)
-        spline.points.foreach_set("co", np.column_stack([points[loop], np.ones(len(loop))]).ravel())
-        spline.use_cyclic_u = True
-    return data

@@ -68,11 +68,10 @@ class Layer:
 
 @dataclass(frozen=True)
 class Counts:
-    """What counts, apart from fills. `width`: that of lines. `closed`: the inside of closed lines, those in others as
-    holes if `nested`; `opened`: that of open lines.
+    """What counts, apart from fills and lines with their width. `closed`: the inside of closed lines, those in others
+    as holes if `nested`; `opened`: that of open lines.
     """
 
-    width: bool = True
     closed: bool = False
     nested: bool = False
     opened: bool = False
@@ -176,7 +175,7 @@ class Painting:
             outline = groups.pop(key, []) if key is not None else []
             if key is not None and outline:  # Blender fills all that one stroke winds around
                 yield key[0], [core.formats.Painted(outline, evenodd=len(outline) > 1)]
-            if counts.width and stroke.line and stroke.radii.max() > 0.0:
+            if stroke.line and stroke.radii.max() > 0.0:
                 ends = np.arange(len(loop) + 2 * stroke.cyclic) % len(loop)
                 shapes = covering(loop[ends], stroke.radii[ends] / frame.scale, stroke.corners[ends], extent)
                 yield stroke.line, [core.formats.Painted([shape]) for shape in shapes]

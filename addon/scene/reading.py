@@ -1,4 +1,4 @@
-"""The lines of an object: wire edges and open boundaries of its evaluated shape; and new Grease Pencil drawings."""
+"""The lines of an object: wire edges and open boundaries of its evaluated shape."""
 
 from __future__ import annotations
 
@@ -12,31 +12,9 @@ import numpy as np
 from bpy.types import Context, Object
 from numpy.typing import NDArray
 
-from ..errors import FloatArray, UserError
+from ..errors import UserError
 from .display import add_nodes_modifier, is_ours
 from .filling import evaluated_mesh, loop_edges, mesh_of, stored
-
-
-def drawing(name: str, loops: Sequence[FloatArray], radius: float) -> bpy.types.ID:
-    """A new drawing with a closed polyline per loop (k, 3) and a material. Raises: UserError before Blender 4.3."""
-    if not hasattr(bpy.types, "GreasePencilDrawing"):
-        raise UserError("Grease Pencil drawings need Blender 4.3 or later: choose curves instead")
-    known: Any = getattr(bpy.data, "grease_pencils_v3", bpy.data.grease_pencils)
-    data: Any = known.new(name)
-    strokes = data.layers.new(name).frames.new(bpy.context.scene.frame_current).drawing
-    strokes.add_strokes([len(loop) for loop in loops])
-    points = np.concatenate(loops).astype(np.float32)
-    strokes.attributes["position"].data.foreach_set("vector", points.ravel())
-    for stroke in strokes.strokes:
-        stroke.cyclic = True
-    for point in (point for stroke in strokes.strokes for point in stroke.points):
-        point.radius = radius
-        point.opacity = 1.0
-    material = bpy.data.materials.new(name)
-    bpy.data.materials.create_gpencil_data(material)
-    data.materials.append(material)
-    return data
-
 
 # How many times as many segments as displayed tell where the true curve lies, and the maximum that Blender allows.
 FINER, MOST_SEGMENTS = 4, 1024

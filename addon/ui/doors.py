@@ -147,13 +147,15 @@ def _rig_door(layout: Any, context: Context) -> None:
             row.operator("object.nested_cages_snap", text="", icon="SNAP_ON").control = reach.subtarget
         layout.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
     layout.operator("object.nested_cages_import", text="Import Puppet", icon="IMPORT").outlines = "PUPPET"
+    layout.operator("object.nested_cages_export", icon="EXPORT")
 
 
 def _picture_door(layout: Any, context: Context) -> None:
     _first(layout, "cutout", icon="IMAGE_PLANE")
     column = layout.column(align=True)
     column.operator("object.nested_cages_cutout", text="Cut Out with Skeleton", icon="ARMATURE_DATA").skeleton = True
-    column.operator("object.nested_cages_from_image", icon="IMAGE_DATA")
+    column.operator("object.nested_cages_import", text="Outline of Image", icon="IMAGE_DATA").outlines = "ONE"
+    layout.operator("object.nested_cages_export", icon="EXPORT")
 
 
 def _cages_door(layout: Any, context: Context) -> None:

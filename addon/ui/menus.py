@@ -23,8 +23,7 @@ ENTRIES: tuple[dict[str, Any], ...] = (
     },
     {"remove_animation": "X"},
 )
-ON_FILES: dict[str, Any] = {"from_image": "IMAGE_DATA", "cutout": "IMAGE_PLANE", "silhouette": "MOD_SOLIDIFY"}
-ON_FILES |= {"import": "IMPORT", "export": "EXPORT"}
+ON_FILES = {"cutout": "IMAGE_PLANE", "import": "IMPORT", "export": "EXPORT"}
 
 
 class VIEW3D_MT_nested_cages(bpy.types.Menu):
@@ -40,7 +39,6 @@ class VIEW3D_MT_nested_cages(bpy.types.Menu):
                 layout.operator(f"object.nested_cages_{name}", icon=icon)
             layout.separator()
         layout.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
-        layout.operator("object.nested_cages_pieces", icon="MOD_EXPLODE")
         layout.separator()
         for name, icon in ON_FILES.items():
             layout.operator(f"object.nested_cages_{name}", icon=icon)

@@ -18,11 +18,11 @@ OPERATORS = {
     "bind": "bind",
     "remove_animation": "animation",
     **dict.fromkeys(("follow", "live"), "motion"),
-    **dict.fromkeys(("to_objects", "pieces", "export", "import"), "export"),
-    **dict.fromkeys(("from_image", "cutout"), "pictures"),
+    **dict.fromkeys(("export", "import"), "export"),
+    "cutout": "pictures",
     **dict.fromkeys(("puppet", "clip", "snap"), "characters"),
     "select_fault": "messages",
-    "silhouette": "silhouette",
+    "to_objects": "silhouette",
 }
 SETTINGS = {
     **dict.fromkeys(("level", "clearance", "inside", *SHAPE), "levels"),

@@ -127,9 +127,7 @@ class VIEW3D_PT_nested_cages_use(PartPanel, bpy.types.Panel):
 
     def draw(self, context: Context) -> None:
         layout = self.layout
-        column = layout.column(align=True)
-        column.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
-        column.operator("object.nested_cages_pieces", icon="MOD_EXPLODE")
+        layout.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
         layout.operator("object.nested_cages_export", icon="EXPORT")
 
 

@@ -30,7 +30,7 @@ def test_no_opaque_pixel_is_outside(holes, padding) -> None:
     empty = image_empty(image)
     empty.empty_display_size = 4.0
     empty.location, empty.rotation_euler, empty.scale = (3.0, 1.0, 0.0), (0.4, 0.3, 0.2), (1.0, 2.0, 1.0)
-    done = bpy.ops.object.nested_cages_from_image(vertices=16, padding=padding, holes=holes)
+    done = bpy.ops.object.nested_cages_import(outlines="ONE", vertices=16, padding=padding, holes=holes)
     assert done == {"FINISHED"}
     made = bpy.context.active_object
     area = solid(made)
@@ -50,6 +50,17 @@ def test_no_opaque_pixel_is_outside(holes, padding) -> None:
 def test_images_without_anything_to_outline_are_refused() -> None:
     image = bpy.data.images.new("Clear", 8, 8, alpha=True)
     image.pixels.foreach_set(np.zeros(8 * 8 * 4, np.float32))
+    image_empty(image)
     with refused("'Clear'"):
-        bpy.ops.object.nested_cages_from_image(image="Clear")
-    assert not bpy.data.objects
+        bpy.ops.object.nested_cages_import(outlines="ONE")
+
+
+def test_picture_files_become_upright_outlines(tmp_path) -> None:
+    image, opaque = sprite("fish.png")
+    image.filepath_raw, image.file_format = str(tmp_path / "fish.png"), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+    bpy.ops.object.nested_cages_import(filepath=str(tmp_path / "fish.png"), outlines="ONE", vertices=12, padding=0.0)
+    (made,) = bpy.context.selected_objects
+    assert len(made.data.vertices) == 12 and made.matrix_world.to_euler().x == pytest.approx(np.pi / 2)
+    assert solid(made).area * 1e4 > opaque.sum()  # a hundred pixels to a unit

@@ -142,7 +142,7 @@ def test_export_asks_for_the_engine(painting: Path, tmp_path: Path) -> None:
     for engine, (name, files) in FILES.items():
         out = tmp_path / engine
         out.mkdir()
-        assert bpy.ops.object.nested_cages_export(filepath=str(out / name), engine=engine) == {"FINISHED"}
+        assert bpy.ops.object.nested_cages_export(filepath=str(out / name), kind=engine) == {"FINISHED"}
         assert {path.name for path in out.iterdir()} == files
         assert pixels_of(out / "cat.png")[..., 3].any()
     scene = (tmp_path / "GODOT" / "cat.tscn").read_text(encoding="utf-8")
@@ -169,7 +169,7 @@ def test_what_is_exported_is_what_stands_in_the_scene(puppet: Puppet, painting: 
     follow.target, follow.subtarget, follow.owner_space, follow.target_space = rig, "tail.001", "LOCAL", "LOCAL"
     bpy.context.scene.frame_set(7)
     path = tmp_path / "cat.json"
-    assert bpy.ops.object.nested_cages_export(filepath=str(path), engine="SPINE") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_export(filepath=str(path), kind="SPINE") == {"FINISHED"}
     assert bpy.context.scene.frame_current == 7
     found = json.loads(path.read_text(encoding="utf-8"))
     (tmp_path / "same").mkdir()
@@ -204,16 +204,16 @@ def test_painted_weights_and_moved_vertices_are_judged(puppet: Puppet, tmp_path:
     group = tail.vertex_groups.new(name="body")
     group.add([0], 0.5, "REPLACE")
     out = tmp_path / "cat.json"
-    assert bpy.ops.object.nested_cages_export(filepath=str(out), engine="SPINE") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_export(filepath=str(out), kind="SPINE") == {"FINISHED"}
     bones = {bone["name"]: bone for bone in json.loads(out.read_text(encoding="utf-8"))["bones"]}
     assert bones["tail"]["proved_degrees"] == [0, 0]
     tail.data.vertices[1].co.x += 0.3
     with refused("'tail'"):
-        bpy.ops.object.nested_cages_export(filepath=str(out), engine="SPINE")
+        bpy.ops.object.nested_cages_export(filepath=str(out), kind="SPINE")
     tail.data.vertices[1].co.x -= 0.3
     parts["arm"].vertex_groups.clear()
     with refused("'arm'"):
-        bpy.ops.object.nested_cages_export(filepath=str(out), engine="SPINE")
+        bpy.ops.object.nested_cages_export(filepath=str(out), kind="SPINE")
 
 
 def test_a_repainted_puppet_keeps_what_was_made_with_it(

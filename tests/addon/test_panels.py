@@ -77,12 +77,12 @@ def test_the_first_button_is_the_one_to_press(name) -> None:
 
 UNFIT = [
     ("nothing", "generate", {}, ""),
-    *(("nothing", name, {}, "") for name in ("puppet", "cutout", "from_image")),
+    *(("nothing", name, {}, "") for name in ("puppet", "cutout", "export")),
     ("a camera", "generate", {}, "'Camera'"),
-    ("a camera", "silhouette", {}, ""),
+    ("a camera", "to_objects", {}, ""),
     ("a drawing", "verify", {}, ""),
     ("a drawing", "to_objects", {"shape": "ANIMATED"}, "'Drawing'"),
-    ("an open line", "pieces", {}, "'Open'"),
+    ("an open line", "to_objects", {"shape": "PIECES"}, "'Open'"),
 ]
 
 

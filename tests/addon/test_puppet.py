@@ -284,7 +284,7 @@ def test_vector_puppets_are_exported_as_pictures(tmp_path: Path) -> None:
         last.rotation_euler.z = angle
         last.keyframe_insert("rotation_euler", frame=frame)
     bpy.context.scene.frame_set(25)
-    assert bpy.ops.object.nested_cages_export(filepath=str(tmp_path / "arm.json"), engine="SPINE") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_export(filepath=str(tmp_path / "arm.json"), kind="SPINE") == {"FINISHED"}
     assert rig.data.pose_position == "POSE" and last.rotation_euler.z == pytest.approx(radians(45.0))
     found = json.loads((tmp_path / "arm.json").read_text(encoding="utf-8"))
     parents = {each["name"]: each["parent"] for each in found["bones"][1:]}

@@ -256,9 +256,9 @@ def test_several_drawings_are_rigged_in_three_actions() -> None:
     binding, *others = found
     show(binding.source)
     bind()  # one alone is unbound; of all, the rest stays bound until all are
-    show(*parts)
     assert [bool(each.bound) for each in found] == [False, True, True, True]
     for bound in (True, False):
+        show(*parts)
         bind()
         assert all(bool(each.bound) is bound for each in (binding, *others))
     assert bpy.ops.object.nested_cages_remove_animation() == {"FINISHED"}

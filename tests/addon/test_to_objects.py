@@ -1,11 +1,14 @@
-"""Cages as curves, faces, prisms, strokes and animated faces, which Alembic and glTF carry out and back in."""
+"""Cages as animated faces, which Alembic and glTF carry out and back in, and as convex pieces that tile them."""
+
+from itertools import combinations
 
 import addon_utils
 import bpy
 import numpy as np
 import pytest
+import shapely
 
-from support.blender import new_file, refused
+from support.blender import new_file
 from support.drawings import at_frame, choose, circle, evaluated, generate, in_world, made, poly_curve, solid, star
 from support.marks import slow_after
 
@@ -32,67 +35,6 @@ def seen(objects, frames):
             if not obj.hide_viewport:
                 found[obj.name, frame] = in_world(obj, evaluated(obj, depsgraph))
     return found
-
-
-def test_faces_fill_the_cage(cages) -> None:
-    _, _, (inner, _) = cages
-    choose(inner)
-    assert bpy.ops.object.nested_cages_to_objects(shape="FILLED") == {"FINISHED"}
-    new = bpy.context.active_object
-    bpy.context.view_layer.update()
-    assert new.matrix_world == inner.matrix_world
-    assert sum(face.area for face in new.data.polygons) == pytest.approx(solid(inner).area, rel=1e-5)
-    assert all(face.normal.z > 0.999 for face in new.data.polygons)
-
-
-def test_prisms_are_closed_and_point_out(cages) -> None:
-    _, _, both = cages
-    choose(*both)
-    assert bpy.ops.object.nested_cages_to_objects(shape="PRISM", height=1.0) == {"FINISHED"}
-    for obj, new in zip(both, sorted(bpy.context.selected_objects, key=lambda obj: obj.name), strict=True):
-        uses = np.zeros(len(new.data.edges), int)
-        for corner in new.data.loops:
-            uses[corner.edge_index] += 1
-        assert (uses == 2).all()
-        new.data.calc_loop_triangles()
-        points = in_world(new, evaluated(new))
-        triangles = points[[list(triangle.vertices) for triangle in new.data.loop_triangles]]
-        volume = np.einsum("ij,ij->", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2])) / 6.0
-        assert volume == pytest.approx(4.0 * solid(obj).area * 1.0, rel=1e-4)
-
-
-def test_curves_have_the_cage_s_points(cages) -> None:
-    _, _, (inner, _) = cages
-    choose(inner)
-    assert bpy.ops.object.nested_cages_to_objects(shape="CURVE") == {"FINISHED"}
-    new = bpy.context.active_object
-    bpy.context.view_layer.update()
-    assert new.type == "CURVE"
-    assert len(new.data.splines) == 2
-    points = np.array([point.co[:3] for spline in new.data.splines for point in spline.points])
-    np.testing.assert_array_equal(
-        np.unique(in_world(new, points), axis=0), np.unique(in_world(inner, evaluated(inner)), axis=0)
-    )
-
-
-def test_cages_as_grease_pencil_strokes() -> None:
-    poly_curve("Drawing", [star(), circle(12, 0.3)])
-    generate("24")
-    cage = bpy.data.objects["Drawing Cage 1"]
-    choose(cage)
-    if bpy.app.version < (4, 3):
-        with refused():
-            bpy.ops.object.nested_cages_to_objects(shape="GREASE_PENCIL")
-        return
-    assert bpy.ops.object.nested_cages_to_objects(shape="GREASE_PENCIL") == {"FINISHED"}
-    new = bpy.context.object
-    assert new.type == "GREASEPENCIL" and new.name == "Drawing Cage 1 Grease Pencil"
-    strokes = new.data.layers[0].frames[0].drawing.strokes
-    assert [stroke.cyclic for stroke in strokes] == [True, True]
-    points = np.array([point.position[:] for stroke in strokes for point in stroke.points])
-    home = np.array([key.co[:] for key in cage.data.shape_keys.key_blocks[0].data])
-    assert {tuple(point) for point in points} == {tuple(point) for point in home}
-    assert new.active_material.grease_pencil.color[:] == pytest.approx(cage.color[:])
 
 
 def animated_faces(cages):
@@ -145,3 +87,56 @@ def test_gltf_carries_the_animation_as_morph_targets(playing, tmp_path, faces) -
         gaps = np.linalg.norm(there[:, None] - points[None], axis=2)
         assert gaps.min(axis=0).max() < 1e-4, (name, frame)
         assert gaps.min(axis=1).max() < 1e-4, (name, frame)
+
+
+@pytest.mark.parametrize("most", [3, 8])
+def test_pieces_tile_the_coarsest_cage_of_a_drawing(most) -> None:
+    obj = poly_curve("Drawing", [star(), circle(30, 0.3)])
+    obj.location, obj.rotation_euler.z = (3.0, -2.0, 1.0), 0.5
+    generate("40, 24")
+    cage = bpy.data.objects["Drawing Cage 2"]
+    shape = solid(cage, at_frame(9000))
+    choose(obj)
+    assert bpy.ops.object.nested_cages_to_objects(shape="PIECES", pieces=most) == {"FINISHED"}
+    made = list(bpy.data.collections["Drawing Cage 2 Pieces"].objects)
+    assert sorted(bpy.context.selected_objects, key=id) == sorted(made, key=id)
+    polygons = []
+    for piece in made:
+        (face,) = piece.data.polygons
+        assert 3 <= len(face.vertices) <= most
+        assert face.normal.z > 0.99
+        polygons.append(shapely.Polygon([tuple(vertex.co)[:2] for vertex in piece.data.vertices]))
+        assert polygons[-1].convex_hull.area == pytest.approx(polygons[-1].area, rel=1e-6)
+    bpy.context.view_layer.update()
+    assert all(piece.matrix_world == obj.matrix_world for piece in made)
+    assert shapely.union_all(polygons).symmetric_difference(shape).area < 1e-6
+    assert sum(polygon.area for polygon in polygons) == pytest.approx(shape.area, rel=1e-6)
+    assert max(one.intersection(other).area for one, other in combinations(polygons, 2)) < 1e-9
+    assert (len(made) == len(cage.data.vertices)) == (most == 3)  # a triangle per vertex where there is one hole
+
+
+def test_pieces_of_any_outlines_are_in_collections_of_their_own() -> None:
+    outlines = [poly_curve("One", [circle(20)]), poly_curve("Two", [circle(7, 2.0)])]
+    outlines[0].rotation_euler.x = 1.0
+    choose(*outlines)
+    assert bpy.ops.object.nested_cages_to_objects(shape="PIECES") == {"FINISHED"}
+    bpy.context.view_layer.update()
+    for outline, count in zip(outlines, (4, 1), strict=True):
+        pieces = list(bpy.data.collections[f"{outline.name} Pieces"].objects)
+        assert 1 <= len(pieces) <= count and all(piece.matrix_world == outline.matrix_world for piece in pieces)
+
+
+def test_geojson_has_pieces(tmp_path, core) -> None:
+    poly_curve("Drawing", [star(), circle(30, 0.3)])
+    path = tmp_path / "outline.geojson"
+    options = {"filepath": str(path), "kind": "GEOJSON", "scale": 10.0}
+    for asked, most in ((6, 6), (1, 3)):
+        bpy.ops.object.nested_cages_export(**options, pieces=asked)
+        outline, *pieces = core.features_from_geojson(path.read_bytes())
+        assert max(len(each.mesh.vertices) for each in pieces) <= most
+        assert sum(each.mesh.area for each in pieces) == pytest.approx(outline.properties["area"])
+        assert [each.properties["piece"] for each in pieces] == [*range(1, len(pieces) + 1)]
+    assert bpy.ops.object.nested_cages_import(filepath=str(path)) == {"FINISHED"}
+    assert len(bpy.context.selected_objects) == 1
+    bpy.ops.object.nested_cages_export(**options)
+    assert len(core.features_from_geojson(path.read_bytes())) == 1

@@ -20,8 +20,8 @@ STRANGE = [None, 0, -1, 10**9, 1.5, float("nan"), float("inf"), "", "x", "\N{SNO
 """Values that files of strangers may have under names of ours."""
 
 OTHERS = (
-    "generate", "verify", "bind", "puppet", "cancel", "follow", "live", "silhouette",
-    "remove_animation", "to_objects", "pieces", "select_fault",
+    "generate", "verify", "bind", "puppet", "cancel", "follow", "live",
+    "remove_animation", "to_objects", "select_fault",
 )  # fmt: skip
 """Operators that need no file."""
 
