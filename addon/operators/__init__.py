@@ -7,10 +7,10 @@ from bpy.app.handlers import persistent
 
 from ..generation.job import end_all
 from ..properties.kinds import registration
-from . import animation, bind, cutout, files, generate, objects, presets, puppet, verify
+from . import animation, bind, cutout, files, generate, objects, puppet, verify
 from .base import last_fault
 
-_ROOMS = (generate, verify, bind, puppet, animation, files, objects, cutout, presets)
+_ROOMS = (generate, verify, bind, puppet, animation, files, objects, cutout)
 CLASSES = [
     found
     for room in _ROOMS

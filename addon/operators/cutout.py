@@ -25,7 +25,7 @@ from ..generation.methods import Methods
 from ..io import pictures
 from ..io.pictures import Canvas, Picture
 from ..keys import found_object
-from ..properties.kinds import flag, text, whole
+from ..properties.kinds import flag, text
 from ..properties.settings import filled, settings_of
 from ..scene import grease_pencil
 from ..scene.blocks import removed_on_failure
@@ -61,7 +61,6 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         options={"SKIP_PRESET", "SKIP_SAVE"},
     )
     filter_image: flag("Images", "Show images", default=True, options={"HIDDEN", "SKIP_SAVE"})
-    vertices: whole("Vertices", "Vertex count of the mesh's outline", default=64, min=3, soft_max=256)
     levels: text("Cages", "Vertices of each cage, innermost first, such as 16 or 32, 12", default="16")
     bind: flag("Bind", "Make the pictures follow their cages", default=True)
     handles: flag("Handles", "Add a bone per corner of each bound cage to move that corner", default=True)

@@ -35,8 +35,6 @@ SETTINGS = {
 PAGES = (
     *((f"bpy.ops.object.nested_cages_{name}*", page) for name, page in OPERATORS.items()),
     *((f"bpy.types.*nested*cages*.{name}*", page) for name, page in SETTINGS.items()),
-    ("bpy.ops.scene.nested_cages_preset*", "levels"),
-    ("bpy.ops.scene.nested_cages_use_preset*", "levels"),
     ("bpy.types.nestedcagespreferences*", "install"),
     ("bpy.ops.*.nested_cages*", "cages"),
     ("bpy.types.*nested_cages*", "cages"),

@@ -9,7 +9,6 @@ from bpy.types import Context
 
 from ..animation.timeline import Timing
 from ..generation import output
-from ..operators.presets import NESTEDCAGES_PT_presets
 from ..properties import groups
 from ..properties.kinds import registration
 from ..properties.settings import filled, settings_of
@@ -58,9 +57,6 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
     """Three doors by task, and what is behind the one that fits the selection"""
 
     bl_label = "Nested Cages"
-
-    def draw_header_preset(self, _context: Context) -> None:
-        NESTEDCAGES_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context: Context) -> None:
         doors.draw(self.layout, context)

@@ -11,7 +11,7 @@ import pytest
 from nestedcages_core import Mesh, nested_cages
 from support.blender import ESCAPE, GOES_ON, IN_TEXT_EDITOR, OTHER, TIMER, event, running
 from support.documents import collection, feature
-from support.drawings import Loop, base, bind, generate, made, poly_curve, snapshot, star
+from support.drawings import Loop, base, bind, generate, image_empty, made, poly_curve, snapshot, star
 from support.marks import slow_after
 
 depths = itertools.count(1)
@@ -167,10 +167,11 @@ def image_of(_folder: Any) -> dict[str, Any]:
     rows, columns = np.mgrid[:32, :32]
     opaque = np.hypot(rows - 15.5, columns - 15.5) < 8.0 + 0.3 * next(depths) % 5.0
     image.pixels.foreach_set(np.repeat(opaque.astype(np.float32).ravel(), 4))
-    return {"image": "Disc", "vertices": 8}
+    image_empty(image)
+    return {"outlines": "ONE", "vertices": 8}
 
 
-JOBS = {"verify": bound, "bind": caged, "import": map_of, "from_image": image_of}
+JOBS = {"verify": bound, "bind": caged, "import": map_of, "import picture": image_of}
 
 
 @pytest.fixture(params=JOBS)
@@ -178,7 +179,8 @@ def other(request, window, tmp_path) -> tuple[Any, bool]:
     """Every other operator that works in slices, and whether events go on to others while it works."""
     values = JOBS[request.param](tmp_path)
     bpy.context.view_layer.update()
-    return window.operator(request.param, **values), request.param in {"import", "from_image"}
+    name = request.param.partition(" ")[0]
+    return window.operator(name, **values), name == "import"
 
 
 @pytest.mark.slow
@@ -203,15 +205,15 @@ def test_every_job_can_be_cancelled_and_leaves_the_scene(window, other, hasty, t
     assert snapshot() == before and not running()
 
 
-@pytest.mark.parametrize("name", ["import", "from_image"])
-def test_a_dialog_is_followed_by_the_job(window, tmp_path, name) -> None:
+@pytest.mark.parametrize("job", ["import", "import picture"])
+def test_a_dialog_is_followed_by_the_job(window, tmp_path, job) -> None:
     """After a dialog Blender executes the operator: it then invokes itself once more, with the options given."""
-    options = JOBS[name](tmp_path)
-    operator = window.operator(name, **options)
+    options = JOBS[job](tmp_path)
+    operator = window.operator("import", **options)
     operator.answered = False
     operator.ask = lambda *_: {"RUNNING_MODAL"}
     asked: list[Any] = []
-    called = SimpleNamespace(**{f"nested_cages_{name}": lambda *given, **named: asked.append((given, named))})
+    called = SimpleNamespace(nested_cages_import=lambda *given, **named: asked.append((given, named)))
     window.ops = SimpleNamespace(object=called)
     assert window.invoke(operator) == {"RUNNING_MODAL"} and not running()
     assert operator.execute(window.context) == {"CANCELLED"}

@@ -1,4 +1,4 @@
-"""Registering twice in a row, presets, the tab of the panels, and a description on all that the user can touch."""
+"""Registering twice in a row, the tab of the panels, and a description on all that the user can touch."""
 
 import re
 import subprocess
@@ -9,8 +9,7 @@ import pytest
 from bl_operators.wm import WM_OT_doc_view_manual as DocView
 
 from support.blender import refused
-from support.drawings import add, certificate, choose, circle, generate, made, poly_curve, star
-from support.marks import slow_after
+from support.drawings import add, choose, circle, generate, poly_curve, star
 from support.panels import own_settings
 from support.sources import ROOT
 
@@ -87,53 +86,6 @@ def test_the_operator_and_the_scene_have_the_same_settings() -> None:
         assert operator[name].description == scene[name].description
         # The panel fits the animation to a length; scripts that give frames per step get what they ask for.
         assert (operator[name].default == scene[name].default) == (name != "fit_length")
-
-
-PRESETS = slow_after(4, ("Collision", "Outline", "Rig", "Tight", "IPC 2022 Repaired"), thorough_after=4)
-
-
-def settings_now() -> dict[str, object]:
-    """The settings that Generate takes, as the scene has them."""
-    return {name: getattr(bpy.context.scene.nested_cages, name) for name in own_settings()}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", PRESETS)
-def test_a_preset_sets_all_that_makes_a_cage_relative_to_the_drawing(name) -> None:
-    """Whatever was chosen before; cages are equally tight around a drawing of any size, but for the paper's method."""
-    settings = bpy.context.scene.nested_cages
-    assert bpy.ops.scene.nested_cages_use_preset(name=name) == {"FINISHED"}
-    wanted = settings_now()
-    own = {"show_result": False, "length": 77, "thickness": 0.25, "project": True}
-    strange = {"inside": True, "convex": True, "grid": 0.5, "symmetry": "FOUND", "pin_group": "Pins", "min_edge": 0.2}
-    strange |= {"together": True, "clearance": 0.3, "level_objects": "Gone", "levels": "*, 7", "as_published": True}
-    for key, value in (own | strange).items():
-        setattr(settings, key, value)
-    assert bpy.ops.scene.nested_cages_use_preset(name=name) == {"FINISHED"}
-    assert settings_now() == wanted | own
-    found = []
-    for size in (1.0,) if settings.as_published else (1.0, 0.01):
-        poly_curve(f"Drawing {size}", [star(100) * size])
-        generate(**settings_now())
-        found.append(certificate(made(f"Drawing {size}")[1]).excess)
-    assert found[-1] == pytest.approx(found[0], rel=0.05)
-
-
-def test_presets_are_stored_and_an_unknown_one_is_refused(tmp_path, monkeypatch) -> None:
-    with refused("'Nothing'"):
-        bpy.ops.scene.nested_cages_use_preset(name="Nothing")
-    monkeypatch.setattr(bpy.utils, "user_resource", lambda *_, **__: str(tmp_path))
-    settings = bpy.context.scene.nested_cages
-    before = settings_now()
-    strange = {"energy": "SHAPE_KEEPING", "as_published": True, "fall_back": False, "levels": "7", "grid": 0.5}
-    for key, value in strange.items():
-        setattr(settings, key, value)
-    assert bpy.ops.scene.nested_cages_preset_add(name="Mine") == {"FINISHED"}
-    (stored,) = tmp_path.rglob("*.py")
-    for key in strange:
-        setattr(settings, key, before[key])
-    bpy.ops.script.execute_preset(filepath=str(stored), menu_idname="NESTEDCAGES_PT_presets")
-    assert settings_now() == before | strange
 
 
 def test_a_missing_scipy_is_a_sentence(extension, monkeypatch) -> None:
