@@ -45,7 +45,7 @@ class OBJECT_OT_nested_cages_bind(SetOperator, bpy.types.Operator):
     method: choice("Method", "How each level follows the next coarser one", METHOD_ITEMS, default="AUTO")
 
     def suitable(self, context: Context, sets: Sequence[CageSet]) -> list[CageSet]:
-        usable = super().suitable(context, sets)
+        usable = SetOperator.suitable(self, context, sets)
         loose = [each for each in usable if not each.bound]
         if self.action in (UNBIND, REST):
             bound = [each for each in usable if each.bound]
@@ -72,7 +72,7 @@ class OBJECT_OT_nested_cages_bind(SetOperator, bpy.types.Operator):
 
     def all(self, context: Context, sets: Sequence[CageSet]) -> Work[list[Any]]:
         if self.action == UNBIND:
-            return (yield from super().all(context, sets))
+            return (yield from SetOperator.all(self, context, sets))
         self.shown_by = (OUTLINES,)
         return (yield from binding.in_step(context, [self.each(context, cage_set) for cage_set in sets]))
 

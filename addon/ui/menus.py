@@ -23,7 +23,7 @@ ENTRIES: tuple[dict[str, Any], ...] = (
     },
     {"remove_animation": "X"},
 )
-ON_FILES = {"cutout": "IMAGE_PLANE", "import": "IMPORT", "export": "EXPORT"}
+ON_FILES: dict[str, Any] = {"cutout": "IMAGE_PLANE", "import": "IMPORT", "export": "EXPORT"}
 
 
 class VIEW3D_MT_nested_cages(bpy.types.Menu):
