@@ -106,7 +106,7 @@ def solid(
     spend(parts, quota)
     whole = parts[0] if len(parts) == 1 else shapely.union_all(parts)
     rings = [*_given_rings(areas), *lines]
-    size = float(np.hypot(*np.ptp(np.concatenate(rings), axis=0)))
+    size = float(np.hypot(*np.ptp(np.concatenate(rings), axis=0))) if rings else 0.0
     if not 0.0 < size < math.inf:
         raise InvalidMeshError("The shapes have no inside, or lie too far apart.", code="mesh.empty")
     if specks > 0.0 and not inside:

@@ -176,7 +176,8 @@ class Window:
         self.ops: Any = bpy.ops
         self.timers, self._monkeypatch = timers, monkeypatch
         shading = SimpleNamespace(light="FLAT", color_type="TEXTURE", wireframe_color_type="OBJECT")
-        view = SimpleNamespace(shading=shading, overlay=SimpleNamespace(wireframe_threshold=0.5))
+        camera = SimpleNamespace(view_perspective="CAMERA")
+        view = SimpleNamespace(shading=shading, overlay=SimpleNamespace(wireframe_threshold=0.5), region_3d=camera)
         areas = [
             SimpleNamespace(type=kind, x=x, y=100, width=300, height=200, spaces=SimpleNamespace(active=view))
             for kind, x in (("VIEW_3D", 0), ("TEXT_EDITOR", 300))
