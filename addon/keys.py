@@ -33,6 +33,9 @@ PART, PROVED, LIMB, LENGTH, CONTROL, AHEAD, SOLVED, DRAWN, CAP = _names(
 # made; of its meshes: their names in it, path and id of the layer, and how it blends.
 CANVAS, KEPT, MADE, LAYER, LAYER_ID, BLEND = _names("canvas kept made layer layer_id blend")
 
+# Of an image: that it is the gradient of a shape.
+(GRADIENT,) = _names("gradient")
+
 # Property of GeoJSON features with y pointing down.
 (Y_DOWN,) = _names("y_down")
 

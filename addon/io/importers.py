@@ -53,7 +53,7 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], tuple[st
     content = content_of(path)
     with blamed(f"'{path.name}' cannot be read"):
         if ending in SVG:
-            drawing = formats.svg_drawing(content, each=EACH[outlines])
+            drawing = formats.svg_drawing(content, each=EACH[outlines], crop=False)
             scale, ours = EXPORTED if drawing.written else PIXEL, drawing.written
             return [Shape(name or path.stem, mesh, True, scale, ours) for name, mesh in drawing.shapes], drawing.notes
         table = formats.read_map(content)

@@ -13,6 +13,7 @@ from bpy.types import Context, Mesh, Object
 from mathutils import Matrix
 from numpy.typing import NDArray
 
+from .. import keys
 from ..core import blamed, core, pictures, progress, triangulation
 from ..errors import FloatArray, UserError
 from ..generation.generate import STAGES
@@ -60,6 +61,15 @@ def load(path: Path) -> bpy.types.Image:
         raise UserError(f"'{path.name}' cannot be read as an image") from error
 
 
+def image_of_pixels(name: str, pixels: NDArray[Any]) -> bpy.types.Image:
+    """A new image that the file holds, of sRGB and opacity (h, w, 4) from 0 to 1, the bottom row first."""
+    image = bpy.data.images.new(name, pixels.shape[1], pixels.shape[0], alpha=True)
+    image.pixels.foreach_set(pixels.astype(np.float32).ravel())  # type: ignore[attr-defined]  # a number in the stubs
+    image.update()
+    image.pack()
+    return image
+
+
 def size_of(image: bpy.types.Image) -> tuple[int, int]:
     """Width and height in pixels. Raises: UserError if there are none."""
     width, height = image.size
@@ -69,16 +79,18 @@ def size_of(image: bpy.types.Image) -> tuple[int, int]:
 
 
 def image_on(obj: Object | None) -> bpy.types.Image | None:
-    """The image of an image empty, or on the active material of a mesh."""
+    """The image of an image empty, or on the active material of a mesh; a gradient is none."""
     if obj is None:
         return None
     if obj.type == "EMPTY":
         return obj.data if isinstance(obj.data, bpy.types.Image) else None
-    return (
-        next((node.image for node in pictures_in(obj.active_material) if node.image), None)
-        if obj.type == "MESH"
-        else None
-    )
+    shown = [node.image for node in pictures_in(obj.active_material)] if obj.type == "MESH" else []
+    return next((image for image in shown if image is not None and not is_gradient(image)), None)
+
+
+def is_gradient(image: bpy.types.Image | None) -> bool:
+    """Whether an image is the gradient of a shape."""
+    return image is not None and bool(image.get(keys.GRADIENT))
 
 
 def pictures_in(material: bpy.types.Material | None) -> list[Any]:

@@ -3,29 +3,42 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TypeAlias
+from typing import NamedTuple
 
 import bpy
 import numpy as np
 from bpy.types import Collection, Context, Mesh, Object
 from mathutils import Color
 
+from .. import keys
 from ..core import blamed, core, triangulation
 from ..errors import FloatArray
 from ..generation.job import Progress, Work
 from ..scene import display, filling
 from ..scene.plane import divided, size
 from .importers import PIXEL, SVG, content_of, middle_of, stored_mesh
+from .pictures import image_of_pixels, pictures_in
 
 # Longest edge of a part as a fraction of the drawing's size: straight limbs bend too.
 LONGEST_SIDE = 1.0 / 64.0
 # Distance between two parts in the stack, as a fraction of the drawing's size.
 DEPTH = 1e-3
 
+# Pixels of the longer side of the picture of a gradient.
+GRADIENT_SIDE = 256
+
 # Materials by kind, "Fill" or "Stroke", and colour.
 Materials = dict[tuple[str, tuple[float, ...]], bpy.types.Material]
-# Kind, colour and outline of one colour of a part, around the part's middle.
-Paint: TypeAlias = "tuple[str, tuple[float, ...], core.Mesh]"
+
+
+class Paint(NamedTuple):
+    """One paint of a part: its kind, colour and outline around the part's middle, and a picture of its gradient."""
+
+    kind: str
+    colour: tuple[float, ...]
+    mesh: core.Mesh
+    picture: FloatArray | None
+    """(h, w, 4) over the box of the outline, the bottom row first; None for one colour."""
 
 
 def read(path: Path, outlines: str) -> tuple[tuple[core.formats.SvgPart, ...], tuple[str, ...]]:
@@ -41,7 +54,7 @@ def read(path: Path, outlines: str) -> tuple[tuple[core.formats.SvgPart, ...], t
     with blamed(f"'{path.name}' cannot be read"):
         if automatic and core.formats.is_written_svg(content):
             return (), ()
-        parts, notes = core.formats.svg_parts(content, background=outlines != "PUPPET")
+        parts, notes = core.formats.svg_parts(content, background=outlines != "PUPPET", crop=False)
     return ((), ()) if automatic and len(parts) < 2 else (parts, notes)
 
 
@@ -60,11 +73,15 @@ def place(
     for part, points in zip(parts, own, strict=True):
         yield Progress(0.5 + 0.5 * len(made) / len(parts), f"placing '{part.name}'")
         middle, paints = middle_of(points), []
-        coloured = (("Fill", part.fill, part.fill_colour), ("Stroke", part.stroke, part.stroke_colour))
-        for kind, mesh, shade in coloured:
+        fill = ("Fill", part.fill, part.fill_colour, part.fill_gradient)
+        stroke = ("Stroke", part.stroke, part.stroke_colour, part.stroke_gradient)
+        for kind, mesh, shade, gradient in (fill, stroke):
             if mesh is not None:
                 loops = [divided(mesh.vertices[loop] * turn - middle, LONGEST_SIDE * extent) for loop in mesh.loops]
-                paints.append((kind, tuple(shade), stored_mesh(part.name, loops)))
+                picture = _picture(gradient, mesh) if gradient is not None else None
+                if picture is not None and y_down:
+                    picture = picture[::-1]
+                paints.append(Paint(kind, tuple(shade), stored_mesh(part.name, loops), picture))
         made.append((part, middle, paints))
     home = bpy.data.collections.new(title)
     context.collection.children.link(home)
@@ -93,17 +110,47 @@ def _mesh_of_paints(name: str, paints: list[Paint], materials: Materials) -> Mes
     points: dict[tuple[float, float], int] = {}
     faces: list[list[int]] = []
     slots: list[int] = []
-    for slot, (_, _, mesh) in enumerate(paints):
-        numbers = [points.setdefault((x, y), len(points)) for x, y in mesh.vertices.tolist()]
-        triangles = triangulation.triangulate(mesh).triangles.tolist()
-        faces += [[numbers[corner] for corner in triangle] for triangle in triangles]
+    places: list[FloatArray] = []
+    for slot, paint in enumerate(paints):
+        vertices = paint.mesh.vertices
+        numbers = [points.setdefault((x, y), len(points)) for x, y in vertices.tolist()]
+        triangles = triangulation.triangulate(paint.mesh).triangles
+        faces += [[numbers[corner] for corner in triangle] for triangle in triangles.tolist()]
         slots += [slot] * len(triangles)
+        places.append(((vertices - vertices.min(axis=0)) / np.ptp(vertices, axis=0))[triangles.ravel()])
     data = filling.new_mesh(name, np.array(list(points)), faces=faces)
-    for kind, shade, _ in paints:
-        if (kind, shade) not in materials:
-            code = "".join(f"{round(255.0 * part):02X}" for part in shade[:3])
-            colour = Color(shade[:3]).from_srgb_to_scene_linear()
-            materials[kind, shade] = display.flat_material(f"{kind} #{code}", (*colour[:], shade[3]))
-        data.materials.append(materials[kind, shade])
+    for paint in paints:
+        data.materials.append(_flat(paint, materials) if paint.picture is None else _shaded(name, paint))
     data.polygons.foreach_set("material_index", slots)
+    if any(paint.picture is not None for paint in paints):
+        data.uv_layers.new(name="UVMap").data.foreach_set("uv", np.concatenate(places).astype(np.float32).ravel())
     return data
+
+
+def _flat(paint: Paint, materials: Materials) -> bpy.types.Material:
+    """The material of one colour, which all paints of that kind share."""
+    key = paint.kind, paint.colour
+    if key not in materials:
+        code = "".join(f"{round(255.0 * part):02X}" for part in paint.colour[:3])
+        colour = Color(paint.colour[:3]).from_srgb_to_scene_linear()
+        materials[key] = display.flat_material(f"{paint.kind} #{code}", (*colour[:], paint.colour[3]))
+    return materials[key]
+
+
+def _shaded(name: str, paint: Paint) -> bpy.types.Material:
+    """A new material that shows the picture of a gradient."""
+    assert paint.picture is not None
+    name = f"{name} {paint.kind}"
+    made = display.material(display.CUTOUT, name)
+    made.diffuse_color = (*Color(paint.colour[:3]).from_srgb_to_scene_linear()[:], paint.colour[3])
+    for node in pictures_in(made):
+        node.image, node.extension = image_of_pixels(name, paint.picture), "EXTEND"
+        node.image[keys.GRADIENT] = True
+    return made
+
+
+def _picture(gradient: core.formats.Shades, mesh: core.Mesh) -> FloatArray:
+    """(h, w, 4) a gradient over the box of an outline, the row of the least y first."""
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    width, height = np.ceil(GRADIENT_SIDE * (high - low) / (high - low).max()).astype(int).tolist()
+    return core.formats.shaded(gradient, low, high, (height, width))

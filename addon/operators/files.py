@@ -204,9 +204,9 @@ class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelp
             context.view_layer.update()
             for own in in_parts or [drawn]:
                 yield from make_puppet(self, context, own, None, Making())
-            self.shown_by, self.framed = (FLAT_LIGHT,), tuple(drawn)
+            self.shown_by, self.framed = (TEXTURES, FLAT_LIGHT), tuple(drawn)
             return
-        self.shown_by = (TEXTURES, FLAT_LIGHT) if puppets else (FLAT_LIGHT,) if layered_files else ()
+        self.shown_by = (TEXTURES, FLAT_LIGHT) if puppets or layered_files else ()
         self.framed, self.upright = tuple(made), not placed if self.plane == "AUTO" else self.plane == "XZ"
         select(context, *made)
         if puppets and not (placed or drawn):

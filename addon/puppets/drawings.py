@@ -9,17 +9,19 @@ import bpy
 import numpy as np
 from bpy.types import Context, Object
 from mathutils import Color
+from scipy import ndimage
 
 from ..core import core, game, layers
 from ..errors import FloatArray, UserError
-from ..io.pictures import image_on
+from ..io.pictures import image_on, is_gradient, pictures_in
 from ..scene import filling
 from ..scene.areas import areas_of
-from ..scene.plane import Frame, united
+from ..scene.plane import Frame, transform, united, world_matrix
+from .imported import pixels_of
 from .moving import Drawn
 
-# An area, y pointing down, and its colour: red, green, blue and opacity.
-Paint: TypeAlias = "tuple[core.Mesh, tuple[float, ...]]"
+# An area, y pointing down, and its colour: red, green, blue and opacity, or these by their places.
+Paint: TypeAlias = "tuple[core.Mesh, tuple[float, ...] | core.formats.Shades]"
 # Colour of what has no material.
 GREY = (0.8, 0.8, 0.8, 1.0)
 
@@ -42,7 +44,8 @@ def paints_of(context: Context, obj: Object, frame: Frame) -> list[Paint]:
         own = [area for area, number in zip(areas, slots.tolist(), strict=True) if number == slot]
         if own:
             loops = [loop * (1.0, -1.0) for loop in united(obj.name, own)]
-            found.append((core.Mesh.from_loops(loops), _colour(material)))
+            shades = _gradient(obj, slot, material, frame)
+            found.append((core.Mesh.from_loops(loops), shades or _colour(material)))
     return found
 
 
@@ -55,6 +58,28 @@ def pictures_of(
         pictures = [game.picture_of(part.name, (part.name,), "", [paint], low, scale) for paint in paints]
         found.append(game.painted_as_one([each for each in pictures if each is not None]))
     return found
+
+
+def _gradient(obj: Object, slot: int, material: bpy.types.Material | None, frame: Frame) -> core.formats.Shades | None:
+    """The colours of a gradient on the faces of a mesh with a material, as seen in a frame; None for one colour."""
+    image = next((node.image for node in pictures_in(material) if is_gradient(node.image)), None)
+    if image is None or obj.type != "MESH" or filling.mesh_of(obj).uv_layers.active is None:
+        return None
+    data = filling.mesh_of(obj)
+    faces = filling.stored(data.polygons, "material_index", 1, np.int32).ravel()
+    own = np.repeat(faces == slot, filling.stored(data.polygons, "loop_total", 1, np.int32).ravel())
+    corners = filling.stored(data.loops, "vertex_index", 1, np.int32).ravel()[own]
+    places = frame.from_world(transform(world_matrix(obj), filling.points_of(data)))[0][corners] * (1.0, -1.0)
+    uv = filling.stored(data.uv_layers.active.data, "uv", 2)[own]
+    affine = np.linalg.lstsq(np.column_stack([places, np.ones(len(places))]), uv)[0]
+    pixels = pixels_of(image)[::-1] / 255.0
+    size = np.array(pixels.shape[1::-1])
+
+    def shades(points: FloatArray) -> FloatArray:
+        there = ((points @ affine[:2] + affine[2]) * size - 0.5)[:, ::-1].T
+        return np.stack([ndimage.map_coordinates(pixels[..., k], there, order=1, mode="nearest") for k in range(4)], 1)
+
+    return shades
 
 
 def _colour(material: bpy.types.Material | None) -> tuple[float, ...]:

@@ -17,7 +17,7 @@ from ..characters import skin
 from ..core import blamed, game
 from ..errors import FloatArray
 from ..io.importers import PIXEL
-from ..io.pictures import pictures_in
+from ..io.pictures import image_of_pixels, pictures_in
 from ..scene import display, filling
 from ..scene.plane import Frame, size
 from . import armatures, controls
@@ -157,11 +157,7 @@ def _paint(
 
     places: (n, 2) of its vertices, from 0 to 1.
     """
-    height, width = texture.shape[:2]
-    image = bpy.data.images.new(name, width, height, alpha=True)
-    image.pixels.foreach_set((texture[::-1] / np.float32(255.0)).astype(np.float32).ravel())  # type: ignore[attr-defined]
-    image.update()
-    image.pack()
+    image = image_of_pixels(name, texture[::-1] / np.float32(255.0))
     layer = data.uv_layers.get("UVMap") or data.uv_layers.new(name="UVMap")
     used = filling.stored(data.loops, "vertex_index", 1, np.int32).ravel()
     layer.data.foreach_set("uv", places[used].astype(np.float32).ravel())

@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from .svg.reading import read_svg as read_svg
     from .svg.reading import read_svg_drawing as read_svg_drawing
     from .svg.reading import svg_drawing as svg_drawing
+    from .svg.shading import Shades as Shades
+    from .svg.shading import shaded as shaded
     from .svg.writing import to_svg as to_svg
     from .svg.writing import write_svg as write_svg
 else:  # each name from its module: to read a map loads no SVG
@@ -58,6 +60,7 @@ else:  # each name from its module: to read a map loads no SVG
             "svg.document": "Frame",
             "svg.options": "DRAWING_LIMITS SvgOptions",
             "svg.parts": "SvgPart svg_parts",
+            "svg.shading": "Shades shaded",
             "svg.reading": "SvgDrawing from_svg is_written_svg read_svg read_svg_drawing svg_drawing",
             "svg.writing": "to_svg write_svg",
         },
@@ -72,6 +75,7 @@ __all__ = [
     "Limits",
     "Map",
     "Painted",
+    "Shades",
     "SvgDrawing",
     "SvgOptions",
     "SvgPart",
@@ -91,6 +95,7 @@ __all__ = [
     "read_svg",
     "read_svg_drawing",
     "read_whole",
+    "shaded",
     "solid",
     "svg_drawing",
     "svg_parts",

@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import invalid_setting
 from ..formats import SvgPart, svg_parts
 from ..formats.pictures.png import Pixels
+from ..formats.svg.shading import Shades, shaded
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..layers import PicturePart
@@ -27,8 +28,8 @@ FAINTEST = 1e-9
 LONGER_SIDE = 1024
 """Pixels of the longer side of a drawing, by default."""
 
-Paint = tuple[Mesh, tuple[float, ...]]
-"""An area, y pointing down, and its red, green, blue and opacity from 0 to 1."""
+Paint = tuple[Mesh, "tuple[float, ...] | Shades"]
+"""An area, y pointing down, and its red, green, blue and opacity from 0 to 1, or these by their places."""
 
 
 def parts_of_svg(
@@ -87,23 +88,26 @@ def picture_of(
 
     paints: areas that share borders at most; low: (2,) the upper left corner of the canvas; scale: pixels per unit.
     """
-    placed = [(_in_pixels(mesh, low, scale), colour) for mesh, colour in paints]
+    placed = [(_in_pixels(mesh, low, scale), colours) for mesh, colours in paints]
     corners = np.concatenate([np.concatenate(rings) for rings, _ in placed])
     left, top = np.floor(corners.min(axis=0)).astype(int).tolist()
     right, bottom = np.ceil(corners.max(axis=0)).astype(int).tolist()
     size = (max(bottom - top, 1), max(right - left, 1))
     light, alpha = np.zeros((*size, 3)), np.zeros(size)
-    for rings, (*colour, opacity) in placed:  # coverages add up
-        covered = opacity * coverage([ring - np.array([left, top]) for ring in rings], size)
-        light += covered[..., None] * colour
+    corner, other = np.array([left, top]), np.array([left + size[1], top + size[0]])
+    for rings, colours in placed:  # coverages add up
+        ends = corner / scale + low, other / scale + low
+        shades = np.array(colours) if isinstance(colours, tuple) else shaded(colours, *ends, size)
+        covered = shades[..., 3] * coverage([ring - corner for ring in rings], size)
+        light += covered[..., None] * shades[..., :3]
         alpha += covered
     out = _as_bytes(light, alpha)
     return PicturePart(name, groups, identity, left, top, out) if out[..., 3].any() else None
 
 
 def _paints_of(shape: SvgPart) -> list[Paint]:
-    pairs = ((shape.fill, shape.fill_colour), (shape.stroke, shape.stroke_colour))
-    return [(mesh, colour) for mesh, colour in pairs if mesh is not None]
+    fill, stroke = shape.fill_gradient or shape.fill_colour, shape.stroke_gradient or shape.stroke_colour
+    return [(mesh, colours) for mesh, colours in ((shape.fill, fill), (shape.stroke, stroke)) if mesh is not None]
 
 
 def _in_pixels(mesh: Mesh, low: FloatArray, scale: float) -> list[FloatArray]:

@@ -229,6 +229,30 @@ def test_edges_of_drawings_are_smooth(tmp_path: Path) -> None:
     np.testing.assert_allclose(alpha, (u / 40 + v / 20 < 1.0).mean(axis=(2, 3)), atol=0.05)
 
 
+def _through(x: Any, y: Any) -> Any:
+    """How far from a focus a quarter left of the middle, as a fraction of the way on to a circle of radius a half."""
+    length = np.hypot(x, y)
+    ahead = 0.25 * x / length
+    return length / (ahead + np.sqrt(ahead**2 + 0.25 - 0.25**2))
+
+
+@pytest.mark.parametrize(
+    ("kind", "t"),
+    [('linearGradient id="g" x1="0.5"', lambda x, y: 2.0 * x - 1.0),
+     ('linearGradient id="g" x2="0.4" spreadMethod="reflect"', lambda x, y: 1.0 - abs(x / 0.4 % 2.0 - 1.0)),
+     ('radialGradient id="g" gradientTransform="scale(1 0.5)"', lambda x, y: 2.0 * np.hypot(x - 0.5, 2.0 * y - 0.5)),
+     ('radialGradient id="g" fx="0.25"', lambda x, y: _through(x - 0.25, y - 0.5))],
+)  # fmt: skip
+def test_gradients_have_their_colours(kind: str, t: Any, tmp_path: Path) -> None:
+    stops = '<stop offset="0" stop-color="#f00"/><stop offset="1" stop-color="#00f" stop-opacity="0.5"/>'
+    name = kind.partition(" ")[0]
+    (tmp_path / "a.svg").write_text(svg(f'<{kind}>{stops}</{name}><rect id="a" width="8" height="6" fill="url(#g)"/>'))
+    seen = shown(rig_of(tmp_path / "a.svg", "--pixels", 80)[0], "a", (80, 60))
+    x, y = np.meshgrid((np.arange(80) + 0.5) / 80, (np.arange(60) + 0.5) / 60)
+    share = np.clip(t(x, y), 0.0, 1.0)[..., None]
+    np.testing.assert_allclose(seen, (1.0 - share) * (255, 0, 0, 255) + share * (0, 0, 255, 127.5), atol=2.0)
+
+
 @pytest.mark.parametrize(
     "content",
     [b"", b"GIF89a", archive({"a.txt": "a"}),

@@ -18,7 +18,7 @@ from .curves import MAX_TURN, Pieces, Subpath, cross, pieces_of
 from .fading import visible
 from .nodes import Clip, Group, Shape
 from .options import SvgOptions
-from .paints import Paint
+from .paints import Gradient, Paint
 from .strokes import Polyline, Stroke, stroked
 from .transforms import moved, scaling, translation
 
@@ -146,11 +146,14 @@ class Areas:
         whole = union_of(areas, self.quota)
         if whole.is_empty:
             return []
-        matrix, gradient = outer @ shape.matrix, paint.gradient
-        if gradient.of_box:
-            matrix = matrix @ _unit_box(self._outline(replace(shape, matrix=np.eye(3)), np.eye(3)))
-        part = visible(gradient, paint.alphas, self.options.faintest, matrix, whole.bounds, inside=self.inside)
+        matrix = outer @ self.units_of(shape, paint.gradient)
+        part = visible(paint.gradient, paint.alphas, self.options.faintest, matrix, whole.bounds, inside=self.inside)
         return [self._of_two(shapely.intersection, whole, part)]
+
+    def units_of(self, shape: Shape, gradient: Gradient) -> FloatArray:
+        """The matrix (3, 3) to the document from the units of a gradient of a shape, before its own matrix."""
+        box = self._outline(replace(shape, matrix=np.eye(3)), np.eye(3)) if gradient.of_box else None
+        return shape.matrix if box is None else np.asarray(shape.matrix @ _unit_box(box))
 
     def _stroked(self, shape: Shape, stroke: Stroke, matrix: FloatArray) -> list[Area]:
         """The area of a stroke."""

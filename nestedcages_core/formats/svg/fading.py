@@ -30,7 +30,7 @@ def visible(
     """
     everywhere = shapely.box(*bounds)
     to_document = matrix @ gradient.matrix
-    if gradient.repeats or not abs(np.linalg.det(to_document[:2, :2])) > 0.0:
+    if gradient.spread in ("repeat", "reflect") or not abs(np.linalg.det(to_document[:2, :2])) > 0.0:
         return everywhere
     corners = shapely.get_coordinates(everywhere)
     here = moved(corners, np.asarray(np.linalg.inv(to_document), np.float64))

@@ -39,7 +39,8 @@ class Gradient:
     """Whether lengths are fractions of the painted box."""
     matrix: FloatArray = field(compare=False)
     stops: tuple[Stop, ...]
-    repeats: bool
+    spread: str
+    """What is painted beyond the first and last stop: pad, repeat or reflect."""
 
     def as_light(self) -> Gradient:
         """The same in a mask: as opaque as it is light."""
@@ -150,7 +151,7 @@ class Paints:
             of_box,
             self.document.transform(given.get("gradientTransform", ""), name_of(item)),
             tuple(stops),
-            given.get("spreadMethod", "pad") != "pad",
+            given.get("spreadMethod", "pad"),
         )
 
     def _numbers(self, given: Mapping[str, str], radial: bool, of_box: bool) -> tuple[float, ...]:

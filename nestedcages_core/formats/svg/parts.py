@@ -16,7 +16,9 @@ from .areas import Areas
 from .document import Box
 from .names import is_automatic
 from .nodes import Group, Shape
+from .paints import Paint
 from .reading import Reading
+from .shading import Shading
 
 Colour = tuple[float, float, float, float]
 """sRGB and opacity, from 0 to 1."""
@@ -35,8 +37,11 @@ class SvgPart:
     """What is seen of the fill: without the stroke, which lies on it. Along it both have the same points."""
     fill_colour: Colour
     """The mean of its stops for a gradient."""
+    fill_gradient: Shading | None
+    """The colours of a gradient by their places."""
     stroke: Mesh | None
     stroke_colour: Colour
+    stroke_gradient: Shading | None
     stroke_width: float
     """Before transforms; 0 without a stroke."""
     identity: str = ""
@@ -48,28 +53,25 @@ def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], t
 
     options: fields of `SvgOptions`. Raises NestedCagesError as `from_svg`.
     """
-    blended: list[str] = []
     reading = Reading(text, options, colours=True)
 
     def work(root: Group, areas: Areas, page: Box | None) -> tuple[SvgPart, ...]:
         fills = dict(areas.parts(root, np.eye(3), areas.fill_of))
         strokes = dict(areas.parts(root, np.eye(3), areas.stroke_of))
         found: list[SvgPart] = []
-        if any(paint and paint.gradient for shape in root.shapes() for paint in (shape.fill, shape.stroke_paint)):
-            blended.append("Gradients become their mean colour.")
         shapes = list(root.shapes())
         around = _around_all(shapes)
         for number, shape in enumerate(shapes, 1):
             fill, stroke = _disjoint(fills.get(shape, []), strokes.get(shape, []), areas)
             made = [_mesh(each, reading, areas, page) for each in (fill, stroke)]
             if made != [None, None]:
-                found.append(_svg_part(shape, number, around, *made))
+                found.append(_svg_part(shape, number, around, areas, *made))
         if not found:
             raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
         return tuple(found)
 
     parts: tuple[SvgPart, ...] = reading.made(work)
-    return parts, (*reading.said(), *blended)
+    return parts, reading.said()
 
 
 def _around_all(shapes: Sequence[Shape]) -> int:
@@ -83,7 +85,7 @@ def _given(groups: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(group for group in groups if not is_automatic(group))
 
 
-def _svg_part(shape: Shape, number: int, around: int, fill: Mesh | None, stroke: Mesh | None) -> SvgPart:
+def _svg_part(shape: Shape, number: int, around: int, areas: Areas, fill: Mesh | None, stroke: Mesh | None) -> SvgPart:
     """around: number of the groups that all shapes are in."""
     outer, inner = shape.groups[:around], shape.groups[around:]
     inner = _given(inner) or inner
@@ -94,11 +96,23 @@ def _svg_part(shape: Shape, number: int, around: int, fill: Mesh | None, stroke:
         (*_given(outer), *inner),
         fill,
         shape.fill.rgba if shape.fill else (0.0, 0.0, 0.0, 0.0),
+        _shading(shape, shape.fill, areas),
         stroke,
         shape.stroke_paint.rgba if shape.stroke_paint else (0.0, 0.0, 0.0, 0.0),
+        _shading(shape, shape.stroke_paint, areas),
         shape.stroke.width if shape.stroke and shape.stroke_paint else 0.0,
         shape.id,
     )
+
+
+def _shading(shape: Shape, paint: Paint | None, areas: Areas) -> Shading | None:
+    """The colours of a gradient of a shape; None for one colour, and for what is flattened to a line."""
+    if paint is None or paint.gradient is None:
+        return None
+    matrix = areas.units_of(shape, paint.gradient) @ paint.gradient.matrix
+    if not abs(np.linalg.det(matrix[:2, :2])) > 0.0:
+        return None
+    return Shading(paint, np.asarray(np.linalg.inv(matrix)))
 
 
 def _mesh(found: list[Area], reading: Reading, areas: Areas, page: Box | None) -> Mesh | None:
