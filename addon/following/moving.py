@@ -19,7 +19,7 @@ from ..generation.generate import STORED, Generation, Options, Request, clearanc
 from ..generation.job import Progress, Work, mapped
 from ..generation.levels import OWN, Level, Wanted, are_counts, wanted_levels
 from ..generation.verifying import same_frame
-from ..memory import key_of, known, remembered
+from ..memory import key_of, known, remember, remembered
 from ..scene.convert import Drawing, Outline, ReadingOptions, drawing_in, fine_drawing, read
 from ..scene.filling import mesh_of
 from ..scene.ownership import scene_of
@@ -146,7 +146,7 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
     for number, each in enumerate(wanted):
         at = f"{name}, cage {number + 1}"
         key = key_of("moving", inner, frames, points, each.level, settings, cyclic)
-        made = known.get(key)
+        made = known(key)
         if made is None:
             assert isinstance(each.level, int)
             yield Progress(number / len(wanted), f"{at}: first cage")
@@ -159,7 +159,7 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
             finally:
                 run.close()
             (made,) = run.moving.levels
-            known.put(key, made, made.cage_steps.nbytes + made.fine_steps.nbytes)
+            remember(key, made, made.cage_steps.nbytes + made.fine_steps.nbytes)
         cages.append(replace(made, report=replace(made.report, notes=(*each.notes, *made.report.notes))))
         inner, frames, points = made.cage, made.times, made.cage_steps
     return Moving(poses, tuple(cages))

@@ -12,7 +12,7 @@ from typing import Any
 
 from ..core import core, steps
 from ..errors import UserError
-from ..memory import key_of, known, remembered
+from ..memory import key_of, known, remember, remembered
 from ..notes import BROKEN, note
 from ..scene.convert import Drawing
 from .job import Progress, Work
@@ -220,7 +220,7 @@ class Generation:
         wanted = [each.level for each in plan.levels]
         yield Progress(0.0, f"{name}, cage 1")  # shown before anything is computed
         key = key_of("levels", plan.fine, *wanted, plan.settings, options.inside, options.shrink)
-        levels = known.get(key)
+        levels = known(key)
         if levels is None:
             run = (core.InnerCagesRun if options.inside else core.NestedCagesRun)(plan.fine, wanted, plan.settings)
             try:
@@ -238,7 +238,7 @@ class Generation:
             moved = [
                 (level.flow.steps, level.reinflation.moving_steps, level.reinflation.cage_steps) for level in levels
             ]
-            known.put(key, levels, sum(each.nbytes for motion in moved for each in motion))
+            remember(key, levels, sum(each.nbytes for motion in moved for each in motion))
         for each, level in zip(plan.levels, levels, strict=True):
             facts = (plan.fine, level.cage, each.level, level.report.wanted_clearance)
             checked = not (options.inside or options.rules.convex)

@@ -119,16 +119,6 @@ def drain(work: Work[Result]) -> Result:
 _jobs: list[Job] = []
 
 
-def finished(work: Work[Result]) -> Result:
-    """What work comes to, done in one go."""
-    while True:
-        try:
-            next(work)
-        except StopIteration as end:
-            result: Result = end.value
-            return result
-
-
 def running() -> Job | None:
     """The job that is at work, if there is one."""
     return next((job for job in _jobs if not job.rests), None)

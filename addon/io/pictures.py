@@ -18,7 +18,7 @@ from ..core import blamed, core, pictures, progress, triangulation
 from ..errors import FloatArray, UserError
 from ..generation.generate import STAGES
 from ..generation.job import Progress, Work, mapped
-from ..memory import key_of, known
+from ..memory import key_of, known, remember
 from ..scene import display, filling, ownership, placement
 from ..scene.ownership import scene_of
 from ..scene.plane import PLANARITY, Frame, world_matrix
@@ -201,7 +201,7 @@ class Picture:
             width, height = self.size
             return core.Mesh.from_loops([[(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]])
         key = key_of("picture", self.alpha, vertices, tuple(sorted(options.items())))
-        traced: core.Mesh | None = known.get(key)
+        traced: core.Mesh | None = known(key)
         if traced is not None:
             return traced
         yield Progress(0.0, f"'{self.name}': tracing pixels")
@@ -216,7 +216,7 @@ class Picture:
             )
             cage = made.cages[0]
             traced = core.Mesh(cage.vertices * (1.0, -1.0) + (0.0, self.size[1]), cage.edges)
-        known.put(key, traced, cage.vertices.nbytes)
+        remember(key, traced, cage.vertices.nbytes)
         return traced
 
 

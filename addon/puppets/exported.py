@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from .. import keys
 from ..core import blamed, core, game
 from ..errors import FloatArray, UserError
-from ..generation.job import finished
+from ..generation.job import drain
 from ..io.pictures import image_on
 from ..scene import filling
 from ..scene.ownership import scene_of
@@ -76,7 +76,7 @@ def pictured(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str,
     weights that are solved again as engines blend. Raises: UserError."""
     objects = armatures.drawings_of(rig)
     with moving.at_rest(context, objects, rig):
-        given = finished(moving.drawn(context, objects, rig))
+        given = drain(moving.drawn(context, objects, rig))
         paints = [[each for obj in own for each in drawings.paints_of(context, obj, given.frame)]
                   for own in given.objects]  # fmt: skip
     corners = np.concatenate([part.outline.vertices for part in given.parts])
