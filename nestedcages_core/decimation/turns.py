@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.broad_phase import position_in_group
-from ..geometry.precision import NEGLIGIBLE, ROUND_OFF
+from ..geometry.precision import ROUND_OFF
 from ..geometry.vectors import cross, norm
 from .outline import Lines, Outline
 
@@ -35,11 +34,11 @@ FAR_PART = 0.5
 """Part of the usual width, in lines, from which a line over a pocket may follow any line."""
 
 
-WIDER = 1.25
-"""How much wider than the narrowest of them windows are that are looked at together."""
+MARGIN = np.float32(4e-6)
+"""Height in single precision up to which a line may meet another one."""
 
-BLOCK_PAIRS = 2**15
-"""Pairs tested together: their arrays stay in the processor's cache (measured)."""
+BLOCK_PAIRS, BLOCK_LINES = 2**15, 128
+"""Most pairs, and second lines of them, that are tested together: their arrays stay in the processor's cache."""
 
 CHUNK = 2**14
 """The same of those that are measured."""
@@ -153,54 +152,48 @@ def _meeting(
 ) -> tuple[IntArray, IntArray]:
     """Pairs of lines that meet where both are free, or nearly so: a first test in single precision.
 
+    The free part of each meets the other line if the height of its middle over that is at most what it rises from there
+    to its ends. Heights and sines of many pairs are products of matrices.
+
     begins, counts: (L,) the lines of each loop. width: (K,) how many lines before each it may follow.
     """
-    # before the lines of a loop stand the last of them again, and before all as many as the longest window has
-    before, wide = np.maximum.reduceat(width, begins), int(width.max())
-    copies, sizes = before + counts, np.repeat(counts, before + counts)
-    again = np.repeat(begins, copies) + np.mod(position_in_group(copies) - np.repeat(before, copies), sizes)
-    values = np.stack((*lines.point.T, *lines.direction.T, *free)).astype(np.float32)
-    around = np.concatenate((np.zeros((6, wide), np.float32), values[:, again]), axis=1)
-    order = np.argsort(width, kind="stable")
-    ends = wide + np.arange(len(width)) + np.repeat(np.cumsum(before), counts)
-    margin, found, first = np.float32(NEGLIGIBLE), [], 0
-    while first < len(order):
-        narrow = int(width[order[first]])
-        last = min(first + max(1, BLOCK_PAIRS // narrow), int(np.searchsorted(width, WIDER * narrow, "right", order)))
-        seconds, first = order[first:last], last
-        wide = int(width[seconds[-1]])
-        x, y, u, v, _, back_free = values[:, seconds, None]
-        x_before, y_before, u_before, v_before, forth_free, _ = _windows(around, wide, ends[seconds])
-        wx, wy = x - x_before, y - y_before
-        sine = u_before * v - v_before * u
-        forth, back = wx * v - wy * u, u_before * wy - v_before * wx
-        np.copysign(np.float32(1.0), sine, out=wx)
-        forth *= wx
-        back *= wx
-        np.abs(sine, out=sine)
-        np.multiply(sine, np.float32(-SLACK), out=wx)
-        wx -= margin
-        meet = forth >= wx
-        meet &= back >= wx
-        forth -= margin
-        back -= margin
-        meet &= forth <= np.multiply(forth_free, sine, out=wx)
-        meet &= back <= np.multiply(back_free, sine, out=wx)
-        if narrow < wide:
-            meet &= np.arange(wide) >= wide - width[seconds, None]
-        row, k = np.divmod(np.flatnonzero(meet), wide)
-        found.append((seconds[row], wide - k))
-    j, back_by = (np.concatenate(each) for each in zip(*found, strict=True))
-    begin = np.repeat(begins, counts)[j]
-    i = begin + np.mod(j - back_by - begin, np.repeat(counts, counts)[j])
-    if (np.diff(order) != 1).any():
-        by_target = np.argsort(j, kind="stable")
-        i, j = i[by_target], j[by_target]
-    return i, j
+    (x, y), (u, v) = lines.point.T, lines.direction.T
+    (forth, back), halves = 0.5 * (free - SLACK), (0.5 * (free + SLACK)).astype(np.float32)
+    level, one = v * x - u * y, np.ones(len(width))
+    # each loop stands there twice, so that the lines that one of the second turn may follow are before it
+    again = np.repeat(begins, 2 * counts) + np.mod(position_in_group(2 * counts), np.repeat(counts, 2 * counts))
+    ends = np.arange(len(width)) + np.repeat(begins + counts, counts)
+    middle = _singles(y + forth * v, x + forth * u, one).take(again, axis=1)
+    around, rises = _singles(u, v, level).take(again, axis=1), halves[0].take(again)
+    over, under = _singles(u, -v, level).T.copy(), _singles(y - back * v, back * u - x, one).T.copy()
+    across = _singles(v, -u).T.copy()
+    wide = width == np.maximum.reduceat(width, begins).repeat(counts)
+    i, j = [], []
+    for rows in (np.flatnonzero(wide), np.flatnonzero(~wide)):
+        first = 0
+        while first < len(rows):
+            second = rows[first : first + max(1, min(BLOCK_LINES, BLOCK_PAIRS // int(width[rows[first]])))]
+            first += len(second)
+            begin, end = int((ends[second] - width[second]).min()), int(ends[second[-1]])
+            sine = np.abs(across[second] @ around[:2, begin:end])
+            height = np.abs(over[second] @ middle[:, begin:end])
+            height -= rises[begin:end] * sine
+            meet = height <= MARGIN
+            np.abs(np.matmul(under[second], around[:, begin:end], out=height), out=height)
+            sine *= halves[1, second, None]
+            height -= sine
+            meet &= height <= MARGIN
+            row, column = np.divmod(np.flatnonzero(meet), end - begin)
+            row, column = second[row], begin + column
+            kept = np.flatnonzero((column < ends[row]) & (column >= ends[row] - width[row]))
+            i.append(again[column[kept]])
+            j.append(row[kept])
+    before, onto = np.concatenate(i), np.concatenate(j)
+    if wide.all():
+        return before, onto
+    order = np.argsort(onto, kind="stable")
+    return before[order], onto[order]
 
 
-def _windows(values: SingleArray, width: int, ends: IntArray) -> SingleArray:
-    """(6, R, width) the values (6, N) before some ends (R,)."""
-    every = sliding_window_view(values, width, axis=1)
-    one, other = int(ends[0]) - width, int(ends[-1]) - width + 1
-    return every[:, one:other] if other - one == len(ends) else every[:, ends - width]
+def _singles(*values: FloatArray) -> SingleArray:
+    return np.stack(values).astype(np.float32)

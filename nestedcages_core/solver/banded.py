@@ -82,11 +82,13 @@ class BandOrder(NamedTuple):
         return int(np.abs(self.position[row] - self.position[column]).max(initial=0))
 
     def including(self, hessian: Blocks, rows: Sequence[Rows]) -> BandOrder:
-        """This order if its band holds the couplings of both, else a new one that does."""
+        """This order if its band holds the couplings of both and is narrow, else a new one that holds them."""
         pairs = [pair for group in rows for pair in group.coupled()]
         row = np.concatenate([hessian.row, *(i for i, _ in pairs)])
         column = np.concatenate([hessian.column, *(j for _, j in pairs)])
-        return self if self.distance(row, column) <= self.bandwidth else BandOrder.of(len(self.position), row, column)
+        if self.distance(row, column) <= self.bandwidth < WIDEST_BAND // 2:
+            return self
+        return BandOrder.of(len(self.position), row, column)
 
 
 def _cuthill_mckee(count: int, row: IntArray, column: IntArray) -> list[int]:
