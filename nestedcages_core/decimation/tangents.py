@@ -69,13 +69,15 @@ class Samples:
         begin = self.begins[self.loop]
         return np.asarray(begin + np.mod(np.arange(len(self.at)) - begin + steps, self.counts[self.loop]))
 
-    def pairs(self, points: FloatArray) -> Iterator[tuple[IntArray, IntArray]]:
-        """The pairs of samples of the same loop at points (N, 2), as arrays to be broadcast, as far as `longest`."""
+    def pairs(self, points: FloatArray, kept: BoolArray) -> Iterator[tuple[IntArray, IntArray]]:
+        """The pairs of some samples (N,) of the same loop at points (N, 2), as far as `longest`, to be broadcast."""
         others = np.where(self.counts <= FEW_SAMPLES, self.counts, 0)[self.loop]
         i = np.repeat(np.arange(len(others)), others)
-        yield i, self.begins[self.loop[i]] + position_in_group(others)
+        j = self.begins[self.loop[i]] + position_in_group(others)
+        both = kept[i] & kept[j]
+        yield i[both], j[both]
         for k in np.flatnonzero(self.counts > FEW_SAMPLES).tolist():
-            own = self.begins[k] + np.arange(self.counts[k])
+            own = self.begins[k] + np.flatnonzero(kept[self.begins[k] : self.begins[k] + self.counts[k]])
             if len(own) > MANY_SAMPLES and self.longest[k] < SHORT * np.ptp(points[own], axis=0).max():
                 i, j = near_pairs(points[own], points[own], points[own], float(self.longest[k]))
                 yield own[i], own[j]
@@ -163,8 +165,9 @@ def _over_pockets(outline: Outline, some: Samples) -> list[Lines]:
     at, here, begins, counts = some.at, outline.vertices[some.at], some.begins, some.counts
     slack = -ROUND_OFF * float(outline.diameters.max()) ** 2
     (x, y), edges = here.T, [(outline.vertices[end[at]] - here).T for end in (outline.loops.back, outline.loops.ahead)]
+    convex = cross(*(edge.T for edge in edges)) <= -slack  # lines that touch other corners run in the solid
     pairs: list[tuple[IntArray, IntArray]] = []
-    for i, j in some.pairs(here):
+    for i, j in some.pairs(here, convex):
         dx, dy = x[j] - x[i], y[j] - y[i]
         squared, loop = dx * dx + dy * dy, some.loop[i]
         touching = (squared > 0.0) & (squared <= some.longest[loop] ** 2)
@@ -181,6 +184,10 @@ def _over_pockets(outline: Outline, some: Samples) -> list[Lines]:
     for k in np.unique(loop[~least]).tolist():  # edges of the convex hull are candidates whatever their pockets
         hull = here[begins[k] : begins[k] + counts[k]]
         hull, rest = hull[convex_hull(hull)], np.flatnonzero(~least & (loop == k))
+        ends, place = np.unique((i[rest], j[rest]), return_inverse=True)
+        ahead = np.roll(hull, -1, axis=0) - hull
+        depth = (cross(ahead, here[ends][:, None] - hull) / norm(ahead)).min(axis=1).take(place.reshape(2, -1))
+        rest = rest[depth.max(axis=0) * norm(here[j[rest]] - here[i[rest]]) <= -slack]
         beyond = cross((here[j] - here[i])[rest][:, None], hull[None] - here[i[rest]][:, None]) >= slack
         least[rest] = beyond.all(axis=1)
     i, j, loop = i[least], j[least], loop[least]

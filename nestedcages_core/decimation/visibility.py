@@ -25,17 +25,16 @@ class Obstacles:
 
     def __init__(self, outline: Outline, regions: IntArray) -> None:
         """regions: (L,) the empty region that each loop bounds."""
-        # the last edge of each loop is repeated, so that no block has edges of two loops
-        sizes = -(-outline.sizes // BLOCK_EDGES) * BLOCK_EDGES
-        along = np.minimum(position_in_group(sizes), np.repeat(outline.sizes - 1, sizes))
-        edge = np.repeat(outline.begins, sizes) + along
-        self.regions, self.region = regions, np.repeat(regions, sizes)
-        self.starts, self.ends = outline.vertices[edge], outline.loops.ends[edge]
-        blocks = np.stack((self.starts.reshape(-1, BLOCK_EDGES, 2), self.ends.reshape(-1, BLOCK_EDGES, 2)), axis=1)
-        blocks = blocks.reshape(-1, 2 * BLOCK_EDGES, 2)
-        self.centres: FloatArray = blocks.mean(axis=1)
-        self.radii: FloatArray = norm(blocks - self.centres[:, None]).max(axis=1) + ROUND_OFF
-        self.x, self.y = np.moveaxis(blocks, 2, 0).copy()  # (B, 2 * BLOCK_EDGES)
+        # the last vertex of each loop is repeated, so that no block has edges of two loops
+        counts = -(-outline.sizes // BLOCK_EDGES)
+        along = (BLOCK_EDGES * position_in_group(counts))[:, None] + np.arange(BLOCK_EDGES + 1)
+        size, begin = np.repeat(outline.sizes, counts)[:, None], np.repeat(outline.begins, counts)[:, None]
+        points = outline.vertices[begin + np.where(along < size, along, 0)]
+        self.regions, self.region = regions, np.repeat(regions, BLOCK_EDGES * counts)
+        self.starts, self.ends = points[:, :-1].reshape(-1, 2), points[:, 1:].reshape(-1, 2)
+        self.centres: FloatArray = points.mean(axis=1)
+        self.radii: FloatArray = norm(points - self.centres[:, None]).max(axis=1) + ROUND_OFF
+        self.x, self.y = np.moveaxis(points, 2, 0).copy()  # (B, BLOCK_EDGES + 1)
 
     def free(self, lines: Lines, reach: FloatArray, loop: IntArray, distance: FloatArray) -> FloatArray:
         """(2, K) how far each line runs from its point forwards and backwards, at most its reach (K,).
@@ -69,8 +68,8 @@ class Obstacles:
         heights = level - v.take(k)[:, None] * self.x.take(block, axis=0)
         heights += u.take(k)[:, None] * self.y.take(block, axis=0)
         left = heights > 0.0
-        hit, edge = np.nonzero(left[:, :BLOCK_EDGES] != left[:, BLOCK_EDGES:])
-        here, there, left = heights[hit, edge], heights[hit, BLOCK_EDGES + edge], left[hit, edge]
+        hit, edge = np.divmod(np.flatnonzero(left[:, :-1] != left[:, 1:]), BLOCK_EDGES)
+        here, there, left = heights[hit, edge], heights[hit, edge + 1], left[hit, edge]
         ray, edge = k[hit], block[hit] * BLOCK_EDGES + edge
         start = self.starts[edge]
         crossing = start + (self.ends[edge] - start) * (here / (here - there))[:, None]
@@ -107,12 +106,12 @@ class Obstacles:
     ) -> FloatArray:
         """(2, K) how far each line keeps its distance d forwards and backwards; -1 where its point does not.
 
-        k, block: (P,) lines and blocks that can meet; heights: (P, 2 * BLOCK_EDGES) of the starts and ends of the edges
-        of these over the lines. Those points of a line that are closer than d to an edge end at a + (d² - h²)½, for the
-        point of the edge, at the place a along the line and the height h, where this is largest: at an end of the edge,
-        or where h = d cos α, with its angle α to the line. They begin likewise.
+        k, block: (P,) lines and blocks that can meet; heights: (P, BLOCK_EDGES + 1) of ends of edges over the lines.
+        Those points of a line that are closer than d to an edge end at a + (d² - h²)½, for the point of the edge, at
+        the place a along the line and the height h, where this is largest: at an end of the edge, or where
+        h = d cos α, with its angle α to the line. They begin likewise.
         """
-        here, there = heights[:, :BLOCK_EDGES], heights[:, BLOCK_EDGES:]
+        here, there = heights[:, :-1], heights[:, 1:]
         bound = distance[k, None]
         row, edge = np.nonzero((np.minimum(here, there) < bound) & (np.maximum(here, there) > -bound))
         d = distance[k[row]]
