@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-from . import operators
-from .binding import copies, sweep
-from .following import claims
+from . import operators, watch
 from .properties import schema
-from .puppets import duplicates
-from .record import cage_set
-from .ui import doors, menus, online_manual, overlay, panels, preferences
+from .ui import menus, online_manual, overlay, panels, preferences
 
 # In the order of registration; each knows only those before it.
-_ROOMS = (
-    *(schema, cage_set, operators, copies, sweep, claims, duplicates),
-    *(doors, panels, preferences, menus, online_manual, overlay),
-)
+_ROOMS = (schema, operators, watch, panels, preferences, menus, online_manual, overlay)
 
 
 def register() -> None:

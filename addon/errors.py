@@ -24,6 +24,10 @@ class Fault:
         return cls(identity, tuple(map(tuple, points.tolist())))
 
 
+# The place named by the last message, if there is one, for Show.
+last_fault: list[Fault] = []
+
+
 class UserError(Exception):
     """Invalid input, setting or state. The message names the object and the remedy; operators report it unchanged.
 

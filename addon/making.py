@@ -5,7 +5,6 @@ and what was bound or posed before is so again.
 from __future__ import annotations
 
 import itertools
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal, TypeAlias
@@ -19,7 +18,6 @@ from .animation.timeline import Timing
 from .binding import binding, field
 from .binding.copies import complete
 from .errors import UserError, counted
-from .following import claims
 from .generation import output
 from .generation.generate import Generation, Request, Result
 from .generation.job import Progress, Work
@@ -28,7 +26,7 @@ from .notes import in_scene, is_told, larger, note
 from .properties.settings import GenerationProperties, all_values, filled, options_of
 from .record import CageSet
 from .rigging.pose import Pose, unmoved
-from .scene import areas, convert, ownership
+from .scene import areas, changes, convert, ownership
 from .scene.grease_pencil import hidden_parts
 from .scene.ownership import scene_again, scene_of
 from .scene.reading import Lines, lines_of_all
@@ -58,11 +56,11 @@ def make(
     with field.unposed(itertools.chain(*groups)):
         asked, problems = _requests(context, groups, own, values)
         generation = Generation(asked, options)
-    read = time.perf_counter()
+    before = changes.states(itertools.chain(*groups))
     yield from generation
     yield Progress(1.0, "writing")
     problems += generation.problems
-    edited, used = claims.changed_since(read), all_values(values)
+    edited, used = changes.edited_since(before), all_values(values)
     results = [replace(result, used=used) for result in generation.results]
     return _put(scene_again(name), results, values, edited, tell), problems
 
@@ -70,7 +68,7 @@ def make(
 def _put(
     scene: Scene, results: Sequence[Result], values: GenerationProperties, edited: set[int], tell: Tell
 ) -> list[CageSet]:
-    """Puts the results into the scene; edited: sets whose drawing has changed since. Raises: UserError."""
+    """Puts the results into the scene; edited: session IDs of drawings that changed meanwhile. Raises: UserError."""
     gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
     if gone is not None:
         raise UserError(f"'{gone}' was deleted meanwhile, so its cages were discarded")
@@ -92,7 +90,8 @@ def _put(
             pose = poses.get(cage_set, {}).get(record.level_of(obj))
             if pose is not None:
                 pose.give(obj, bound=bool(cage_set.bound))
-    claims.certified(sets, edited)
+    bpy.context.view_layer.update()
+    changes.settle(sets, edited)
     for sentence in lost:
         tell("WARNING", sentence)
     cages = [level for result in results for level in result.levels]

@@ -133,20 +133,9 @@ def _set_apart(cage_set: CageSet) -> None:
 
 
 @bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
-def _on_import(context: Any) -> None:
+def on_import(context: Any) -> None:
     """Removes the objects that *Append* makes of meshes that bound objects keep for later."""
     came = {item.id for item in context.import_items}
     parked = {mesh for obj in bpy.data.objects if (mesh := record.before(obj).mesh) in came and mesh is not None}
     for stray in [obj for obj in bpy.data.objects if obj.data in parked and record.node_of(obj).role == "NONE"]:
         bpy.data.objects.remove(stray)
-
-
-_HANDLERS: list[Any] = getattr(bpy.app.handlers, "blend_import_post", [])  # since Blender 4.3
-
-
-def register() -> None:
-    _HANDLERS.append(_on_import)
-
-
-def unregister() -> None:
-    _HANDLERS.remove(_on_import)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import bpy
 from bpy.types import Collection, Object
 
@@ -103,16 +101,3 @@ def _bridge(obj: Object) -> None:
         record.new_node(inner).outer = outer
     if outer is not None and record.node_of(outer).inner == obj:
         record.new_node(outer).inner = inner
-
-
-@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
-def _on_save(*_: Any) -> None:
-    sweep()
-
-
-def register() -> None:
-    bpy.app.handlers.save_pre.append(_on_save)
-
-
-def unregister() -> None:
-    bpy.app.handlers.save_pre.remove(_on_save)

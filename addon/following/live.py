@@ -1,6 +1,6 @@
 """Live: while it is on, the cages of a drawing follow its edits.
 
-A handler notes changes of the drawing; a job in the background does the work. If the topology is unchanged, one step
+The watcher notes changes of the drawing; a job in the background does the work. If the topology is unchanged, one step
 moves the cages to the current drawing; otherwise they are made again in slices. The fine mesh is an object in the
 scene, so undo, which changes it together with the cages, needs no special handling.
 """
@@ -25,7 +25,7 @@ from ..generation.job import LOOK_INTERVAL, Job, Progress, Work
 from ..generation.levels import wanted_levels
 from ..keys import found_object
 from ..record import CageSet
-from ..scene import filling
+from ..scene import changes, filling
 from ..scene.convert import Drawing, ReadingOptions
 from ..scene.ownership import scene_again, scene_of
 from ..scene.plane import scale_of
@@ -59,7 +59,7 @@ class Live:
         self.options, self.reading, self._changed = options, reading, changed
         self.behind, self.problem, self.seconds = True, "", 0.0
         self._marked = self._since = time.perf_counter()
-        self._dirty = True
+        self._dirty, self._frame, self._left = True, scene.frame_current_final, ""
 
     def mark(self) -> None:
         """Note that the drawing may have changed, so its cages may be out of date."""
@@ -68,10 +68,31 @@ class Live:
             self.behind = True
             self._changed()
 
+    def look_at(self, depsgraph: bpy.types.Depsgraph) -> None:
+        """Notes changes to the shape of the drawing: to its object, or to its data, which alone is tagged in Edit Mode;
+        and cages that are others than this has left, as after undo.
+        """
+        source = found_object(self.identity)
+        if source is None:
+            return
+        ours = {source.session_uid, source.data.session_uid if source.data is not None else 0}
+        for update in depsgraph.updates:
+            block: Any = update.id.original
+            drawn = block.session_uid in ours and (update.is_updated_geometry or block != source)
+            if drawn or (isinstance(block, Object) and record.level_of(block) == 0 and self._is_other(block, source)):
+                self.mark()
+                return
+
+    def _is_other(self, fine: Object, source: Object) -> bool:
+        cage_set = CageSet.of(fine)
+        return cage_set is not None and cage_set.source == source and record.stamp(fine) != self._left
+
     def work(self) -> Work[None]:
         """Keeps the cages up to date, as long as they can follow."""
         while (followed := self._followed()) is not None:
             before = (self.behind, self.problem)
+            if self._frame != (frame := bpy.data.scenes[self.scene].frame_current_final):
+                self._frame, self._dirty, self._marked = frame, True, time.perf_counter()
             shown = scene_of(bpy.context).name == self.scene
             if self._dirty and shown and time.perf_counter() - self._since >= self.seconds:
                 try:
@@ -98,6 +119,7 @@ class Live:
         self._since = time.perf_counter()
         self.seconds = self._since - now
         self.behind, self.problem = not done, ""
+        self._leave(cage_set)
         if done or now - self._marked >= REST:
             self._dirty = False
         if done or self._dirty:
@@ -111,6 +133,14 @@ class Live:
                 self.job.cancelled = False
                 raise UserError("Cancelled: edit the drawing, and its cages follow again")
         self.behind = False
+        self._leave(CageSet.beside(source))
+
+    def _leave(self, cage_set: CageSet | None) -> None:
+        """Notes how the cages are left."""
+        fine = cage_set.fine if cage_set is not None else None
+        self._left = record.stamp(fine) if fine is not None else ""
+        if cage_set is not None and not self.behind:
+            changes.settle([cage_set])
 
     def _step(self, cage_set: CageSet, drawing: Drawing, after: core.Mesh, unit: float) -> bool:
         """Moves the cages by one step if necessary; returns whether they enclose the current drawing."""
@@ -203,46 +233,18 @@ def start(live: Live) -> None:
     """Switches Live on for a drawing, and off for any other."""
     stop()
     _current.append(live)
-    for handlers, function in _handlers():
-        handlers.append(function)
     live.job = Job(live.work(), live.scene, background=True)
     live.job.start(stop)
 
 
 def stop(*_: object) -> None:
-    """Switches Live off and removes its handlers and job."""
+    """Switches Live off and removes its job."""
     while _current:
         _current.pop().job.stop()
-    for handlers, function in _handlers():
-        if function in handlers:
-            handlers.remove(function)
 
 
-def _handlers() -> tuple[tuple[Any, Callable[..., None]], ...]:
-    app = bpy.app.handlers
-    return (
-        (app.depsgraph_update_post, _on_update),
-        (app.frame_change_post, _on_update),
-        (app.undo_post, _on_undo),
-        (app.redo_post, _on_undo),
-        (app.load_pre, stop),
-    )
-
-
-def _on_update(_scene: Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    """Notes changes to the shape of the drawing: to its object, or to its data, which alone is tagged in Edit Mode."""
-    live = current()
-    source = found_object(live.identity) if live is not None else None
-    if live is None or source is None:
-        return
-    ours = {source.session_uid, source.data.session_uid if source.data is not None else 0}
-    for update in depsgraph.updates:
-        if update.id.original.session_uid in ours and (update.is_updated_geometry or update.id.original != source):
-            live.mark()
-            return
-
-
-def _on_undo(*_: object) -> None:
+def look_at(depsgraph: bpy.types.Depsgraph) -> None:
+    """Notes changes of the drawing that is followed."""
     live = current()
     if live is not None:
-        live.mark()
+        live.look_at(depsgraph)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import replace
 from typing import Any
 
@@ -17,15 +17,23 @@ from ..errors import FloatArray, UserError
 from ..generation import output
 from ..generation.generate import Result
 from ..record import CageSet
+from ..scene import changes
 from ..scene.convert import Drawing
 from ..scene.plane import Frame, scale_of
 from .moving import Moving
 
 
 def write(
-    scene: Scene, results: Sequence[Moving], thickness: float = 0.0, used: dict[str, Any] | None = None
+    scene: Scene,
+    results: Sequence[Moving],
+    thickness: float = 0.0,
+    used: dict[str, Any] | None = None,
+    edited: Set[int] = frozenset(),
 ) -> list[str]:
-    """Writes the output of each drawing; returns sentences on what of earlier output is lost. Raises: UserError."""
+    """Writes the output of each drawing; returns sentences on what of earlier output is lost. Raises: UserError.
+
+    edited: session IDs of drawings that have changed meanwhile.
+    """
     for result in results:
         source = result.poses.drawing.source
         if source is None:
@@ -40,6 +48,7 @@ def write(
     )
     for cage_set, result in zip(sets, results, strict=True):
         _play(cage_set, result)
+    changes.settle(sets, edited)
     return lost
 
 

@@ -19,7 +19,7 @@ from ..properties import groups
 from ..properties.kinds import flag, whole
 from ..properties.settings import all_values, filled, options_of
 from ..record import CageSet
-from ..scene import ownership
+from ..scene import changes, ownership
 from ..scene.convert import ReadingOptions
 from ..scene.ownership import scene_again, scene_of, set_of_active
 from .base import NOTHING, DialogJobOperator, Operator, SetOperator
@@ -78,7 +78,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
         if options.inside:
             raise UserError("Cages that follow a motion lie around the drawing: leave 'Cage Inside' off")
         if options.rules.kinds() or self.weight_group or self.pin_group or self.joint_armature:
-            raise UserError(f"Cages that follow a motion do not support '{groups.SHAPE_TITLE}': reset its settings")
+            raise UserError(f"Cages that follow a motion do not support '{groups.CONSTRAINTS}': reset its settings")
         name = scene.name
         self._set_range(scene)
         frames = list(range(self.frame_start, self.frame_end + 1, 1 if self.still else self.frame_step))
@@ -98,14 +98,15 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
                 moving.read_poses(context, obj, frames, reading), number, len(objects), end=READING_PART
             )
             read.append(poses)
-        self.exclusive = False
+        self.exclusive, before = False, changes.states(objects)
         results = []
         for number, poses in enumerate(read):
             asked = replace(options, clearance=options.clearance / poses.scale)
             work = moving.stand_still(poses, asked) if self.still else moving.follow(poses, asked, cyclic=self.cyclic)
             result = yield from share(work, number, len(read), READING_PART)
             results.append(result)
-        for sentence in writing.write(scene_again(name), results, self.thickness, all_values(self)):
+        edited, used = changes.edited_since(before), all_values(self)
+        for sentence in writing.write(scene_again(name), results, self.thickness, used, edited):
             self.report({"WARNING"}, sentence)
         cages = [cage for result in results for cage in result.cages]
         said = (

@@ -10,7 +10,7 @@ from bpy.types import Context, Object
 
 from .. import making
 from ..binding.copies import complete
-from ..errors import Fault, UserError, counted
+from ..errors import UserError, counted, last_fault
 from ..generation.job import SLICE, Job, Work, drain, running, share
 from ..notes import sentence
 from ..properties.kinds import flag
@@ -22,9 +22,6 @@ from . import views
 Outcome = set[Literal["RUNNING_MODAL", "CANCELLED", "FINISHED", "PASS_THROUGH", "INTERFACE"]]
 
 NOTHING = "Select a drawing that has cages, or one of its cages"
-
-# The place named by the last message, if there is one, for Show.
-last_fault: list[Fault] = []
 
 # Blender only reads properties of bases that are not registered.
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import bpy
 from bpy.types import Context, Object
@@ -26,7 +26,7 @@ class DrawingsOperator(JobOperator, OperatorProperties):
 
     @classmethod
     def unavailable(cls, context: Context) -> str:
-        return "" if sources(context) else why_nothing(context)
+        return why_nothing(context) if next(_each_source(context), None) is None else ""
 
 
 class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
@@ -46,7 +46,7 @@ class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
         layout.prop(self, "levels")
         if OWN in self.levels:
             layout.prop(self, "level_objects")
-        groups.draw(layout.column(), self, groups.SPACE)
+        groups.draw(layout.column(), self, (*groups.SPACE, *groups.WHICH))
         for title, names in groups.SECTIONS.items():
             header, body = layout.panel(f"nested_cages_{title}", default_closed=title != "Animation")
             header.label(text=title)
@@ -82,16 +82,23 @@ def sources(context: Context, *, as_selected: bool = False) -> list[Object]:
     `as_selected`. With nothing selected, the active object counts if it has cages: an original hidden for its animation
     is no longer selected.
     """
-    if context.mode == "EDIT_MESH":
-        return list(context.objects_in_mode_unique_data)
-    selected = [obj for obj in context.selected_objects if convert.readable(obj)]
-    active = context.view_layer.objects.active
-    if not context.selected_objects and active is not None and convert.readable(active):
-        return [active] if CageSet.all_of(active) else []
-    if as_selected:
+    if as_selected and context.mode != "EDIT_MESH" and context.selected_objects:
+        selected = [obj for obj in context.selected_objects if convert.readable(obj)]
         sets = {obj: CageSet.of(obj) if record.level_of(obj) is not None else None for obj in selected}
         return [obj for obj, its in sets.items() if its is None or its.source not in selected]
-    return list(dict.fromkeys(drawing for obj in selected for drawing in _drawings_of(obj, selected)))
+    return list(dict.fromkeys(_each_source(context)))
+
+
+def _each_source(context: Context) -> Iterator[Object]:
+    """The drawings one by one, so that a button need not look at all of them."""
+    if context.mode == "EDIT_MESH":
+        yield from context.objects_in_mode_unique_data
+        return
+    selected, active = context.selected_objects, context.view_layer.objects.active
+    for obj in filter(convert.readable, selected):
+        yield from _drawings_of(obj, selected)
+    if not selected and active is not None and convert.readable(active) and CageSet.all_of(active):
+        yield active
 
 
 def why_nothing(context: Context) -> str:

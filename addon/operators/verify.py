@@ -13,7 +13,7 @@ from mathutils import Vector
 from .. import record
 from ..animation import visibility
 from ..binding.copies import complete
-from ..errors import Fault, UserError
+from ..errors import Fault, UserError, last_fault
 from ..following import claims
 from ..generation.job import Work
 from ..generation.verifying import Chain, Finding, check, check_animation, same_frame, select_points
@@ -21,11 +21,11 @@ from ..keys import found_object
 from ..properties.kinds import flag, text
 from ..puppets import armatures, duplicates, weights
 from ..record import CageSet
-from ..scene import convert, ownership
+from ..scene import changes, convert, ownership
 from ..scene.ownership import chosen, each_of_chosen, scene_of, select, sets_of_chosen
 from ..scene.plane import transform, world_matrix
 from . import views
-from .base import JobOperator, Operator, last_fault
+from .base import JobOperator, Operator
 
 
 class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
@@ -69,6 +69,7 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
             findings = check(context, chains)
             at_fault = _select_faults(context, checked, findings)
             _store(context, checked, findings)
+        changes.settle(filter(None, (CageSet.of(chain.objects[0]) for chain in chains if chain.originals)))
         names = {original.name for original in originals}
         shown = [each for each in findings if not each.holds or names.isdisjoint((each.fine, each.cage))]
         for holds, sentence in dict.fromkeys((finding.holds, finding.note) for finding in shown):

@@ -10,7 +10,7 @@ import bpy
 from ..generation.rules import ROTATION
 from .settings import GenerationProperties
 
-SPACE: tuple[str, ...] = ("clearance", "clearance_share", "inside")
+SPACE: tuple[str, ...] = ("clearance", "inside")
 WHICH: tuple[str, ...] = ("together", "use_selected_as_levels")
 RULES: tuple[str, ...] = ("convex", "grid", "loops", "symmetry", "symmetry_order", "directions")
 PLACES: tuple[str, ...] = ("weight_group", "pin_group", "joint_armature", "min_edge", "min_angle")
@@ -59,10 +59,10 @@ def preferences() -> Any:
 
 
 # The title of what cages must be, apart from tight.
-SHAPE_TITLE = "Shape of Cages"
+CONSTRAINTS = "Constraints"
 # The settings in each part of the panels.
 SECTIONS = {
+    CONSTRAINTS: (*RULES, *PLACES),
     "Animation": (*FRAMES, *ANIMATION),
-    SHAPE_TITLE: (*RULES, *PLACES),
-    "Drawing and Cages": (*WHICH, *READING, *SHAPE, *LOOKS),
+    "Advanced": (*READING, "clearance_share", *SHAPE, *LOOKS),
 }

@@ -66,6 +66,7 @@ class NestedCagesRecord(bpy.types.PropertyGroup):
     frames: row(IntVectorProperty, "Frames", "Start, result and end of the animation", size=3)
     animated: flag("Animated", "Whether the frames are those of an animation")
     markers: several("Markers", "The markers of the animation", NestedCagesMarker)
+    drawn: text("Drawn", "Digests of the drawings that the cages were certified or verified for")
 
 
 class NestedCagesBefore(bpy.types.PropertyGroup):

@@ -28,7 +28,7 @@ class GenerationProperties:
     """The settings, as a mixin for Blender's classes."""
 
     levels: text(
-        "Cages",
+        "Vertices",
         "What each cage has, finest first: a number of vertices (64), a share of the drawing's vertices (20%), or as "
         "few as keep within a distance of the drawing (5mm, 0.2ft, 2u for units) or add at most some area (+25%)",
         default=DEFAULT_LEVELS,

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import bpy
-from bpy.types import Depsgraph, Object, Scene
+from bpy.types import Object
 
 from .. import record
 from ..binding import copies, field
@@ -56,29 +54,13 @@ def _own_carrier(carrier: Object, armature: Object, beside: Object) -> Object:
     return own
 
 
-@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
-def _look_for_copies(_scene: Scene, depsgraph: Depsgraph) -> None:
-    """Looks whether a puppet was copied; what is to be done is done when Blender has drawn."""
-    for update in depsgraph.updates:
-        obj: Any = update.id.original
-        if isinstance(obj, Object) and is_puppet(obj) and _sharing(obj):
-            if not bpy.app.timers.is_registered(complete_puppets):
-                bpy.app.timers.register(complete_puppets)
-            return
+def look_at(armature: Object) -> None:
+    """Gives an armature that was updated hidden meshes of its own, when Blender has drawn, if it is a copy."""
+    if is_puppet(armature) and _sharing(armature) and not bpy.app.timers.is_registered(complete_puppets):
+        bpy.app.timers.register(complete_puppets)
 
 
-@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
-def _before_saving(*_: object) -> None:
-    complete_puppets()
-
-
-def register() -> None:
-    bpy.app.handlers.depsgraph_update_post.append(_look_for_copies)
-    bpy.app.handlers.save_pre.append(_before_saving)
-
-
-def unregister() -> None:
-    bpy.app.handlers.save_pre.remove(_before_saving)
-    bpy.app.handlers.depsgraph_update_post.remove(_look_for_copies)
+def stop() -> None:
+    """Leaves copies as they are."""
     if bpy.app.timers.is_registered(complete_puppets):
         bpy.app.timers.unregister(complete_puppets)

@@ -101,7 +101,8 @@ class CageSet(Cages):
         if len(bpy.data.objects) == _known.get("objects"):
             with suppress(ReferenceError):  # an object was removed, and another one made
                 return [each for each in _known["sets"] if each.counts]
-        _known["sets"] = [cls(obj) for obj in bpy.data.objects if is_finest(obj)]
+        finest = [obj for obj in bpy.data.objects if is_finest(obj)]
+        _known["sets"], _known["finest"] = list(map(cls, finest)), set(finest)
         _known["objects"] = len(bpy.data.objects)
         return [each for each in _known["sets"] if each.counts]
 
@@ -303,26 +304,13 @@ def _finest(obj: Object) -> Object | None:
 _known: dict[str, Any] = {}
 
 
-@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
-def forget_sets(*_: Any) -> None:
+def forget_sets() -> None:
     """Other objects may be the finest cages."""
     _known.clear()
     forget_collections()
 
 
-def _handlers() -> tuple[list[Any], ...]:
-    app = bpy.app.handlers
-    return app.undo_post, app.redo_post, app.load_pre
-
-
-def register() -> None:
-    for handlers in _handlers():
-        handlers.append(forget_sets)
-    bpy.app.handlers.depsgraph_update_post.append(forget_collections)
-
-
-def unregister() -> None:
-    for handlers in _handlers():
-        handlers.remove(forget_sets)
-    bpy.app.handlers.depsgraph_update_post.remove(forget_collections)
-    forget_sets()
+def recheck_sets(updated: Iterable[Object]) -> None:
+    """Forgets the sets if some updated objects are the finest cages of others now, as after undo."""
+    if _known and any(is_finest(obj) != (obj in _known["finest"]) for obj in updated):
+        forget_sets()

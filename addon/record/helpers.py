@@ -42,7 +42,7 @@ def _unset(**values: Any) -> Any:
 # What is read of an object without a set.
 NO_RECORD = _unset(
     parts=(), markers=(), title="", bound="", kinds="", inside=False, playing=False, known=False, moving=False,
-    animated=False, frames=(0, 0, 0), colours=-1, settings=None,
+    animated=False, frames=(0, 0, 0), colours=-1, settings=None, drawn="",
 )  # fmt: skip
 NO_NODE = _unset(
     role="NONE", inner=None, outer=None, sets=(), record=NO_RECORD, helpers=(), shows=None, thickness=0.0, parts=(),
@@ -83,8 +83,7 @@ def exists(obj: Object | None) -> bool:
 _in_collections: dict[int, bool] = {}
 
 
-@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
-def forget_collections(*_: Any) -> None:
+def forget_collections() -> None:
     """Objects may be in other collections."""
     _in_collections.clear()
 

@@ -15,7 +15,8 @@ from bpy.types import Context, Object
 from gpu_extras.batch import batch_for_shader
 from numpy.typing import NDArray
 
-from ..operators.base import last_fault
+from .. import watch
+from ..errors import last_fault
 from ..properties import groups
 from ..record import CageSet
 from ..scene import filling
@@ -118,13 +119,17 @@ def _draw() -> None:
 
 def _batches(context: Context) -> list[tuple[str, float, Any, Any]]:
     """Kind, size, shader and batch of all that is drawn; the last ones, unless something has changed."""
+    if _known.get("moment") != watch.moment(context):
+        _known.clear()
+        _known["moment"] = watch.moment(context)
     now = tuple(look for _, look in looks(context))
     if now not in _known:
-        _known[now] = []
+        batches = _known[now] = []
         for kind, size, points, colours in together(strokes(context)):
             shader, buffers = gpu.shader.from_builtin(SHADERS[kind]), {"pos": points, "color": colours}
-            _known[now].append((kind, size, shader, batch_for_shader(shader, kind, buffers)))  # type: ignore[arg-type]
-    return _known[now]
+            batches.append((kind, size, shader, batch_for_shader(shader, kind, buffers)))  # type: ignore[arg-type]
+    found: list[tuple[str, float, Any, Any]] = _known[now]
+    return found
 
 
 # Points have their own shader since Blender 4.5.
@@ -134,30 +139,15 @@ SHADERS = {
 }
 
 _handlers: list[object] = []
-# What was drawn last, by the looks of the cages.
-_known: dict[tuple[Look, ...], list[tuple[str, float, Any, Any]]] = {}
-
-
-@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
-def _forget(*_: object) -> None:
-    """Something may have another shape or place."""
-    _known.clear()
-
-
-def _changes() -> tuple[list[Any], ...]:
-    app = bpy.app.handlers
-    return app.depsgraph_update_post, app.frame_change_post, app.undo_post, app.redo_post, app.load_post
+# What was drawn last, by the looks of the cages, and the moment when it was.
+_known: dict[Any, Any] = {}
 
 
 def register() -> None:
     _handlers.append(bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW"))
-    for handlers in _changes():
-        handlers.append(_forget)
 
 
 def unregister() -> None:
     while _handlers:
         bpy.types.SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")
-    for handlers in _changes():
-        handlers.remove(_forget)
     _known.clear()

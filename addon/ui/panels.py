@@ -1,4 +1,4 @@
-"""The sidebar tab: three doors, results, and settings. Panels only read; they compute nothing."""
+"""The sidebar tab: Cages, Puppet and Cutout. Panels compute nothing; what they show of objects is in `data`."""
 
 from __future__ import annotations
 
@@ -7,13 +7,16 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.types import Context
 
-from ..animation.timeline import Timing
-from ..generation import output
+from ..errors import last_fault
+from ..following import live
+from ..generation.job import running
+from ..operators.bind import REST
+from ..operators.puppet import CLIP_ITEMS, ONE_CAGE
 from ..properties import groups
 from ..properties.kinds import registration
-from ..properties.settings import filled, settings_of
-from ..scene.ownership import set_of_active, sets_of_active
-from . import doors, results
+from ..properties.settings import copy_values, settings_of
+from ..puppets.controls import reach_of
+from . import data, sentences
 
 CATEGORY = "Nested Cages"
 
@@ -24,13 +27,6 @@ else:
     Mixin = object
 
 
-def _split(layout: Any) -> Any:
-    """A layout with names at the left of settings."""
-    layout.use_property_split = True
-    layout.use_property_decorate = False
-    return layout
-
-
 class SidebarPanel(Mixin):
     """Base of all panels: their place."""
 
@@ -39,92 +35,182 @@ class SidebarPanel(Mixin):
     bl_category = CATEGORY
 
 
-class PartPanel(SidebarPanel):
-    """A closed part of the main panel, with settings of cages around drawings that its title stands for."""
+class SettingsPanel(SidebarPanel):
+    """A closed sub-panel of Cages with the settings that its title stands for."""
 
     bl_parent_id = "VIEW3D_PT_nested_cages"
     bl_options = {"DEFAULT_CLOSED"}
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return doors.opened(context) == doors.CAGES
-
     def draw(self, context: Context) -> None:
-        groups.draw(_split(self.layout).column(), settings_of(context), groups.SECTIONS[self.bl_label])
+        groups.draw(_settings(self.layout), settings_of(context), groups.SECTIONS[self.bl_label])
+
+
+def _settings(layout: Any) -> Any:
+    """A column with names at the left of settings."""
+    column = layout.column()
+    column.use_property_split, column.use_property_decorate = True, False
+    return column
+
+
+def _button(layout: Any, name: str, **options: Any) -> Any:
+    """The button to press, or in its place what it is doing."""
+    row, job = layout.row(align=True), running()
+    row.scale_y = 1.5
+    if job is None:
+        return row.operator(f"object.nested_cages_{name}", **options)
+    row.progress(factor=job.fraction, text=job.message)
+    row.operator("object.nested_cages_cancel", text="", icon="CANCEL")
+    return None
 
 
 class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
-    """Three doors by task, and what is behind the one that fits the selection"""
+    """Coarse outlines that strictly enclose drawings, and move them"""
 
-    bl_label = "Nested Cages"
+    bl_label = "Cages"
 
     def draw(self, context: Context) -> None:
-        doors.draw(self.layout, context)
+        layout: Any = self.layout
+        settings, now = settings_of(context), data.shown(context)
+        row = layout.row()
+        if now.title:
+            row.label(text=now.title, translate=False)
+        if last_fault:
+            row.operator("object.nested_cages_select_fault", icon="VIEWZOOM")
+        if now.hint:
+            sentences.draw(layout.column(align=True), context, now.hint, "INFO")
+            if context.mode in data.USABLE:
+                layout.operator("object.nested_cages_import", icon="IMPORT")
+            else:
+                layout.operator("object.mode_set", text="Object Mode", icon="OBJECT_DATAMODE").mode = "OBJECT"
+        button = _button(layout, "generate", text="Generate", icon="MOD_MESHDEFORM")
+        if button is not None:
+            copy_values(settings, button)
+        column = _settings(layout)
+        row = column.row()
+        row.active = not settings.use_selected_as_levels
+        row.prop(settings, "levels")
+        if now.counts:
+            sentences.draw(column.column(align=True), context, now.counts)
+        groups.draw(column, settings, (*groups.SPACE, *groups.WHICH))
+        following = live.current()
+        row = layout.row(align=True)
+        row.operator(
+            "object.nested_cages_bind", text="Bound" if now.bound else "Bind", icon="LINKED", depress=now.bound
+        )
+        row.operator("object.nested_cages_live", icon="REC", depress=following is not None)
+        if now.bound:
+            layout.operator("object.nested_cages_bind", text="Rest from Pose", icon="FILE_REFRESH").action = REST
+        if following is not None:
+            state, icon = ("Out of date", "TIME") if following.behind else ("Up to date", "CHECKMARK")
+            sentences.draw(layout.column(align=True), context, following.problem or state, icon)
+        column = layout.column(align=True)
+        column.operator("object.nested_cages_export", icon="EXPORT")
+        column.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
 
 
 class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
-    """Results for the active object's cages"""
+    """The cages of the active object, and whether they hold"""
 
     bl_label = "Result"
     bl_parent_id = "VIEW3D_PT_nested_cages"
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return set_of_active(context) is not None
+        return bool(data.shown(context).sets)
 
     def draw(self, context: Context) -> None:
-        layout: Any = self.layout
-        outputs = sets_of_active(context)
-        for cage_set in outputs:
-            results.draw_set(layout, context, cage_set)
-        column = layout.column(align=True)
-        column.operator("object.nested_cages_verify", icon="CHECKMARK")
-        if any(bool(each.bound) or each.record.moving for each in outputs):
-            column.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
-        results.draw_live(column)
+        layout, now = self.layout, data.shown(context)
+        for each in now.sets:
+            layout.label(text=each.name, icon="OUTLINER_COLLECTION", translate=False)
+            column = layout.box().column(align=True)
+            for cage in each.cages:
+                sentences.draw(column, context, cage.text, cage.icon)
+                sentences.draw(column, context, cage.sentence, "BLANK1")
+                if cage.icon == data.BROKEN:
+                    column.operator("object.nested_cages_select_fault", icon="VIEWZOOM").cage = cage.name
+                if cage.better is not None:  # a button that takes the better count
+                    sentence, levels = cage.better
+                    sentences.draw(column, context, sentence, "INFO")
+                    column.operator("object.nested_cages_generate", text=levels, icon="ADD").levels = levels
+        row = layout.row(align=True)
+        row.operator("object.nested_cages_verify", text="Verify", icon="CHECKMARK")
+        if now.plays:
+            row.operator("object.nested_cages_verify", text="All Frames", icon="SEQUENCE").whole = True
 
 
-class VIEW3D_PT_nested_cages_animation(PartPanel, bpy.types.Panel):
-    """Timing of the animation of how the cages form"""
+class VIEW3D_PT_nested_cages_constraints(SettingsPanel, bpy.types.Panel):
+    """What cages must be, apart from tight: convex, on a grid, symmetric, finer where it matters"""
+
+    bl_label = groups.CONSTRAINTS
+
+
+class VIEW3D_PT_nested_cages_animation(SettingsPanel, bpy.types.Panel):
+    """How the forming of cages plays; cages of a moving drawing"""
 
     bl_label = "Animation"
 
     def draw(self, context: Context) -> None:
-        settings, layout = settings_of(context), _split(self.layout)
-        groups.draw(layout.column(align=True), settings, groups.FRAMES)
-        groups.draw(layout.column(), settings, groups.ANIMATION)
-        cage_set, scene = set_of_active(context), context.scene
-        timing = filled(Timing, settings)
-        frames = output.duration(cage_set, timing) if cage_set is not None else None
-        if frames is not None:  # with these settings, from the steps of the output
-            seconds = frames * scene.render.fps_base / scene.render.fps
-            layout.label(text=f"Length as before: {frames} frames, {seconds:.1f} s")
-        if cage_set is not None:
-            layout.operator("object.nested_cages_remove_animation", icon="X")
+        SettingsPanel.draw(self, context)
+        column = self.layout.column(align=True)
+        column.operator("object.nested_cages_follow", icon="CON_FOLLOWTRACK")
+        column.operator("object.nested_cages_remove_animation", icon="X")
 
 
-class VIEW3D_PT_nested_cages_rules(PartPanel, bpy.types.Panel):
-    """What cages must be, apart from tight: convex, on a grid, symmetric, finer where it matters"""
+class VIEW3D_PT_nested_cages_advanced(SettingsPanel, bpy.types.Panel):
+    """How drawings are read, and the parts of the method"""
 
-    bl_label = groups.SHAPE_TITLE
-
-
-class VIEW3D_PT_nested_cages_reading(PartPanel, bpy.types.Panel):
-    """Which objects to enclose, how to read them, and how cages start"""
-
-    bl_label = "Drawing and Cages"
+    bl_label = "Advanced"
 
 
-class VIEW3D_PT_nested_cages_use(PartPanel, bpy.types.Panel):
-    """The active object's cages as other objects and as files"""
+class VIEW3D_PT_nested_cages_puppet(SidebarPanel, bpy.types.Panel):
+    """Bones that move the parts of a character, or one cage around it"""
 
-    bl_label = "Convert and Export"
-    poll = VIEW3D_PT_nested_cages_result.poll
+    bl_label = "Puppet"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout, now = self.layout, data.shown(context)
+        if not (now.title or now.puppet):
+            sentences.draw(layout.column(align=True), context, "Select the parts of a character, or import it.", "INFO")
+        button = _button(layout, "puppet", icon="ARMATURE_DATA")
+        if button is not None and now.armature:
+            button.source = ONE_CAGE
+        column = layout.column(align=True)
+        column.operator_menu_enum("object.nested_cages_puppet", "source", text="From", icon="MOD_ARMATURE")
+        if now.armature or now.puppet:
+            column.operator("object.nested_cages_bind", text="Bind New Parts", icon="LINKED")
+        column.operator("object.nested_cages_import", text="Import Puppet", icon="IMPORT").outlines = "PUPPET"
+        puppet = bpy.data.objects.get(now.puppet)
+        if puppet is not None:
+            row = layout.row(align=True)
+            for kind, name, _ in CLIP_ITEMS:
+                row.operator("object.nested_cages_clip", text=name).kind = kind
+            column = layout.column(align=True)
+            bones = filter(None, map(puppet.pose.bones.get, now.reaching))
+            for reach in filter(None, map(reach_of, bones)):
+                row = column.row(align=True)
+                row.prop(reach, "influence", text=reach.subtarget, slider=True, translate=False)
+                row.operator("object.nested_cages_snap", text="", icon="SNAP_ON").control = reach.subtarget
+            layout.operator("object.nested_cages_verify", text="Verify All Frames", icon="SEQUENCE").whole = True
+        layout.operator("object.nested_cages_export", icon="EXPORT")
+
+
+class VIEW3D_PT_nested_cages_cutout(SidebarPanel, bpy.types.Panel):
+    """Pictures with a transparent background as meshes to pose"""
+
+    bl_label = "Cutout"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = self.layout
-        layout.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
-        layout.operator("object.nested_cages_export", icon="EXPORT")
+        if not data.shown(context).title:
+            sentences.draw(
+                layout.column(align=True), context, "Press Cutout to choose pictures, or select some.", "INFO"
+            )
+        _button(layout, "cutout", icon="IMAGE_PLANE")
+        column = layout.column(align=True)
+        column.operator("object.nested_cages_import", text="Outline of Image", icon="IMAGE_DATA").outlines = "ONE"
+        column.operator("object.nested_cages_export", icon="EXPORT")
 
 
 # In this order, which is that of the panels.
@@ -140,10 +226,9 @@ register, unregister = registration(CLASSES)
 def move_to(category: str) -> None:
     """Shows the panels in another tab of the sidebar; without a name, in their own."""
     category = category.strip() or CATEGORY
-    panels = [cls for cls in CLASSES if issubclass(cls, SidebarPanel)]
-    if all(cls.bl_category == category for cls in panels):
+    if all(cls.bl_category == category for cls in CLASSES):
         return
     unregister()
-    for cls in panels:
+    for cls in CLASSES:
         cls.bl_category = category
     register()

@@ -9,9 +9,22 @@ import pytest
 
 from support import drawings
 from support.blender import refused
-from support.drawings import base, bind, certificate, choose, generate, grid_face, made, poly_curve, star, text, wire
+from support.drawings import (
+    base,
+    bezier_circle,
+    bind,
+    certificate,
+    choose,
+    generate,
+    grid_face,
+    made,
+    poly_curve,
+    star,
+    text,
+    wire,
+)
 from support.marks import slow_after
-from support.panels import Layout, draw, ours, own_settings, sidebar
+from support.panels import Layout, draw, ours, own_settings, shows, sidebar
 
 SHOW = "object.nested_cages_select_fault"
 """The button that goes to the place of the last message."""
@@ -49,30 +62,46 @@ def handles() -> None:
     assert bpy.context.mode == "POSE"
 
 
-# What is selected, and the button to press, which is the first one.
-FITTING = {
-    "nothing": (lambda: None, ""),
-    "a camera": (bpy.ops.object.camera_add, ""),
-    "a drawing": (lambda: poly_curve("Drawing", [star()]), "generate"),
-    "drawings side by side": (lambda: squares(0.0, 2.0, 4.0), "generate"),
-    "overlapping parts": (lambda: squares(0.0, 0.5, 1.0), "puppet"),
-    "an armature": (bpy.ops.object.armature_add, "puppet"),
-    "a picture": (sprite, "cutout"),
-    "a rig in Pose Mode": (rigged, "puppet"),
-    "handles in Pose Mode": (handles, "generate"),
+def drawing_mode() -> None:
+    drawings.add("Sketch", getattr(bpy.data, "grease_pencils_v3", bpy.data.grease_pencils).new("Sketch"))
+    bpy.ops.object.mode_set(mode="PAINT_GREASE_PENCIL" if bpy.app.version >= (4, 3, 0) else "PAINT_GPENCIL")
+
+
+# What is selected, and whether the panel says what to do first.
+SELECTED = {
+    "nothing": (lambda: None, True),
+    "a camera": (bpy.ops.object.camera_add, True),
+    "a drawing": (lambda: poly_curve("Drawing", [star()]), False),
+    "drawings side by side": (lambda: squares(0.0, 2.0, 4.0), False),
+    "an armature": (bpy.ops.object.armature_add, True),
+    "a picture": (sprite, True),
+    "a drawing of Grease Pencil in Draw Mode": (drawing_mode, True),
+    "a curve in Edit Mode": (lambda: (bezier_circle("Curve"), bpy.ops.object.mode_set(mode="EDIT")), True),
+    "a rig in Pose Mode": (rigged, False),
+    "handles in Pose Mode": (handles, False),
 }
 
 
-@pytest.mark.parametrize("name", slow_after(7, FITTING))
-def test_the_first_button_is_the_one_to_press(name) -> None:
-    select, button = FITTING[name]
+@pytest.mark.parametrize("name", slow_after(8, SELECTED))
+def test_the_panels_say_what_to_do_in_lines_that_fit(name) -> None:
+    select, hint = SELECTED[name]
     select()
-    pressed, drawn = first_button(), draw(bpy.types.VIEW3D_PT_nested_cages)
-    assert pressed == f"object.nested_cages_{button or 'import'}"
-    chosen = {obj.name for obj in bpy.context.selected_objects if obj.type != "ARMATURE"}
-    assert bool(chosen & set(drawn)) == (len(chosen) == 1 and bool(button))  # that is the title, else a hint
-    operator = getattr(bpy.ops.object, pressed.partition(".")[2])
-    assert operator.poll() or bpy.context.mode == "POSE" or name == "an armature"
+    drawn = draw(bpy.types.VIEW3D_PT_nested_cages)
+    button = drawn.index("object.nested_cages_generate")
+    assert hint == bool({"object.nested_cages_import", "object.mode_set"} & set(drawn[:button]))
+    assert all(line and len(line) < 50 for line in draw() if " " in line or not line)
+    if bpy.context.object is not None and not hint:
+        assert drawn[0].startswith(bpy.context.object.name)
+
+
+def test_nothing_is_left_over_from_another_object() -> None:
+    other = poly_curve("Other", [star() + 5.0])
+    choose(poly_curve("Drawing", [star()]))
+    generate("8")
+    assert any("Drawing" in line for line in draw())
+    choose(other)
+    assert not any("Drawing" in line for line in draw())
+    assert bpy.types.VIEW3D_PT_nested_cages_result not in [each for each in sidebar() if shows(each)]
 
 
 UNFIT = [
@@ -91,42 +120,9 @@ def test_operators_say_what_they_cannot_work_on(selected, name, options, named) 
     if selected == "an open line":
         poly_curve("Open", [star()], cyclic=False)
     else:
-        FITTING[selected][0]()
+        SELECTED[selected][0]()
     with refused(named):
         getattr(bpy.ops.object, f"nested_cages_{name}")(**options)
-
-
-def first_button() -> str:
-    return next(each for each in draw(bpy.types.VIEW3D_PT_nested_cages) if each.startswith("object."))
-
-
-def test_a_section_opened_by_hand_stays_until_another_one_fits() -> None:
-    drawing = poly_curve("Drawing", [star()])
-    assert first_button() == "object.nested_cages_generate"
-    bpy.ops.scene.nested_cages_door(door="RIG")
-    assert first_button() == "object.nested_cages_puppet"
-    sprite()
-    drawing.select_set(False)
-    assert first_button() == "object.nested_cages_cutout"
-
-
-@pytest.mark.slow
-def test_buttons_stay_in_their_places_whatever_is_selected() -> None:
-    """What is drawn above and between the buttons of an open door does not depend on the selection."""
-    places = set()
-    poly_curve("Drawing", [star()])
-    for step in (
-        lambda: None,
-        lambda: bpy.ops.object.nested_cages_generate(levels="20, 10"),
-        lambda: choose(bpy.data.objects["Drawing Cage 1"]),
-        bpy.ops.object.nested_cages_bind,
-        lambda: choose(bpy.data.objects["Drawing"]),
-        lambda: squares(4.0, 8.0),
-    ):
-        step()
-        drawn = draw(bpy.types.VIEW3D_PT_nested_cages)
-        places.add(tuple((k, each) for k, each in enumerate(drawn) if "nested_cages" in each))
-    assert len(places) == 1
 
 
 def test_every_setting_is_in_one_of_the_panels_and_in_the_redo_panel() -> None:
@@ -166,15 +162,6 @@ def test_levels_are_told_in_vertices_next_to_them(name) -> None:
         generate("40%")
         count = len(base(made(bpy.context.object.name)[0]))
     assert f"50 % = {round(0.5 * count)}, 20 % = {max(3, round(0.2 * count))} " in drawn and "weight_group" in drawn
-
-
-def test_levels_are_told_for_all_selected_drawings() -> None:
-    for count in (40, 300, 100):
-        poly_curve("Drawing", [star(count)]).location.x = count
-    bpy.context.view_layer.update()
-    for levels, told in (("20%, 2", ("8", "60")), ("10", ("40", "300"))):
-        bpy.context.scene.nested_cages.levels = levels
-        assert any(all(number in text.split() for number in told) for text in draw())
 
 
 @pytest.mark.slow

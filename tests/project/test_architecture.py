@@ -22,7 +22,7 @@ LAYERS = {
     """,
     "addon": """
         errors core memory notes keys record scene animation rigging generation binding io following characters puppets
-        properties making operators ui api __init__ __main__
+        properties watch making operators ui api __init__ __main__
     """,
 }
 ORDER = {package: layers.split() for package, layers in LAYERS.items()}

@@ -73,11 +73,17 @@ def ours(base: type) -> list[Any]:
 
 def draw(*kinds: Any, given: list[tuple[str, str, Any]] | None = None) -> list[str]:
     """What these panels or menus draw, those that show now; all panels of the sidebar if none are named."""
+    bpy.context.view_layer.update()
     drawn: list[str] = []
     for kind in kinds or sidebar():
-        if not hasattr(kind, "poll") or kind.poll(bpy.context):
+        if shows(kind):
             kind.draw(SimpleNamespace(layout=Layout(drawn, given), bl_label=kind.bl_label), bpy.context)
     return drawn
+
+
+def shows(kind: Any) -> bool:
+    """Whether a panel shows now."""
+    return not hasattr(kind, "poll") or bool(kind.poll(bpy.context))
 
 
 def sidebar() -> list[Any]:

@@ -1,0 +1,163 @@
+"""What the panels show of the active object: computed once after an update, only read when they are drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from bpy.types import Context, Object
+
+from .. import notes, record, watch
+from ..errors import UserError, counted
+from ..following import claims
+from ..generation.levels import lengths, loop_sizes, meanings, parse_levels
+from ..generation.rules import KEEP
+from ..io.pictures import image_on
+from ..operators.generate import why_nothing
+from ..properties.settings import settings_of
+from ..puppets.armatures import is_puppet, puppet_of
+from ..puppets.controls import reach_of
+from ..record import CageSet
+from ..scene import changes, convert
+from ..scene.ownership import scene_of
+
+# Code of the note on a number of vertices that would be enough, which is on a button.
+ENOUGH = "loose.enough"
+HOLDS, BROKEN, EDITED, ADVICE, MADE = "CHECKMARK", "ERROR", "QUESTION", "INFO", "MOD_MESHDEFORM"
+# Modes in which the panels can be used; in the others, and while drawing, they say what to do.
+USABLE = ("OBJECT", "EDIT_MESH", "POSE")
+
+
+@dataclass(frozen=True)
+class CageLine:
+    """A cage by name: its size, an icon and a sentence on how it is, and a sentence and levels that would be better."""
+
+    name: str
+    text: str
+    icon: str
+    sentence: str
+    better: tuple[str, str] | None
+
+
+@dataclass(frozen=True)
+class SetLines:
+    """A set: what it is called, and its cages."""
+
+    name: str
+    cages: tuple[CageLine, ...]
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Of the active object: what is selected, what to do if it has no outline, what the levels come to, and its sets;
+    whether these are bound, or play; whether it is an armature; its puppet by name, and bones with an IK constraint.
+    """
+
+    title: str = ""
+    hint: str = ""
+    counts: str = ""
+    sets: tuple[SetLines, ...] = ()
+    bound: bool = False
+    plays: bool = False
+    armature: bool = False
+    puppet: str = ""
+    reaching: tuple[str, ...] = ()
+
+
+# The last one, and what it depended on.
+_known: dict[str, Any] = {}
+
+
+def shown(context: Context) -> Shown:
+    """What to draw now: the same as last time unless something was updated."""
+    active, settings = context.view_layer.objects.active, settings_of(context)
+    key = (
+        watch.moment(context), context.mode, active.session_uid if active is not None else 0,
+        settings.levels, settings.inside, settings.loops, settings.use_selected_as_levels,
+    )  # fmt: skip
+    if _known.get("key") != key:
+        _known.update(key=key, shown=_computed(context, active))
+    found: Shown = _known["shown"]
+    return found
+
+
+def _computed(context: Context, active: Object | None) -> Shown:
+    selected = context.selected_objects
+    sets = CageSet.all_of(active) if active is not None else []
+    if active is None or not (sets or active in selected or context.mode != "OBJECT"):
+        return Shown(hint=_hint(context, selected[0] if selected else None))
+    others = len(set(selected) - {active})
+    puppet = puppet_of([active])
+    return Shown(
+        title=f"{active.name} and {counted(others, 'other')}" if others else active.name,
+        hint="" if sets and context.mode in USABLE else _hint(context, active),
+        counts=_counts(context, active) if record.level_of(active) is None else "",
+        sets=tuple(_lines(context, each) for each in sets),
+        bound=any(each.bound for each in sets),
+        plays=any(each.bound or each.record.moving for each in sets),
+        armature=active.type == "ARMATURE" and not is_puppet(active),
+        puppet=puppet.name if puppet is not None else "",
+        reaching=tuple(bone.name for bone in puppet.pose.bones if reach_of(bone) is not None) if puppet else (),
+    )
+
+
+def _hint(context: Context, obj: Object | None) -> str:
+    """What to do before cages can be made; empty if they can be."""
+    if context.mode.startswith("PAINT_G"):
+        return "Draw closed shapes, then go to Object Mode and press Generate."
+    if context.mode not in USABLE:
+        return "Go to Object Mode to make cages."
+    if obj is not None and convert.readable(obj):
+        return ""
+    if obj is not None and image_on(obj) is not None:
+        return f"'{obj.name}' is a picture: see Cutout below."
+    if obj is not None and obj.type == "ARMATURE":
+        return f"'{obj.name}' is an armature: see Puppet below."
+    return f"{why_nothing(context)}."
+
+
+def _lines(context: Context, cage_set: CageSet) -> SetLines:
+    """A line for each cage of a set, with its size against the drawing's."""
+    lines, size, cages = [], 1.0, cage_set.cages
+    changed = changes.is_changed(cage_set)
+    for cage in cages:
+        node = record.node_of(cage)
+        size *= 1.0 + node.excess
+        name = cage.name.removeprefix(f"{cage_set.record.title} ").removeprefix("Inner ")
+        text = f"{name}: {len(cage.data.vertices)} vertices, {notes.larger(size)}"
+        icon, sentence = (EDITED, "Drawing changed") if changed else _health(context, cage, bound=bool(cage_set.bound))
+        better = None
+        for code, data in record.notes(node):
+            if code == ENOUGH:
+                counts = [data["better"] if each == cage else len(each.data.vertices) for each in cages]
+                better = notes.sentence(code, data), ", ".join(map(str, counts))
+        lines.append(CageLine(cage.name, text, icon, sentence, better))
+    return SetLines(cage_set.name, tuple(lines))
+
+
+def _health(context: Context, cage: Object, *, bound: bool) -> tuple[str, str]:
+    """An icon for how a cage is, and one sentence on what is wrong with it, if anything is."""
+    node, stands = record.node_of(cage), claims.stands(context, cage)
+    if node.check == record.FAULT and stands:
+        return BROKEN, " ".join(record.sentences(node, checks=True, others=False))
+    if not bound and record.is_edited(cage):
+        return (HOLDS, "") if stands and record.is_judged(cage) else (EDITED, record.EDITED)
+    told = [each for each in record.notes(node) if notes.is_told(*each)]
+    advice = [notes.sentence(*each) for each in told if not each[0].startswith((record.CHECK, ENOUGH))]
+    if advice:
+        return ADVICE, advice[0]
+    return (HOLDS if stands or not bound else MADE), ""
+
+
+def _counts(context: Context, drawing: Object) -> str:
+    """The vertices of the cages of a drawing: "20 % = 10, 8 % = 4 vertices"; empty if they are not known."""
+    settings = settings_of(context)
+    if settings.use_selected_as_levels or drawing.mode != "OBJECT":
+        return ""
+    sizes = loop_sizes(drawing)
+    try:
+        levels = parse_levels(settings.levels, lengths(scene_of(context))) if sum(sizes) else ()
+    except UserError:
+        return ""
+    keeps = settings.inside or settings.loops == KEEP
+    return meanings(levels, [sizes], drawing.dimensions.length, keeps=keeps) if levels else ""
