@@ -47,10 +47,12 @@ def run(options: argparse.ArgumentParser, given: argparse.Namespace) -> bool:
         problems = [sentence_of(error, given.result)]
     except (NestedCagesError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         problems = [f"the files cannot be read as outlines: {error}"]
-    for problem in _first(problems):
+    for problem in problems[:MOST_SAID]:
         tell(f"{kind}: {problem}", sys.stderr)
+    if len(problems) > MOST_SAID:
+        tell(f"and {len(problems) - MOST_SAID} more", sys.stderr)
     if not problems:
-        tell("\n".join([summary, *_first(lost)]), sys.stdout)
+        tell("\n".join([summary, *lost]), sys.stdout)
     return bool(problems)
 
 
@@ -61,12 +63,6 @@ def _animation_fails(path: Path) -> bool:
             tell(f"error: {needed}: No such file", sys.stderr)
             return True
     return subprocess.run([sys.executable, program, path], check=False).returncode != 0
-
-
-def _first(sentences: Sequence[str]) -> list[str]:
-    """So many that they can be read, and how many more there are."""
-    more = len(sentences) - MOST_SAID
-    return [*sentences[:MOST_SAID], *([f"and {more} more"] if more > 0 else [])]
 
 
 def _drawings(given: argparse.Namespace) -> Source:
@@ -100,12 +96,13 @@ def _problems(given: argparse.Namespace, drawings: Source, results: Results, los
     if count != len(results.shapes):
         yield f"{drawn} has {count} shape{'s' * (count != 1)}, {given.result} cages of {len(results.shapes)}"
         return
-    if not _same_place(drawings, results):
+    placed = _placed(drawings, results)
+    if placed is None:
         yield f"{given.result} has another coordinate reference system than {drawn}, or lies on another picture"
         return
     clearance = None if any(shape.drawn for shape in drawings.shapes) else given.clearance
     fines = list[Mesh]()
-    for number, (shape, levels) in enumerate(zip(drawings.shapes, _in_place(drawings, results), strict=True)):
+    for number, (shape, levels) in enumerate(zip(drawings.shapes, placed, strict=True)):
         of_shape, outlines = f"shape {number + 1}: " if count > 1 else "", _outlines(shape, given)
         fine = shape.content if isinstance(shape.content, Mesh) else outlines[0]
         shown = [mesh for mesh in outlines if 0 not in levels or _ends(mesh) == _ends(levels[0])]
@@ -134,20 +131,20 @@ def _problems(given: argparse.Namespace, drawings: Source, results: Results, los
         yield from _faults_between([levels[1] for levels in results.shapes], fines)
 
 
-def _same_place(drawings: Source, results: Results) -> bool:
-    """Whether coordinates are in the same system, or on a picture of the same size."""
-    if (drawings.pixels is None) != (results.pixels is None):
-        return False
-    own, other = ({**(each.pixels or DOWN)} for each in (drawings, results))
-    systems = [None if "CRS84" in json.dumps(each.crs) else each.crs for each in (drawings, results)]  # the default
-    return other.pop("y", "") in ("up", "down") and bool(own.pop("y")) and own == other and systems[0] == systems[1]
-
-
-def _in_place(drawings: Source, results: Results) -> list[Levels]:
-    """The levels of results with y as in the drawings."""
-    if results.pixels is None or (results.pixels.get("y") == "up") == drawings.y_up:
+def _placed(drawings: Source, results: Results) -> list[Levels] | None:
+    """The levels of results with y as in the drawings; None if they lie on another picture, or in another system."""
+    places = [
+        {"y": "up", "system": None if "CRS84" in json.dumps(each.crs) else each.crs}  # this one is the default
+        if each.pixels is None
+        else {**each.pixels}
+        for each in (drawings, results)
+    ]
+    y, other_y = (place.pop("y", None) for place in places)
+    if places[0] != places[1] or other_y not in ("up", "down"):
+        return None
+    if y == other_y:
         return results.shapes
-    height = float(results.pixels.get("height") or 0.0)
+    height = float(places[0].get("height") or 0.0)
     return [{level: turned_over(mesh, height) for level, mesh in each.items()} for each in results.shapes]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import stat
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from secrets import token_hex
 from time import time
@@ -45,27 +45,42 @@ def write_files(contents: Mapping[FilePath, str | bytes]) -> None:
 
     Raises OSError, with the name of the file, where one cannot be written; NestedCagesError for text that is no UTF-8.
     """
-    data = {Path(path): _encoded(path, content) for path, content in contents.items()}
-    with ExitStack() as stack:
-        staged = {path: stack.enter_context(_staged(path, content)) for path, content in data.items()}
-        for path, beside in staged.items():
-            if beside is not None:
-                with _naming(path):
-                    os.replace(beside, os.path.realpath(path))
-
-
-def _encoded(path: str | os.PathLike[str], content: str | bytes) -> bytes:
+    data = {path: _encoded(path, content) for path, content in contents.items()}
+    staged = dict[FilePath, Path]()
     try:
-        return content.encode("utf-8") if isinstance(content, str) else content
-    except UnicodeEncodeError as error:
-        raise invalid_file(
-            f"{Path(path).name} cannot be written: the text has {error.object[error.start]!a}, which is half a "
-            "character; correct the name."
-        ) from error
+        for path, content in data.items():
+            target = Path(os.path.realpath(path))  # keep links
+            with _naming(path):
+                if target.exists() and not target.is_file():  # devices and pipes have no content to lose
+                    target.write_bytes(content)
+                else:
+                    staged[path] = target.with_name(f".{target.name[:40]}.{token_hex(8)}{UNFINISHED}")
+                    _stage(staged[path], content, target)
+        for path, beside in staged.items():
+            with _naming(path):
+                os.replace(beside, os.path.realpath(path))
+    finally:
+        for beside in staged.values():
+            with suppress(OSError):
+                beside.unlink()
+
+
+def _stage(beside: Path, content: bytes, target: Path) -> None:
+    """Write a file next to its place, whole and on the disk. Remove what killed writers have left there."""
+    for left in target.parent.glob(f".*{UNFINISHED}"):
+        with suppress(OSError):
+            if time() - left.stat().st_mtime > ABANDONED:
+                left.unlink()
+    with beside.open("xb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    if target.exists():
+        beside.chmod(stat.S_IMODE(target.stat().st_mode))
 
 
 @contextmanager
-def _naming(path: Path) -> Iterator[None]:
+def _naming(path: str | os.PathLike[str]) -> Iterator[None]:
     """Errors of the operating system name the file that was to be written."""
     try:
         yield
@@ -73,34 +88,9 @@ def _naming(path: Path) -> Iterator[None]:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from error
 
 
-@contextmanager
-def _staged(path: Path, data: bytes) -> Iterator[Path | None]:
-    """A whole file next to its place, removed at the end unless it has taken that; None if it was written directly."""
-    target = Path(os.path.realpath(path))  # keep links
-    if target.exists() and not target.is_file():  # devices and pipes have no content to lose
-        with _naming(path):
-            target.write_bytes(data)
-        yield None
-        return
-    beside = target.with_name(f".{target.name[:40]}.{token_hex(8)}{UNFINISHED}")
+def _encoded(path: str | os.PathLike[str], content: str | bytes) -> bytes:
     try:
-        with _naming(path):
-            _clean(target.parent)
-            with beside.open("xb") as file:
-                file.write(data)
-                file.flush()
-                os.fsync(file.fileno())
-            if target.exists():
-                beside.chmod(stat.S_IMODE(target.stat().st_mode))
-        yield beside
-    finally:
-        with suppress(OSError):
-            beside.unlink()
-
-
-def _clean(folder: Path) -> None:
-    """Remove what killed writers have left in a folder."""
-    for left in folder.glob(f".*{UNFINISHED}"):
-        with suppress(OSError):
-            if time() - left.stat().st_mtime > ABANDONED:
-                left.unlink()
+        return content.encode("utf-8") if isinstance(content, str) else content
+    except UnicodeEncodeError as error:
+        half = f"the text has {error.object[error.start]!a}, which is half a character; correct the name."
+        raise invalid_file(f"{Path(path).name} cannot be written: {half}") from error
