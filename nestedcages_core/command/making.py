@@ -45,10 +45,7 @@ def make(source: Source, given: Namespace, settings: Settings, show: Show) -> So
     for shape, (hierarchy, error) in zip(source.shapes, outcomes, strict=True):
         try:
             if isinstance(hierarchy, Hierarchy) and hierarchy.levels:
-                levels = (
-                    hierarchy.levels if shape.drawn is None else _on_ground(shape.drawn, given.clearance, hierarchy)
-                )
-                made.append(Made(shape, shape.drawn or hierarchy.fine, levels))
+                made.append(Made(shape, shape.drawn or hierarchy.fine, _measured(shape.drawn, given, hierarchy)))
             if error is not None:
                 raise error
         except NestedCagesError as problem:
@@ -64,13 +61,11 @@ def _outcomes(
         settings = replace(settings, clearance=None)  # shapes are grown by it
     levels = [_counts(shape, given) for shape in shapes]
     if (given.jobs or 1) > 1:
-        contents = [shape.content for shape in shapes]
-        executor = partial(_processes, given.jobs)
         many = nested_cages_many(
-            contents,
+            [shape.content for shape in shapes],
             dict(enumerate(levels)),
             settings,
-            executor=executor,
+            executor=partial(_processes, given.jobs),
             progress=lambda batch: show(batch.fraction, batch.message),
         )
         yield from ((each.result or getattr(each.error, "partial", None), each.error) for each in many)
@@ -111,17 +106,19 @@ def _counts(shape: Shape, given: Namespace) -> list[Any]:
     return [level.of(sizes, keeps=keeps) if isinstance(level, Share) else level for level in given.levels]
 
 
-def _on_ground(drawn: Mesh, metres: float, hierarchy: Hierarchy) -> Sequence[Level]:
-    """Levels with the excess over what is drawn, and the clearance in metres that the shape was grown by.
+def _measured(drawn: Mesh | None, given: Namespace, hierarchy: Hierarchy) -> Sequence[Level]:
+    """Levels with the excess over what is drawn, and the clearance in metres that it was grown by, if it was.
 
     Raises NestedCagesError for cages that go over a pole, or around the earth and into the clearance.
     """
-    found, (west, _, east, _) = [], hierarchy.fine.bounds
+    if drawn is None:
+        return hierarchy.levels
+    found, (west, _, east, _), metres = [], hierarchy.fine.bounds, float(given.clearance)
     for level in hierarchy.levels:
         x, y = level.vertices.T
         if np.abs(y).max() > POLE or x.max() - TURN > west or x.min() + TURN < east:
             raise invalid_file("A cage with so few vertices goes over a pole or around the earth; give it more.")
         excess = level.cage.area / drawn.area - 1.0
-        report = replace(level.report, clearance=float(metres), wanted_clearance=float(metres), excess=excess)
+        report = replace(level.report, clearance=metres, wanted_clearance=metres, excess=excess)
         found.append(replace(level, report=report))
     return found

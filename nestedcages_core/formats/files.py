@@ -45,8 +45,8 @@ def write_files(contents: Mapping[FilePath, str | bytes]) -> None:
 
     Raises OSError, with the name of the file, where one cannot be written; NestedCagesError for text that is no UTF-8.
     """
-    data = {path: _encoded(path, content) for path, content in contents.items()}
-    staged = dict[FilePath, Path]()
+    data = {Path(path): _encoded(path, content) for path, content in contents.items()}
+    staged = dict[Path, Path]()
     try:
         for path, content in data.items():
             target = Path(os.path.realpath(path))  # keep links
@@ -80,7 +80,7 @@ def _stage(beside: Path, content: bytes, target: Path) -> None:
 
 
 @contextmanager
-def _naming(path: str | os.PathLike[str]) -> Iterator[None]:
+def _naming(path: Path) -> Iterator[None]:
     """Errors of the operating system name the file that was to be written."""
     try:
         yield

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidMeshError, NestedCagesError, NestedCagesWarning, invalid_file, no_outline
+from ..errors import NestedCagesError, NestedCagesWarning, invalid_file, no_outline
 from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh, MeshLike
@@ -121,18 +121,14 @@ def read_map(source: Any, limits: Limits | None = None, *, specks: float = 0.0, 
             geometry, properties, identity, lost = _feature_members(member)
             name = _name(number, properties, identity)
             polygons = [] if geometry is None else polygons_of(geometry, left_out=left_out)
-        except InvalidMeshError as error:
-            refused.append(f"{name}: {error}")
-            continue
-        quota.spend("points", sum(len(ring) for polygon in polygons for ring in polygon))
-        if not polygons:
-            without += 1
-            continue
-        try:
+            quota.spend("points", sum(len(ring) for polygon in polygons for ring in polygon))
+            if not polygons:
+                without += 1
+                continue
             polygons, shifted = across(polygons) if degrees else (polygons, [])
             mesh, repairs = mesh_of_polygons(polygons, quota=quota, specks=specks, inside=inside)
-            given = tuple(ring for polygon in polygons for ring in polygon)
-            features.append(Feature(mesh, properties, identity, name, (*shifted, *repairs, *lost), given))
+            rings = tuple(ring for polygon in polygons for ring in polygon)
+            features.append(Feature(mesh, properties, identity, name, (*shifted, *repairs, *lost), rings))
         except LimitError:
             raise
         except NestedCagesError as error:
@@ -289,15 +285,19 @@ def _loaded(source: Any, limits: Limits) -> Mapping[str, Any]:
     return document
 
 
-def _feature_members(member: Any) -> tuple[Any, Mapping[str, Any], str | int | float | None, tuple[str, ...]]:
-    """Geometry, properties and id of a feature or a bare geometry, and a note on values that JSON cannot represent."""
+def _feature_members(member: Any) -> tuple[Any, Mapping[str, Any], str | int | float | None, list[str]]:
+    """Geometry, properties and id of a feature or a bare geometry, and a note on numbers that JSON cannot represent,
+    which become None."""
     mapping = getattr(member, "__geo_interface__", member)
     if not isinstance(mapping, Mapping):
         raise no_outline(f"It is {shown(member)}, not an object with a type.")
     if mapping.get("type") != "Feature":
-        return mapping, {}, None, ()
+        return mapping, {}, None, []
     properties, identity = mapping.get("properties"), mapping.get("id")
-    properties, lost = _finite(properties if isinstance(properties, Mapping) else {})
+    properties = properties if isinstance(properties, Mapping) else {}
+    bad = [key for key, value in properties.items() if isinstance(value, float) and not math.isfinite(value)]
+    lost = [f"properties that are not finite: {', '.join(map(shown, bad))}; set to null"] if bad else []
+    properties = {**properties, **dict.fromkeys(bad)} if bad else properties
     return mapping.get("geometry"), properties, identity if isinstance(identity, str | int | float) else None, lost
 
 
@@ -306,15 +306,6 @@ def _name(number: int, properties: Mapping[str, Any], identity: Any) -> str:
     words = " ".join(("" if known is None else known if isinstance(known, str) else shown(known)).split())
     words = words if len(words) <= LONGEST_NAME else f"{words[:LONGEST_NAME]}…"
     return f"feature {number}" + (f" ({words})" if words else "")
-
-
-def _finite(properties: Mapping[str, Any]) -> tuple[Mapping[str, Any], tuple[str, ...]]:
-    """Properties with None for numbers that JSON cannot represent, and a note that names them."""
-    bad = [key for key, value in properties.items() if isinstance(value, float) and not math.isfinite(value)]
-    if not bad:
-        return properties, ()
-    kept = {key: None if key in bad else value for key, value in properties.items()}
-    return kept, (f"properties that are not finite: {', '.join(map(shown, bad))}; set to null",)
 
 
 def _json_value(value: Any) -> Any:

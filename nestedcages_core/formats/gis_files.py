@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import invalid_file
-from ..libraries import load_shapely
 from .files import read_whole
 from .libraries import load_pyogrio
 from .limits import Limits
@@ -40,7 +39,8 @@ def map_document(
 def _collection(path: Path, limits: Limits, layers: Sequence[str] | None) -> dict[str, Any]:
     """The features of layers of a file."""
     pyogrio = load_pyogrio(f"Reading {path.name}")
-    shapely = load_shapely(f"Reading {path.name}")
+    from .solids import shapely
+
     try:
         there = {str(name): str(kind) for name, kind in pyogrio.list_layers(path)}
         polygons = [name for name, kind in there.items() if "Polygon" in kind or kind in ("Unknown", "None")]

@@ -18,7 +18,6 @@ from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh
 from ..geometry.mesh.closeness import TOUCHING, has_gaps
 from ..geometry.vectors import format_point
-from ..libraries import load_shapely
 from .geometries import Polygon, polygons_of, without_repeated_points
 
 SAME_AREA = 1e-6
@@ -82,8 +81,7 @@ def mesh_of_polygons(polygons: Sequence[Polygon], *, inside: bool = False, **opt
                 return mesh, []
         except InvalidMeshError as error:
             notes.append(f"{str(error).split(';')[0].rstrip('.').lower()}: united")
-    shapely = load_shapely("Reading polygons that touch or overlap")
-    from .solids import solid, spend
+    from .solids import shapely, solid, spend
 
     areas, lines = list[Any](), list[FloatArray]()
     for polygon in polygons:
@@ -102,7 +100,8 @@ def mesh_of_polygons(polygons: Sequence[Polygon], *, inside: bool = False, **opt
 
 def _crosses_itself(polygon: Polygon) -> bool:
     """Whether a polygon is invalid and has another area than its rings say."""
-    shapely = load_shapely("Reading polygons that touch or overlap")
+    from .solids import shapely
+
     rings = [ring for ring in polygon if len(ring) > 2]
     part = shapely.Polygon(rings[0], rings[1:]) if rings else shapely.Polygon()
     whole = part if part.is_valid else shapely.make_valid(part, method="structure", keep_collapsed=False)
