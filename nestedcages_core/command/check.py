@@ -133,18 +133,16 @@ def _problems(given: argparse.Namespace, drawings: Source, results: Results, los
 
 def _placed(drawings: Source, results: Results) -> list[Levels] | None:
     """The levels of results with y as in the drawings; None if they lie on another picture, or in another system."""
-    places = [
-        {"y": "up", "system": None if "CRS84" in json.dumps(each.crs) else each.crs}  # this one is the default
-        if each.pixels is None
-        else {**each.pixels}
-        for each in (drawings, results)
-    ]
-    y, other_y = (place.pop("y", None) for place in places)
-    if places[0] != places[1] or other_y not in ("up", "down"):
+    systems = [None if "CRS84" in json.dumps(each.crs) else each.crs for each in (drawings, results)]  # the default
+    if systems[0] != systems[1] or (drawings.pixels is None) != (results.pixels is None):
         return None
-    if y == other_y:
+    if drawings.pixels is None or results.pixels is None:
         return results.shapes
-    height = float(places[0].get("height") or 0.0)
+    if {**drawings.pixels, "y": 0} != {**results.pixels, "y": 0} or results.pixels.get("y") not in ("up", "down"):
+        return None
+    if drawings.y_up == (results.pixels["y"] == "up"):
+        return results.shapes
+    height = float(results.pixels.get("height") or 0.0)
     return [{level: turned_over(mesh, height) for level, mesh in each.items()} for each in results.shapes]
 
 

@@ -60,7 +60,7 @@ def _outcomes(
     if any(shape.drawn for shape in shapes):
         settings = replace(settings, clearance=None)  # shapes are grown by it
     levels = [_counts(shape, given) for shape in shapes]
-    if (given.jobs or 1) > 1:
+    if (given.jobs or 1) > 1 and all(isinstance(shape.content, Mesh) for shape in shapes):
         many = nested_cages_many(
             [shape.content for shape in shapes],
             dict(enumerate(levels)),

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import invalid_file
 from ..formats import DRAWING_LIMITS, Frame, Limits, read_whole, to_svg
-from ..formats.geojson import loaded_json
+from ..formats.geojson import LOOKS, loaded_json
 from ..formats.geometries import polygons_of
 from ..formats.svg.document import Document
 from ..geometry.mesh import Mesh
@@ -26,14 +26,14 @@ LAST_WORDS = re.compile(r"-?(drawing|shape|cage-\d+)$| (Inner )?(Fine|Cage \d+)(
 MEASURES = {"level", "vertices", "excess", "clearance"}
 """Properties of cages that the command has written."""
 
-LOOKS = ("time", "fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width")
-"""Properties that say when and how a feature is shown."""
-
 FEATURE, GEOMETRY = {"type", "properties", "geometry", "id", "bbox"}, {"type", "coordinates", "bbox"}
 """Members of a feature, and of a polygon."""
 
 SAME_BOX = 1e-6
 """Difference of a bounding box from that of the coordinates, over its size, that is the rounding of its decimals."""
+
+CLASS = re.compile(r"(level|inner)-(\d{1,6})")
+"""The class of a path."""
 
 LETTERS = str.maketrans("LZ", "  ")
 """Letters of path data that are no numbers."""
@@ -83,8 +83,10 @@ def read_picture(content: bytes, drawings: Source | None = None) -> tuple[list[L
     document = Document(text, DRAWING_LIMITS)
     paths = [each for each in document.root.iter() if str(each.tag).endswith("}path")]
     names = [each.get("id", "") for each in paths]
-    sides = [each.get("class", "").split("-") for each in paths]
-    levels = [int(number) if side == "level" else -int(number) for side, number in sides]
+    sides = [CLASS.fullmatch(each.get("class", "")) for each in paths]
+    if not all(sides):
+        raise invalid_file(f"{names[sides.index(None)]!r:.60} has no level.")
+    levels = [int(side[2]) if side[1] == "level" else -int(side[2]) for side in sides if side]
     loops = [[loop.translate(LETTERS).split() for loop in each.get("d", "").split("M")[1:]] for each in paths]
     meshes = [Mesh.from_loops([np.array(loop, float).reshape(-1, 2) for loop in each]) for each in loops]
     frame, y_up = document.frame, "<g " in text

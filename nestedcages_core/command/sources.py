@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import glob
+import os
 import re
 import sys
 from argparse import Namespace
@@ -74,8 +75,11 @@ class Source(NamedTuple):
 
 def matching_files(patterns: Sequence[str]) -> list[str]:
     """The files that match patterns such as `icons/*.svg`; what no file matches stays as it is."""
-    found = (sorted(filter(kind_of, glob.glob(pattern, recursive=True))) or [pattern] for pattern in patterns)
-    return list(dict.fromkeys(path for paths in found for path in paths))
+    found = list[str]()
+    for pattern in patterns:
+        matches = [] if os.path.lexists(pattern) else sorted(filter(kind_of, glob.glob(pattern, recursive=True)))
+        found += matches or [pattern]
+    return list(dict.fromkeys(found))
 
 
 def read(path: str, given: Namespace) -> Source:

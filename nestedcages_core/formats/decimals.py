@@ -8,7 +8,6 @@ from decimal import Context, Decimal
 import numpy as np
 
 from ..errors import NestedCagesError, invalid_file
-from ..geometry.arrays import FloatArray
 from ..geometry.lattice import Grid
 from ..geometry.mesh import Mesh
 from ..geometry.vectors import format_point
@@ -41,12 +40,8 @@ def check_decimals(meshes: Iterable[Mesh], decimals: int | None) -> None:
 
 
 def turned_over(mesh: Mesh, height: float) -> Mesh:
-    """A mesh with y turned over at half of a height, in decimals; turned twice it is the same again."""
-    return Mesh.from_loops([flipped(ring, height) for ring in mesh.rings])
-
-
-def flipped(points: FloatArray, height: float) -> FloatArray:
-    """Points (n, 2) with height - y for y: rounded once from decimal arithmetic, so that few decimals stay few."""
+    """A mesh with height - y for y, rounded once from decimal arithmetic: few decimals stay few."""
     whole = Decimal(repr(float(height)))
-    turned = [float(ENOUGH_DIGITS.subtract(whole, Decimal(repr(y)))) for y in points[:, 1].tolist()]
-    return np.stack((points[:, 0], turned), axis=1)
+    y = [float(ENOUGH_DIGITS.subtract(whole, Decimal(repr(y)))) for y in mesh.vertices[:, 1].tolist()]
+    points = np.stack((mesh.vertices[:, 0], y), axis=1)
+    return Mesh.from_loops([points[loop] for loop in mesh.loops])

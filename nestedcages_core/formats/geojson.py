@@ -32,7 +32,10 @@ NAMES = ("name", "NAME", "Name")
 LONGEST_NAME = 60
 """Maximum length of a feature's name in a message."""
 
-KEPT_BY_PIECES = ("name", "level", "time")
+LOOKS = ("time", "fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width")
+"""Properties that say when and how a feature is shown."""
+
+KEPT_BY_PIECES = ("name", "level", *LOOKS)
 """Properties that the convex pieces of a feature have too."""
 
 

@@ -222,7 +222,7 @@ def test_no_result_is_refused(name: str, levels: list[object], tmp_path: Path) -
     chart.write_text(to_geojson([Feature(mesh, {"name": "<&>", "fill": "#123", "area": 5})]))
     for options in ([], ["--inside"], ["--loops", "keep"]):
         for source in (drawing, chart):
-            more = ["--flip-y", "--pieces", 6] if source == drawing and not options else []
+            more = [] if options else ["--pieces", 6, *(["--flip-y"] if source == drawing else [])]
             words = ["--levels", *levels, *options]
             if run(source, *words, *more, "-o", result, "-o", other, "--quiet").status == 0:
                 asked = ["--levels", *levels, *options[:1], *(["--same-loops"] if "keep" in options else [])]
