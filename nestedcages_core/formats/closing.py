@@ -28,8 +28,8 @@ NECK = 1e-6
 ATTEMPTS, NECK_ATTEMPTS = 10, 2
 """Attempts to join parts that touch and to cover lines, and the last of these by necks; then all grows."""
 
-PUSH, PUSHES = 4.0 * float(np.finfo(float).eps), 12
-"""First distance by which corners are moved outwards, over the largest coordinate; each further one is 4 times that."""
+PUSH, PUSHES = 4.0 * float(np.finfo(float).eps), 6
+"""First distance by which corners are moved outwards, over the largest coordinate; each further one is 16 times it."""
 
 MITRE, NOTCH = 1.8, 50.0
 """Maximum mitre length of offsets outwards, and of offsets back: notches above 2.3 degrees stay."""
@@ -104,12 +104,11 @@ def _pushed(mesh: Mesh, rings: Sequence[FloatArray], size: float) -> tuple[Mesh,
         outwards = np.stack((on[:, 1] - back[:, 1], back[:, 0] - on[:, 0]), axis=1)  # the normals of both edges
         outwards += np.where((outwards * (back + on)).sum(axis=1)[:, None] < 0.0, -1.0, 1.0) * (back + on)
         moved = mesh.vertices.copy()
-        bent = orientation(before, here, after) <= 0
-        moved[vertex[bent]] += push * (outwards / np.hypot(*outwards.T)[:, None])[bent]
+        moved[vertex] += push * outwards / np.hypot(*outwards.T)[:, None]
         mesh = mesh.moved(moved)
         starts, ends = uncovered_edges(mesh, list(np.stack((starts, ends), axis=1)))
         starts, ends = (starts, ends) if len(starts) else uncovered_edges(mesh, rings)
-        push *= 4.0
+        push *= 16.0
     try:
         return mesh.validated(), starts, ends
     except InvalidMeshError:

@@ -39,11 +39,12 @@ TOUCHING_PER_SECOND, CHAIN_PAIRS_PER_SECOND = 8_000, 500_000
 """Points where parts touch, and pairs of monotone chains whose boxes meet, that are united in a second with all
 that follows (measured)."""
 
-SAMPLE = 256
-"""Number of chains whose boxes are held against those of all others, to tell how many pairs meet."""
+SAMPLE, BLOCK = 256, 1_000_000
+"""Number of chains whose boxes are held against those of all others, to tell how many pairs meet, and pairs that are
+compared at once."""
 
-FEW = 500
-"""Number of edges that are united without counting their crossings first."""
+FEW, SHORT = 500, 0.1
+"""Number of edges, and seconds that they take at most, that are united without counting their crossings first."""
 
 Area = Any
 """A painted area, or a geometry of shapely."""
@@ -208,12 +209,17 @@ def spend(geometries: Sequence[Any], quota: Quota | None, *, own: bool = False) 
     if quota is None or shapely.get_num_coordinates(geometries).sum() < FEW:
         return
     starts, ends = edges_of(all_rings(geometries, lines=True))
-    quota.spend("seconds", _meeting_chains(starts, ends) / CHAIN_PAIRS_PER_SECOND)
+    rate = OWN_CROSSINGS_PER_SECOND if own else CROSSINGS_PER_SECOND
+    pairs, chains = _meeting_chains(starts, ends)
+    quota.spend("seconds", pairs / CHAIN_PAIRS_PER_SECOND)
+    longest = max(pairs - chains, 0.0) * 2.0 * len(starts) / chains / rate  # if all but neighbours cross all along
+    if longest < SHORT:
+        quota.spend("seconds", longest)
+        return
     _, first, copies = np.unique(edge_keys(starts, ends), return_index=True, return_counts=True)
     starts, ends = starts[first], ends[first]
     _, number = np.unique(starts[copies == 1].view(np.complex128), return_counts=True)
     quota.spend("seconds", np.count_nonzero(number > 1) / TOUCHING_PER_SECOND)
-    rate = OWN_CROSSINGS_PER_SECOND if own else CROSSINGS_PER_SECOND
     for i, j in BoxTree(starts, ends).blocks():
         quota.spend("seconds", len(i) / PAIRS_PER_SECOND)
         apart = (starts[i] != ends[j]).any(axis=1) & (starts[j] != ends[i]).any(axis=1)
@@ -223,20 +229,24 @@ def spend(geometries: Sequence[Any], quota: Quota | None, *, own: bool = False) 
         quota.spend("seconds", float(copies[i[crossing]] @ copies[j[crossing]]) / rate)
 
 
-def _meeting_chains(starts: FloatArray, ends: FloatArray) -> float:
-    """About how many pairs of chains have boxes that meet; GEOS compares monotone chains of edges (E, 2) -> (E, 2)."""
+def _meeting_chains(starts: FloatArray, ends: FloatArray) -> tuple[float, int]:
+    """About how many pairs of chains have boxes that meet, and the number of chains.
+
+    GEOS compares monotone chains of edges (E, 2) -> (E, 2).
+    """
     turns = ((ends[1:] >= starts[1:]) != (ends[:-1] >= starts[:-1])).any(axis=1)
     turns |= (ends[:-1] != starts[1:]).any(axis=1)
     first, last = np.flatnonzero(np.append(True, turns)), np.flatnonzero(np.append(turns, True))
     low, high = np.minimum(starts[first], ends[last]).T.copy(), np.maximum(starts[first], ends[last]).T.copy()
-    chosen = np.random.default_rng(0).permutation(len(first))[:SAMPLE]
+    chosen = np.random.default_rng(0).permutation(len(first))[:SAMPLE, None]
+    blocks = np.array_split(chosen, math.ceil(len(chosen) * len(first) / BLOCK))
     found = sum(
         np.count_nonzero(
             (low[0] <= high[0, k]) & (high[0] >= low[0, k]) & (low[1] <= high[1, k]) & (high[1] >= low[1, k])
         )
-        for k in chosen
+        for k in blocks
     )
-    return 0.5 * len(first) * (found / len(chosen) - 1.0)
+    return 0.5 * len(first) * (found / len(chosen) - 1.0), len(first)
 
 
 def _plain(area: Painted) -> Mesh | None:

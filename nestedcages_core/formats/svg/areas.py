@@ -1,10 +1,11 @@
-"""A scene as areas: curves become chains of edges on one side, strokes outlines, clips and masks intersections."""
+"""Shapes as areas: curves become chains of edges on one side, strokes outlines, clips and masks intersections."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from itertools import groupby, pairwise
 from typing import Any
 
 import numpy as np
@@ -14,13 +15,13 @@ from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.mesh.validation import MAX_COORDINATE
 from ..limits import Quota
 from ..solids import Area, Painted, bounds_of, regions, shapely, spend, strip_width, union_of
-from .curves import MAX_TURN, Pieces, Subpath, cross, pieces_of
+from .curves import MAX_TURN, Pieces, cross, pieces_of
 from .fading import visible
-from .nodes import Clip, Group, Shape
+from .nodes import Clip, Shape, units_of
 from .options import SvgOptions
-from .paints import Gradient, Paint
+from .paints import Paint
 from .strokes import Polyline, Stroke, stroked
-from .transforms import moved, scaling, translation
+from .transforms import moved
 
 STROKE_FINENESS = 0.2
 """Tolerance of the centre line of a stroke, and of its round parts, relative to that of fills."""
@@ -29,116 +30,172 @@ SMALL, THIN, MAX_FINER = 0.005, 0.02, 8.0
 """Default tolerance of small and thin fills over their thickness, the same of strokes over their width, and its largest
 ratio to that of other shapes."""
 
-BOX_FINENESS = 1e-4
-"""Tolerance of boxes around curves, relative to that of their chords."""
-
 MANY = 1_000_000
 """Loops times points beyond which holes are told by their direction alone."""
 
-AreasOf = Callable[[Shape, FloatArray], list[Area]]
+Chains = tuple[list[FloatArray], list[FloatArray], FloatArray, bool]
+"""Loops on the outer side of the curves of a fill, on the inner one, slivers between them, and whether these sides are
+known."""
+
+
+@dataclass(frozen=True)
+class Pen:
+    """How the stroke of a shape is drawn."""
+
+    shape: Shape
+    stroke: Stroke
+    points: list[FloatArray]
+    """Control points of its subpaths, where its width is as given."""
+    after: FloatArray
+    """The matrix from there to the document."""
+    tolerance: float
+    """Of its centre line, and of its round parts."""
+
+    @property
+    def max_turn(self) -> float:
+        """The largest angle in radians between edges of its centre line."""
+        return float(min(MAX_TURN, 2.0 * np.arccos(1.0 / (1.0 + 2.0 * self.tolerance / self.stroke.width))))
 
 
 class Areas:
-    """Turns the shapes of a scene into areas that cover them, or with `inside` in the options lie in them.
+    """Turns shapes into areas that cover them, or with `inside` in the options lie in them.
 
     tolerance: distance between curves and edges; pixel: width in user units of a non-scaling stroke of width 1.
     """
 
-    def __init__(self, options: SvgOptions, tolerance: float, pixel: float) -> None:
+    def __init__(self, shapes: Sequence[Shape], options: SvgOptions, tolerance: float, pixel: float) -> None:
         self.options = options
         self.tolerance = tolerance
         self.pixel = pixel
-        self.inside = options.inside
         self.quota = Quota(options.limits)
+        self.kept: dict[Clip, Any] = {}
+        self.fills: dict[Shape, Chains] = {}
+        self.strokes: dict[Shape, tuple[Pen, list[Polyline]]] = {}
+        everything = list(_with_clips(shapes))
+        if not all(np.abs(points).max() < MAX_COORDINATE for shape in everything for points in shape.placed):
+            raise invalid_file("The drawing has coordinates that are not finite, or too large; correct them.")
+        fills = [shape for shape in everything if shape.fill and any(path.is_curved for path in shape.subpaths)]
+        self._make_chains(fills, [shape for shape in everything if shape.stroke_paint] if options.strokes else [])
 
-    def of(self, node: Group | Shape, outer: FloatArray) -> list[Area]:
-        """The areas that a node paints. outer: from its units to those of the document."""
-        if isinstance(node, Shape):
-            return self._of_shape(node, outer)
-        return self._kept([area for child in node.children for area in self.of(child, outer)], node, outer)
+    def of(self, shapes: Sequence[Shape]) -> list[Area]:
+        """The areas that shapes paint."""
+        found: list[Area] = []
+        for clips, members in groupby(shapes, lambda shape: shape.clips):
+            areas = [area for shape in members for area in (*self.fill_of(shape), *self.stroke_of(shape))]
+            found += self.clipped(areas, clips)
+        return found
 
-    def parts(
-        self, node: Group | Shape, outer: FloatArray, painted: AreasOf | None = None
-    ) -> Iterator[tuple[Shape, list[Area]]]:
-        """Each shape of a node with the areas that it paints, those that paint none left out.
-
-        painted: `fill_of` or `stroke_of` for these alone.
-        """
-        if isinstance(node, Shape):
-            yield node, (painted or self._of_shape)(node, outer)
-            return
-        for child in node.children:
-            for shape, areas in self.parts(child, outer, painted):
-                kept = self._kept(areas, node, outer)
-                if kept:
-                    yield shape, kept
-
-    def _kept(self, areas: list[Area], group: Group, outer: FloatArray) -> list[Area]:
-        """Areas of a group after its clip paths and masks."""
-        for clip in group.clips:
-            if areas:
-                areas = self._clipped(areas, group, clip, outer)
+    def clipped(self, areas: list[Area], clips: Sequence[Clip]) -> list[Area]:
+        """Areas within clip paths and masks; those completely inside stay unchanged."""
+        for clip in clips:
+            if not areas:
+                break
+            low, high = bounds_of(areas)
+            if clip not in self.kept:
+                inside = self._masked(clip.shapes) if clip.is_mask else self.of(clip.shapes)
+                is_box = len(inside) == 1 and _is_box_around(inside[0], low, high)
+                if is_box:
+                    continue
+                self.kept[clip] = union_of(inside, self.quota)
+            if not shapely.covers(self.kept[clip], shapely.box(*low, *high)):
+                areas = [self._of_two(shapely.intersection, union_of(areas, self.quota), self.kept[clip])]
         return areas
 
-    def _of_shape(self, shape: Shape, outer: FloatArray) -> list[Area]:
-        return [*self.fill_of(shape, outer), *self.stroke_of(shape, outer)]
-
-    def fill_of(self, shape: Shape, outer: FloatArray) -> list[Area]:
-        """The area that the fill of a shape paints."""
+    def fill_of(self, shape: Shape) -> list[Area]:
+        """The area that the fill of a shape paints, before it is clipped."""
         if shape.fill is None:
             return []
-        return self._painted(shape, shape.fill, self._filled(shape, outer @ shape.matrix), outer)
+        return self._painted(shape, shape.fill, self._filled(shape, inside=self.options.inside))
 
-    def stroke_of(self, shape: Shape, outer: FloatArray) -> list[Area]:
-        """The area that the stroke of a shape paints."""
+    def stroke_of(self, shape: Shape) -> list[Area]:
+        """The area that the stroke of a shape paints, before it is clipped."""
         if shape.stroke is None or shape.stroke_paint is None or not self.options.strokes:
             return []
-        areas = self._stroked(shape, shape.stroke, outer @ shape.matrix)
-        return self._painted(shape, shape.stroke_paint, areas, outer)
+        return self._painted(shape, shape.stroke_paint, self._stroked(shape, inside=self.options.inside))
 
-    def _filled(self, shape: Shape, matrix: FloatArray) -> list[Area]:
-        """The inside of a shape; curves of thin shapes have finer edges, unless the tolerance is given.
+    def _make_chains(self, fills: Sequence[Shape], strokes: Sequence[Shape]) -> None:
+        """Make chains of edges of the curves of all fills and strokes at once."""
+        pens = [pen for shape in strokes if (pen := self._pen(shape)) is not None]
+        shapes = [*fills, *(pen.shape for pen in pens)]
+        if not shapes:
+            return
+        counts = [len(shape.subpaths) for shape in shapes]
+        pieces = pieces_of(
+            [path for shape in shapes for path in shape.subpaths],
+            [points for shape in fills for points in shape.placed] + [points for pen in pens for points in pen.points],
+            np.repeat([*(self._tolerance(shape) for shape in fills), *(pen.tolerance for pen in pens)], counts),
+            np.repeat([*(MAX_TURN for shape in fills), *(pen.max_turn for pen in pens)], counts),
+            partial(self.quota.spend, "points"),
+        )
+        first = np.append(0, np.cumsum(counts))
+        self._chain_fills(fills, first[: len(fills) + 1], pieces.of(0, first[len(fills)]))
+        self._chain_strokes(pens, first[len(fills) :], pieces)
+
+    def _tolerance(self, shape: Shape) -> float:
+        """Of the edges of a fill: finer for thin ones, unless the tolerance is given."""
+        if self.options.tolerance is not None:
+            return self.tolerance
+        return min(max(SMALL * abs(strip_width(shape.placed)), self.tolerance / MAX_FINER), self.tolerance)
+
+    def _chain_fills(self, shapes: Sequence[Shape], first: IntArray, pieces: Pieces) -> None:
+        """first: the first subpath of each shape, and their number."""
+        if not shapes:
+            return
+        ends = np.split(pieces.stops, pieces.first[1:-1])
+        own = [slice(*each) for each in pairwise(first)]
+        known = [_sides(ends[part], evenodd=shape.evenodd) for shape, part in zip(shapes, own, strict=True)]
+        sides = np.concatenate([side for side, _ in known])
+        outer, inner, slivers = pieces.chains(sides), pieces.chains(-sides), pieces.slivers()
+        bent = np.append(0, np.cumsum(pieces.turns != 0))[pieces.first[first]]
+        for k, (shape, part) in enumerate(zip(shapes, own, strict=True)):
+            self.fills[shape] = outer[part], inner[part], slivers[bent[k] : bent[k + 1]], known[k][1]
+
+    def _chain_strokes(self, pens: Sequence[Pen], first: IntArray, pieces: Pieces) -> None:
+        """first: the first subpath of each shape, and the number of all subpaths."""
+        if not pens:
+            return
+        whole = pieces.of(first[0], first[-1])
+        errors = whole.errors(whole.first[first[:-1] - first[0]])
+        chains = whole.chains(np.zeros(len(whole.first) - 1, dtype=np.int64))
+        for pen, (low, high), *error in zip(pens, pairwise(first), *errors, strict=True):
+            found: list[tuple[FloatArray, FloatArray | None]] = []
+            if pen.stroke.dashes:
+                found = [*pieces.of(low, high).lines()]
+            else:
+                found = [(chain, None) for chain in chains[low - first[0] : high - first[0]]]
+            lines = [
+                Polyline(chain, path.closed, least, *map(float, error))
+                for path, (chain, least) in zip(pen.shape.subpaths, found, strict=True)
+            ]
+            self.strokes[pen.shape] = pen, lines
+
+    def _filled(self, shape: Shape, *, inside: bool) -> list[Area]:
+        """Areas that cover the inside of a shape, or lie in it.
 
         Chains of edges differ from curves in slivers alone: what they enclose, with those slivers that it does not
         cover, covers the shape, and without those that it does not leave out lies in the shape.
         """
-        points = [self._moved(path, matrix) for path in shape.subpaths]
-        if not any(path.is_curved for path in shape.subpaths):
-            self.quota.spend("points", sum(map(len, points)))
-            return [Painted(points, shape.evenodd)]
-        tolerance = self.tolerance
-        if self.options.tolerance is None:
-            tolerance = min(max(SMALL * abs(strip_width(points)), tolerance / MAX_FINER), tolerance)
-        pieces = self._pieces(shape.subpaths, points, tolerance)
-        sides, alternate = _sides(np.split(pieces.stops, pieces.first[1:-1]), evenodd=shape.evenodd)
-        sides *= -1 if self.inside else 1
-        loops, slivers = pieces.chains(sides), pieces.slivers()
+        if shape not in self.fills:
+            self.quota.spend("points", sum(map(len, shape.placed)))
+            return [Painted(shape.placed, shape.evenodd)]
+        loops, others, slivers, alternate = self.fills[shape]
+        if inside:
+            loops, others = others, loops
         region = _enclosed(loops) if alternate else None
-        inner = pieces.chains(-sides) if region is not None else [*loops, *pieces.chains(-sides)]
         if region is None:
+            others = [*loops, *others]
             (region,) = regions([Painted(loops, shape.evenodd)], self.quota)
         free = region
-        if self.inside:
+        if inside:
             low, high = bounds_of([Painted([*slivers, *loops])])
-            free = shapely.box(*(low - tolerance), *(high + tolerance)) - region
-        left = _uncovered(free, shapely.MultiLineString(inner), slivers)
+            free = shapely.box(*(low - self.tolerance), *(high + self.tolerance)) - region
+        left = _uncovered(free, shapely.MultiLineString(others), slivers)
         painted = Painted(loops, shape.evenodd, region)
-        if not self.inside:
+        if not inside:
             return [painted, *left]
         return [self._of_two(shapely.difference, region, union_of(left, self.quota))] if len(left) else [painted]
 
-    def _pieces(
-        self, paths: Sequence[Subpath], points: Sequence[FloatArray], tolerance: float, max_turn: float = MAX_TURN
-    ) -> Pieces:
-        return pieces_of(paths, points, tolerance, max_turn, partial(self.quota.spend, "points"))
-
-    def _moved(self, path: Subpath, matrix: FloatArray) -> FloatArray:
-        points = moved(path.points, matrix)
-        if not np.abs(points).max() < MAX_COORDINATE:
-            raise invalid_file("The drawing has coordinates that are not finite, or too large; correct them.")
-        return points
-
-    def _painted(self, shape: Shape, paint: Paint, areas: list[Area], outer: FloatArray) -> list[Area]:
+    def _painted(self, shape: Shape, paint: Paint, areas: list[Area]) -> list[Area]:
         """The visible parts of areas."""
         seen = paint.alphas > self.options.faintest
         if paint.gradient is None or seen.all() or not seen.any():
@@ -146,105 +203,73 @@ class Areas:
         whole = union_of(areas, self.quota)
         if whole.is_empty:
             return []
-        matrix = outer @ self.units_of(shape, paint.gradient)
-        part = visible(paint.gradient, paint.alphas, self.options.faintest, matrix, whole.bounds, inside=self.inside)
+        matrix, inside = units_of(shape, paint.gradient), self.options.inside
+        part = visible(paint.gradient, paint.alphas, self.options.faintest, matrix, whole.bounds, inside=inside)
         return [self._of_two(shapely.intersection, whole, part)]
 
-    def units_of(self, shape: Shape, gradient: Gradient) -> FloatArray:
-        """The matrix (3, 3) to the document from the units of a gradient of a shape, before its own matrix."""
-        box = self._outline(replace(shape, matrix=np.eye(3)), np.eye(3)) if gradient.of_box else None
-        return shape.matrix if box is None else np.asarray(shape.matrix @ _unit_box(box))
-
-    def _stroked(self, shape: Shape, stroke: Stroke, matrix: FloatArray) -> list[Area]:
-        """The area of a stroke."""
-        before, after = (np.eye(3), matrix) if shape.scales else (matrix, np.eye(3))
+    def _pen(self, shape: Shape) -> Pen | None:
+        """How to draw the stroke of a shape; None if it has no extent."""
+        stroke, points, after = shape.stroke, [path.points for path in shape.subpaths], shape.matrix
+        if stroke is None:
+            return None
         if not shape.scales:
-            stroke = stroke.scaled(self.pixel)
+            stroke, points, after = stroke.scaled(self.pixel), shape.placed, np.eye(3)
         scale = float(np.linalg.norm(after[:2, :2], 2))
         if not scale > 0.0 or np.linalg.det(after[:2, :2]) == 0.0:
-            return []
+            return None
         tolerance = self.tolerance / scale
         if self.options.tolerance is None:
             tolerance = min(tolerance, max(THIN * stroke.width, tolerance / MAX_FINER))
-        tolerance *= STROKE_FINENESS
-        max_turn = min(MAX_TURN, 2.0 * np.arccos(1.0 / (1.0 + 2.0 * tolerance / stroke.width)))
-        points = [self._moved(path, before) for path in shape.subpaths]
-        pieces = self._pieces(shape.subpaths, points, tolerance, max_turn)
-        errors = pieces.errors()
-        found: list[tuple[FloatArray, FloatArray | None]] = [*pieces.lines()] if stroke.dashes else []
-        if not stroke.dashes:
-            found = [(chain, None) for chain in pieces.chains(np.zeros(len(points), dtype=np.int64))]
-        lines = [
-            Polyline(chain, path.closed, least, *errors)
-            for path, (chain, least) in zip(shape.subpaths, found, strict=True)
-        ]
-        parts = stroked(lines, stroke, tolerance, self.quota, inside=self.inside)
-        self.quota.spend("points", int(shapely.get_num_coordinates(parts).sum()))
-        return list(shapely.transform(parts, lambda points: moved(points, after)))
+        return Pen(shape, stroke, points, after, STROKE_FINENESS * tolerance)
 
-    def _outline(self, node: Group | Shape, outer: FloatArray) -> list[FloatArray]:
-        """Points of the outlines of a node, regardless of paint."""
-        shapes = [node] if isinstance(node, Shape) else node.shapes()
-        fine = BOX_FINENESS * self.tolerance
-        return [
-            self._pieces(
-                shape.subpaths, [self._moved(path, outer @ shape.matrix) for path in shape.subpaths], fine
-            ).stops
-            for shape in shapes
-        ]
+    def _stroked(self, shape: Shape, *, inside: bool) -> list[Area]:
+        """The area of the stroke of a shape."""
+        if shape not in self.strokes:
+            return []
+        pen, lines = self.strokes[shape]
+        parts = stroked(lines, pen.stroke, pen.tolerance, self.quota, inside=inside)
+        self.quota.spend("points", int(shapely.get_num_coordinates(parts).sum()))
+        return list(shapely.transform(parts, lambda points: moved(points, pen.after)))
 
     def _of_two(self, operation: Callable[[Any, Any], Any], one: Any, other: Any) -> Any:
         """What an operation of shapely makes of two areas, without lines and points; crossings are counted before."""
         spend([one, other], self.quota)
         return polygonal(operation(one, other))
 
-    def _clipped(self, areas: list[Area], group: Group, clip: Clip, outer: FloatArray) -> list[Area]:
-        """The areas of a group within a clip path or mask; areas completely inside stay unchanged."""
-        matrix = outer @ clip.matrix
-        if clip.of_box:
-            if np.linalg.det(clip.matrix[:2, :2]) == 0.0:
-                return []
-            matrix = matrix @ _unit_box(self._outline(group, np.asarray(np.linalg.inv(clip.matrix), np.float64)))
-        low, high = bounds_of(areas)
-        inside = self._masked(clip.content, matrix) if clip.is_mask else self.of(clip.content, matrix)
-        if len(inside) == 1 and _is_box_around(inside[0], low, high):
-            return areas
-        kept = union_of(inside, self.quota)
-        if shapely.covers(kept, shapely.box(*low, *high)):
-            return areas
-        return [self._of_two(shapely.intersection, union_of(areas, self.quota), kept)]
-
-    def _masked(self, content: Group, outer: FloatArray) -> list[Area]:
+    def _masked(self, shapes: Sequence[Shape]) -> list[Area]:
         """The region where a mask is more opaque than the faintest share: its shapes in order, by luminance.
 
         What hides others is inside of its outline where what shows them is outside of its own, and the other way round.
         """
         kept: list[Any] = []
-        for shape in content.shapes():
-            matrix = outer @ shape.matrix
-            for paint, drawn in ((shape.fill, self._filled), (shape.stroke_paint, self._drawn)):
+        within = self.options.inside
+        for shape in shapes:
+            for paint, drawn in ((shape.fill, self._filled), (shape.stroke_paint, self._stroked)):
                 if paint is None:
                     continue
                 light = paint.opacity * paint.colour.luminance
                 if paint.gradient is not None:
                     shown = replace(paint, gradient=paint.gradient.as_light())
-                    kept += self._painted(shape, shown, drawn(shape, matrix), outer)
+                    kept += self.clipped(self._painted(shape, shown, drawn(shape, inside=within)), shape.clips)
                 elif light > self.options.faintest:
-                    kept += drawn(shape, matrix)
+                    kept += self.clipped(drawn(shape, inside=within), shape.clips)
                 elif 1.0 - paint.opacity + light <= self.options.faintest:
-                    self.inside = not self.inside
-                    hidden = drawn(shape, matrix)
-                    self.inside = not self.inside
+                    hidden = self.clipped(drawn(shape, inside=not within), shape.clips)
                     rest, region = (union_of(each, self.quota) for each in (kept, hidden))
                     kept = [self._of_two(shapely.difference, rest, region)]
-        clipped: list[Area] = [union_of(kept, self.quota)]
-        for clip in content.clips:
-            clipped = self._clipped(clipped, content, clip, outer)
-        return clipped
+        return [union_of(kept, self.quota)]
 
-    def _drawn(self, shape: Shape, matrix: FloatArray) -> list[Area]:
-        """The area of the stroke of a shape, if it has one."""
-        return self._stroked(shape, shape.stroke, matrix) if shape.stroke else []
+
+def _with_clips(shapes: Iterable[Shape]) -> Iterator[Shape]:
+    """Shapes and those that they are clipped by, each once."""
+    waiting, known = list(shapes), set[Clip]()
+    while waiting:
+        shape = waiting.pop()
+        yield shape
+        for clip in shape.clips:
+            if clip not in known:
+                known.add(clip)
+                waiting += clip.shapes
 
 
 def _sides(loops: Sequence[FloatArray], *, evenodd: bool) -> tuple[IntArray, bool]:
@@ -300,12 +325,6 @@ def polygonal(region: Any) -> Any:
         return region
     parts = shapely.get_parts(region)
     return shapely.MultiPolygon(list(shapely.get_parts(parts[shapely.get_dimensions(parts) == 2])))
-
-
-def _unit_box(outlines: list[FloatArray]) -> FloatArray:
-    """The matrix that takes the unit square to the box around outlines."""
-    points = np.concatenate(outlines)
-    return translation(*points.min(axis=0)) @ scaling(*np.ptp(points, axis=0))
 
 
 def _is_box_around(area: Any, low: FloatArray, high: FloatArray) -> bool:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...geometry.arrays import BoolArray, FloatArray, IntArray
 
@@ -84,13 +85,17 @@ class Pieces:
     """(P, 2) whether the start and the stop of a piece are computed, not given."""
     first: IntArray
     """(L + 1,) the first piece of each subpath, and P."""
-    tolerance: float
+    tolerance: FloatArray
+    """(P,)"""
+    push: FloatArray
+    """(P,) distance that computed points are moved away from curves."""
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "push", PUSH * float(np.abs(self.stops).max()))
-
-    push: float = field(init=False)
-    """Distance that computed points are moved away from curves."""
+    def of(self, low: int, high: int) -> Pieces:
+        """Those of some consecutive subpaths."""
+        first = self.first[low : high + 1]
+        own = slice(first[0], first[-1])
+        arrays = {each.name: getattr(self, each.name)[own] for each in fields(self) if each.name != "first"}
+        return Pieces(**arrays, first=first - first[0])
 
     def chains(self, sides: IntArray) -> list[FloatArray]:
         """For each subpath (k, 2) points of a chain to the right of its curves, side 1, or to their left, -1.
@@ -114,9 +119,10 @@ class Pieces:
         before, after = self.corners[joint - 1, 1], self.corners[joint, 0]
         depth = cross(after - before, self.starts[joint] - before) / np.maximum(_norm(after - before), TINY)
         depth *= np.where(side[joint] < 0, -1, 1)
-        low = np.where(side[joint] == 0, -JOINT * self.tolerance, 0.25 * self.push)
+        most = JOINT * self.tolerance[joint]
+        least = np.where(side[joint] == 0, -most, 0.25 * self.push[joint])
         goes_on = ((self.starts[joint] - before) * (after - self.starts[joint])).sum(axis=1) > 0.0
-        kept[joint, 0] = ~(goes_on & (depth >= low) & (depth <= JOINT * self.tolerance))
+        kept[joint, 0] = ~(goes_on & (depth >= least) & (depth <= most))
         numbers = np.add.reduceat(kept.sum(axis=1), self.first[:-1])
         return np.split(points.reshape(-1, 2)[kept.ravel()], np.cumsum(numbers)[:-1])
 
@@ -151,18 +157,20 @@ class Pieces:
             )
         return found
 
-    def errors(self) -> tuple[float, float]:
-        """Bounds of the distance of side 0 from the curves, and of the angle between its edges on one curve."""
-        bent = self.turns != 0
-        if not bent.any():
-            return 0.0, 0.0
-        starts, stops, corners = self.starts[bent], self.stops[bent], self.corners[bent]
+    def errors(self, first: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Bounds of the distance of side 0 from the curves, and of the angle between its edges on one curve.
+
+        first: (S,) the first piece of each group of subpaths; the bounds are (S,) too.
+        """
+        starts, stops, corners = self.starts, self.stops, self.corners
         chord = stops - starts
         height = np.abs(cross(corners - starts[:, None], chord[:, None])).max(axis=1) / np.maximum(_norm(chord), TINY)
         height = np.minimum(height, _norm(corners - starts[:, None]).max(axis=1))
         height *= np.where((corners[:, 0] == corners[:, 1]).all(axis=1), MEETING, 1.0)
         turn = angle_between(corners[:, 0] - starts, stops - corners[:, 1])
-        return float(height.max()) + JOINT * self.tolerance, float(turn.max())
+        bounds = np.where(self.turns != 0, (height + JOINT * self.tolerance, turn), 0.0)
+        height, turn = np.maximum.reduceat(bounds, first, axis=1)
+        return height, turn
 
     @cached_property
     def _normals(self) -> FloatArray:
@@ -188,17 +196,21 @@ def cross(a: FloatArray, b: FloatArray) -> FloatArray:
 def pieces_of(
     paths: Sequence[Subpath],
     points: Sequence[FloatArray],
-    tolerance: float,
-    max_turn: float = MAX_TURN,
+    tolerance: ArrayLike,
+    max_turn: ArrayLike = MAX_TURN,
     spend: Callable[[int], None] = lambda number: None,
 ) -> Pieces:
     """The pieces of subpaths whose control points were moved to `points`.
 
-    tolerance: of the distance between chords, curve and tangents; max_turn: radians that a piece may turn; spend: told
-    how many pieces there will be before they are made.
+    tolerance: of the distance between chords, curve and tangents; max_turn: radians that a piece may turn, both for
+    each subpath or for all; spend: told how many pieces there will be before they are made.
     """
     degrees, angles = (np.concatenate([getattr(path, key) for path in paths]) for key in ("degrees", "angles"))
     counts = np.array([len(path.degrees) for path in paths])
+    fineness, turning = (
+        np.repeat(np.broadcast_to(np.asarray(each, np.float64), len(paths)), counts)
+        for each in (np.maximum(tolerance, TINY), max_turn)
+    )
     everything = np.concatenate(points)
     last = np.cumsum(degrees) + np.repeat(np.arange(len(paths)), counts)
     owner, place, corner, stop = [], [], [], []
@@ -206,7 +218,7 @@ def pieces_of(
         which = np.flatnonzero(degrees == degree)
         if len(which):
             control = everything[(last[which] - degree)[:, None] + np.arange(degree + 1)]
-            index, at, corners, stops = make(control, angles[which], max(tolerance, TINY), max_turn, spend)
+            index, at, corners, stops = make(control, angles[which], fineness[which], turning[which], spend)
             owner.append(which[index])
             place.append(at)
             corner.append(corners)
@@ -221,14 +233,12 @@ def pieces_of(
     chord = stops - starts
     middle = corners.sum(axis=1) / 2.0 - starts
     turns = np.where(degrees[curve] == LINE, 0, np.sign(cross(middle, chord))).astype(np.int64)
-    first = np.flatnonzero(is_last)[np.cumsum(counts) - 1] + 1
-    first = np.append(0, first)
-    found = Pieces(
-        starts, stops, corners, turns, _rounded(is_last, angles, curve, first, starts, stops), first, tolerance
-    )
+    first = np.append(0, np.flatnonzero(is_last)[np.cumsum(counts) - 1] + 1)
+    rounded = _rounded(is_last, angles, curve, first, starts, stops)
+    push = PUSH * np.maximum.reduceat(np.abs(stops).max(axis=1), first[:-1]).repeat(np.diff(first))
     right = np.stack((chord[:, 1], -chord[:, 0]), axis=1) / np.maximum(_norm(chord), TINY)[:, None]
-    corners += (turns[:, None] * found.push * right)[:, None]
-    return found
+    corners += ((turns * push)[:, None] * right)[:, None]
+    return Pieces(starts, stops, corners, turns, rounded, first, fineness[curve], push)
 
 
 def _rounded(
@@ -250,7 +260,7 @@ Made = tuple[IntArray, FloatArray, FloatArray, FloatArray]
 
 
 def _lines(
-    control: FloatArray, angles: FloatArray, tolerance: float, max_turn: float, spend: Callable[[int], None]
+    control: FloatArray, angles: FloatArray, tolerance: FloatArray, max_turn: FloatArray, spend: Callable[[int], None]
 ) -> Made:
     spend(len(control))
     ends = control[:, 1]
@@ -258,7 +268,7 @@ def _lines(
 
 
 def _conics(
-    control: FloatArray, angles: FloatArray, tolerance: float, max_turn: float, spend: Callable[[int], None]
+    control: FloatArray, angles: FloatArray, tolerance: FloatArray, max_turn: FloatArray, spend: Callable[[int], None]
 ) -> Made:
     """Pieces of equal angle, of parabolas of equal parameter, whose tangents meet in blossoms."""
     first, middle, last = np.moveaxis(control, 1, 0)
@@ -293,21 +303,22 @@ def _conics(
 
 
 def _cubics(
-    control: FloatArray, angles: FloatArray, tolerance: float, max_turn: float, spend: Callable[[int], None]
+    control: FloatArray, angles: FloatArray, tolerance: FloatArray, max_turn: FloatArray, spend: Callable[[int], None]
 ) -> Made:
     """Pieces of equal parameter between inflections, halved where they turn too far."""
     index, low, high = _convex(control)
+    tolerance, turning = tolerance[index], max_turn[index]
     steps = np.diff(_between(control[index], low, high), axis=1)
     bend = np.hypot(*np.moveaxis(np.diff(steps, axis=1), 2, 0)).max(axis=1)
     turn = angle_between(steps[:, 0], steps[:, 1]) + angle_between(steps[:, 1], steps[:, 2])
-    part, k, count = _divided(np.maximum(np.sqrt(0.75 * bend / tolerance), turn / max_turn), spend)
+    part, k, count = _divided(np.maximum(np.sqrt(0.75 * bend / tolerance), turn / turning), spend)
     index, step = index[part], ((high - low)[part]) / count
     s = low[part] + k * step
     t = np.where(k + 1 == count, high[part], low[part] + (k + 1) * step)
     curve = _between(control[index], s, t)
     found = []
     for _ in range(HALVINGS):
-        far = angle_between(curve[:, 1] - curve[:, 0], curve[:, 3] - curve[:, 2]) > 1.5 * max_turn
+        far = angle_between(curve[:, 1] - curve[:, 0], curve[:, 3] - curve[:, 2]) > 1.5 * max_turn[index]
         found.append((index[~far], t[~far], curve[~far]))
         if not far.any():
             break
@@ -374,5 +385,18 @@ def _divided(wanted: FloatArray, spend: Callable[[int], None]) -> tuple[IntArray
 def length_of(subpaths: Sequence[Subpath], fineness: float = 1e-5) -> float:
     """The length of all subpaths together; fineness: tolerance over their size."""
     points = [path.points for path in subpaths]
-    low, high = pieces_of(subpaths, points, fineness * float(np.ptp(np.concatenate(points), axis=0).max())).lengths()
+    low, high = pieces_of(subpaths, points, fineness * _size(points)).lengths()
     return float(2.0 * low.sum() + high.sum()) / 3.0 if (low != high).any() else float(low.sum())
+
+
+def box_around(
+    subpaths: Sequence[Subpath], points: Sequence[FloatArray], fineness: float = 1e-7
+) -> tuple[FloatArray, FloatArray]:
+    """Lower left and upper right corner, (2,), (2,), of subpaths whose control points were moved to `points`."""
+    ends = pieces_of(subpaths, points, fineness * _size(points)).stops
+    starts = np.array([each[0] for each in points])
+    return np.minimum(ends.min(axis=0), starts.min(axis=0)), np.maximum(ends.max(axis=0), starts.max(axis=0))
+
+
+def _size(points: Sequence[FloatArray]) -> float:
+    return float(np.ptp(np.concatenate(points), axis=0).max())

@@ -1,26 +1,30 @@
-"""The tree of a document: shapes, groups that are clipped together, and what elements pass on to their children."""
+"""The shapes of a document with their clips, and what elements pass on to their children."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from ...errors import invalid_file
 from ...geometry.arrays import FloatArray
-from .curves import Subpath
+from ..limits import Quota
+from .curves import Subpath, box_around
 from .document import Document
 from .elements import name_of
 from .faults import Faults, quoted
 from .lengths import Viewport, parse_length
 from .names import layer_names
 from .options import SvgOptions
-from .outlines import through
-from .paints import Paint
+from .outlines import rectangle
+from .paints import Gradient, Paint
+from .path_data import PathReader
 from .strokes import Stroke
 from .style import Style
+from .transforms import moved, scaling, translation
 
 PLACES_OF_ORIGIN = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
 
@@ -37,7 +41,7 @@ class Shape:
     subpaths: list[Subpath]
     """In its own units."""
     matrix: FloatArray
-    """From its units to those of the document, or of the clip that it is part of."""
+    """From its units to those of the document."""
     evenodd: bool = False
     fill: Paint | None = None
     stroke: Stroke | None = None
@@ -49,58 +53,46 @@ class Shape:
     """Names of the groups around it, the outermost first."""
     classes: str = ""
     """Its own ones, as written."""
+    clips: tuple[Clip, ...] = ()
+    """Of itself and of the groups around it, the innermost first."""
 
-
-@dataclass(frozen=True, eq=False)
-class Group:
-    """Shapes that are clipped together."""
-
-    children: list[Shape | Group] = field(default_factory=list)
-    clips: list[Clip] = field(default_factory=list)
-
-    def shapes(self) -> Iterator[Shape]:
-        """All shapes, the lowest first."""
-        for child in self.children:
-            if isinstance(child, Shape):
-                yield child
-            else:
-                yield from child.shapes()
+    @cached_property
+    def placed(self) -> list[FloatArray]:
+        """Control points of its subpaths in the document."""
+        return [moved(path.points, self.matrix) for path in self.subpaths]
 
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """The region of a group that is kept."""
+    """What is kept of shapes: the inside of others, or what these show as a mask."""
 
-    content: Group
-    matrix: FloatArray
-    """From the units of the group to those of the document."""
-    of_box: bool = False
-    """Whether the content's units are shares of the group's box."""
+    shapes: list[Shape]
     is_mask: bool = False
 
 
-def attach(group: Group, to: Group) -> None:
-    """Add a group to another one; without clips its shapes themselves."""
-    if not group.clips:
-        to.children.extend(group.children)
-    elif group.children:
-        to.children.append(group)
+def rectangular_clip(x: float, y: float, width: float, height: float, matrix: FloatArray, quota: Quota) -> Clip:
+    subpaths = PathReader(rectangle(x, y, width, height), quota).read()
+    return Clip([Shape("rect", subpaths, matrix, fill=Paint(1.0))] if subpaths else [])
 
 
-def rectangular_clip(x: float, y: float, width: float, height: float, matrix: FloatArray) -> Clip:
-    sides = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)]
-    return Clip(Group([Shape("rect", through(sides, closed=True), np.eye(3), fill=Paint(1.0))]), matrix)
+def unit_box(shapes: Sequence[Shape], matrix: FloatArray) -> FloatArray:
+    """The matrix to the document from the unit square that is the box around shapes in units that `matrix` places.
 
-
-def mask_region(item: ET.Element, around: Viewport, matrix: FloatArray) -> Clip:
-    """The rectangle outside which a mask hides everything; by default a tenth wider than what it belongs to."""
-    of_box = item.get("maskUnits", "objectBoundingBox") == "objectBoundingBox"
-    viewport = around.sized(1.0, 1.0) if of_box else around
-    x, y, width, height = (
-        parse_length(item.get(key) or default, key, f"{key} of the mask", viewport)
-        for key, default in (("x", "-10%"), ("y", "-10%"), ("width", "120%"), ("height", "120%"))
+    Not invertible where these units are none.
+    """
+    if not abs(np.linalg.det(matrix[:2, :2])) > 0.0:
+        return matrix
+    back = np.asarray(np.linalg.inv(matrix), np.float64)
+    low, high = box_around(
+        [path for shape in shapes for path in shape.subpaths],
+        [moved(points, back) for shape in shapes for points in shape.placed],
     )
-    return replace(rectangular_clip(x, y, width, height, matrix), of_box=of_box)
+    return matrix @ translation(*low) @ scaling(*(high - low))
+
+
+def units_of(shape: Shape, gradient: Gradient) -> FloatArray:
+    """The matrix (3, 3) to the document from the units of a gradient of a shape, before its own matrix."""
+    return unit_box([shape], shape.matrix) if gradient.of_box else shape.matrix
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,8 @@ from ...errors import InvalidMeshError
 from ...geometry.mesh import Mesh
 from ..solids import Area, shapely, union_of
 from .areas import Areas
-from .document import Box
 from .names import is_automatic
-from .nodes import Group, Shape
+from .nodes import Shape, units_of
 from .paints import Paint
 from .reading import Reading
 from .shading import Shading
@@ -55,17 +54,14 @@ def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], t
     """
     reading = Reading(text, options, colours=True)
 
-    def work(root: Group, areas: Areas, page: Box | None) -> tuple[SvgPart, ...]:
-        fills = dict(areas.parts(root, np.eye(3), areas.fill_of))
-        strokes = dict(areas.parts(root, np.eye(3), areas.stroke_of))
+    def work(shapes: Sequence[Shape], areas: Areas) -> tuple[SvgPart, ...]:
         found: list[SvgPart] = []
-        shapes = list(root.shapes())
         around = _around_all(shapes)
         for number, shape in enumerate(shapes, 1):
-            fill, stroke = _disjoint(fills.get(shape, []), strokes.get(shape, []), areas)
-            made = [_mesh(each, reading, areas, page) for each in (fill, stroke)]
+            fill, stroke = (areas.clipped(paint(shape), shape.clips) for paint in (areas.fill_of, areas.stroke_of))
+            made = [_mesh(each, reading, areas) for each in _disjoint(fill, stroke, areas)]
             if made != [None, None]:
-                found.append(_svg_part(shape, number, around, areas, *made))
+                found.append(_svg_part(shape, number, around, *made))
         if not found:
             raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
         return tuple(found)
@@ -85,7 +81,7 @@ def _given(groups: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(group for group in groups if not is_automatic(group))
 
 
-def _svg_part(shape: Shape, number: int, around: int, areas: Areas, fill: Mesh | None, stroke: Mesh | None) -> SvgPart:
+def _svg_part(shape: Shape, number: int, around: int, fill: Mesh | None, stroke: Mesh | None) -> SvgPart:
     """around: number of the groups that all shapes are in."""
     outer, inner = shape.groups[:around], shape.groups[around:]
     inner = _given(inner) or inner
@@ -96,29 +92,29 @@ def _svg_part(shape: Shape, number: int, around: int, areas: Areas, fill: Mesh |
         (*_given(outer), *inner),
         fill,
         shape.fill.rgba if shape.fill else (0.0, 0.0, 0.0, 0.0),
-        _shading(shape, shape.fill, areas),
+        _shading(shape, shape.fill),
         stroke,
         shape.stroke_paint.rgba if shape.stroke_paint else (0.0, 0.0, 0.0, 0.0),
-        _shading(shape, shape.stroke_paint, areas),
+        _shading(shape, shape.stroke_paint),
         shape.stroke.width if shape.stroke and shape.stroke_paint else 0.0,
         shape.id,
     )
 
 
-def _shading(shape: Shape, paint: Paint | None, areas: Areas) -> Shading | None:
+def _shading(shape: Shape, paint: Paint | None) -> Shading | None:
     """The colours of a gradient of a shape; None for one colour, and for what is flattened to a line."""
     if paint is None or paint.gradient is None:
         return None
-    matrix = areas.units_of(shape, paint.gradient) @ paint.gradient.matrix
+    matrix = units_of(shape, paint.gradient) @ paint.gradient.matrix
     if not abs(np.linalg.det(matrix[:2, :2])) > 0.0:
         return None
     return Shading(paint, np.asarray(np.linalg.inv(matrix)))
 
 
-def _mesh(found: list[Area], reading: Reading, areas: Areas, page: Box | None) -> Mesh | None:
+def _mesh(found: list[Area], reading: Reading, areas: Areas) -> Mesh | None:
     """Areas as a mesh, None where nothing is inside."""
     try:
-        return reading.solid(found, areas, page) if found else None
+        return reading.solid(found, areas) if found else None
     except InvalidMeshError:
         return None
 

@@ -177,25 +177,13 @@ def arc(start: Point, end: Point, radii: Point, turn: float, large: bool, sweep:
     angle = (math.atan2(-v - along, -u - across) - begin) % (2.0 * math.pi)
     if not sweep:
         angle -= 2.0 * math.pi
-    axes = np.array([[cosine * rx, -sine * ry], [sine * rx, cosine * ry]])
-    points, half = ellipse(axes @ (across, along) + np.add(start, end) / 2.0, axes, begin, angle)
-    points[-1] = end
-    return points[1:], half
-
-
-def ellipse(
-    centre: FloatArray, axes: FloatArray, begin: float = 0.0, angle: float = 2.0 * math.pi
-) -> tuple[FloatArray, float]:
-    """Control points (2 k + 1, 2) of conics along centre + axes @ (cos t, sin t), and half the angle of each.
-
-    t goes from `begin` over `angle` radians; axes: (2, 2).
-    """
     count = max(math.ceil(abs(angle) / MAX_ARC - 1e-9), 1)
     half = angle / (2.0 * count)
-    t = begin + half * np.arange(2 * count + 1)
+    t = begin + half * np.arange(1, 2 * count + 1)
     unit = np.stack((np.cos(t), np.sin(t)), axis=1)
-    unit[1::2] /= math.cos(half)
+    unit[::2] /= math.cos(half)
+    axes = np.array([[cosine * rx, -sine * ry], [sine * rx, cosine * ry]])
+    centre = axes @ (across, along) + np.add(start, end) / 2.0
     points = np.asarray(unit @ axes.T + centre)
-    if abs(angle) == 2.0 * math.pi:
-        points[-1] = points[0]
+    points[-1] = end
     return points, abs(half)

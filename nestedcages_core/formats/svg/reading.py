@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ..limits import Quota
 from ..solids import ROOM, Area, bounds_of, shapely, solid, union_of
 from .areas import Areas, polygonal
 from .document import Box, Document, Frame
-from .nodes import Group, Shape
+from .nodes import Shape
 from .options import SvgOptions
 from .paints import Paint
 from .scene import Scene
@@ -24,6 +24,8 @@ from .transforms import moved
 
 DEFAULT_TOLERANCE = 5e-4
 """Default for the largest distance of chords from curves, as a fraction of the drawing's diagonal."""
+
+Made = TypeVar("Made")
 
 PAGE_COVERED = 0.95
 """Smallest fraction of the page that a background covers; rounded corners count as covered."""
@@ -100,17 +102,14 @@ class Reading:
         return (*self.document.faults.notes(), *self.notes)
 
     @np.errstate(all="ignore")  # extreme numbers become infinite or nan, which is a fault
-    def made(self, work: Callable[[Group, Areas, Box | None], Any]) -> Any:
-        """What is made of the tree and its areas on the page. Raises NestedCagesError with the notes."""
-        root = _what_counts(Scene(self.document, self.options, colours=self.colours), self.notes)
-        page = self.document.frame.page
-        if not self.options.crop or self.document.root.get("overflow") == "visible":
-            page = None
-        tolerance = self.options.tolerance or DEFAULT_TOLERANCE * _visible_size(root, page)
+    def made(self, work: Callable[[Sequence[Shape], Areas], Made]) -> Made:
+        """What is made of the shapes that count and their areas. Raises NestedCagesError with the notes."""
+        shapes = _what_counts(Scene(self.document, self.options, colours=self.colours), self.notes)
+        tolerance = self.options.tolerance or DEFAULT_TOLERANCE * _visible_size(shapes, self.page)
         if not tolerance > 0.0:
             raise invalid_file("All points of the drawing coincide; draw closed paths with an inside.")
         try:
-            return work(root, Areas(self.options, tolerance, self.document.pixel), page)
+            return work(shapes, Areas(shapes, self.options, tolerance, self.document.pixel))
         except InvalidMeshError as error:
             raise InvalidMeshError(error.fault.said(" ".join((str(error), *self.said())))) from error
         except Exception as error:
@@ -119,29 +118,36 @@ class Reading:
             problem = "The drawing's coordinates are too large or too close together to unite its shapes"
             raise invalid_file(f"{problem} ({error}); scale the drawing, or simplify it.") from error
 
-    def whole(self, root: Group, reading: Areas, page: Box | None) -> Mesh:
-        """Everything as one."""
-        return self.solid(reading.of(root, np.eye(3)), reading, page)
+    @property
+    def page(self) -> Box | None:
+        """What is seen of the document; None if all is."""
+        seen = self.options.crop and self.document.root.get("overflow") != "visible"
+        return self.document.frame.page if seen else None
 
-    def each(self, root: Group, reading: Areas, page: Box | None) -> list[tuple[str, Mesh]]:
+    def whole(self, shapes: Sequence[Shape], areas: Areas) -> Mesh:
+        """Everything as one."""
+        return self.solid(areas.of(shapes), areas)
+
+    def each(self, shapes: Sequence[Shape], areas: Areas) -> list[tuple[str, Mesh]]:
         """Every shape that has an inside on the page, by its id or its number. Raises InvalidMeshError for none."""
         found: list[tuple[str, Mesh]] = []
         failed = InvalidMeshError("The shapes have no inside.", code="mesh.empty")
-        for number, (shape, areas) in enumerate(reading.parts(root, np.eye(3)), 1):
+        painted = [(shape, own) for shape in shapes if (own := areas.of([shape]))]
+        for number, (shape, own) in enumerate(painted, 1):
             try:
-                found.append((shape.id or f"{shape.name.partition(' ')[0]} {number}", self.solid(areas, reading, page)))
+                found.append((shape.id or f"{shape.name.partition(' ')[0]} {number}", self.solid(own, areas)))
             except InvalidMeshError as error:
                 failed = error
         if not found:
             raise failed
         return found
 
-    def solid(self, areas: list[Area], reading: Areas, page: Box | None) -> Mesh:
+    def solid(self, areas: list[Area], reading: Areas) -> Mesh:
         """Areas on the page as a mesh. Raises InvalidMeshError where nothing is inside."""
         cut_off: list[str] = []
         narrow: list[str] = []
-        if page is not None:
-            areas = _on_page(areas, page, reading.tolerance, cut_off, reading.quota)
+        if self.page is not None:
+            areas = _on_page(areas, self.page, reading.tolerance, cut_off, reading.quota)
         size = float(np.hypot(*np.subtract(*bounds_of(areas))))
         mesh = solid(
             areas,
@@ -156,8 +162,8 @@ class Reading:
         return mesh
 
 
-def _what_counts(scene: Scene, notes: list[str]) -> Group:
-    """The visible part of the scene; if nothing is visible, closed outlines count as filled.
+def _what_counts(scene: Scene, notes: list[str]) -> list[Shape]:
+    """The shapes of the scene that are visible; if none is, closed outlines count as filled.
 
     Raises NestedCagesError if nothing is left.
     """
@@ -165,61 +171,42 @@ def _what_counts(scene: Scene, notes: list[str]) -> Group:
     if scene.left_out:
         counted = (f"{number} {kind}{'s' if number > 1 else ''}" for kind, number in scene.left_out.items())
         notes.append(f"Left out: {', '.join(counted)}.")
-    strokes = sum(_is_seen(shape.stroke_paint, options) for shape in scene.root.shapes())
+    strokes = sum(_is_seen(shape.stroke_paint, options) for shape in scene.shapes)
     if strokes and not options.strokes and scene.document.strokes_count:
         notes.append(f"Left out: {strokes} stroke{'s' if strokes > 1 else ''}, since strokes are turned off.")
-    found = visible_part(scene.root, options)
-    if not found.children:
-        found = _only(scene.root, _as_outline)
-    if not found.children:
+    found = [
+        replace(
+            shape,
+            fill=shape.fill if _is_seen(shape.fill, options) else None,
+            stroke_paint=shape.stroke_paint if options.strokes and _is_seen(shape.stroke_paint, options) else None,
+        )
+        for shape in scene.shapes
+    ]
+    found = [shape for shape in found if shape.fill or shape.stroke_paint] or [
+        replace(shape, subpaths=closed, fill=Paint(1.0), stroke_paint=None)
+        for shape in scene.shapes
+        if (closed := [path for path in shape.subpaths if path.closed])
+    ]
+    if not found:
         problem = "The drawing has no filled or closed shapes; close its paths, or convert strokes and text to paths."
         raise NestedCagesError(" ".join((problem, *scene.document.faults.notes(), *notes)))
-    shapes = list(found.shapes())
     page = scene.document.frame.view_box or scene.document.frame.page
-    if page is not None and len(shapes) > 1 and _covers(shapes[0], page):
+    if page is not None and len(found) > 1 and _covers(found[0], page):
         if options.background:
-            notes.append(f"The {shapes[0].name} covers the whole page; background=False leaves it out.")
+            notes.append(f"The {found[0].name} covers the whole page; background=False leaves it out.")
         else:
-            notes.append(f"Left out: the {shapes[0].name}, which covers the whole page.")
-            found = _only(found, lambda shape: None if shape is shapes[0] else shape)
+            notes.append(f"Left out: the {found[0].name}, which covers the whole page.")
+            del found[0]
     return found
-
-
-def visible_part(group: Group, options: SvgOptions) -> Group:
-    """A group with its visible shapes, and of these the visible paints."""
-    return _only(group, lambda shape: _visible(shape, options))
-
-
-def _only(group: Group, chosen: Callable[[Shape], Shape | None]) -> Group:
-    """A group with the shapes that are chosen, as they are then."""
-    children: list[Shape | Group] = []
-    for child in group.children:
-        kept = _only(child, chosen) if isinstance(child, Group) else chosen(child)
-        if isinstance(kept, Shape) or (kept is not None and kept.children):
-            children.append(kept)
-    return replace(group, children=children)
-
-
-def _visible(shape: Shape, options: SvgOptions) -> Shape | None:
-    """A shape with its visible paints."""
-    fill = shape.fill if _is_seen(shape.fill, options) else None
-    stroke = shape.stroke_paint if options.strokes and _is_seen(shape.stroke_paint, options) else None
-    return replace(shape, fill=fill, stroke_paint=stroke) if fill or stroke else None
-
-
-def _as_outline(shape: Shape) -> Shape | None:
-    """The closed parts of a shape's outline, filled."""
-    closed = [path for path in shape.subpaths if path.closed]
-    return replace(shape, subpaths=closed, fill=Paint(1.0), stroke_paint=None) if closed else None
 
 
 def _is_seen(paint: Paint | None, options: SvgOptions) -> bool:
     return paint is not None and bool((paint.alphas > options.faintest).any())
 
 
-def _visible_size(group: Group, page: Box | None) -> float:
+def _visible_size(shapes: Sequence[Shape], page: Box | None) -> float:
     """Diagonal of the visible parts of all shapes."""
-    points = np.concatenate([moved(path.points, shape.matrix) for shape in group.shapes() for path in shape.subpaths])
+    points = np.concatenate([points for shape in shapes for points in shape.placed])
     low, high = points.min(axis=0), points.max(axis=0)
     if (low == high).all() or page is None:
         return float(np.hypot(*(high - low)))

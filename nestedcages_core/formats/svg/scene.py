@@ -1,4 +1,4 @@
-"""A document as a tree of painted shapes: styles, references and transforms resolved, nothing flattened yet."""
+"""A document as a list of painted shapes: styles, references and transforms resolved, nothing flattened yet."""
 
 from __future__ import annotations
 
@@ -24,22 +24,20 @@ from .nodes import (
     PAINT,
     Clip,
     Context,
-    Group,
     Shape,
-    attach,
     check_names,
     chosen,
     is_meant,
-    mask_region,
     origin_of,
     rectangular_clip,
+    unit_box,
 )
 from .options import SvgOptions
 from .outlines import OUTLINED, outline
 from .paints import Paint, Paints, link_in
 from .strokes import stroke_of
 from .style import MARKERS, Style, Styles
-from .transforms import fitted, moved, translation, view_box_of
+from .transforms import fitted, translation, view_box_of
 
 GROUPS = frozenset(("svg", "g", "a", "switch"))
 """Elements that draw their children."""
@@ -50,12 +48,15 @@ MARKED = frozenset(("path", "line", "polyline", "polygon"))
 LEFT_OUT = {"text": "text", "image": "image", "foreignObject": "foreign object"}
 """Visible elements that are not read."""
 
+BOX = "objectBoundingBox"
+"""Units of clip paths and masks: shares of the box around what they belong to."""
+
 MAX_DEPTH = 64
 """Maximum nesting depth of elements."""
 
 
 class Scene:
-    """Walks through a document; `root` is the resulting tree."""
+    """Walks through a document; `shapes` are those that it draws, the lowest first."""
 
     def __init__(self, document: Document, options: SvgOptions, *, colours: bool = False) -> None:
         """colours: whether colours matter, not only what is visible."""
@@ -68,13 +69,13 @@ class Scene:
         self.groups: Counter[tuple[str, ...]] = Counter()
         self.outlines: dict[tuple[ET.Element, Viewport], list[Subpath]] = {}
         check_names(document, options)
-        self.root = Group()
+        self.shapes: list[Shape] = []
         in_element, in_layer = options.element is None, not options.layers
         whole = Context(np.eye(3), document.viewport, in_element=in_element, in_layer=in_layer)
-        self._add(document.root, whole, self.root)
+        self._add(document.root, whole, self.shapes)
 
-    def _add(self, item: ET.Element, around: Context, to: Group) -> None:
-        """Add the drawing of an element to a group."""
+    def _add(self, item: ET.Element, around: Context, shapes: list[Shape]) -> None:
+        """Add the shapes of an element."""
         self.quota.spend("elements", 1)
         name = name_of(item)
         if name not in GROUPS and name not in OUTLINED and name != "use" and name not in LEFT_OUT:
@@ -112,18 +113,18 @@ class Scene:
             return
         if style.get("filter", "none") != "none" and context.purpose != CLIP:
             self.left_out["filter"] += 1
-        group = Group(clips=self._clips(style, context))
+        first = len(shapes)
         if name == "use":
-            self._add_used(item, title, context, group)
+            self._add_used(item, title, context, shapes)
         elif name in OUTLINED:
-            self._add_shape(item, title, context, group)
+            self._add_shape(item, title, context, shapes)
         elif name == "svg" and around.depth:
             x, y = (attribute(item, key, context.viewport) for key in ("x", "y"))
-            self._add_framed(item, context, group, x, y, (item.get("width"), item.get("height")))
+            self._add_framed(item, context, shapes, x, y, (item.get("width"), item.get("height")))
         else:
             for child in chosen(item) if name == "switch" else item:
-                self._add(child, context, group)
-        attach(group, to)
+                self._add(child, context, shapes)
+        clip(shapes, first, self._clips(style, context, shapes[first:]))
 
     def _inside(self, around: tuple[str, ...], title: str) -> tuple[str, ...]:
         """The groups around the content of a group; a later one of the same name in the same group gets a number."""
@@ -134,8 +135,8 @@ class Scene:
         number = self.groups[groups]
         return groups if number == 1 else self._inside(around, f"{title} {number}")
 
-    def _add_used(self, item: ET.Element, title: str, context: Context, group: Group) -> None:
-        """Add the drawing of a `use` element."""
+    def _add_used(self, item: ET.Element, title: str, context: Context, shapes: list[Shape]) -> None:
+        """Add the shapes of a `use` element."""
         link = link_of(item)
         target = self.document.linked(link)
         if target is None or any(target is user for user in context.users):
@@ -147,20 +148,18 @@ class Scene:
         if not title or (is_automatic(title) and not is_automatic(shown_name(target))):
             title = shown_name(target)
         if name_of(target) not in ("symbol", "svg"):
-            self._add(target, replace(context, matrix=context.matrix @ translation(x, y), used_as=title), group)
+            self._add(target, replace(context, matrix=context.matrix @ translation(x, y), used_as=title), shapes)
             return
         context = replace(context, groups=self._inside(context.groups, title))
         size = [item.get(key) or target.get(key) for key in ("width", "height")]
         style = self.styles.computed(target, context.style)
         if style.get("display") != "none" or name_of(target) == "symbol":
-            framed = Group()
-            self._add_framed(target, replace(context, style=style), framed, x, y, size)
-            attach(framed, group)
+            self._add_framed(target, replace(context, style=style), shapes, x, y, size)
 
     def _add_framed(
-        self, item: ET.Element, context: Context, group: Group, x: float, y: float, size: Sequence[str | None]
+        self, item: ET.Element, context: Context, shapes: list[Shape], x: float, y: float, size: Sequence[str | None]
     ) -> None:
-        """Add the content of a nested `svg` or `symbol`, its view box fitted to its size."""
+        """Add the shapes in a nested `svg` or `symbol`, its view box fitted to its size."""
         box, around = view_box_of(item), context.viewport
         whole = (around.width, around.height) if around.width is not None else (box[2:] if box else (None, None))
         if box is None and None in whole and None in size:
@@ -174,13 +173,13 @@ class Scene:
                 return
         inside = fitted(box, x, y, width or 0.0, height or 0.0, item.get("preserveAspectRatio", ""))
         viewport = around.sized(*(box[2:] if box else (width, height)))
-        if width is not None and height is not None and context.style.get("overflow", "hidden") in ("hidden", "scroll"):
-            group.clips.append(rectangular_clip(x, y, width, height, context.matrix))
-        context = replace(context, matrix=context.matrix @ inside, viewport=viewport)
+        first, within = len(shapes), replace(context, matrix=context.matrix @ inside, viewport=viewport)
         for child in item:
-            self._add(child, context, group)
+            self._add(child, within, shapes)
+        if width is not None and height is not None and context.style.get("overflow", "hidden") in ("hidden", "scroll"):
+            clip(shapes, first, [rectangular_clip(x, y, width, height, context.matrix, self.quota)])
 
-    def _add_shape(self, item: ET.Element, title: str, context: Context, group: Group) -> None:
+    def _add_shape(self, item: ET.Element, title: str, context: Context, shapes: list[Shape]) -> None:
         """Add an element with an outline."""
         style, purpose = context.style, context.purpose
         if not (context.in_element and context.in_layer) or style.get("visibility", "visible") != "visible":
@@ -188,24 +187,18 @@ class Scene:
         key = (item, context.viewport)
         if key not in self.outlines:
             self.outlines[key] = outline(self.styles.placed(item), context.viewport, self.quota)
-        subpaths = self.outlines[key]
+        subpaths, name = self.outlines[key], title_of(item)
         if not subpaths:
-            return
-        name = title_of(item)
-        points = moved(np.concatenate([path.points for path in subpaths]), context.matrix)
-        if not np.abs(points).max() < MAX_COORDINATE:
-            self.document.faults.add(f"Left out: the {name}, whose coordinates are not finite, or too large")
             return
         if purpose == CLIP:
             rule = style.get("clip-rule", "nonzero")
-            group.children.append(Shape(name, subpaths, context.matrix, rule == "evenodd", Paint(1.0)))
-            return
-        stroke = stroke_of(style, context.viewport)
-        if stroke and stroke.dashes and item.get("pathLength"):
-            told = attribute(item, "pathLength", context.viewport)
-            stroke = stroke.along(length_of(subpaths) / told) if told > 0.0 else stroke
-        group.children.append(
-            Shape(
+            shape = Shape(name, subpaths, context.matrix, rule == "evenodd", Paint(1.0))
+        else:
+            stroke = stroke_of(style, context.viewport)
+            if stroke and stroke.dashes and item.get("pathLength"):
+                told = attribute(item, "pathLength", context.viewport)
+                stroke = stroke.along(length_of(subpaths) / told) if told > 0.0 else stroke
+            shape = Shape(
                 name,
                 subpaths,
                 context.matrix,
@@ -218,7 +211,11 @@ class Scene:
                 context.groups,
                 item.get("class", ""),
             )
-        )
+        points = [*(path.points for path in subpaths), *shape.placed]
+        if not np.abs(np.concatenate(points)).max() < MAX_COORDINATE:
+            self.document.faults.add(f"Left out: the {name}, whose coordinates are not finite, or too large")
+            return
+        shapes.append(shape)
         for end in MARKERS if name_of(item) in MARKED else ():
             if self.document.linked(link_in(style.get(end, "none"))[0]) is not None:
                 self.left_out["marker"] += 1
@@ -228,23 +225,23 @@ class Scene:
         opacity = context.opacity * share(style.get(f"{key}-opacity"))
         return self.paints.paint(style.get(key, default), opacity, style)
 
-    def _clips(self, style: Style, context: Context) -> list[Clip]:
-        """The clip path and the mask of an element."""
+    def _clips(self, style: Style, context: Context, shapes: list[Shape]) -> list[Clip]:
+        """The clip path and the mask of an element that draws some shapes."""
         found = []
         for key, tag, purpose in (("clip-path", "clipPath", CLIP), ("mask", "mask", MASK)):
             link, _ = link_in(style.get(key, "none"))
             if not link and style.get(key, "none") != "none" and context.purpose == PAINT:
                 self.left_out[key.replace("-", " ")] += 1
             item = self.document.linked(link)
-            if item is None or name_of(item) != tag or any(item is user for user in context.users):
+            if not shapes or item is None or name_of(item) != tag or any(item is user for user in context.users):
                 continue
-            of_box = item.get(f"{tag}Units" if purpose == CLIP else "maskContentUnits", "") == "objectBoundingBox"
+            units = item.get("clipPathUnits" if purpose == CLIP else "maskContentUnits", "")
+            placed = self._in_box(context, shapes) if units == BOX else context
             own = self.styles.computed(item, {})
-            if own.get("mask-type") == "alpha" and purpose == MASK:
-                purpose = PAINT
+            if purpose == MASK:
+                purpose = PAINT if own.get("mask-type") == "alpha" else MASK
             inner = replace(
-                context,
-                matrix=self.document.transform(own.get("transform") or "", tag) if purpose == CLIP else np.eye(3),
+                placed,
                 style=own,
                 opacity=1.0,
                 purpose=purpose,
@@ -252,16 +249,37 @@ class Scene:
                 in_layer=True,
                 depth=context.depth + 1,
                 users=(*context.users, item),
-                viewport=context.viewport.sized(1.0, 1.0) if of_box else context.viewport,
             )
             _check_depth(inner)
-            content = Group(clips=self._clips(own, replace(inner, matrix=np.eye(3))))
+            matrix = self.document.transform(own.get("transform") or "", tag) if purpose == CLIP else np.eye(3)
+            content: list[Shape] = []
             for child in item:
-                self._add(child, inner, content)
-            found.append(Clip(content, context.matrix, of_box, is_mask=purpose == MASK))
+                self._add(child, replace(inner, matrix=placed.matrix @ matrix), content)
+            clip(content, 0, self._clips(own, inner, content))
+            found.append(Clip(content, is_mask=purpose == MASK))
             if tag == "mask":
-                found.append(mask_region(item, context.viewport, context.matrix))
+                units = item.get("maskUnits", BOX)
+                found.append(self._mask_region(item, self._in_box(context, shapes) if units == BOX else context))
         return found
+
+    def _in_box(self, context: Context, shapes: list[Shape]) -> Context:
+        """A context with the box around shapes as the unit square."""
+        viewport = context.viewport.sized(1.0, 1.0)
+        return replace(context, matrix=unit_box(shapes, context.matrix), viewport=viewport)
+
+    def _mask_region(self, item: ET.Element, context: Context) -> Clip:
+        """The rectangle outside which a mask hides everything; by default a tenth wider than what it belongs to."""
+        x, y, width, height = (
+            parse_length(item.get(key) or default, key, f"{key} of the mask", context.viewport)
+            for key, default in (("x", "-10%"), ("y", "-10%"), ("width", "120%"), ("height", "120%"))
+        )
+        return rectangular_clip(x, y, width, height, context.matrix, self.quota)
+
+
+def clip(shapes: list[Shape], first: int, clips: Sequence[Clip]) -> None:
+    """Clip shapes from the first on."""
+    if clips:
+        shapes[first:] = [replace(shape, clips=(*shape.clips, *clips)) for shape in shapes[first:]]
 
 
 def _check_depth(context: Context) -> None:
