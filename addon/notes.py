@@ -24,7 +24,7 @@ SENTENCES: Mapping[str, str] = {
         "with no holes that the drawing has not."
     ),
     "check.holds": "{when}'{outer}' encloses '{inner}': gap {clearance:.3g}, {excess_percent:.2f} % larger",
-    "check.passes": "{when}'{outer}' encloses '{inner}', which passes over itself",
+    "check.unjudged": "{when}'{outer}' passes over itself, so whether it encloses '{inner}' is not judged",
     "check.frames": "'{outer}' encloses '{inner}' on all frames from {first} to {last}: gap {clearance:.3g} at least",
     "check.broken": "{when}'{outer}' does not enclose '{inner}': {text}",
     "check.invalid": "{when}{text}",

@@ -13,7 +13,6 @@ from bpy.types import Context, Object
 from .. import record
 from ..animation import shape_keys
 from ..binding import field
-from ..core import core
 from ..errors import UserError
 from ..generation.job import drain
 from ..generation.verifying import Chain, Finding, Folding
@@ -81,7 +80,7 @@ def stands(context: Context, cage: Object) -> bool:
     """Whether what Verify Cages found of a cage is still so: not in another pose, as far as this frame can tell."""
     node, frame = record.node_of(cage), context.scene.frame_current
     first, last = node.checked
-    elsewhere = first != last and (node.check == record.HOLDS or frame != last)
+    elsewhere = first != last and (node.check != record.FAULT or frame != last)
     return node.check != "NONE" and (elsewhere or node.posed == pose_of(context, cage))
 
 
@@ -92,14 +91,14 @@ def remember(context: Context, checked: Sequence[Object], findings: Sequence[Fin
         outer, inner = by_name[finding.cage], by_name[finding.fine]
         cage = outer if ownership.depth_of(outer) > 0 else inner
         if record.level_of(cage) is not None:
-            if not finding.holds and context.scene.frame_current != finding.frames[1]:
+            if finding.broken and context.scene.frame_current != finding.frames[1]:
                 context.scene.frame_set(finding.frames[1])  # the whole animation was checked
-            _remember(context, cage, finding.holds, finding.note, finding.frames)
+            _remember(context, cage, finding)
 
 
-def _remember(context: Context, cage: Object, holds: bool, finding: core.Fault, frames: tuple[int, int]) -> None:
+def _remember(context: Context, cage: Object, finding: Finding) -> None:
     node = record.node_of(cage)
     node.posed = pose_of(context, cage)
-    node.check, node.checked = record.HOLDS if holds else record.FAULT, frames
+    node.check, node.checked = finding.verdict, finding.frames
     node.judged = record.stamp(cage)
-    record.set_check(node, finding)
+    record.set_check(node, finding.note)

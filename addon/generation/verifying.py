@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import pairwise
 from math import inf
-from operator import attrgetter
 from typing import Any
 
 import bpy
@@ -20,12 +18,12 @@ from .. import keys
 from ..core import core, loops, predicates
 from ..errors import FloatArray, UserError
 from ..notes import BROKEN, note
+from ..record import FAULT, HOLDS, UNJUDGED
 from ..scene import filling
 from ..scene.convert import Drawing, Outline, drawing_in, fine_drawing, read
 from ..scene.filling import evaluated_mesh, stored
 from ..scene.plane import Frame, space_to_space, transform, world_matrix
 from .job import Progress, Work
-from .passing import Sheet
 
 # Smallest part of the drawing's area that is called a fold.
 SMALLEST = 1e-4
@@ -84,12 +82,7 @@ class Folding:
         facts = {"inner": self.inner.name, "how": how, "share": share, "place": place.tolist()}
         said = note("check.folded", **facts, when="", more="")
         frame, nothing = context.scene.frame_current, np.empty((0, 3), np.float32)
-        return Finding(self.cage.name, self.inner.name, False, said, 0.0, (frame, frame), nothing, nothing)
-
-    @cached_property
-    def sheet(self) -> Sheet:
-        """What tells whether the inner object stays in its own place of a cage that passes over itself."""
-        return Sheet.of(self.cage, self.inner, self.shows)
+        return Finding(self.cage.name, self.inner.name, FAULT, said, 0.0, (frame, frame), nothing, nothing)
 
     def _bone(self, triangle: NDArray[np.int64]) -> str:
         """Of the bones that move a triangle through the cage's corners, the one that bends it most; maybe none."""
@@ -129,18 +122,24 @@ def _bend(bone: bpy.types.PoseBone) -> float:
 
 @dataclass(frozen=True)
 class Finding:
-    """The finding for one cage and the mesh in it from the first to the last of `frames`: a note, the smallest
-    clearance in scene units, and the points at fault, (k, 3) in each object's space, on the last frame.
+    """The finding for one cage and the mesh in it from the first to the last of `frames`: whether it holds, has a fault
+    or is not judged, a note, the smallest clearance in scene units, and the points at fault, (k, 3) in each object's
+    space, on the last frame.
     """
 
     cage: str
     fine: str
-    holds: bool
+    verdict: str
     note: core.Fault
     clearance: float
     frames: tuple[int, int]
     cage_faults: NDArray[np.float32]
     fine_faults: NDArray[np.float32]
+
+    @property
+    def broken(self) -> bool:
+        """Whether there is a fault."""
+        return self.verdict == FAULT
 
 
 # Reads what is displayed of a drawing, in the plane of the cages. Raises: UserError.
@@ -180,10 +179,10 @@ def _enclosures(context: Context, chains: Sequence[Chain]) -> list[Finding]:
     for chain in chains:
         for pair in _pairs(context, chain) if chain.objects else ():
             finding = _finding(*pair, context.scene.frame_current)
-            folding = next((each for each in chain.folding if each.cage.name == finding.cage), None)
-            if not finding.holds and folding is not None and _crosses_itself(pair[3]) and folding.sheet.holds(context):
-                said = note("check.passes", outer=finding.cage, inner=finding.fine, when="")
-                finding = replace(finding, holds=True, note=said, clearance=inf)
+            is_posed = any(each.cage.name == finding.cage for each in chain.folding)
+            if finding.broken and is_posed and _crosses_itself(pair[3]):
+                said = note("check.unjudged", outer=finding.cage, inner=finding.fine, when="")
+                finding = replace(finding, verdict=UNJUDGED, note=said, clearance=inf)
             findings.append(finding)
     return findings
 
@@ -230,13 +229,15 @@ def check_animation(context: Context, chains: Sequence[Chain]) -> Work[list[Find
             raise UserError(f"Frame {frame}: {error}") from error
         for fold in _folds(context, chains):
             folds.setdefault((fold.cage, fold.fine), []).append(fold)
-        if not all(finding.holds for finding in enclosures):
+        if any(finding.broken for finding in enclosures):
             return _largest(folds, first) + [_on(finding, first, frame) for finding in enclosures]
+        enclosures = [each if each.verdict == HOLDS else _on(each, first, frame) for each in enclosures]
         findings = [
-            min(pair, key=attrgetter("clearance")) for pair in zip(findings or enclosures, enclosures, strict=True)
+            min(pair, key=lambda each: (each.verdict == HOLDS, each.clearance))
+            for pair in zip(findings or enclosures, enclosures, strict=True)
         ]
     said = [
-        note("check.frames", **finding.note.data, first=first, last=last) if finding.clearance < inf else finding.note
+        note("check.frames", **finding.note.data, first=first, last=last) if finding.verdict == HOLDS else finding.note
         for finding in findings
     ]
     whole = [replace(each, frames=(first, last), note=text) for each, text in zip(findings, said, strict=True)]
@@ -276,11 +277,11 @@ def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, frame
         outside, inside = cage.mesh(), fine.mesh()
         certificate = core.verify(outside, inside, same_loops=outside.has_loops_like(inside))
     except UserError as error:
-        holds, said = False, note("check.invalid", text=str(error), when="")
+        verdict, said = FAULT, note("check.invalid", text=str(error), when="")
     else:
-        holds, clearance = bool(certificate.holds), float(certificate.clearance) * fine.frame.scale
+        verdict, clearance = HOLDS if certificate.holds else FAULT, float(certificate.clearance) * fine.frame.scale
         names = {"outer": outer.name, "inner": inner.name, "when": ""}
-        if holds:
+        if certificate.holds:
             said = note("check.holds", **names, clearance=clearance, excess=float(certificate.excess))
         else:
             codes = [problem.code for problem in certificate.problems]
@@ -290,7 +291,7 @@ def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, frame
     return Finding(
         outer.name,
         inner.name,
-        holds,
+        verdict,
         said,
         clearance,
         (frame, frame),

@@ -71,9 +71,9 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
             _store(context, checked, findings)
         changes.settle(filter(None, (CageSet.of(chain.objects[0]) for chain in chains if chain.originals)))
         names = {original.name for original in originals}
-        shown = [each for each in findings if not each.holds or names.isdisjoint((each.fine, each.cage))]
-        for holds, sentence in dict.fromkeys((finding.holds, finding.note) for finding in shown):
-            self.report({"INFO"} if holds else {"WARNING"}, sentence)
+        shown = [each for each in findings if each.broken or names.isdisjoint((each.fine, each.cage))]
+        for verdict, sentence in dict.fromkeys((finding.verdict, finding.note) for finding in shown):
+            self.report({"INFO"} if verdict == record.HOLDS else {"WARNING"}, sentence)
         if at_fault and context.mode == "OBJECT":
             select(context, *reversed(at_fault))
 
@@ -98,9 +98,9 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
 
 def _store(context: Context, checked: Sequence[Object], findings: list[Finding]) -> None:
     """Failures last: the status bar shows, and the cage keeps, the last finding. Show goes to the first failure."""
-    findings.sort(key=lambda finding: not finding.holds)
+    findings.sort(key=lambda finding: finding.broken)
     claims.remember(context, checked, findings)
-    last_fault[:] = filter(None, (place_of(checked, each) for each in findings if not each.holds))
+    last_fault[:] = filter(None, (place_of(checked, each) for each in findings if each.broken))
     del last_fault[1:]
 
 

@@ -14,7 +14,7 @@ from .kinds import choice, flag, number, pointer, registration, row, several, te
 from .settings import GenerationProperties, NestedCagesSettings
 
 ROLES = [(name, name.title(), "") for name in ("NONE", "FINE", "CAGE", "FIELD", "LINES", "PROXY", "FILL", "HANDLES")]
-CHECKS = [(name, name.title(), "") for name in ("NONE", "HOLDS", "FAULT")]
+CHECKS = [(name, name.title(), "") for name in ("NONE", "HOLDS", "FAULT", "UNJUDGED")]
 PROMISES = [(name, name.title(), "") for name in ("LOOPS", "MOTION")]
 
 

@@ -13,7 +13,7 @@ from bpy.types import Object
 
 from ..core import core
 from ..notes import in_scene, sentence
-from .helpers import CAGE, CHECK, FAULT, HOLDS, TOLERANCE, new_node, node_of
+from .helpers import CAGE, CHECK, FAULT, HOLDS, TOLERANCE, UNJUDGED, new_node, node_of
 
 # What is said of a cage that is not the certified one any more.
 EDITED = "Edited since it was certified: verify it, or generate it again"
@@ -104,6 +104,8 @@ def verdict(node: Any) -> str:
     first, last = node.checked
     if node.check == FAULT:
         return f"Broken on frame {last}"
+    if node.check == UNJUDGED:
+        return "Not judged"
     if node.check != HOLDS:
         return ""
     return f"Holds on frame {last}" if first == last else f"Holds on {first} – {last}"

@@ -12,7 +12,7 @@ from bpy.types import Mesh, Object, Scene
 from mathutils import Matrix
 
 FINE, CAGE = "FINE", "CAGE"
-HOLDS, FAULT = "HOLDS", "FAULT"
+HOLDS, FAULT, UNJUDGED = "HOLDS", "FAULT", "UNJUDGED"
 # Code of notes on a distance or an excess, and the beginning of findings' codes.
 TOLERANCE, CHECK = "note.tolerance", "check."
 # Roles of helpers.

@@ -138,8 +138,9 @@ def _lines(context: Context, cage_set: CageSet) -> SetLines:
 def _health(context: Context, cage: Object, *, bound: bool) -> tuple[str, str]:
     """An icon for how a cage is, and one sentence on what is wrong with it, if anything is."""
     node, stands = record.node_of(cage), claims.stands(context, cage)
-    if node.check == record.FAULT and stands:
-        return BROKEN, " ".join(record.sentences(node, checks=True, others=False))
+    if node.check in (record.FAULT, record.UNJUDGED) and stands:
+        icon = BROKEN if node.check == record.FAULT else EDITED
+        return icon, " ".join(record.sentences(node, checks=True, others=False))
     if not bound and record.is_edited(cage):
         return (HOLDS, "") if stands and record.is_judged(cage) else (EDITED, record.EDITED)
     told = [each for each in record.notes(node) if notes.is_told(*each)]

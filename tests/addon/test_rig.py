@@ -226,7 +226,7 @@ def test_verification_says_where_a_limb_folds_over_itself(character: Character, 
     assert 0.1 < part < 20.0
 
 
-def test_a_limb_that_passes_over_the_body_is_not_broken(character: Character) -> None:
+def test_a_limb_that_passes_over_the_body_is_not_judged(character: Character) -> None:
     _, armature, cage = character
     bones = bone_at(armature, 0.6, 1.1), bone_at(armature, 1.3, 1.1)
     choose(cage)
@@ -242,10 +242,10 @@ def test_a_limb_that_passes_over_the_body_is_not_broken(character: Character) ->
     assert verified(0.0, 0.0)[0]
     holds, told = verified(20.0, 20.0)
     over, more = verified(-75.0, -80.0)
-    assert holds and over and "%" in told and "%" not in more  # no gap where it passes over itself
-    fine = set_of(cage).fine
-    max(fine.data.vertices, key=lambda vertex: vertex.co.x).co.x += 0.4  # out of the cage
-    assert not verified(-75.0, -80.0)[0]
+    assert holds and not over and "%" in told and "%" not in more
+    assert certificate(cage).verdict == "Not judged" and "object.nested_cages_select_fault" not in draw()
+    max(cage.data.vertices, key=lambda vertex: vertex.co.x).co.x -= 0.4  # into the drawing
+    assert not verified(20.0, 20.0)[0]
     broken = draw()
     assert "object.nested_cages_select_fault" in broken
     for bone in bones:  # in another pose nothing is known, and at rest it was never broken
