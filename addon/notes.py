@@ -15,9 +15,6 @@ SENTENCES: Mapping[str, str] = {
     ),
     "places.empty": "'{name}' has nothing in a vertex group '{group}', so that was left out.",
     "drawing.hidden": "Left out of '{name}', since not shown: {hidden}.",
-    "loose.clearance": "The gap is {share_percent:.3g} % of the drawing's size: a smaller one would make it tighter.",
-    "loose.count": "{count} vertices are few for this drawing: ask for more.",
-    "loose.enough": "{better} vertices would make it less than {good_percent:.0f} % larger.",
     "note.start rest": "The cage does not grow: growing to points of 'Grid', it would meet the drawing.",
     "note.start fallback": (
         "Your outline could not be used, and another one took its place: draw it around the drawing and all its parts, "

@@ -1,32 +1,21 @@
-"""From drawings to certified cages as Blender stores them, and advice on clearances and loose cages. Does not touch the
-scene.
-"""
+"""From drawings to certified cages as Blender stores them, and advice on clearances. Does not touch the scene."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
-from math import pi
 from typing import Any
 
 from ..core import core, steps
 from ..errors import UserError
 from ..memory import key_of, known, remember, remembered
-from ..notes import BROKEN, note
+from ..notes import BROKEN
 from ..scene.convert import Drawing
 from .job import Progress, Work
 from .levels import Level, Wanted, are_counts, wanted_levels
 from .methods import Methods
 from .rules import KEEP, Places, Rules
 
-# Excess over the drawing above which a cage is called loose, and the excess that the advice aims at.
-LOOSE, GOOD = 0.5, 0.25
-# The part of a cage's excess that a clearance takes alone, to be called its cause; one that is loose by itself always
-# is, since no number of vertices helps.
-CLEARANCE_PART = 0.25
-# How many times as many vertices are looked at; drawings with more vertices than the second are not.
-MOST_TIMES, LARGEST_TRIED = 8, 5000
 # Size in bytes of a bound, for the memory.
 BOUND_BYTES = 1000
 
@@ -56,30 +45,8 @@ def clearance_to_curve(asked: float | None, fine: core.Mesh, deviation: float) -
     return asked
 
 
-def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: float) -> tuple[core.Fault, ...]:
-    """Why a cage is loose, and what number of vertices would be enough; empty if it is not."""
-    excess, count = cage.area / fine.area - 1.0, len(cage.vertices)
-    if excess <= LOOSE or not isinstance(wanted, int):
-        return ()
-    around = clearance * (float(fine.edge_lengths.sum()) + pi * clearance) / fine.area
-    if around > min(CLEARANCE_PART * excess, LOOSE):
-        return (note("loose.clearance", share=float(clearance / fine.diagonal)),)
-    better = _enough(fine, count, clearance)
-    return (note("loose.enough", better=better, good=GOOD) if better else note("loose.count", count=count),)
-
-
-def _enough(fine: core.Mesh, count: int, clearance: float) -> int | None:
-    """A vertex count whose cage is probably close enough; None if there is none."""
-    if len(fine.vertices) > LARGEST_TRIED:
-        return None
-    curve = core.excess_by_count(fine, min(MOST_TIMES * count, len(fine.vertices)), clearance=clearance)
-    return next((better for better, excess in curve.items() if better > count and excess <= GOOD), None)
-
-
 # What Blender stores coordinates in; cages and their motion are certified on these numbers.
 STORED = "float32"
-# Size in bytes of the advice on a level, for the memory.
-ADVICE_BYTES = 1000
 
 # Names of the core's stages for users.
 STAGES = {
@@ -240,9 +207,6 @@ class Generation:
             ]
             remember(key, levels, sum(each.nbytes for motion in moved for each in motion))
         for each, level in zip(plan.levels, levels, strict=True):
-            facts = (plan.fine, level.cage, each.level, level.report.wanted_clearance)
-            checked = not (options.inside or options.rules.convex)
-            advice = remembered(partial(excess_note, *facts), ADVICE_BYTES, "advice", *facts) if checked else ()
-            notes = (*plan.request.places.notes, *each.notes, *level.report.notes, *advice)
+            notes = (*plan.request.places.notes, *each.notes, *level.report.notes)
             finished.append(replace(level, report=replace(level.report, notes=tuple(dict.fromkeys(notes)))))
         yield Progress(1.0, f"{name}, cage {len(levels)}")

@@ -21,8 +21,7 @@ from ..record import CageSet
 from ..scene import changes, convert
 from ..scene.ownership import scene_of
 
-# Code of the note on a number of vertices that would be enough, which is on a button.
-ENOUGH = "loose.enough"
+# Icons for how a cage is.
 HOLDS, BROKEN, EDITED, ADVICE, MADE = "CHECKMARK", "ERROR", "QUESTION", "INFO", "MOD_MESHDEFORM"
 # Modes in which the panels can be used; in the others, and while drawing, they say what to do.
 USABLE = ("OBJECT", "EDIT_MESH", "POSE")
@@ -30,13 +29,12 @@ USABLE = ("OBJECT", "EDIT_MESH", "POSE")
 
 @dataclass(frozen=True)
 class CageLine:
-    """A cage by name: its size, an icon and a sentence on how it is, and a sentence and levels that would be better."""
+    """A cage by name: its size, an icon and a sentence on how it is."""
 
     name: str
     text: str
     icon: str
     sentence: str
-    better: tuple[str, str] | None
 
 
 @dataclass(frozen=True)
@@ -126,12 +124,7 @@ def _lines(context: Context, cage_set: CageSet) -> SetLines:
         name = cage.name.removeprefix(f"{cage_set.record.title} ").removeprefix("Inner ")
         text = f"{name}: {len(cage.data.vertices)} vertices, {notes.larger(size)}"
         icon, sentence = (EDITED, "Drawing changed") if changed else _health(context, cage, bound=bool(cage_set.bound))
-        better = None
-        for code, data in record.notes(node):
-            if code == ENOUGH:
-                counts = [data["better"] if each == cage else len(each.data.vertices) for each in cages]
-                better = notes.sentence(code, data), ", ".join(map(str, counts))
-        lines.append(CageLine(cage.name, text, icon, sentence, better))
+        lines.append(CageLine(cage.name, text, icon, sentence))
     return SetLines(cage_set.name, tuple(lines))
 
 
@@ -144,7 +137,7 @@ def _health(context: Context, cage: Object, *, bound: bool) -> tuple[str, str]:
     if not bound and record.is_edited(cage):
         return (HOLDS, "") if stands and record.is_judged(cage) else (EDITED, record.EDITED)
     told = [each for each in record.notes(node) if notes.is_told(*each)]
-    advice = [notes.sentence(*each) for each in told if not each[0].startswith((record.CHECK, ENOUGH))]
+    advice = [notes.sentence(*each) for each in told if not each[0].startswith(record.CHECK)]
     if advice:
         return ADVICE, advice[0]
     return (HOLDS if stands or not bound else MADE), ""

@@ -128,10 +128,6 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
                 sentences.draw(column, context, cage.sentence, "BLANK1")
                 if cage.icon == data.BROKEN:
                     column.operator("object.nested_cages_select_fault", icon="VIEWZOOM").cage = cage.name
-                if cage.better is not None:  # a button that takes the better count
-                    sentence, levels = cage.better
-                    sentences.draw(column, context, sentence, "INFO")
-                    column.operator("object.nested_cages_generate", text=levels, icon="ADD").levels = levels
         row = layout.row(align=True)
         row.operator("object.nested_cages_verify", text="Verify", icon="CHECKMARK")
         if now.plays:

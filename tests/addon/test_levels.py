@@ -148,8 +148,8 @@ def test_the_panel_says_what_levels_come_to() -> None:
     settings = bpy.context.scene.nested_cages
     settings.levels = "20%, 5 cm, +25%, 12"
     bpy.context.view_layer.update()
-    (said,) = [text for text in draw() if "0.884" in text]  # five centimetres are so much of the size
-    assert "12" in said and "1.25" in said
+    said = " ".join(draw())
+    assert "20 % = 12" in said and "0.884" in said and "1.25" in said  # five centimetres are so much of the size
     settings.levels = "12 apples"
     assert not any("0.884" in text for text in draw())
 

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import bpy
-import numpy as np
 import pytest
 
 from support import drawings
@@ -176,24 +175,6 @@ def test_results_are_short() -> None:
     bind()
     drawn = draw()
     assert not any("error" in line or "Harmonic" in line for line in drawn)
-
-
-@pytest.mark.slow
-def test_a_button_takes_the_better_count() -> None:
-    """Eight vertices cannot follow the sixteen corners of four squares."""
-    corners = np.array([[0.0, 0.0], [1.4, 0.0], [1.4, 1.4], [0.0, 1.4]])
-    poly_curve("Drawing", [corners + np.array([3.0 * x, 3.0 * y]) for x, y in np.ndindex(2, 2)])
-    bpy.context.scene.nested_cages.levels = "8"
-    generate("8")
-
-    def offered() -> set[str]:
-        given: list[tuple[str, str, Any]] = []
-        draw(given=given)
-        return {value for button, name, value in given if button.endswith("generate") and name == "levels"} - {"8"}
-
-    assert offered() == {"15"}
-    generate("15")
-    assert not offered() and len(made()[1].data.vertices) == 15
 
 
 @pytest.mark.parametrize("fall_back", [True, False])
