@@ -81,18 +81,16 @@ def content_of(path: Path) -> bytes:
         return core.formats.read_whole(path, core.formats.Limits())
 
 
-def place(context: Context, shapes: list[Shape], *, y_down: bool | None, scale: float) -> Work[list[Object]]:
+def place(context: Context, shapes: list[Shape], *, scale: float) -> Work[list[Object]]:
     """New objects of edges, each around its own centre, so that distant places keep their precision. Raises: UserError.
 
-    y_down: whether the y axis points down, None for the default of the file format; scale: metres per unit of the file,
-    0 for the default.
+    scale: metres per unit of the file, 0 for the default.
     """
     made: list[tuple[str, core.Mesh, FloatArray]] = []
     for shape in shapes:
         yield Progress(0.5 + 0.5 * len(made) / len(shapes), f"placing '{shape.name}'")
-        turned = shape.y_down if y_down is None else y_down
         unit = scale or shape.scale
-        points = shape.mesh.vertices * (unit, -unit if turned else unit)
+        points = shape.mesh.vertices * (unit, -unit if shape.y_down else unit)
         middle = middle_of(points)
         made.append((shape.name, stored_mesh(shape.name, [points[loop] - middle for loop in shape.mesh.loops]), middle))
     placed = []

@@ -58,15 +58,13 @@ def read(path: Path, outlines: str) -> tuple[tuple[core.formats.SvgPart, ...], t
     return ((), ()) if automatic and len(parts) < 2 else (parts, notes)
 
 
-def place(
-    context: Context, title: str, parts: tuple[core.formats.SvgPart, ...], *, y_down: bool, scale: float
-) -> Work[list[Object]]:
+def place(context: Context, title: str, parts: tuple[core.formats.SvgPart, ...], *, scale: float) -> Work[list[Object]]:
     """New objects, each around its own centre and above the one before, in a collection per group. Raises: UserError.
 
     scale: metres per unit of the file, 0 for the default.
     """
     scale = scale or PIXEL
-    turn = np.array((scale, -scale if y_down else scale))
+    turn = np.array((scale, -scale))
     own = [np.concatenate([mesh.vertices for mesh in (part.fill, part.stroke) if mesh]) * turn for part in parts]
     extent = size(np.concatenate(own))
     made: list[tuple[core.formats.SvgPart, FloatArray, list[Paint]]] = []

@@ -13,7 +13,7 @@ from ..binding.copies import complete
 from ..errors import UserError, counted, last_fault
 from ..generation.job import SLICE, Job, Work, drain, running, share
 from ..notes import sentence
-from ..properties.kinds import flag
+from ..properties.kinds import flag, length
 from ..record import CageSet
 from ..scene.grease_pencil import hidden_parts
 from ..scene.ownership import each_of_chosen, scene_of, select, sets_of_chosen
@@ -198,6 +198,12 @@ class JobOperator(Operator):
             f"Nested Cages {100.0 * job.fraction:.0f} %  {job.message}   |   Esc over the 3D view: cancel"
         )
         views.redraw(context)
+
+
+class GapProperty:
+    """The gap that operators which unite drawings close."""
+
+    gap: length("Join Gaps", "Join parts that are closer than this, so that they have one outline and one skeleton")
 
 
 class SetOperator(JobOperator):

@@ -25,7 +25,7 @@ from ..generation.methods import Methods
 from ..io import pictures
 from ..io.pictures import Canvas, Picture
 from ..keys import found_object
-from ..properties.kinds import flag, text
+from ..properties.kinds import choice, flag, text
 from ..properties.settings import filled, settings_of
 from ..scene import grease_pencil
 from ..scene.blocks import removed_on_failure
@@ -35,6 +35,14 @@ from .base import pose
 from .files import FilesOperator, paths_of
 from .pictures import NAMES, PictureProperties, trace_options
 from .views import FLAT_LIGHT, TEXTURES
+
+HANDLES, CAGES, SKELETON, NOTHING = "HANDLES", "CAGES", "SKELETON", "NOTHING"
+MOVER_ITEMS = (
+    (HANDLES, "Handles", "A cage for each picture, with a bone per vertex"),
+    (CAGES, "Cages", "A cage for each picture, whose vertices are moved"),
+    (SKELETON, "Skeleton", "One cage around all, with bones along its limbs"),
+    (NOTHING, "Nothing", "A cage for each picture that it does not follow yet"),
+)
 
 
 @dataclass(frozen=True)
@@ -54,30 +62,17 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
     bl_label = "Cutout"
     shown_by = (TEXTURES, FLAT_LIGHT)
 
-    filepath: text(
-        "File Path",
-        "Picture with an alpha channel; empty takes the selected image planes and image empties",
-        subtype="FILE_PATH",
-        options={"SKIP_PRESET", "SKIP_SAVE"},
-    )
     filter_image: flag("Images", "Show images", default=True, options={"HIDDEN", "SKIP_SAVE"})
     levels: text("Cages", "Vertices of each cage, innermost first, such as 16 or 32, 12", default="16")
-    bind: flag("Bind", "Make the pictures follow their cages", default=True)
-    handles: flag("Handles", "Add a bone per corner of each bound cage to move that corner", default=True)
-    skeleton: flag(
-        "Skeleton", "Put all of it in one cage, moved by bones along its limbs, instead of cages with bones at corners"
-    )
+    moved_by: choice("Moved By", "What moves the pictures", MOVER_ITEMS)
 
     def ask(self, context: Context, event: bpy.types.Event) -> Any:
         selected = _shown_pictures(context) or _strokes(context)
         return super().ask(context, event) if selected else ImportHelper.invoke(self, context, event)
 
     def draw(self, _context: Context) -> None:
-        self.draw_options(*NAMES, "standard", "skeleton")
-        alone = self.layout.column()
-        alone.active = not self.skeleton
-        for name in ("levels", "bind", "handles"):
-            alone.prop(self, name)
+        levels = () if self.moved_by == SKELETON else ("levels",)
+        self.draw_options(*NAMES, "standard", "moved_by", *levels)
 
     def work(self, context: Context) -> Work[None]:
         with removed_on_failure():
@@ -111,7 +106,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         if not drawings:
             raise problems[0]
         results: list[Result] = []
-        if not self.skeleton:
+        if self.moved_by != SKELETON:
             requests = [Request(drawing) for _, drawing in drawings]
             generation = Generation(requests, Options(levels=levels, methods=filled(Methods, settings)))
             yield from generation
@@ -141,7 +136,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         made = [part for obj in drawn for part in grease_pencil.separated(context, obj)]
         context.view_layer.update()
         results: list[Result] = []
-        if not self.skeleton:
+        if self.moved_by != SKELETON:
             requests = [Request(fine_drawing(read(context, part))) for part in made]
             generation = Generation(requests, Options(levels=levels, methods=methods))
             yield from generation
@@ -155,7 +150,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
     def _rig(self, context: Context, made: list[Object], results: Sequence[Result]) -> Work[None]:
         """One cage around all new objects, moved by bones along their limbs; or the cages of these results."""
         noun = "layer" if made[0].type == grease_pencil.KINDS[0] else "picture"
-        if not self.skeleton:
+        if self.moved_by != SKELETON:
             self._write(context, made, results, noun)
             return
         count = len(made)
@@ -177,14 +172,14 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         sets, _ = output.write(scene, placed, filled(Timing, settings_of(context)), still=True)
         context.view_layer.update()
         cages: list[Object] = []
-        for cage_set in sets if self.bind else ():
+        for cage_set in sets if self.moved_by != NOTHING else ():
             try:
                 binding.bind(context, cage_set)
             except UserError as error:
                 self.report({"WARNING"}, f"Not bound: {error}")
                 continue
             cages.append(cage_set.cages[-1])
-        rig = handles.add(context, cages) if self.handles and cages else None
+        rig = handles.add(context, cages) if self.moved_by == HANDLES and cages else None
         if rig is None:
             select(context, *made)
         else:

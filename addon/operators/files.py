@@ -32,11 +32,6 @@ from .pictures import PictureProperties, trace_options
 from .puppet import make_puppet
 from .views import FLAT_LIGHT, TEXTURES
 
-Y_ITEMS = (
-    ("AUTO", "Automatic", "Down in SVG and in GeoJSON of pixels, up in maps"),
-    ("DOWN", "Down", "The y axis of the file points down, as in images"),
-    ("UP", "Up", "The y axis of the file points up, as in maps"),
-)
 OUTLINE_ITEMS = (
     ("AUTO", "Automatic", "Parts of drawings with several shapes, one outline of others; exported cages as they were"),
     ("ONE", "One Outline", "The filled area of everything, overlaps united; of a picture, around its opaque pixels"),
@@ -49,7 +44,6 @@ PLANE_ITEMS = (
     ("XZ", "Standing", "Upright, seen from the front, as Grease Pencil draws"),
     ("XY", "Lying", "On the floor, seen from the top"),
 )
-Y_DOWN = {"AUTO": None, "DOWN": True, "UP": False}
 EXTENSIONS = (*importers.SVG, *importers.MAPS, *imported.ENDINGS)
 PICTURE = ".png"
 
@@ -59,6 +53,7 @@ class FilesOperator(DialogJobOperator):
 
     exclusive = True
 
+    filepath: text("File Path", "File to read", subtype="FILE_PATH", options={"HIDDEN", "SKIP_PRESET", "SKIP_SAVE"})
     directory: text("Folder", "Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
     files: CollectionProperty(
         name="Files",
@@ -98,14 +93,12 @@ class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelp
     bl_label = "Import Outlines"
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
-    filepath: text("File Path", "File to read", subtype="FILE_PATH", options={"SKIP_PRESET"})
     filter_glob: text(
         "Filter",
         "Files that are shown",
         default=";".join(f"*{ending}" for ending in (*EXTENSIONS, PICTURE)),
         options={"HIDDEN"},
     )
-    y: choice("Y Axis", "Direction of the y axis in the file", Y_ITEMS, default="AUTO")
     scale: number(
         "Scale",
         "Length in Blender of one unit of the file; 0 keeps the size of exported cages, and scales "
@@ -121,9 +114,6 @@ class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelp
         options={"SKIP_SAVE"},
     )
     plane: choice("Plane", "How drawings are put into the scene", PLANE_ITEMS, default="AUTO")
-    centre: flag(
-        "Centre", "Put the middle of a drawing at the origin; maps and exported cages keep their places", default=True
-    )
 
     def ask(self, context: Context, event: bpy.types.Event) -> Any:
         return super().ask(context, event) if self._shown(context) is not None else self.invoke_popup(context)
@@ -132,7 +122,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelp
         if self._shown(context) is not None:
             self.draw_options(*TRACING)
             return
-        self.draw_options("outlines", "hidden", "repaint", "plane", "centre", "y", "scale", "standard")
+        self.draw_options("outlines", "hidden", "repaint", "plane", "scale", "standard")
         if self.outlines == "ONE":
             self.draw_options(*TRACING)
 
@@ -183,23 +173,19 @@ class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelp
                 shapes += of_file
             for note in notes:
                 self.report({"WARNING"}, f"'{path.name}': {note}")
-        made = yield from importers.place(context, shapes, y_down=Y_DOWN[self.y], scale=self.scale)
+        made = yield from importers.place(context, shapes, scale=self.scale)
         drawn = [obj for obj, shape in zip(made, shapes, strict=True) if not shape.placed]
         drawn += yield from self._outlines_of(context, traced)
         in_parts = []
         for title, parts in layered_files:
-            in_parts.append(
-                (yield from svg_parts.place(context, title, parts, y_down=self.y != "UP", scale=self.scale))
-            )
+            in_parts.append((yield from svg_parts.place(context, title, parts, scale=self.scale)))
         drawn += [obj for own in in_parts for obj in own]
         placed = [obj for obj in made if obj not in drawn]
         importers.arrange(placed, upright=self.plane == "XZ", centred=False)
-        importers.arrange(drawn, upright=self.plane != "XY", centred=self.centre and bool(drawn))
+        importers.arrange(drawn, upright=self.plane != "XY", centred=bool(drawn))
         made = [*placed, *drawn]
         for puppet in puppets:
-            made += imported.place(
-                context, puppet, scale=self.scale, is_upright=self.plane != "XY", is_centred=self.centre
-            )
+            made += imported.place(context, puppet, scale=self.scale, is_upright=self.plane != "XY")
         if self.outlines == "PUPPET" and drawn:
             context.view_layer.update()
             for own in in_parts or [drawn]:
@@ -301,7 +287,7 @@ class OBJECT_OT_nested_cages_export(Operator, ExportHelper, bpy.types.Operator):
     bl_options = {"REGISTER", "PRESET"}
     modes = ("OBJECT", "POSE")
 
-    filepath: text("File Path", "File to write", subtype="FILE_PATH", options={"SKIP_PRESET"})
+    filepath: text("File Path", "File to write", subtype="FILE_PATH", options={"HIDDEN", "SKIP_PRESET"})
     filter_glob: text(
         "Filter",
         "Files that are shown",
@@ -309,7 +295,7 @@ class OBJECT_OT_nested_cages_export(Operator, ExportHelper, bpy.types.Operator):
         options={"HIDDEN"},
     )
     kind: choice("For", "What reads the file: outlines, or an engine that plays a puppet", (*OUTLINES, *ENGINES))
-    flip_y: flag("Y Down", "Let the y axis point down, as in images, SVG and most 2D engines", default=True)
+    flip_y: flag("Y Down", "Let the y axis of a GeoJSON point down, as in images and most 2D engines", default=True)
     world: flag("World", "Write world coordinates, seen from the top, front or right, instead of the first object's")
     scale: number(
         "Scale",
@@ -341,7 +327,7 @@ class OBJECT_OT_nested_cages_export(Operator, ExportHelper, bpy.types.Operator):
 
     def draw(self, _context: Context) -> None:
         self.layout.use_property_split = True
-        of_outlines = ("flip_y", "world", "scale", *(("pieces",) if self.kind == "GEOJSON" else ()))
+        of_outlines = ("world", "scale", *(("flip_y", "pieces") if self.kind == "GEOJSON" else ()))
         for name in ("kind", *(of_outlines if self.kind in SUFFIXES else ())):
             self.layout.prop(self, name)
 
@@ -372,7 +358,7 @@ class OBJECT_OT_nested_cages_export(Operator, ExportHelper, bpy.types.Operator):
             path,
             self.kind,
             shapes,
-            flip_y=self.flip_y,
+            flip_y=self.flip_y or self.kind == "SVG",
             pieces=max(3, self.pieces) if self.pieces else None,
             levels=[ownership.depth_of(obj) for obj in objects] if any(map(record.level_of, objects)) else None,
             size=exporters.paper(context, objects[0], world=self.world) if self.scale == 1.0 else None,

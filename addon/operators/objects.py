@@ -9,10 +9,10 @@ from ..errors import UserError, counted
 from ..generation.job import Work
 from ..io import exporters, silhouettes
 from ..keys import found_object
-from ..properties.kinds import choice, flag, length, whole
+from ..properties.kinds import choice, flag, whole
 from ..scene.areas import paints
 from ..scene.ownership import select, sets_of_chosen
-from .base import JobOperator
+from .base import GapProperty, JobOperator
 from .files import has_outlines, outlines
 
 SILHOUETTE, PIECES, ANIMATED = "SILHOUETTE", "PIECES", "ANIMATED"
@@ -30,7 +30,7 @@ PLANE_ITEMS = (
 )
 
 
-class OBJECT_OT_nested_cages_to_objects(JobOperator, bpy.types.Operator):
+class OBJECT_OT_nested_cages_to_objects(JobOperator, GapProperty, bpy.types.Operator):
     """Make new objects from what is selected: one silhouette of everything, convex pieces of outlines as they are on
     this frame, or cages as faces that play their animation
     """
@@ -40,7 +40,6 @@ class OBJECT_OT_nested_cages_to_objects(JobOperator, bpy.types.Operator):
     shape: choice("Shape", "What to make", SHAPE_ITEMS)
     plane: choice("Plane", "Plane to project a silhouette onto", PLANE_ITEMS, default="ACTIVE")
     fill_holes: flag("Fill Holes", "Leave holes of a silhouette out")
-    gap: length("Join Gaps", "Join parts of a silhouette that are closer than this")
     pieces: whole("Vertices", "Maximum number of vertices of a piece; Box2D takes 8", default=8, min=3, soft_max=32)
 
     needs = staticmethod(lambda context: has_outlines(context) or any(map(paints, context.selected_objects)))

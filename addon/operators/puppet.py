@@ -17,14 +17,14 @@ from ..errors import UserError, counted
 from ..generation.job import Progress, Work, drain
 from ..io.pictures import image_on
 from ..keys import found_object
-from ..properties.kinds import choice, flag, length, number, text, whole
+from ..properties.kinds import choice, flag, text, whole
 from ..puppets import armatures, caps, clips, controls, duplicates, moving
 from ..scene import filling, grease_pencil, ownership
 from ..scene.areas import paints
 from ..scene.blocks import removed_on_failure
 from ..scene.convert import Drawing
 from ..scene.ownership import check_local, chosen, scene_of, select, sets_of_chosen
-from .base import JobOperator, Operator, pose
+from .base import GapProperty, JobOperator, Operator, pose
 from .views import OUTLINES
 
 # Roles of objects that are no drawings of their own.
@@ -47,7 +47,7 @@ SOURCE_ITEMS = (
 )
 
 
-class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
+class OBJECT_OT_nested_cages_puppet(JobOperator, GapProperty, bpy.types.Operator):
     """Give the selected drawings bones: a puppet of parts that move by themselves, one cage that bends them all, or a
     bone for each vertex of their cages. Parent a bone to another one and press again, and the puppet follows
     """
@@ -62,22 +62,14 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
     caps: flag("Painted Joints", "Let paint stay behind at joints, so that nothing opens there", default=True)
     linear: flag("Blend as Engines", "Blend bones linearly, as game engines do, instead of with Preserve Volume")
     vertices: whole("Vertices", "Vertices of the cage apart from those at joints; 0: as many as its loops need", min=0)
-    gap: length("Join Gaps", "Join parts that are closer than this, so that one skeleton can move both")
-    protrudes: number(
-        "Limbs Protrude",
-        "How far a limb reaches out at least, in radii of the body there; larger: fewer limbs",
-        default=1.0,
-        min=0.05,
-        soft_max=5.0,
-    )
 
     needs = staticmethod(lambda context: _selected_parts(context)[0] or _drawings(context) or sets_of_chosen(context))
     missing = "Select the parts of a drawing: meshes, curves, texts, pictures or Grease Pencil"
 
     def draw(self, _context: Context) -> None:
         self.layout.use_property_split = True
-        shown = {PARTS: ("limits", "reach", "caps", "linear"), ONE_CAGE: ("vertices", "gap", "protrudes")}
-        for name in ("source", *shown.get(self.source, ("gap", "protrudes") if self.source == BONES else ())):
+        shown = {PARTS: ("limits", "reach", "caps", "linear"), ONE_CAGE: ("vertices", "gap"), BONES: ("gap",)}
+        for name in ("source", *shown.get(self.source, ())):
             self.layout.prop(self, name)
 
     def work(self, context: Context) -> Work[None]:
@@ -113,7 +105,7 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
         yield Progress(0.0, "uniting painted areas")
         with removed_on_failure():
             given = found_object(identity) if identity else None
-            armature = given or characters.add_skeleton(context, whole, self._skeleton)[0]
+            armature = given or characters.add_skeleton(context, whole, core.character.Skeleton())[0]
             if (identity and not given) or whole.source is None:
                 raise UserError("The armature or a drawing was deleted meanwhile, so the cage was discarded")
             cage_set = yield from characters.make(context, whole, armature, self.vertices)
@@ -131,7 +123,7 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
         parts = [part.session_uid for part in _drawings(context)]
         whole, problems = self._united(context, _drawings(context))
         yield Progress(0.0, "uniting painted areas")
-        armature, number = characters.add_skeleton(context, whole, self._skeleton)
+        armature, number = characters.add_skeleton(context, whole, core.character.Skeleton())
         select(context, *(obj for part in parts if (obj := found_object(part)) is not None), armature)
         self.tell_skipped(problems, "object")
         self.report({"INFO"}, f"{counted(number, 'bone')}: edit them, then make a puppet of one cage")
@@ -155,10 +147,6 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, bpy.types.Operator):
         pose(context, handles.add(context, cages))
         number = sum(len(filling.points_of(filling.mesh_of(cage))) for cage in cages)
         self.report({"INFO"}, f"{counted(number, 'handle')}: move them, and the drawing follows")
-
-    @property
-    def _skeleton(self) -> core.character.Skeleton:
-        return core.character.Skeleton(protrudes=self.protrudes)
 
     def _united(self, context: Context, parts: Sequence[Object]) -> tuple[Drawing, list[UserError]]:
         """The parts in their own shapes as one drawing, and why some were left out. Raises: UserError."""

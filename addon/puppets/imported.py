@@ -67,9 +67,7 @@ def pixels_of(image: bpy.types.Image) -> NDArray[np.uint8]:
     return whole
 
 
-def place(
-    context: Context, puppet: game.GamePuppet, *, scale: float, is_upright: bool, is_centred: bool
-) -> list[Object]:
+def place(context: Context, puppet: game.GamePuppet, *, scale: float, is_upright: bool) -> list[Object]:
     """New objects in a collection of their own, the armature last. Bones blend as in engines: without Preserve Volume.
 
     scale: metres per pixel, 0 for the default.
@@ -80,7 +78,7 @@ def place(
     rig = armatures.add_armature(context, home, Frame(np.eye(4), 0.0, 1.0, own=True), puppet.name)
     made = stage(context, home, rig, puppet, unit)
     points = np.concatenate([mesh.points for mesh in puppet.meshes]) * unit
-    middle = 0.5 * (points.min(axis=0) + points.max(axis=0)) if is_centred else np.zeros(2)
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     rig.location = (-middle[0], 0.0, -middle[1]) if is_upright else (-middle[0], -middle[1], 0.0)
     rig.rotation_euler.x = np.pi / 2.0 if is_upright else 0.0
     return made

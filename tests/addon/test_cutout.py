@@ -113,7 +113,7 @@ def test_a_file_becomes_a_bound_mesh_that_shows_it(tmp_path) -> None:
 def test_with_a_skeleton_bones_along_the_limbs_move_one_cage(tmp_path) -> None:
     rows, columns = np.mgrid[:HEIGHT, :WIDTH]
     limbs = (abs(rows - 23.5) < 6.0) | (abs(columns - 47.5) < 6.0)
-    cut(filepath=str(file_of(picture("cross.png", limbs), tmp_path)), skeleton=True)
+    cut(filepath=str(file_of(picture("cross.png", limbs), tmp_path)), moved_by="SKELETON")
     rig, obj = bpy.context.object, bpy.data.objects["cross"]
     assert bpy.context.mode == "POSE" and len(rig.pose.bones) >= 3
     rest = evaluated(obj)
@@ -129,7 +129,7 @@ def test_what_has_no_limbs_gets_no_skeleton_and_nothing_is_made(tmp_path) -> Non
     y, x = np.mgrid[:HEIGHT, :WIDTH]
     path = file_of(picture("disc.png", np.hypot(x - 47.5, y - 23.5) < 20.0), tmp_path)
     with refused():
-        bpy.ops.object.nested_cages_cutout(filepath=str(path), skeleton=True)
+        bpy.ops.object.nested_cages_cutout(filepath=str(path), moved_by="SKELETON")
     assert not bpy.data.images and not bpy.data.materials
 
 
@@ -149,7 +149,7 @@ def test_an_opaque_tile_grows_only_if_asked(options: dict[str, float], grown: fl
     image = bpy.data.images.new("tile.png", 32, 16, alpha=True)
     image.pixels.foreach_set(np.ones(32 * 16 * 4, np.float32))
     image_empty(image).empty_display_size = 32.0
-    obj = cut(bind=False, **options)
+    obj = cut(moved_by="NOTHING", **options)
     points = in_world(obj, evaluated(obj))
     assert np.ptp(points, axis=0)[:2] == pytest.approx((32.0 + 2.0 * grown, 16.0 + 2.0 * grown), abs=1e-2)
     if not grown:
@@ -177,7 +177,7 @@ def test_an_image_empty_is_cut_out_where_it_is() -> None:
 
 def test_an_image_plane_is_cut_out_where_it_is_with_its_hole() -> None:
     shown = plane(picture())
-    obj = cut(holes=True, bind=False)
+    obj = cut(holes=True, moved_by="NOTHING")
     assert_shows_all_pixels(obj, 4.0 / WIDTH)
     assert len(faces_of(obj, evaluated(obj)[:, :2], None).interiors) == 1
     assert shown.hide_get()
@@ -212,7 +212,7 @@ def test_pictures_without_a_cage_are_skipped_and_opaque_ones_told(reports) -> No
     large, small, rectangle = map(image_empty, (picture("large.png"), picture(), solid))
     large.empty_display_size, small.empty_display_size, rectangle.empty_display_size = 300.0, 1.0, 1.0
     choose(large, small, rectangle)
-    cut(levels="1e-4u", bind=False)
+    cut(levels="1e-4u", moved_by="NOTHING")
     told = reports.read()
     assert "'large'" in told and "'solid.png'" in told and "'part.png'" not in told
     assert {"part", "solid"} <= set(bpy.data.objects.keys()) and "large" not in bpy.data.objects

@@ -61,8 +61,7 @@ def test_what_is_exported_comes_back_the_same(cages, core, tmp_path, kind, flip_
     path = tmp_path / f"a.{kind.lower()}"
     options = {"kind": kind, "flip_y": flip_y, "world": True, "scale": 64.0}
     assert bpy.ops.object.nested_cages_export(filepath=str(path), **options) == {"FINISHED"}
-    y = "AUTO" if kind == "GEOJSON" else "DOWN" if flip_y else "UP"
-    assert bpy.ops.object.nested_cages_import(filepath=str(path), scale=1 / 64, y=y) == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_import(filepath=str(path), scale=1 / 64) == {"FINISHED"}
     (back,) = bpy.context.selected_objects
     bpy.context.view_layer.update()
     points, there = in_world(back, evaluated(back)), in_world(both[-1], evaluated(both[-1]))
