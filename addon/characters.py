@@ -117,9 +117,9 @@ def add_bones(
     return made
 
 
-def add_skeleton(context: Context, drawing: Drawing, skeleton: core.character.Skeleton) -> tuple[Object, int]:
+def add_skeleton(context: Context, drawing: Drawing) -> tuple[Object, int]:
     """A new armature along the limbs of a drawing, and the number of its bones. Raises: UserError."""
-    bones = core.suggest_bones(drawing.mesh(), skeleton)
+    bones = core.suggest_bones(drawing.mesh())
     if not bones:
         raise UserError(f"'{drawing.name}' has no limbs: it is round; draw a bone yourself")
     made = add_bones(context, None, drawing.frame, bones, name=f"{drawing.name} Bones")

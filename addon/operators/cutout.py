@@ -15,7 +15,6 @@ from bpy_extras.io_utils import ImportHelper
 from .. import characters
 from ..animation.timeline import Timing
 from ..binding import binding, handles
-from ..core import core
 from ..errors import UserError, counted
 from ..generation import output
 from ..generation.generate import Generation, Options, Request, Result
@@ -155,7 +154,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
             return
         count = len(made)
         whole, problems = yield from characters.united_drawing(context, made, 0.0)
-        armature, bones = characters.add_skeleton(context, whole, core.character.Skeleton())
+        armature, bones = characters.add_skeleton(context, whole)
         made.append(armature)
         yield from characters.make(context, whole, armature, 0)
         pose(context, armature)

@@ -12,7 +12,6 @@ from bpy.types import Context, Object
 from .. import characters, record
 from ..binding import binding, field, handles
 from ..binding.copies import complete
-from ..core import core
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work, drain
 from ..io.pictures import image_on
@@ -105,7 +104,7 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, GapProperty, bpy.types.Operator
         yield Progress(0.0, "uniting painted areas")
         with removed_on_failure():
             given = found_object(identity) if identity else None
-            armature = given or characters.add_skeleton(context, whole, core.character.Skeleton())[0]
+            armature = given or characters.add_skeleton(context, whole)[0]
             if (identity and not given) or whole.source is None:
                 raise UserError("The armature or a drawing was deleted meanwhile, so the cage was discarded")
             cage_set = yield from characters.make(context, whole, armature, self.vertices)
@@ -123,7 +122,7 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, GapProperty, bpy.types.Operator
         parts = [part.session_uid for part in _drawings(context)]
         whole, problems = self._united(context, _drawings(context))
         yield Progress(0.0, "uniting painted areas")
-        armature, number = characters.add_skeleton(context, whole, core.character.Skeleton())
+        armature, number = characters.add_skeleton(context, whole)
         select(context, *(obj for part in parts if (obj := found_object(part)) is not None), armature)
         self.tell_skipped(problems, "object")
         self.report({"INFO"}, f"{counted(number, 'bone')}: edit them, then make a puppet of one cage")
