@@ -77,8 +77,7 @@ def place(context: Context, title: str, parts: tuple[core.formats.SvgPart, ...],
             if mesh is not None:
                 loops = [divided(mesh.vertices[loop] * turn - middle, LONGEST_SIDE * extent) for loop in mesh.loops]
                 picture = _picture(gradient, mesh) if gradient is not None else None
-                if picture is not None and y_down:
-                    picture = picture[::-1]
+                picture = picture[::-1] if picture is not None else None
                 paints.append(Paint(kind, tuple(shade), stored_mesh(part.name, loops), picture))
         made.append((part, middle, paints))
     home = bpy.data.collections.new(title)

@@ -9,7 +9,6 @@ import bpy
 import numpy as np
 from bpy.types import Context, Object
 from mathutils import Color
-from scipy import ndimage
 
 from ..core import core, game, layers
 from ..errors import FloatArray, UserError
@@ -72,6 +71,8 @@ def _gradient(obj: Object, slot: int, material: bpy.types.Material | None, frame
     places = frame.from_world(transform(world_matrix(obj), filling.points_of(data)))[0][corners] * (1.0, -1.0)
     uv = filling.stored(data.uv_layers.active.data, "uv", 2)[own]
     affine = np.linalg.lstsq(np.column_stack([places, np.ones(len(places))]), uv)[0]
+    from scipy import ndimage  # missing where the core is: a sentence says so
+
     pixels = pixels_of(image)[::-1] / 255.0
     size = np.array(pixels.shape[1::-1])
 
