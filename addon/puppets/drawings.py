@@ -61,6 +61,8 @@ def pictures_of(
 
 def _gradient(obj: Object, slot: int, material: bpy.types.Material | None, frame: Frame) -> core.formats.Shades | None:
     """The colours of a gradient on the faces of a mesh with a material, as seen in a frame; None for one colour."""
+    from scipy import ndimage
+
     image = next((node.image for node in pictures_in(material) if is_gradient(node.image)), None)
     if image is None or obj.type != "MESH" or filling.mesh_of(obj).uv_layers.active is None:
         return None
@@ -71,8 +73,6 @@ def _gradient(obj: Object, slot: int, material: bpy.types.Material | None, frame
     places = frame.from_world(transform(world_matrix(obj), filling.points_of(data)))[0][corners] * (1.0, -1.0)
     uv = filling.stored(data.uv_layers.active.data, "uv", 2)[own]
     affine = np.linalg.lstsq(np.column_stack([places, np.ones(len(places))]), uv)[0]
-    from scipy import ndimage  # missing where the core is: a sentence says so
-
     pixels = pixels_of(image)[::-1] / 255.0
     size = np.array(pixels.shape[1::-1])
 
