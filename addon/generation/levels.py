@@ -165,26 +165,20 @@ def are_counts(levels: Sequence[Level]) -> bool:
     return not any(isinstance(level, core.Within) for level in levels)
 
 
-def meanings(levels: Sequence[Level], drawings: Sequence[Sequence[int]], size: float, *, keeps: bool = True) -> str:
-    """What levels come to for some drawings: "20 % = 4 to 93, 8 % = 4 to 37 vertices"; their vertices where all levels
-    are counts.
+def meanings(levels: Sequence[Level], sizes: Sequence[int], size: float, *, keeps: bool = True) -> str:
+    """What levels come to for a drawing: "20 % = 93, 8 % = 37 vertices"; its vertices where all levels are counts.
 
-    drawings: vertices of the loops of each. size: the largest diagonal in units of the scene. keeps: whether each loop
-    needs vertices of its own.
+    sizes: vertices of its loops. size: its diagonal in units of the scene. keeps: whether each loop needs vertices of
+    its own.
     """
     said: list[str] = []
     shares = [level for level in levels if isinstance(level, core.levels.Share)]
     for level in levels:
         if isinstance(level, core.levels.Share):
-            counts = _span([level.of(sizes, keeps=keeps) for sizes in drawings])
-            said.append(f"{100.0 * level.fraction:.4g} % = {counts}{' vertices' if level is shares[-1] else ''}")
+            count = level.of(sizes, keeps=keeps)
+            said.append(f"{100.0 * level.fraction:.4g} % = {count}{' vertices' if level is shares[-1] else ''}")
         elif isinstance(level, core.Within) and level.excess is not None:
             said.append(f"{1.0 + level.excess:.4g} times the area")
         elif isinstance(level, core.Within) and size > 0.0:
             said.append(f"{100.0 * level.limit / size:.3g} % of the size")
-    return ", ".join(said) or f"of {_span([sum(sizes) for sizes in drawings])} vertices"
-
-
-def _span(counts: Sequence[int]) -> str:
-    """The least and the largest of some counts."""
-    return str(min(counts)) if min(counts) == max(counts) else f"{min(counts)} to {max(counts)}"
+    return ", ".join(said) or f"of {sum(sizes)} vertices"

@@ -154,4 +154,4 @@ def _counts(context: Context, drawing: Object) -> str:
     except UserError:
         return ""
     keeps = settings.inside or settings.loops == KEEP
-    return meanings(levels, [sizes], drawing.dimensions.length, keeps=keeps) if levels else ""
+    return meanings(levels, sizes, drawing.dimensions.length, keeps=keeps) if levels else ""
