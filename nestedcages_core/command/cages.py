@@ -43,7 +43,7 @@ def run(options: argparse.ArgumentParser, given: argparse.Namespace) -> bool:
     failed = any(source.failures for source in sources)
     for file in frames:
         try:
-            put({file: frames_of(sources, given)})
+            put({file: geojson_of(frames_of(sources, given), given)})
             tell(f"Wrote {file}", out)
         except NestedCagesError as error:
             tell(f"error: {file}: {error}", sys.stderr)

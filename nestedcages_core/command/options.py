@@ -43,9 +43,6 @@ FOR = {
 }
 """The kinds of files that some options are for."""
 
-APART = (("inside", "jobs"), *(("convex", other) for other in ("inside", "min_edge", "min_angle", "directions")))
-"""Options that exclude each other."""
-
 DESCRIPTION = """\
 Wraps drawings (.svg), maps (.geojson .json .shp .gpkg .topojson) and pictures
 (.png) in nested cages: coarse outlines that strictly enclose them, never cross
@@ -217,10 +214,8 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
         if getattr(given, name) and not kinds & {*owners, "stream"}:
             word = name.replace("_", "-")
             options.error(f"--{word} is for a {' or a '.join(owners)}, and there is none among the input")
-    for one, other in APART:
-        if getattr(given, one) and getattr(given, other):
-            both = f"--{one} and --{other}".replace("_", "-")
-            options.error(f"{both} do not go together; give only one of them")
+    if given.inside and given.jobs:
+        options.error("--jobs is for cages around shapes; leave it out, or --inside")
     if [*given.output, given.report].count(STREAM) > 1 or (STREAM in given.output and len(paths) > 1):
         options.error("the standard output takes one of the outputs and the report, and the cages of one file")
     if (given.flip_y or given.pieces) and {*map(format_of, given.output)} <= {"svg"}:

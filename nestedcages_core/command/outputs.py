@@ -6,8 +6,8 @@ import json
 import sys
 from argparse import Namespace
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from ..errors import invalid_file
 from ..formats import Feature, measures, to_geojson, to_svg, write_files
@@ -15,7 +15,7 @@ from ..formats.decimals import turned_over
 from ..formats.pictures import corresponding
 from ..geometry.mesh import Mesh
 from .options import STREAM
-from .printing import STANDARD_OUTPUT
+from .printing import STANDARD_OUTPUT, drop
 from .sources import DOWN, Made, Source
 
 
@@ -32,13 +32,32 @@ def svg_of(source: Source) -> str:
 
 def geojson_of(source: Source, given: Namespace) -> str:
     """A feature for each cage. Raises NestedCagesError where a map is to be turned over."""
-    height, pixels = _turn(source, given)
-    features = [_feature(each, k, level.cage, height) for each in source.made for k, level in enumerate(each.levels, 1)]
+    height, pixels = None, source.pixels
+    if given.flip_y:
+        if pixels is None:
+            raise invalid_file("A map has the north up; --flip-y is for drawings and pictures.")
+        height, pixels = float(pixels.get("height", 0.0)), {**pixels, "y": "down" if source.y_up else "up"}
+    features = [_feature(each, k, height) for each in source.made for k in range(len(each.levels))]
     return to_geojson(features, indent=1, crs=source.crs, pixels=pixels, pieces=given.pieces)
 
 
-def frames_of(sources: Sequence[Source], given: Namespace) -> str:
-    """The cages of several pictures, as frames at the times 0, 1, …, with corresponding vertices in the same order.
+def _feature(made: Made, k: int, height: float | None) -> Feature:
+    """A cage as a feature, turned over at half of a height."""
+    level = made.levels[k]
+    mesh = level.cage if height is None else turned_over(level.cage, height)
+    properties = {
+        **measures(mesh),
+        **made.shape.properties,
+        "level": -k - 1 if level.inside else k + 1,
+        "vertices": len(mesh.vertices),
+        "excess": level.report.excess,
+        "clearance": level.report.clearance,
+    }
+    return Feature(mesh, properties, made.shape.id if len(made.levels) == 1 else None)
+
+
+def frames_of(sources: Sequence[Source], given: Namespace) -> Source:
+    """Several pictures as one, with frames at the times 0, 1, …, with corresponding vertices in their cages.
 
     Raises NestedCagesError where a picture lacks cages, or the pictures are to be turned over and differ in size.
     """
@@ -46,45 +65,16 @@ def frames_of(sources: Sequence[Source], given: Namespace) -> str:
     missing = [Path(source.path).name for source, n in zip(sources, counts, strict=True) if n < (max(counts) or 1)]
     if missing:
         raise invalid_file(f"not written, since {', '.join(missing)} lacks cages.")
-    whole = sources[0]
-    if any(source.pixels != whole.pixels for source in sources):
-        if given.flip_y:
-            raise invalid_file("the pictures differ in size, so their frames cannot be turned over together.")
-        whole = whole._replace(pixels=DOWN)
-    height, pixels = _turn(whole, given)
+    differ = any(source.pixels != sources[0].pixels for source in sources)
+    if differ and given.flip_y:
+        raise invalid_file("the pictures differ in size, so their frames cannot be turned over together.")
     made = [source.made[0] for source in sources]
     rows = [corresponding([each.levels[k].cage for each in made]) for k in range(max(counts))]
-    frames = zip(made, zip(*rows, strict=True), strict=True)
-    features = [
-        _feature(each, k, cage, height, time)
-        for time, (each, cages) in enumerate(frames)
-        for k, cage in enumerate(cages, 1)
-    ]
-    return to_geojson(features, indent=1, pixels=pixels, pieces=given.pieces)
-
-
-def _turn(source: Source, given: Namespace) -> tuple[float | None, Mapping[str, Any] | None]:
-    """The height at half of which y turns over, None for not at all, and how coordinates lie then."""
-    if not given.flip_y:
-        return None, source.pixels
-    if source.pixels is None:
-        raise invalid_file("A map has the north up; --flip-y is for drawings and pictures.")
-    return float(source.pixels.get("height", 0.0)), {**source.pixels, "y": "down" if source.y_up else "up"}
-
-
-def _feature(made: Made, number: int, cage: Mesh, height: float | None, time: int | None = None) -> Feature:
-    """A cage as a feature, turned over at half of a height."""
-    level, mesh = made.levels[number - 1], cage if height is None else turned_over(cage, height)
-    properties = {
-        **measures(mesh),
-        **made.shape.properties,
-        **({} if time is None else {"time": time}),
-        "level": -number if level.inside else number,
-        "vertices": len(mesh.vertices),
-        "excess": level.report.excess,
-        "clearance": level.report.clearance,
-    }
-    return Feature(mesh, properties, made.shape.id if time is None and len(made.levels) == 1 else None)
+    frames = []
+    for time, (each, cages) in enumerate(zip(made, zip(*rows, strict=True), strict=True)):
+        levels = [replace(level, cage=cage) for level, cage in zip(each.levels, cages, strict=True)]
+        frames.append(Made(each.shape._replace(properties={"time": time}), each.fine, levels))
+    return sources[0]._replace(made=frames, pixels=DOWN if differ else sources[0].pixels)
 
 
 def put(texts: Mapping[str, str]) -> None:
@@ -98,6 +88,7 @@ def put(texts: Mapping[str, str]) -> None:
         sys.stdout.buffer.write(texts[STREAM].encode("utf-8"))
         sys.stdout.buffer.flush()
     except OSError as error:
+        drop(sys.stdout)
         raise OSError(error.errno, error.strerror or str(error), STANDARD_OUTPUT) from error
 
 

@@ -394,7 +394,7 @@ SVG = ["letter.svg", "--levels", "24"]
      (["fake.png", "--levels", "24", "--element", "a"], 2), ([*SVG, "--flip-y"], 2), ([*SVG, "--pieces", "8"], 2),
      ([*SVG, "--pieces", "2", "-o", "out.json"], 2), ([*SVG, "--limit", "size=3"], 2), ([*SVG, "--symmetry", "z"], 2),
      ([*SVG, "--symmetry", "1"], 2), ([*SVG, "--min-angle", "70"], 2), ([*SVG, "--convex", "--min-edge", "1"], 2),
-     ([*SVG, "--convex", "--inside"], 2), ([*SVG, "--directions", "up"], 2), ([*SVG, "--directions", "0"], 2),
+     ([*SVG, "--convex", "--inside"], 1), ([*SVG, "--directions", "up"], 2), ([*SVG, "--directions", "0"], 2),
      ([*SVG, "--box", "1,2,3"], 2), ([*SVG, "--box", "1,1,1,2"], 2), ([*SVG, "--box", "a,b,c,d"], 2),
      (["empty.geojson", "--levels", "24", "--inside", "--jobs", "2"], 2), ([*SVG, "-o", "-", "--report", "-"], 2),
      ([*SVG, "--clearance", "5km"], 1),
