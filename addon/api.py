@@ -50,7 +50,7 @@ def cages(objects: Sequence[Object], levels: Levels = "20%, 8%", **settings: Any
         if not convert.readable(obj):
             raise ValueError(f"'{obj.name}' has no outline, it is of the type {obj.type}")
     text, own = _levels(levels)
-    values: Any = SimpleNamespace(**_values({"levels": text, "show_result": False, **settings}))
+    values: Any = SimpleNamespace(**_values({"levels": text, **settings}))
     if context.mode != "OBJECT":
         raise ValueError("Switch to Object Mode first")
     context.view_layer.update()
@@ -61,7 +61,7 @@ def cages(objects: Sequence[Object], levels: Levels = "20%, 8%", **settings: Any
             if obj.name not in context.view_layer.objects or not obj.visible_get():
                 raise ValueError(f"'{obj.name}' is not visible in the current view layer, so it cannot be caged")
         try:
-            made, _ = drain(making.make(context, drawings, own, values, _tell))
+            made, _ = drain(making.make(context, drawings, own, values, _tell, jump=False))
         except UserError as error:
             raise ValueError(str(error)) from error
     known = [next((each for each in made if obj in each.parts), CageSet(obj)) for obj in drawings]

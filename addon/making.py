@@ -40,12 +40,18 @@ Tell: TypeAlias = Callable[[Kind, str], None]
 
 
 def make(
-    context: Context, drawings: Sequence[Object], own: Sequence[Object], values: GenerationProperties, tell: Tell
+    context: Context,
+    drawings: Sequence[Object],
+    own: Sequence[Object],
+    values: GenerationProperties,
+    tell: Tell,
+    *,
+    jump: bool = True,
 ) -> Work[tuple[list[CageSet], list[UserError]]]:
     """Cages around each drawing, or in common ones; returns their sets, and why some drawings have none.
 
     The first drawing is the active one. own: objects that are levels. A drawing stands for all that share its cages.
-    Raises: UserError if nothing can be caged.
+    jump: to the frame of the result. Raises: UserError if nothing can be caged.
     """
     options, name = options_of(values, scene_of(context)), scene_of(context).name
     groups = ownership.with_parts(drawings, inside=values.inside)
@@ -62,11 +68,11 @@ def make(
     problems += generation.problems
     edited, used = changes.edited_since(before), all_values(values)
     results = [replace(result, used=used) for result in generation.results]
-    return _put(scene_again(name), results, values, edited, tell), problems
+    return _put(scene_again(name), results, values, edited, tell, jump=jump), problems
 
 
 def _put(
-    scene: Scene, results: Sequence[Result], values: GenerationProperties, edited: set[int], tell: Tell
+    scene: Scene, results: Sequence[Result], values: GenerationProperties, edited: set[int], tell: Tell, *, jump: bool
 ) -> list[CageSet]:
     """Puts the results into the scene; edited: session IDs of drawings that changed meanwhile. Raises: UserError."""
     gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
@@ -82,7 +88,7 @@ def _put(
         poses[earlier] = {record.level_of(obj): Pose.of(obj, source) for obj in earlier.members}
     sets, lost = output.write(scene, results, filled(Timing, values), values.thickness)
     bound = {cage_set: binding.forget(cage_set) for cage_set in sets}
-    if values.show_result:
+    if jump:
         scene.frame_set(max(cage_set.record.frames[1] for cage_set in sets))
     for cage_set, method in bound.items():
         _bind_again(cage_set, method, tell)

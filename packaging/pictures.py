@@ -173,7 +173,7 @@ def generate(**settings: Any) -> None:
     for name, value in settings.items():
         setattr(panel, name, value)
     with override():
-        bpy.ops.object.nested_cages_generate("EXEC_DEFAULT", fit_length=True, **settings)
+        bpy.ops.object.nested_cages_generate("EXEC_DEFAULT", **{"length": 120, **settings})
 
 
 def shoot(name: str, box: Box | None = None) -> Steps:
@@ -549,7 +549,7 @@ def running() -> Steps:
 def redo() -> Steps:
     yield from sign()
     with override():
-        bpy.ops.object.nested_cages_generate("EXEC_DEFAULT", True, levels="20%, 8%", fit_length=True)
+        bpy.ops.object.nested_cages_generate("EXEC_DEFAULT", True, levels="20%, 8%", length=120)
     yield 2.0
     with override():
         bpy.ops.screen.redo_last("INVOKE_DEFAULT")

@@ -22,14 +22,13 @@ Mark = tuple[str, int]
 class Timing:
     """First frame, frames per step, and whether the flow is part of the animation.
 
-    `fit_length`: everything takes `length` frames, whatever the number of steps.
+    `length`: frames that everything takes, whatever the number of steps; 0 for frames per step.
     """
 
     start_frame: int = 1
     frames_per_step: int = 4
     show_flow: bool = True
-    fit_length: bool = False
-    length: int = 120
+    length: int = 0
 
 
 @dataclass(frozen=True)
@@ -82,7 +81,7 @@ def spans(levels: Sequence[Phases], timing: Timing) -> tuple[Span, ...]:
 
 def _frames_per_step(levels: Sequence[Phases], timing: Timing) -> float:
     """Frames from one step to the next; fractional if the animation is fitted to a length."""
-    if not timing.fit_length:
+    if not timing.length:
         return float(timing.frames_per_step)
     shown = sum(level.last - (0 if timing.show_flow else level.flow_end) for level in levels) + len(levels) - 1
     return max(timing.length - 1.0, 1.0) / max(shown, 1)

@@ -10,7 +10,6 @@ from bpy.types import Context, Object
 from .. import making, record
 from ..errors import UserError
 from ..generation.job import Work, running
-from ..generation.levels import OWN
 from ..properties import groups
 from ..properties.settings import GenerationProperties, OperatorProperties
 from ..record import CageSet
@@ -44,8 +43,6 @@ class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
         layout = self.layout
         layout.use_property_split = True
         layout.prop(self, "levels")
-        if OWN in self.levels:
-            layout.prop(self, "level_objects")
         groups.draw(layout.column(), self, (*groups.SPACE, *groups.WHICH))
         for title, names in groups.SECTIONS.items():
             header, body = layout.panel(f"nested_cages_{title}", default_closed=title != "Animation")
@@ -131,26 +128,9 @@ def asked(context: Context, values: GenerationProperties) -> tuple[list[Object],
     active = context.view_layer.objects.active
     selected = sources(context, as_selected=values.use_selected_as_levels)
     if not values.use_selected_as_levels:
-        own = _own_objects(context, values)
-        alone = sorted((obj for obj in selected if obj not in own), key=lambda obj: obj is not active)
-        if not alone:
-            raise UserError("Select the drawing too: all that is selected is one of its levels")
-        return alone, own
+        return sorted(selected, key=lambda obj: obj is not active), []
     if active is None or active not in selected or len(selected) < 2:
         raise UserError(
             "'Selected as Cages' needs the drawing as the active object and at least one coarse mesh selected as well"
         )
     return [active], [obj for obj in selected if obj is not active]
-
-
-def _own_objects(context: Context, values: GenerationProperties) -> list[Object]:
-    """The objects that are levels. Raises: UserError."""
-    objects = []
-    for name in list(filter(None, values.level_objects.split("\n")))[: values.levels.count(OWN)]:
-        obj = context.scene.objects.get(name)
-        if obj is None:
-            raise UserError(f"'{name}' is named as a level but is not in the scene")
-        if not convert.readable(obj):
-            raise UserError(f"'{name}' is named as a level but has no outline")
-        objects.append(obj)
-    return objects

@@ -19,16 +19,15 @@ GROUPS = ("weight_group", "pin_group")
 # Settings that cages which follow a motion do not have.
 NOT_MOVING: tuple[str, ...] = ("use_selected_as_levels", "inside", *RULES, *PLACES)
 SHAPE: tuple[str, ...] = ("decimation", "energy", "fall_back", "as_published")
-FRAMES: tuple[str, ...] = ("start_frame", "fit_length", "length", "frames_per_step")
-ANIMATION: tuple[str, ...] = ("show_flow", "shrink", "show_result")
+FRAMES: tuple[str, ...] = ("start_frame", "length", "frames_per_step")
+ANIMATION: tuple[str, ...] = ("show_flow",)
 LOOKS: tuple[str, ...] = ("thickness",)
 READING: tuple[str, ...] = ("close_open", "project")
 
 # Settings that only apply if another one has a value.
 ALTERNATIVES: dict[str, tuple[str, object]] = {
     "clearance_share": ("clearance", 0.0),
-    "length": ("fit_length", True),
-    "frames_per_step": ("fit_length", False),
+    "frames_per_step": ("length", 0),
     "symmetry_order": ("symmetry", ROTATION),
 }
 
@@ -37,7 +36,7 @@ def draw(layout: bpy.types.UILayout, values: GenerationProperties, names: Iterab
     """Draws settings; those that do not apply are greyed out."""
     for name in names:
         line = layout.column()
-        other, wanted = ALTERNATIVES.get(name, ("fit_length", values.fit_length))
+        other, wanted = ALTERNATIVES.get(name, (name, getattr(values, name)))
         line.active = getattr(values, other) == wanted
         active = bpy.context.object
         if name in GROUPS and active is not None and active.type == "MESH":

@@ -33,7 +33,6 @@ class GenerationProperties:
         "few as keep within a distance of the drawing (5mm, 0.2ft, 2u for units) or add at most some area (+25%)",
         default=DEFAULT_LEVELS,
     )
-    level_objects: text("Own Objects", "For scripts: names of the objects that * in the levels stands for, a line each")
     use_selected_as_levels: flag(
         "Selected as Cages", "Use the active object as the drawing and the other selected objects as its coarse meshes"
     )
@@ -90,13 +89,10 @@ class GenerationProperties:
     frames_per_step: whole(
         "Frames per Step", "Frames from one step of the computation to the next", default=4, min=1, soft_max=24
     )
-    fit_length: flag("Fit to Length", "Let the whole animation take the frames below, whatever the number of steps")
-    length: whole("Length", "Frames of the whole animation", default=120, min=2, soft_min=24, soft_max=500)
-    show_flow: flag("Show Flow", "Start with the drawing shrinking into the coarse mesh", default=True)
-    shrink: flag(
-        "Shrink Further", "Let the drawing shrink further than the method needs, so that its return shows", default=True
+    length: whole(
+        "Length", "Frames of the whole animation; 0 plays as many for each step as below", min=0, soft_max=500
     )
-    show_result: flag("Jump to Result", "Go to the frame that shows the finished cages", default=True)
+    show_flow: flag("Show Flow", "Start with the drawing shrinking into the coarse mesh", default=True)
     thickness: length(
         "Line Thickness",
         (
@@ -140,8 +136,12 @@ class NestedCagesSettings(bpy.types.PropertyGroup, GenerationProperties):
     """The scene's settings for the next cages."""
 
     # The panel fits the animation to a length; scripts that give frames per step get what they ask for.
-    fit_length: flag(
-        "Fit to Length", "Let the whole animation take the frames below, whatever the number of steps", default=True
+    length: whole(
+        "Length",
+        "Frames of the whole animation; 0 plays as many for each step as below",
+        default=120,
+        min=0,
+        soft_max=500,
     )
 
 
@@ -167,7 +167,7 @@ def options_of(values: GenerationProperties, scene: Scene) -> Options:
         clearance=values.clearance,
         clearance_share=0.01 * values.clearance_share,
         inside=values.inside,
-        shrink=values.shrink,
+        shrink=values.show_flow,
         rules=filled(Rules, values),
         methods=filled(Methods, values),
     )

@@ -253,7 +253,7 @@ def test_cages_of_a_keyed_drawing_stand_where_it_is(draw) -> None:
         source.location.x = x
         source.keyframe_insert("location", frame=frame)
     bpy.context.scene.frame_set(1)
-    fine, cage = generate(source, "12", show_result=True)
+    fine, cage = generate(source, "12")
     assert bpy.context.scene.frame_current > 1
     for frame in (bpy.context.scene.frame_current, 60, 101):
         bpy.context.scene.frame_set(frame)

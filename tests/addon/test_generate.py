@@ -228,9 +228,8 @@ def test_the_source_stays_selected_active_and_as_it_was() -> None:
     assert bpy.context.view_layer.objects.active is source
 
 
-def test_the_frame_jumps_to_the_result_or_stays() -> None:
-    poly_curve("Drawing", [star()])
-    generate(show_result=False)
+def test_the_frame_jumps_to_the_result_or_stays(extension) -> None:
+    extension.cages([poly_curve("Drawing", [star()])])
     assert bpy.context.scene.frame_current == 1
     generate()
     assert bpy.context.scene.frame_current == end_of(output()[0])

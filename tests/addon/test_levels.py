@@ -59,37 +59,21 @@ def test_a_count_holds_where_loops_are_in_each_others_way_unless_all_are_kept() 
         generate("12", loops="keep")
 
 
-def test_own_objects_are_levels_among_others() -> None:
+def test_own_objects_are_levels_among_others(extension) -> None:
     own = poly_curve("Own", [circle(9, 2.5)])
     own.select_set(False)
     poly_curve("Drawing", [star()])
-    generate("20, *", level_objects="Own")
+    extension.cages([bpy.data.objects["Drawing"]], [20, own])
     assert counts() == [20, 9]
     depsgraph = at_frame(9000)
     assert solid(made()[2], depsgraph).contains(solid(made()[1], depsgraph))
 
 
-def test_an_own_object_may_be_selected_with_the_drawing() -> None:
+@pytest.mark.parametrize("levels", ["20, *", "*"])
+def test_own_objects_are_named_by_the_function_for_scripts_alone(levels) -> None:
     poly_curve("Drawing", [star()])
-    poly_curve("Own", [circle(9, 2.5)])
-    generate("*", level_objects="Own")
-    assert [cage.name for cage in made()[1:]] == ["Drawing Cage 1"]
-
-
-@pytest.mark.parametrize(
-    ("levels", "objects", "named"),
-    [("20, *", "", ""), ("20, *", "Nobody", "'Nobody'"), ("20, *", "Empty", "'Empty'"), ("*", "Drawing", "")],
-)
-def test_own_objects_that_cannot_be_levels_are_refused(levels, objects, named) -> None:
-    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Empty", None))
-    poly_curve("Drawing", [star()])
-    with refused(named):
-        generate(levels, level_objects=objects)
-
-
-def test_names_without_a_place_are_ignored() -> None:
-    poly_curve("Drawing", [star()])
-    generate("20", level_objects="Nobody")
+    with refused("'Drawing'"):
+        generate(levels)
 
 
 def farthest(cage: shapely.Geometry, fine: shapely.Geometry) -> float:

@@ -81,11 +81,11 @@ def test_the_operator_and_the_scene_have_the_same_settings() -> None:
     operator = bpy.ops.object.nested_cages_generate.get_rna_type().properties
     scene = bpy.context.scene.nested_cages.bl_rna.properties
     names = own_settings()
-    assert len(names) > 30
+    assert len(names) > 25
     for name in names:
         assert operator[name].description == scene[name].description
         # The panel fits the animation to a length; scripts that give frames per step get what they ask for.
-        assert (operator[name].default == scene[name].default) == (name != "fit_length")
+        assert (operator[name].default == scene[name].default) == (name != "length")
 
 
 def test_a_missing_scipy_is_a_sentence(extension, monkeypatch) -> None:
