@@ -19,7 +19,7 @@ from ..io import exporters, importers, pictures, svg_parts
 from ..io.pictures import Picture, image_on
 from ..keys import found_object
 from ..properties.kinds import choice, flag, number, text, whole
-from ..puppets import armatures, exported, imported, repainting
+from ..puppets import armatures, cutouts, exported, imported, repainting
 from ..puppets.moving import Making
 from ..record import CageSet
 from ..scene import convert, ownership
@@ -320,7 +320,8 @@ class OBJECT_OT_nested_cages_export(Operator, ExportHelper, bpy.types.Operator):
 
     def _puppet(self, context: Context) -> Object | None:
         """The armature of the puppet to write; None if outlines are asked for."""
-        rig = armatures.puppet_of(context.selected_objects or chosen(context))
+        objects = context.selected_objects or chosen(context)
+        rig = armatures.puppet_of(objects) or cutouts.rig_of(objects)
         if not self.properties.is_property_set("kind") and rig is not None:
             self.kind = ENGINES[0][0]
         return None if self.kind in SUFFIXES else rig
@@ -345,13 +346,16 @@ class OBJECT_OT_nested_cages_export(Operator, ExportHelper, bpy.types.Operator):
         path = Path(bpy.path.abspath(self.filepath))
         rig = self._puppet(context)
         if rig is not None:
-            files, notes = exported.write(context, rig, path, self.kind.lower())
+            work = exported.write if armatures.is_puppet(rig) else cutouts.write
+            files, notes = work(context, rig, path, self.kind.lower())
             for note in notes:
                 self.report({"WARNING"}, note)
             self.report({"INFO"}, f"{', '.join(file.name for file in files)} written")
             return
         if self.kind not in SUFFIXES:
-            raise UserError("Select a puppet: an imported painting, or a drawing with the bones of 'Make Puppet'")
+            raise UserError(
+                "Select a cutout with bones or a puppet: an imported painting, or parts that 'Make Puppet' moves"
+            )
         objects = outlines(context)
         shapes = exporters.meshes(context, objects, world=self.world, scale=self.scale)
         exporters.write(

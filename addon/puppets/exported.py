@@ -39,7 +39,11 @@ def parts_of(rig: Object) -> list[Object]:
 
 def write(context: Context, rig: Object, path: Path, engine: str) -> tuple[list[Path], tuple[str, ...]]:
     """Writes a puppet for an engine of the core; returns the files and what is to be told. Raises: UserError."""
-    puppet, notes = puppet_in_scene(context, rig) if parts_of(rig) else pictured(context, rig)
+    return put(path, engine, *(puppet_in_scene(context, rig) if parts_of(rig) else pictured(context, rig)))
+
+
+def put(path: Path, engine: str, puppet: game.GamePuppet, notes: tuple[str, ...]) -> tuple[list[Path], tuple[str, ...]]:
+    """Writes the files of a puppet; returns them, and what is to be told. Raises: UserError."""
     with blamed(f"'{path.name}' cannot be written"):
         files = game.write_puppet(path, puppet, engine)
         return files, (*notes, *game.undrawn(puppet, engine))
@@ -57,7 +61,7 @@ def puppet_in_scene(context: Context, rig: Object) -> tuple[game.GamePuppet, tup
                 notes.append(f"'{mesh.name}': {error}")
     with blamed(f"'{rig.name}'"):
         ranges = game.proved_ranges(puppet.bones, puppet.meshes)
-        animations = _baked(context, rig, puppet.bones, rig[keys.CANVAS][2])
+        animations = baked(context, rig, puppet.bones, rig[keys.CANVAS][2])
     return replace(puppet, ranges=ranges, animations=animations), tuple(notes)
 
 
@@ -65,10 +69,16 @@ def as_it_stands(rig: Object) -> game.GamePuppet:
     """Bones and layers of a painting's puppet as they are at rest, the lowest first. Raises: UserError."""
     width, height, unit = rig[keys.CANVAS]
     place, bones = game.Placement(int(width), int(height)), _bones_of(rig, unit)
-    number = {bone.name: k for k, bone in enumerate(bones)}
-    meshes = tuple(_part_mesh(obj, number, place, unit) for obj in parts_of(rig))
+    number, meshes = {bone.name: k for k, bone in enumerate(bones)}, list[game.PartMesh]()
+    for obj in parts_of(rig):
+        there = _in_rig(obj)
+        points = (filling.points_of(filling.mesh_of(obj)) @ there[:3, :3].T + there[:3, 3])[:, :2] / unit
+        weights = group_weights(obj, number)
+        if not (weights.sum(axis=1) > 0.0).all():
+            raise UserError(f"'{obj.name}' has vertices without weights of bones: paint some, or remove them")
+        meshes.append(part_mesh(obj, points, weights, place))
     name = bpy.path.clean_name(rig.data.name)
-    return game.GamePuppet(name, place, bones, meshes, (core.puppet.JointRange(),) * len(bones))
+    return game.GamePuppet(name, place, bones, tuple(meshes), (core.puppet.JointRange(),) * len(bones))
 
 
 def pictured(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str, ...]]:
@@ -100,7 +110,7 @@ def pictured(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str,
         parts = drawings.pictures_of(given, paints, np.array((low[0], -high[1])), 1.0 / pixel)
         name = bpy.path.clean_name(rig.data.name)
         puppet = game.game_puppet(parts, (width, height), name=name, choices=choices)
-        animations = _baked(context, rig, _bones_of(rig, pixel), pixel)
+        animations = baked(context, rig, _bones_of(rig, pixel), pixel)
     names = [bone.name for bone in puppet.bones]
     for k, chain in enumerate(map(puppet.puppet.draft.chain, range(len(parts)))):
         for bone, own in zip(chain, armatures.chains_of(rig.data.bones).get(given.parts[k].name, ()), strict=False):
@@ -124,23 +134,26 @@ def _pixels(place: Any, unit: float) -> tuple[float, float]:
     return place[0] / unit, place[1] / unit
 
 
-def _part_mesh(obj: Object, number: dict[str, int], place: game.Placement, unit: float) -> game.PartMesh:
-    """The mesh of a layer, its hull first. Raises: UserError."""
+def group_weights(obj: Object, number: dict[str, int]) -> FloatArray:
+    """(n, B) weights of the vertices of a mesh in its groups that are named after numbered bones."""
     data = filling.mesh_of(obj)
-    data.calc_loop_triangles()
-    there = _in_rig(obj)
-    raw = filling.points_of(data)
-    points = game.stored((raw @ there[:3, :3].T + there[:3, 3])[:, :2] / unit)
-    triangles = filling.stored(data.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
-    order = _hull_first(obj, triangles, len(points))
-    weights = np.zeros((len(points), len(number)))
-    names = [group.name for group in obj.vertex_groups]
+    weights, names = np.zeros((len(data.vertices), len(number))), [group.name for group in obj.vertex_groups]
     for vertex in data.vertices:
         for member in vertex.groups:
             if names[member.group] in number:
                 weights[vertex.index, number[names[member.group]]] = member.weight
-    if not (weights.sum(axis=1) > 0.0).all():
-        raise UserError(f"'{obj.name}' has vertices without weights of bones: paint some, or remove them")
+    return weights
+
+
+def part_mesh(obj: Object, places: FloatArray, weights: FloatArray, place: game.Placement) -> game.PartMesh:
+    """The mesh of a picture with vertices at places (n, 2) in pixels and weights (n, B), its hull first. Raises:
+    UserError.
+    """
+    data = filling.mesh_of(obj)
+    data.calc_loop_triangles()
+    points = game.stored(places)
+    triangles = filling.stored(data.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
+    order = _hull_first(obj, triangles, len(points))
     corners = points[triangles]
     edges, others = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     turned = edges[:, 0] * others[:, 1] < edges[:, 1] * others[:, 0]
@@ -201,7 +214,7 @@ def _texture(obj: Object, places: FloatArray) -> tuple[Any, int, int]:
     return pixels, left, top
 
 
-def _baked(context: Context, rig: Object, bones: Sequence[core.Bone], unit: float) -> tuple[game.Animation, ...]:
+def baked(context: Context, rig: Object, bones: Sequence[core.Bone], unit: float) -> tuple[game.Animation, ...]:
     """The actions of an armature, as seen: with constraints and IK, a key on each frame."""
     scene = scene_of(context)
     rate = scene.render.fps / scene.render.fps_base
@@ -213,7 +226,7 @@ def _baked(context: Context, rig: Object, bones: Sequence[core.Bone], unit: floa
                 rig.animation_data.action_slot = next(iter(rig.animation_data.action_suitable_slots), None)
             first, last = round(action.frame_range[0]), round(action.frame_range[1])
             frames = range(first, max(last, first + 1) + 1)
-            moved = np.array([_matrices(context, rig, frame) for frame in frames])
+            moved = np.array([_matrices(context, rig, bones, frame) for frame in frames])
             found.append(_keys_of(action.name, moved, bones, unit, (np.array(frames) - first) / rate))
     return tuple(found)
 
@@ -246,14 +259,14 @@ def _kept(scene: bpy.types.Scene, rig: Object) -> Iterator[None]:
         scene.frame_set(frame)
 
 
-def _matrices(context: Context, rig: Object, frame: int) -> list[list[list[float]]]:
+def _matrices(context: Context, rig: Object, bones: Sequence[core.Bone], frame: int) -> list[list[list[float]]]:
     """Of each bone on a frame, from its place at rest to where it is."""
     scene_of(context).frame_set(frame)
     posed: Any = rig.evaluated_get(context.evaluated_depsgraph_get())
+    at_rest = (rig.data.bones[bone.name] for bone in bones)
     return [
         [list(row) for row in posed.pose.bones[bone.name].matrix @ bone.matrix_local.inverted_safe()]
-        for bone in rig.data.bones
-        if armatures.part_of(bone)
+        for bone in at_rest
     ]
 
 

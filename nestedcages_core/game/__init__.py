@@ -15,7 +15,7 @@ from .atlas import texture_of
 from .engines import ENGINES, Engine, engine_for, puppet_files, undrawn, write_puppet
 from .islands import certify, stored
 from .kept import from_puppet_json, to_puppet_json
-from .mesh import PartMesh, Placement, engine_weights
+from .mesh import MOST_BONES, PartMesh, Placement, engine_weights
 from .paintings import PAINTINGS, Painting, read_painting
 from .proved import proved_ranges
 from .puppet import HULL_VERTICES, GamePuppet, game_puppet, meshed
@@ -26,6 +26,7 @@ __all__ = [
     "ENGINES",
     "HULL_VERTICES",
     "LONGER_SIDE",
+    "MOST_BONES",
     "PAINTINGS",
     "Animation",
     "Changes",

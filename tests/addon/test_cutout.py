@@ -11,6 +11,7 @@ from mathutils import Matrix
 
 from support.blender import refused
 from support.drawings import choose, evaluated, faces_of, image_empty, in_world, solid
+from support.engines import read_godot, read_spine
 
 pytestmark = pytest.mark.slow
 
@@ -123,6 +124,30 @@ def test_with_a_skeleton_bones_along_the_limbs_move_one_cage(tmp_path) -> None:
     moved = np.linalg.norm(evaluated(obj) - rest, axis=1)
     far, near = (rest[:, 0] * np.sign(last.tail.x) * side for side in (1.0, -1.0))
     assert moved[far.argmax()] > 0.02 and moved[near.argmax()] < 1e-3
+
+
+@pytest.mark.parametrize("moved_by", ["SKELETON", "HANDLES"])
+def test_a_cutout_goes_to_engines_with_its_bones_and_action(tmp_path, moved_by) -> None:
+    """Read back, it shows all opaque pixels at rest, its bones move it, and its action is there."""
+    rows, columns = np.mgrid[:HEIGHT, :WIDTH]
+    limbs = ((abs(rows - 23.5) < 6.0) | (abs(columns - 47.5) < 6.0)).astype(np.float32)
+    cut(filepath=str(file_of(picture("cross.png", limbs), tmp_path)), moved_by=moved_by)
+    rig, obj = bpy.context.object, bpy.data.objects["cross"]
+    bone = rig.pose.bones[-1]
+    bone.rotation_mode = "XYZ"
+    for frame, angle in ((1, 0.0), (11, 0.5)):
+        bone.rotation_euler.z = angle
+        bone.keyframe_insert("rotation_euler", frame=frame)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    choose(obj)
+    for kind, name, read in (("SPINE", "cross.json", read_spine), ("GODOT", "cross.tscn", read_godot)):
+        assert bpy.ops.object.nested_cages_export(filepath=str(tmp_path / name), kind=kind) == {"FINISHED"}
+        found = read(tmp_path / name)
+        assert (found.seen((WIDTH, HEIGHT))[..., 3] >= 255 * limbs[::-1]).all()
+        assert set(found.names) >= {bone.name for bone in rig.pose.bones} and found.animations
+        rest, turned = found.posed({})[0], found.posed({bone.name: -28.65})[0]
+        moved = np.abs(turned - rest).max()
+        assert moved > 1.0
 
 
 def test_what_has_no_limbs_gets_no_skeleton_and_nothing_is_made(tmp_path) -> None:
