@@ -22,15 +22,6 @@ from .generate import Result
 from .replaced import Replaced
 
 
-def duration(cage_set: CageSet, timing: Timing) -> int | None:
-    """Frames that the steps of an output would take with other timing; None if it has no steps."""
-    stored = [Phases.stored(cage) for cage in cage_set.cages]
-    phases = [each for each in stored if each is not None]
-    if not stored or len(phases) < len(stored):
-        return None
-    return timeline.spans(phases, timing)[-1].end - timing.start_frame + 1
-
-
 def write(
     scene: Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0, *, still: bool = False
 ) -> tuple[list[CageSet], list[str]]:

@@ -1,8 +1,5 @@
 """The animation of how cages form: keys and frames, the moving copy, visibility, length, range, and life without it."""
 
-import itertools
-import re
-
 import bpy
 import numpy as np
 import pytest
@@ -11,7 +8,6 @@ import shapely
 from support import drawings
 from support.drawings import at_frame, certificate, circle, end_of, evaluated, generate, lines, made, poly_curve, star
 from support.marks import slow_after
-from support.panels import draw
 
 slotted = pytest.mark.skipif(bpy.app.version < (4, 4, 0), reason="actions have no slots")
 
@@ -43,21 +39,6 @@ def test_the_animation_fits_a_length(length: int) -> None:
     assert bpy.context.scene.frame_end >= end_of(made()[-1])
     for obj in made():
         assert (np.diff(drawings.keyed_steps(obj)[0]) > 0.0).all()
-
-
-@pytest.mark.slow
-def test_the_length_is_known_for_other_timings() -> None:
-    poly_curve("Drawing", [star()])
-    generate()
-    settings = bpy.context.scene.nested_cages
-    settings.start_frame, settings.length = 5, 0
-    for frames_per_step, show_flow in itertools.product((1, 3), (True, False)):
-        settings.frames_per_step, settings.show_flow = frames_per_step, show_flow
-        told = [int(number) for text in draw() for number in re.findall(r"\b(\d+) frames", text)]
-        drawings.choose(bpy.data.objects["Drawing"])
-        bpy.context.scene.frame_end = 6
-        generate(start_frame=5, frames_per_step=frames_per_step, show_flow=show_flow)
-        assert told == [bpy.context.scene.frame_end - 5 + 1]
 
 
 def test_markers_of_the_same_name_are_the_user_s() -> None:
