@@ -309,14 +309,20 @@ def _uncovered(region: Any, outlines: Any, slivers: FloatArray) -> Any:
 
     outlines: lines along all of them. A sliver whose outline is covered is covered, unless a hole is as small.
     """
-    shapes = shapely.polygons(slivers)
-    holes = [ring for part in shapely.get_parts(region) for ring in part.interiors]
     shapely.prepare(region)
-    roomy = not holes or shapely.area(shapely.polygons(holes)).min() > shapely.area(shapes).max()
-    if roomy and shapely.covers(region, outlines):
-        return shapes[:0]
+    if shapely.covers(region, outlines):
+        parts = shapely.get_parts(region)
+        holed = shapely.get_num_interior_rings(parts).any()
+        if not holed or shapely.area(shapely.polygons(shapely.get_rings(parts))).min() > _areas(slivers).max():
+            return np.zeros(0, object)
+    shapes = shapely.polygons(slivers)
     found = shapes[~shapely.covers(region, shapes)]
     return np.where(shapely.is_valid(found), found, shapely.convex_hull(found))
+
+
+def _areas(loops: FloatArray) -> FloatArray:
+    """(C,) areas of loops (C, k, 2)."""
+    return np.asarray(np.abs(cross(loops - loops[:, :1], np.roll(loops, -1, axis=1) - loops[:, :1]).sum(axis=1)) / 2.0)
 
 
 def polygonal(region: Any) -> Any:

@@ -30,8 +30,6 @@ DARK_SYSTEM = frozenset(
 # Rows of matrices, of CSS Color 4, section 18
 XYZ_TO_RGB = ((3.24097, -1.537383, -0.498611), (-0.969244, 1.875968, 0.041555), (0.05563, -0.203977, 1.056972))
 D50_TO_D65 = ((0.955473, -0.023099, 0.063259), (-0.02837, 1.009996, 0.021042), (0.012314, -0.020508, 1.330366))
-LAB_TO_LMS = ((1.0, 0.396338, 0.215804), (1.0, -0.105561, -0.063854), (1.0, -0.089484, -1.291486))
-LMS_TO_RGB = ((4.076742, -3.307712, 0.23097), (-1.268438, 2.609757, -0.341319), (-0.004196, -0.703419, 1.707615))
 TO_XYZ = {
     "display-p3": ((0.486571, 0.265668, 0.198217), (0.228975, 0.691739, 0.079287), (0.0, 0.045113, 1.043944)),
     "a98-rgb": ((0.576669, 0.185558, 0.188229), (0.297345, 0.627364, 0.075291), (0.027031, 0.070689, 0.991338)),
@@ -39,7 +37,7 @@ TO_XYZ = {
     "prophoto-rgb": ((0.797761, 0.135186, 0.031349), (0.288071, 0.711843, 0.000086), (0.0, 0.0, 0.825105)),
 }
 GAMMA = {"a98-rgb": 563.0 / 256.0, "rec2020": 2.4, "prophoto-rgb": 1.8}
-WHITE_D50 = (0.9642957, 1.0, 0.8251046)
+D50_SPACES = ("lab", "lch", "prophoto-rgb", "xyz-d50")
 
 ALPHA = re.compile(r"/\s*([\d.]+)(%?)\s*\)\s*$")
 SHARE = re.compile(r"(?:^|\s)([\d.]+)%(?=\s|$)")
@@ -93,33 +91,24 @@ def parsed_colour(text: str, depth: int = 0) -> Colour | str | None:
         return None
     if found is None or isinstance(found, str):
         return None
-    return colour_from(_srgb(found.space, [part or 0.0 for part in found.coordinates]), found.alpha or 0.0)
+    return colour_from(_srgb(found), found.alpha or 0.0)
 
 
-def _srgb(space: str, coordinates: list[float]) -> FloatArray:
+def _srgb(colour: tinycss2.color4.Color) -> FloatArray:
     """Gamma-encoded sRGB."""
-    a, b, c = coordinates
+    space, given = colour.space, np.array([part or 0.0 for part in colour.coordinates])
     if space in ("srgb", "hsl", "hwb"):
-        found = tinycss2.color4.Color(space, coordinates, 1.0).to("srgb")
-        return np.array([part or 0.0 for part in found.coordinates])
-    if space in ("lch", "oklch"):
-        b, c = b * np.cos(np.radians(c)), b * np.sin(np.radians(c))
-    if space in ("oklab", "oklch"):
-        linear = np.asarray(LMS_TO_RGB) @ (np.asarray(LAB_TO_LMS) @ (a, b, c)) ** 3
+        return np.array(colour.to("srgb").coordinates)
+    if space == "srgb-linear":
+        linear = given
     else:
-        if space in ("lab", "lch"):
-            y = (a + 16.0) / 116.0
-            root = np.array((y + b / 500.0, y, y - c / 200.0))
-            xyz = np.where(root > 6.0 / 29.0, root**3, (root * 116.0 - 16.0) * 27.0 / 24389.0) * WHITE_D50
-        elif space in TO_XYZ:
-            given = np.array((a, b, c))
-            linear = np.sign(given) * np.abs(given) ** GAMMA[space] if space in GAMMA else _decoded(given)
-            xyz = np.asarray(TO_XYZ[space]) @ linear
+        if space in TO_XYZ:
+            xyz = TO_XYZ[space] @ (
+                np.sign(given) * np.abs(given) ** GAMMA[space] if space in GAMMA else _decoded(given)
+            )
         else:
-            xyz = np.array((a, b, c))
-        if space in ("lab", "lch", "prophoto-rgb", "xyz-d50"):
-            xyz = np.asarray(D50_TO_D65) @ xyz
-        linear = np.array((a, b, c)) if space == "srgb-linear" else np.asarray(XYZ_TO_RGB) @ xyz
+            xyz = np.array(colour.to("xyz-d50" if space in D50_SPACES else "xyz-d65").coordinates)
+        linear = np.asarray(XYZ_TO_RGB) @ (np.asarray(D50_TO_D65) @ xyz if space in D50_SPACES else xyz)
     size = np.abs(linear)
     return np.asarray(np.sign(linear) * np.where(size > 0.0031308, 1.055 * size ** (1.0 / 2.4) - 0.055, 12.92 * size))
 

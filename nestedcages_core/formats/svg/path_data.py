@@ -8,7 +8,6 @@ from itertools import chain
 
 import numpy as np
 
-from ...geometry.arrays import FloatArray
 from ..limits import Quota
 from .curves import CONIC, LINE, Subpath
 
@@ -124,7 +123,7 @@ class PathReader:
                 rx, ry, degrees, large, sweep, *end = given
                 ends = (x, y), (end[0], end[1])
                 found, angle = arc(*ends, (rx, ry), math.radians(degrees), bool(large), bool(sweep))
-                self._add(kind, found.ravel().tolist(), CONIC if angle else LINE, angle)
+                self._add(kind, found, CONIC if angle else LINE, angle)
             else:
                 if kind in "HV":
                     given = [given[0], y] if kind == "H" else [x, given[0]]
@@ -148,8 +147,8 @@ class PathReader:
         self.degrees, self.angles = [], []
 
 
-def arc(start: Point, end: Point, radii: Point, turn: float, large: bool, sweep: bool) -> tuple[FloatArray, float]:
-    """Control points (2 k, 2) of k conics along an elliptical arc, after its start, and half the angle of each.
+def arc(start: Point, end: Point, radii: Point, turn: float, large: bool, sweep: bool) -> tuple[list[float], float]:
+    """Control points of k conics along an elliptical arc, after its start, as 4 k numbers, and half the angle of each.
 
     radii: along the ellipse's axes, widened if too small to reach; turn: radians from x to the first axis (SVG 1.1,
     appendix F.6). A straight arc has its end only and no angle, one that ends where it starts no points.
@@ -157,16 +156,16 @@ def arc(start: Point, end: Point, radii: Point, turn: float, large: bool, sweep:
     (x0, y0), (x1, y1) = start, end
     rx, ry = abs(radii[0]), abs(radii[1])
     if x0 == x1 and y0 == y1:
-        return np.zeros((0, 2)), 0.0
+        return [], 0.0
     largest = max(abs(x0), abs(y0), abs(x1), abs(y1))
     if not (rx > FLATTEST * largest and ry > FLATTEST * largest and math.isfinite(turn)):
-        return np.array([end]), 0.0
+        return [x1, y1], 0.0
     cosine, sine = math.cos(turn), math.sin(turn)
     dx, dy = (x0 - x1) / 2.0, (y0 - y1) / 2.0
     u, v = (cosine * dx + sine * dy) / rx, (cosine * dy - sine * dx) / ry  # half the chord, the ellipse a unit circle
     stretch = u * u + v * v
     if not FLATTEST < stretch < math.inf:  # so large that the arc is straight, or out of range
-        return np.array([end]), 0.0
+        return [x1, y1], 0.0
     if stretch >= 1.0:  # too small, or just reaching: the centre is the middle
         grown = math.sqrt(stretch)
         rx, ry, u, v, across, along = rx * grown, ry * grown, u / grown, v / grown, 0.0, 0.0
@@ -179,11 +178,9 @@ def arc(start: Point, end: Point, radii: Point, turn: float, large: bool, sweep:
         angle -= 2.0 * math.pi
     count = max(math.ceil(abs(angle) / MAX_ARC - 1e-9), 1)
     half = angle / (2.0 * count)
-    t = begin + half * np.arange(1, 2 * count + 1)
-    unit = np.stack((np.cos(t), np.sin(t)), axis=1)
-    unit[::2] /= math.cos(half)
-    axes = np.array([[cosine * rx, -sine * ry], [sine * rx, cosine * ry]])
-    centre = axes @ (across, along) + np.add(start, end) / 2.0
-    points = np.asarray(unit @ axes.T + centre)
-    points[-1] = end
-    return points, abs(half)
+    points: list[float] = []
+    for k in range(1, 2 * count + 1):
+        t, far = begin + k * half, 1.0 / math.cos(half) if k % 2 else 1.0
+        x, y = rx * (far * math.cos(t) + across), ry * (far * math.sin(t) + along)
+        points += (cosine * x - sine * y + (x0 + x1) / 2.0, sine * x + cosine * y + (y0 + y1) / 2.0)
+    return [*points[:-2], x1, y1], abs(half)
