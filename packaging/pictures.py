@@ -79,7 +79,7 @@ def clear(opened: str = "result") -> Steps:
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     panels = sys.modules["nested_cages.addon.ui.panels"]
     panels.unregister()
-    for name in ("animation", "rules", "reading", "result", "use"):
+    for name in ("constraints", "animation", "advanced", "result"):
         getattr(panels, f"VIEW3D_PT_nested_cages_{name}").bl_options = set() if name == opened else {"DEFAULT_CLOSED"}
     panels.register()
     subprocess.run(["xdotool", "mousemove", "640", "400"], check=True)  # dialogs open there
@@ -404,7 +404,7 @@ def inside() -> Steps:
 
 @picture
 def shape() -> Steps:
-    yield from clear("rules")
+    yield from clear("constraints")
     points = creature()
     obj = outline("Creature", points)
     group = obj.vertex_groups.new(name="Beak")

@@ -7,7 +7,7 @@ from dataclasses import astuple, dataclass
 from itertools import pairwise
 
 import numpy as np
-from bpy.types import Object, Scene
+from bpy.types import Scene
 
 from .. import record
 from ..core import core
@@ -44,12 +44,6 @@ class Phases:
         """The phases of a level whose flow and reinflation play in one sequence."""
         flow_end, way = len(level.flow.steps) - 1, level.reinflation
         return cls(flow_end, flow_end + way.tightening_start, flow_end + len(way.cage_steps) - 1)
-
-    @classmethod
-    def stored(cls, cage: Object) -> Phases | None:
-        """The phases of an animated cage; None if there are none, or invalid ones."""
-        phases = tuple(record.node_of(cage).phases)
-        return cls(*phases) if 0 <= phases[0] <= phases[1] <= phases[2] else None
 
 
 @dataclass(frozen=True)

@@ -205,5 +205,4 @@ def end(scene: Scene, cage_set: CageSet) -> None:
     for obj in cage_set.members:
         shape_keys.remove_steps(obj)
         always_show(obj)
-        for name in ("phases", "frames"):
-            record.node_of(obj).property_unset(name)
+        record.node_of(obj).property_unset("frames")

@@ -216,25 +216,23 @@ def _connect(context: Context, cage_set: CageSet, levels: list[Object], method: 
             )
             field.follow(inner, cage, space, None if inner == levels[0] else there)
         yield Progress(3.0 / 5.0, f"{STAGE}: '{levels[0].name}' follows '{levels[-1].name}'")
-        errors = [_error(context, inner) for inner in levels[:-1]]
+        for inner in levels[:-1]:
+            _check_at_rest(context, inner)
         yield Progress(4.0 / 5.0, STAGE)
     for obj in levels:
         mesh = filling.mesh_of(obj)
         filling.add_attribute(mesh, keys.REST, "FLOAT_VECTOR", filling.points_of(mesh).astype(np.float32))
         bound_meshes.take_lines_out(obj)
-    for obj, error in zip(levels, errors, strict=False):
-        record.set_link(obj, field.NAMES[kind], error)
     return _take_along(context, originals, space, levels)
 
 
-def _error(context: Context, obj: Object) -> float:
-    """Largest displacement of the vertices of a bound object at rest, as a fraction of its size. Raises: UserError."""
+def _check_at_rest(context: Context, obj: Object) -> None:
+    """Raises: UserError if a bound object does not stand still at rest."""
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     points, displayed = (filling.points_of(filling.mesh_of(each)) for each in (obj, evaluated))
     error = float(np.abs(displayed - points).max()) / size(points)
     if not error <= REST_ERROR:
         raise UserError(f"'{obj.name}' cannot follow its cage: it would move by {error:.1e} of its size at rest")
-    return error
 
 
 def _take_along(context: Context, originals: list[Object], space: Object, levels: list[Object]) -> str:
@@ -265,7 +263,6 @@ def _disconnect(levels: list[Object], *, lines_back: bool = True) -> None:
         field.release(obj)
         field.unpose(obj)
         display.render_lines(obj, True)
-        record.set_link(obj, "", 0.0)
     ours = set(levels)
     for obj in [obj for obj in bpy.data.objects if record.has_node(obj) and not record.is_helper(obj, record.PROXY)]:
         if field.followed(obj) in ours:

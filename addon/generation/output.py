@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import astuple
 
 import bpy
 import numpy as np
@@ -214,7 +213,6 @@ def _describe(obj: Object, result: Result, level: core.Level, span: Span) -> Non
     node.most, node.start, node.seconds = report.excess, str(report.start), float(sum(report.seconds.values()))
     node.certified = {"LOOPS"} if level.cage.has_loops_like(level.fine) else set()
     node.frames = (span.flow, span.reinflation, span.tightening, span.end)
-    node.phases = astuple(Phases.of(level))
     node.check, node.stamp = "NONE", record.stamp(obj)
     record.set_notes(node, report.notes, result.drawing.frame.scale)
 

@@ -22,7 +22,7 @@ from ..scene import filling, grease_pencil, ownership
 from ..scene.areas import paints
 from ..scene.blocks import removed_on_failure
 from ..scene.convert import Drawing
-from ..scene.ownership import check_local, chosen, scene_of, select, sets_of_chosen
+from ..scene.ownership import check_local, chosen, each_of_chosen, scene_of, select, sets_of_chosen
 from .base import GapProperty, JobOperator, Operator, pose
 from .views import OUTLINES
 
@@ -62,7 +62,7 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, GapProperty, bpy.types.Operator
     linear: flag("Blend as Engines", "Blend bones linearly, as game engines do, instead of with Preserve Volume")
     vertices: whole("Vertices", "Vertices of the cage apart from those at joints; 0: as many as its loops need", min=0)
 
-    needs = staticmethod(lambda context: _selected_parts(context)[0] or _drawings(context) or sets_of_chosen(context))
+    needs = staticmethod(lambda context: _has_parts(context))
     missing = "Select the parts of a drawing: meshes, curves, texts, pictures or Grease Pencil"
 
     def draw(self, _context: Context) -> None:
@@ -154,6 +154,13 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, GapProperty, bpy.types.Operator
         self.tell_hidden(context, parts)
         with field.unposed(map(field.shown_by, parts)):
             return drain(characters.united_drawing(context, parts, self.gap))
+
+
+def _has_parts(context: Context) -> bool:
+    """Whether something is selected that bones could move; looks at no more than it must."""
+    selected = context.selected_objects
+    drawn = any(paints(obj) and record.level_of(obj) is None for obj in selected)
+    return drawn or armatures.puppet_of(selected) is not None or next(each_of_chosen(context), None) is not None
 
 
 def _drawings(context: Context) -> Sequence[Object]:

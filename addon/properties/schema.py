@@ -89,8 +89,6 @@ class NestedCagesMember(bpy.types.PropertyGroup):
     shows: pointer("Shows", "What a helper shows, fills or moves", Object)
     thickness: number("Thickness", "Of the lines that a helper shows")
     before: pointer("Before", "As it was before it was bound", NestedCagesBefore)
-    link: text("Link", "The method that it follows its cage by")
-    link_error: number("Error", "How far it moves at rest, as a fraction of its size")
     certified: choice("Certified", "What is certified, apart from strict nesting", PROMISES, options={"ENUM_FLAG"})
     stamp: text("Stamp", "Digest of the certified coordinates")
     clearance: number("Clearance", "Least distance from what it encloses")
@@ -98,7 +96,6 @@ class NestedCagesMember(bpy.types.PropertyGroup):
     most: number("Most", "Largest excess during a motion")
     start: text("Start", "What the run began with")
     seconds: number("Seconds", "Time of the computation")
-    phases: row(IntVectorProperty, "Phases", "Last steps of its phases", size=3, default=(-1, -1, -1))
     frames: row(
         IntVectorProperty, "Frames", "First frames of its phases, and of the result", size=4, default=(-1, -1, -1, -1)
     )

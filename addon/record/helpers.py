@@ -46,7 +46,7 @@ NO_RECORD = _unset(
 )  # fmt: skip
 NO_NODE = _unset(
     role="NONE", inner=None, outer=None, sets=(), record=NO_RECORD, helpers=(), shows=None, thickness=0.0, parts=(),
-    link="", link_error=0.0, before=_unset(mesh=None), stamp="", notes=(), check="NONE",
+    before=_unset(mesh=None), stamp="", notes=(), check="NONE",
 )  # fmt: skip
 
 
@@ -160,12 +160,6 @@ def set_before(obj: Object, given: Before) -> None:
     stored, matrix = new_node(obj).before, given.matrix if given.matrix is not None else Matrix()
     stored.mesh, stored.matrix = given.mesh, np.ravel(np.array(matrix)).tolist()
     stored.hidden = (*given.hidden, False, False, False)[:3]
-
-
-def set_link(obj: Object, method: str, error: float) -> None:
-    """Notes the method that an object follows its cage by, and its error at rest; empty: none."""
-    node = new_node(obj)
-    node.link, node.link_error = method, error
 
 
 def values(group: Any) -> dict[str, Any]:

@@ -39,9 +39,10 @@ class CageLine:
 
 @dataclass(frozen=True)
 class SetLines:
-    """A set: what it is called, and its cages."""
+    """A set: what it is called, whether a drawing has another shape than its cages are for, and the cages."""
 
     name: str
+    changed: bool
     cages: tuple[CageLine, ...]
 
 
@@ -123,9 +124,9 @@ def _lines(context: Context, cage_set: CageSet) -> SetLines:
         size *= 1.0 + node.excess
         name = cage.name.removeprefix(f"{cage_set.record.title} ").removeprefix("Inner ")
         text = f"{name}: {len(cage.data.vertices)} vertices, {notes.larger(size)}"
-        icon, sentence = (EDITED, "Drawing changed") if changed else _health(context, cage, bound=bool(cage_set.bound))
+        icon, sentence = (EDITED, "") if changed else _health(context, cage, bound=bool(cage_set.bound))
         lines.append(CageLine(cage.name, text, icon, sentence))
-    return SetLines(cage_set.name, tuple(lines))
+    return SetLines(cage_set.name, changed, tuple(lines))
 
 
 def _health(context: Context, cage: Object, *, bound: bool) -> tuple[str, str]:

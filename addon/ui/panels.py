@@ -63,6 +63,13 @@ def _button(layout: Any, name: str, **options: Any) -> Any:
     return None
 
 
+def _menu(layout: Any, name: str, prop: str, **options: Any) -> None:
+    """A menu of the values of a setting of an operator, greyed out like its button."""
+    row = layout.row()
+    row.enabled = getattr(bpy.ops.object, f"nested_cages_{name}").poll()
+    row.operator_menu_enum(f"object.nested_cages_{name}", prop, **options)
+
+
 class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
     """Coarse outlines that strictly enclose drawings, and move them"""
 
@@ -105,7 +112,7 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
             sentences.draw(layout.column(align=True), context, following.problem or state, icon)
         column = layout.column(align=True)
         column.operator("object.nested_cages_export", icon="EXPORT")
-        column.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
+        _menu(column, "to_objects", "shape", icon="OUTLINER_OB_MESH")
 
 
 class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
@@ -119,9 +126,12 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         return bool(data.shown(context).sets)
 
     def draw(self, context: Context) -> None:
-        layout, now = self.layout, data.shown(context)
+        layout: Any = self.layout
+        now = data.shown(context)
         for each in now.sets:
             layout.label(text=each.name, icon="OUTLINER_COLLECTION", translate=False)
+            if each.changed:
+                layout.label(text="Drawing changed", icon=data.EDITED)
             column = layout.box().column(align=True)
             for cage in each.cages:
                 sentences.draw(column, context, cage.text, cage.icon)
@@ -172,7 +182,7 @@ class VIEW3D_PT_nested_cages_puppet(SidebarPanel, bpy.types.Panel):
         if button is not None and now.armature:
             button.source = ONE_CAGE
         column = layout.column(align=True)
-        column.operator_menu_enum("object.nested_cages_puppet", "source", text="From", icon="MOD_ARMATURE")
+        _menu(column, "puppet", "source", text="From", icon="MOD_ARMATURE")
         if now.armature or now.puppet:
             column.operator("object.nested_cages_bind", text="Bind New Parts", icon="LINKED")
         column.operator("object.nested_cages_import", text="Import Puppet", icon="IMPORT").outlines = "PUPPET"
