@@ -176,8 +176,9 @@ class VIEW3D_PT_nested_cages_puppet(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: Context) -> None:
         layout, now = self.layout, data.shown(context)
-        if not (now.title or now.puppet):
-            sentences.draw(layout.column(align=True), context, "Select the parts of a character, or import it.", "INFO")
+        if not now.title or (now.armature and not now.sets):
+            hint = "Select the drawings to move, too." if now.armature else "Select parts of a character, or import it."
+            sentences.draw(layout.column(align=True), context, hint, "INFO")
         button = _button(layout, "puppet", icon="ARMATURE_DATA")
         if button is not None and now.armature:
             button.source = ONE_CAGE
