@@ -9,7 +9,7 @@ from bpy.types import Context, Object
 
 from .. import notes, record, watch
 from ..errors import UserError, counted
-from ..following import claims
+from ..following import claims, live
 from ..generation.levels import lengths, loop_sizes, meanings, parse_levels
 from ..generation.rules import KEEP
 from ..io.pictures import image_on
@@ -118,7 +118,9 @@ def _hint(context: Context, obj: Object | None) -> str:
 def _lines(context: Context, cage_set: CageSet) -> SetLines:
     """A line for each cage of a set, with its size against the drawing's."""
     lines, size, cages = [], 1.0, cage_set.cages
-    changed = changes.is_changed(cage_set)
+    following = live.current()
+    followed = following is not None and following.identity in {obj.session_uid for obj in cage_set.originals}
+    changed = not followed and changes.is_changed(cage_set)
     for cage in cages:
         node = record.node_of(cage)
         size *= 1.0 + node.excess

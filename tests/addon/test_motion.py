@@ -440,7 +440,7 @@ def test_nothing_is_left_behind(extension, followed, timers, tmp_path) -> None:
         lambda: bpy.data.objects.remove(bpy.data.objects["Drawing"]),
     ):
         switched_on(star_curve)
-        assert handlers() > before and timers.functions
+        assert handlers() == before and timers.functions
         end()
         for _ in range(50):
             timers.run()
