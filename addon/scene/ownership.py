@@ -91,15 +91,10 @@ def check_local(obj: Object) -> None:
         raise UserError(f"'{obj.name}' is linked from another file: open that file, or make it local first")
 
 
-def sets_of_active(context: Context) -> list[CageSet]:
-    """The sets that the active object belongs to, is a drawing of or moves: those around drawings first."""
-    active = context.view_layer.objects.active
-    return CageSet.all_of(active) if active is not None else []
-
-
 def set_of_active(context: Context) -> CageSet | None:
-    """The first of these."""
-    return next(iter(sets_of_active(context)), None)
+    """The set that the active object belongs to, is a drawing of or moves: the one around the drawing first."""
+    active = context.view_layer.objects.active
+    return CageSet.of(active) if active is not None else None
 
 
 def chosen(context: Context) -> list[Object]:
