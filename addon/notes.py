@@ -54,11 +54,9 @@ BROKEN: Mapping[str, str] = {
     "cage.leaves_out": "a part is outside",
     "cage.loops_differ": "one has holes or parts that the other has not",
     "cage.too_close": "they are too close",
-    "flow.loops_differ": (
-        "your outline has not the parts and holes of the drawing: draw it around all of it, or tick 'Fall Back'"
-    ),
-    "flow.stuck": ("the drawing cannot shrink into your outline: draw it closer there, or tick 'Fall Back'"),
-    "reinflation.blocked": ("the drawing cannot grow back in your outline: give it more vertices, or tick 'Fall Back'"),
+    "flow.loops_differ": ("your outline has not the parts and holes of the drawing: draw it around all of it"),
+    "flow.stuck": ("the drawing cannot shrink into your outline: draw it closer there"),
+    "reinflation.blocked": ("the drawing cannot grow back in your outline: give it more vertices"),
     "edges.not_aligned": (
         "its edges cannot be along the axes with all else that is asked: use more vertices, or choose other 'Edges'"
     ),

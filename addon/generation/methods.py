@@ -60,14 +60,12 @@ def _made(choices: Mapping[str, Choice], key: str) -> Any:
 @dataclass(frozen=True)
 class Methods:
     """`decimation`, `energy`: keys of `DECIMATIONS` and `ENERGIES`. `as_published`: whether the drawing shrinks and
-    grows back as in Gurditta & Jacobson (2022), with repairs. `fall_back`: whether to start from a mesh around the
-    drawing if a coarse mesh fails.
+    grows back as in Gurditta & Jacobson (2022), with repairs. If a coarse mesh fails, one around the drawing is next.
     """
 
     decimation: str = "ON_CURVE"
     energy: str = "AREA"
     as_published: bool = False
-    fall_back: bool = True
 
     def settings(self) -> core.Settings:
         """The core's ``Settings``."""
@@ -81,5 +79,5 @@ class Methods:
             settings,
             decimation=outside if self.decimation == "OUTSIDE" else _made(DECIMATIONS, self.decimation),
             energy=energy,
-            fallback=outside if self.fall_back else None,
+            fallback=outside,
         )

@@ -18,7 +18,7 @@ PLACES: tuple[str, ...] = ("weight_group", "pin_group", "joint_armature", "min_e
 GROUPS = ("weight_group", "pin_group")
 # Settings that cages which follow a motion do not have.
 NOT_MOVING: tuple[str, ...] = ("use_selected_as_levels", "inside", *RULES, *PLACES)
-SHAPE: tuple[str, ...] = ("decimation", "energy", "fall_back", "as_published")
+SHAPE: tuple[str, ...] = ("decimation", "energy", "as_published")
 FRAMES: tuple[str, ...] = ("start_frame", "length", "frames_per_step")
 ANIMATION: tuple[str, ...] = ("show_flow",)
 LOOKS: tuple[str, ...] = ("thickness",)

@@ -74,11 +74,6 @@ class GenerationProperties:
     )
     decimation: choice("Coarse Meshes", "How coarse meshes are made", items(DECIMATIONS))
     energy: choice("Energy", "What a cage minimises", items(ENERGIES))
-    fall_back: flag(
-        "Fall Back",
-        "If the drawing cannot shrink into a coarse mesh, start from a mesh around it instead of reporting it",
-        default=Methods.fall_back,
-    )
     as_published: flag(
         "As Published",
         "Shrink and grow back as in Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022), with repairs and "

@@ -6,26 +6,33 @@ from pathlib import Path
 
 import bpy
 
-from ..properties.groups import ANIMATION, FRAMES, PLACES, RULES, SHAPE
+from ..properties.groups import ANIMATION, FRAMES, PLACES, RULES
 
 # The folder of the extension, or of the repository.
 ROOT = Path(__file__).resolve().parents[2]
 # The guide in the extension's zip, and in the repository; the first one that exists is shown.
 GUIDES = ((ROOT / "manual" / "docs" / "guide", ".html"), (ROOT / "docs" / "guide", ".md"))
-# Suffixes of operators, prefixes of settings, and the page about each.
+# Suffixes of operators, prefixes of settings, and the page about each, with the heading that is not its first.
 OPERATORS = {
     "verify": "verify",
     "bind": "bind",
-    "remove_animation": "animation",
-    **dict.fromkeys(("follow", "live"), "motion"),
-    **dict.fromkeys(("export", "import"), "export"),
-    "cutout": "pictures",
-    **dict.fromkeys(("puppet", "clip", "snap"), "characters"),
+    "remove_animation": "animation#remove-animation-keep-cages",
+    "follow": "motion#follow-a-moving-drawing",
+    "live": "motion#live",
+    "export": "export#to-a-file",
+    "import": "export#from-a-file",
+    "cutout": "pictures#cutout",
+    **dict.fromkeys(("puppet", "clip", "snap"), "characters#a-puppet"),
     "select_fault": "messages",
     "to_objects": "silhouette",
 }
 SETTINGS = {
-    **dict.fromkeys(("level", "clearance", "inside", *SHAPE), "levels"),
+    "level": "levels",
+    "clearance": "levels#gap",
+    "inside": "levels#cage-inside",
+    "decimation": "levels#coarse-meshes",
+    "energy": "levels#energy",
+    "as_published": "levels#as-published",
     "use_selected_as_levels": "own_meshes",
     "together": "cages",
     **dict.fromkeys((*RULES, *PLACES), "shape"),
@@ -48,7 +55,8 @@ def manual_map() -> tuple[str, tuple[tuple[str, str], ...]]:
     if shown is None:
         return "", ()
     folder, ending = shown
-    return f"{folder.as_uri()}/", tuple((name, page + ending) for name, page in PAGES)
+    places = ((name, *page.partition("#")) for name, page in PAGES)
+    return f"{folder.as_uri()}/", tuple((name, f"{page}{ending}{mark}{place}") for name, page, mark, place in places)
 
 
 def register() -> None:

@@ -277,7 +277,7 @@ def test_each_energy_gives_its_own_certified_cage_looser_than_the_tightest(energ
     assert more > least
 
 
-WAYS = [("decimation", key) for key in ("ON_CURVE", "OUTSIDE", "ARC_LENGTH")] + [("fall_back", False)]
+WAYS = [("decimation", key) for key in ("ON_CURVE", "OUTSIDE", "ARC_LENGTH")]
 
 
 @pytest.mark.parametrize(("name", "key"), [*WAYS, pytest.param("as_published", True, marks=pytest.mark.slow)])

@@ -176,17 +176,14 @@ def test_results_are_short() -> None:
     assert not any("error" in line or "Harmonic" in line for line in drawn)
 
 
-@pytest.mark.parametrize("fall_back", [True, False])
-def test_an_outline_that_does_not_fit_is_said_without_numbers_of_loops(reports, fall_back) -> None:
+def test_an_outline_that_does_not_fit_is_said_without_numbers_of_loops() -> None:
     own = wire("Mine", [0.1 * star() + 5.0])
     choose(own, poly_curve("Drawing", [star()]))
-    options = {"use_selected_as_levels": True, "fall_back": fall_back}
-    if fall_back:
-        generate(**options)
-        assert certificate(made()[1]).notes and not any(char.isdigit() for char in certificate(made()[1]).notes[0])
-        return
-    with refused("'Drawing'"):
-        generate(**options)
+    generate(use_selected_as_levels=True)
+    assert certificate(made()[1]).notes and not any(char.isdigit() for char in certificate(made()[1]).notes[0])
+    choose(wire("Eight", [np.array([(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])]))
+    with refused("'Eight'"):
+        generate("4")
     assert SHOW in draw()
 
 

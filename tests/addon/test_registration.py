@@ -3,6 +3,8 @@
 import re
 import subprocess
 import sys
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
 
 import bpy
 import pytest
@@ -44,9 +46,15 @@ def test_everything_has_a_description(extension) -> None:
         assert operator.get_rna_type().description
 
 
-def test_f1_leads_to_a_page_of_the_guide() -> None:
-    for name, page in (("ops.object.nested_cages_bind", "bind"), ("types.NestedCagesSettings.clearance", "levels")):
-        assert DocView._lookup_rna_url(f"bpy.{name}", verbose=False) == (ROOT / f"docs/guide/{page}.md").as_uri()
+def test_f1_leads_to_a_heading_of_the_guide_about_each_operator_and_setting() -> None:
+    names = [f"ops.object.{name}" for name in dir(bpy.ops.object) if name.startswith("nested_cages_")]
+    for name in (*names, *(f"types.NestedCagesSettings.{name}" for name in own_settings())):
+        page, _, place = DocView._lookup_rna_url(f"bpy.{name}", verbose=False).partition("#")
+        assert page.startswith((ROOT / "docs/guide").as_uri())
+        headings = re.findall(
+            r"^#+ (.*)$", Path(unquote(urlsplit(page).path)).read_text(encoding="utf-8"), re.MULTILINE
+        )
+        assert not place or place in {re.sub(r"[^\w\- ]", "", each.lower()).replace(" ", "-") for each in headings}
 
 
 def test_all_properties_can_be_overridden() -> None:
