@@ -181,7 +181,7 @@ def test_an_outline_that_does_not_fit_is_said_without_numbers_of_loops() -> None
     choose(own, poly_curve("Drawing", [star()]))
     generate(use_selected_as_levels=True)
     assert certificate(made()[1]).notes and not any(char.isdigit() for char in certificate(made()[1]).notes[0])
-    choose(wire("Eight", [np.array([(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])]))
+    choose(wire("Eight", [drawings.circle(4)[[0, 2, 1, 3]]]))
     with refused("'Eight'"):
         generate("4")
     assert SHOW in draw()
