@@ -140,7 +140,7 @@ class Bodies:
         """An order of the cage vertices, or of their unknowns, that keeps neighbours close together."""
         if self.elimination is not None:
             return self.elimination.order
-        return BandOrder.of(self.m, np.arange(self.m), self.cage.successor)
+        return BandOrder.along(self.cage)
 
     @cached_property
     def successor(self) -> IntArray:

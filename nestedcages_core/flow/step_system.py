@@ -35,7 +35,7 @@ class StepSystem:
         difference = np.kron([[1.0, -1.0], [-1.0, 1.0]], np.eye(2))
         self._smooth = assembled_hessian(self._edges, stiffness[:, None, None] * difference)
         self._damping = Blocks(vertex, vertex, np.broadcast_to(DAMPING * unit * np.eye(2), (len(vertex), 2, 2)))
-        self._order = BandOrder.of(len(vertex), vertex, mesh.successor)
+        self._order = BandOrder.along(mesh.loop_order)
 
     def direction(self, penetration: Penetration, smoothing: float) -> FloatArray:
         """(n, 2) step δ; smoothing: the length ℓ."""

@@ -18,6 +18,8 @@ import numpy as np
 
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.broad_phase import position_in_group
+from ..geometry.loops import Loops
 from .cholesky import Solve, within_band
 
 WIDEST_BAND = 64
@@ -76,6 +78,15 @@ class BandOrder(NamedTuple):
         position[_cuthill_mckee(count, row, column)] = np.arange(count)[::-1]
         order = cls(position, 0)
         return cls(order.position, order.distance(row, column))
+
+    @classmethod
+    def along(cls, loops: Loops) -> BandOrder:
+        """An order along both halves of each loop at once: neighbours are at most two apart."""
+        place, size = position_in_group(loops.sizes), loops.sizes[loops.loop]
+        position = np.empty_like(place)
+        turn = np.where(2 * place <= size, np.maximum(2 * place - 1, 0), 2 * (size - place))
+        position[loops.numbers] = loops.begins[loops.loop] + turn
+        return cls(position, 2)
 
     def distance(self, row: IntArray, column: IntArray) -> int:
         """Largest distance in this order between row[k] and column[k]."""
