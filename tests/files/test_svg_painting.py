@@ -165,6 +165,7 @@ FIXED = line('vector-effect="non-scaling-stroke" stroke-width="3"', "M10 50H90")
 AREAS = [
     *((f'{clip}<g clip-path="url(#c)">{SQUARE}</g>', area, {}) for clip, area in CLIPS),
     *((f'<mask {mask}</mask><g mask="url(#c)">{SQUARE}</g>', area, {}) for mask, area in MASKS),
+    (f'<mask {MASKS[6][0]}</mask><g mask="url(#c)">{SQUARE}</g>', 20.0, {"strokes": False}),
     (FRAMED, 144.0, {}), (FRAMED, 100.0, {"strokes": False}), (FRAMED.replace(" s", ' fill="none" s', 1), 80.0, {}),
     (FIXED, 80.0 * 1.5, {"attributes": 'viewBox="0 0 100 100" width="200" height="200"'}),  # measured on the page
     (NESTED.format("xMidYMid"), 6.0, {}),  # two by two in the middle, and to its right

@@ -75,7 +75,7 @@ class Areas:
         if not all(np.abs(points).max() < MAX_COORDINATE for shape in everything for points in shape.placed):
             raise invalid_file("The drawing has coordinates that are not finite, or too large; correct them.")
         fills = [shape for shape in everything if shape.fill and any(path.is_curved for path in shape.subpaths)]
-        self._make_chains(fills, [shape for shape in everything if shape.stroke_paint] if options.strokes else [])
+        self._make_chains(fills, [shape for shape in everything if shape.stroke_paint])
 
     def of(self, shapes: Sequence[Shape]) -> list[Area]:
         """The areas that shapes paint."""
@@ -93,8 +93,7 @@ class Areas:
             low, high = bounds_of(areas)
             if clip not in self.kept:
                 inside = self._masked(clip.shapes) if clip.is_mask else self.of(clip.shapes)
-                is_box = len(inside) == 1 and _is_box_around(inside[0], low, high)
-                if is_box:
+                if len(inside) == 1 and _is_box_around(inside[0], low, high):
                     continue
                 self.kept[clip] = union_of(inside, self.quota)
             if not shapely.covers(self.kept[clip], shapely.box(*low, *high)):
