@@ -182,8 +182,7 @@ def parser() -> argparse.ArgumentParser:
         "the cages of pictures as the frames of an animation")  # fmt: skip
     add("--loops", choices=("auto", "keep", "one"), default="auto", help="auto: holes are filled and parts share a "
         "loop where that is tighter; keep: every loop has its own; one: a silhouette")  # fmt: skip
-    add("--seconds", type=float, metavar="S", help="time for each shape; the levels made by "
-        "then are kept")  # fmt: skip
+    add("--seconds", type=float, metavar="S", help="time for each shape; the levels made by then are kept")
     add("--report", metavar="FILE", help="write all measures and messages as JSON")
     add("--quiet", action="store_true", help="no progress")
     add("--jobs", type=at_least(1), metavar="N", help="processes for the features of a map (default: 1)")
