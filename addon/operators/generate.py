@@ -127,6 +127,8 @@ def asked(context: Context, values: GenerationProperties) -> tuple[list[Object],
     """The drawings of the selection, the active one first, and the objects that are their levels. Raises: UserError."""
     active = context.view_layer.objects.active
     selected = sources(context, as_selected=values.use_selected_as_levels)
+    if not selected:
+        raise UserError(why_nothing(context))
     if not values.use_selected_as_levels:
         return sorted(selected, key=lambda obj: obj is not active), []
     if active is None or active not in selected or len(selected) < 2:
