@@ -36,7 +36,7 @@ help:
 	@echo "make bench   lists the benchmarks; make bench NAMES=\"golden speed\" runs some"
 	@echo "make release   puts the extension, its listing, wheel, sdist, site and checksums into dist/"
 	@echo "make extension     builds the extension's zips in dist/, installs the Linux one in a clean Blender and tries it"
-	@echo "make nodes   builds the node groups and materials that the extension appends: addon/scene/nodes.blend"
+	@echo "make nodes   builds the node groups and materials that the extension appends: addon/blender/nodes.blend"
 	@echo "make test-blender  runs the add-on's tests on every Blender supported"
 	@echo "make clean   removes the environments and everything built"
 

@@ -12,6 +12,6 @@ except ImportError:
 if bpy is not None and __package__:
     from .addon import register, unregister
     from .addon.api import cages
-    from .addon.record import CageSet
+    from .addon.cage_sets import CageSet
 
     __all__ = ["CageSet", "cages", "register", "unregister"]

@@ -11,17 +11,17 @@ from typing import Any, TypeAlias
 import bpy
 from bpy.types import Context, Object
 
-from . import making
 from .animation import visibility
+from .blender.jobs import drain
+from .cage_sets import CageSet
+from .cage_sets.selection import scene_of
 from .core import core
+from .drawing import planar
 from .errors import UserError
-from .generation.job import drain
-from .generation.levels import OWN, OWN_UNIT
-from .properties.schema import NestedCagesUsed
-from .properties.settings import NAMES
-from .record import CageSet
-from .scene import convert
-from .scene.ownership import scene_of
+from .generate import request
+from .generate.levels import OWN, OWN_UNIT
+from .generate.settings import NAMES
+from .properties import NestedCagesUsed
 
 Level: TypeAlias = "str | int | float | core.Within | bpy.types.Object"
 Levels: TypeAlias = "str | int | float | core.Within | Sequence[Level]"
@@ -47,7 +47,7 @@ def cages(objects: Sequence[Object], levels: Levels = "20%, 8%", **settings: Any
     for obj in chosen:
         if not isinstance(obj, Object):
             raise ValueError(f"{obj!r:.60} is not an object: give objects, such as bpy.data.objects[name]")
-        if not convert.readable(obj):
+        if not planar.readable(obj):
             raise ValueError(f"'{obj.name}' has no outline, it is of the type {obj.type}")
     text, own = _levels(levels)
     values: Any = SimpleNamespace(**_values({"levels": text, **settings}))
@@ -61,14 +61,14 @@ def cages(objects: Sequence[Object], levels: Levels = "20%, 8%", **settings: Any
             if obj.name not in context.view_layer.objects or not obj.visible_get():
                 raise ValueError(f"'{obj.name}' is not visible in the current view layer, so it cannot be caged")
         try:
-            made, _ = drain(making.make(context, drawings, own, values, _tell, jump=False))
+            made, _ = drain(request.make(context, drawings, own, values, _tell, jump=False))
         except UserError as error:
             raise ValueError(str(error)) from error
     known = [next((each for each in made if obj in each.parts), CageSet(obj)) for obj in drawings]
     return known[:1] if values.together else known
 
 
-def _tell(kind: making.Kind, text: str) -> None:
+def _tell(kind: request.Kind, text: str) -> None:
     if kind == "WARNING":
         warnings.warn(text, stacklevel=2)
 

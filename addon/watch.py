@@ -13,13 +13,14 @@ import bpy
 from bpy.types import Context, Depsgraph, Object, Scene
 from mathutils import Matrix, Vector
 
-from . import record
-from .binding import copies, field, sweep
+from . import cage_sets
+from .bind import copies, field, sweep
+from .blender import mesh_data
+from .cage_sets import CageSet, changes
+from .drawing import placement
 from .errors import last_fault
-from .following import live
+from .motion import live
 from .puppets import duplicates
-from .record import CageSet
-from .scene import changes, filling, placement
 
 # Points of a drawing that tell whether its transform was applied, and their largest relative error then.
 MAX_CORNERS, UNMOVED = 8, 1e-5
@@ -47,7 +48,7 @@ def moment(context: Context) -> tuple[int, int, float]:
 @bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
 def _on_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     _updates[0] += 1
-    record.forget_collections()
+    cage_sets.forget_collections()
     live.look_at(depsgraph)
     if not depsgraph.id_type_updated("OBJECT"):
         return
@@ -59,14 +60,14 @@ def _on_update(_scene: Scene, depsgraph: Depsgraph) -> None:
         obj: Any = update.id.original
         if not isinstance(obj, Object):
             continue
-        role = record.node_of(obj).role if record.has_node(obj) else ""
-        if role == record.CAGE:
+        role = cage_sets.node_of(obj).role if cage_sets.has_node(obj) else ""
+        if role == cage_sets.CAGE:
             cages[obj] = update.is_updated_geometry or cages.get(obj, False)
         elif role == "NONE" or obj.library is not None:
             drawings[obj] = update.is_updated_geometry or drawings.get(obj, False)
         if obj.type == "ARMATURE":
             duplicates.look_at(obj)
-    record.recheck_sets(cages)
+    cage_sets.recheck_sets(cages)
     for obj, reshaped in drawings.items():
         _look_at(obj, cages, reshaped=reshaped)
 
@@ -91,7 +92,7 @@ def _look_at(obj: Object, touched: Mapping[Object, bool], *, reshaped: bool) -> 
 
 def _carried(cage_set: CageSet) -> list[Object]:
     """All objects that a drawing carries."""
-    helpers = (record.helpers_of(cage, record.FIELD, record.LINES) for cage in cage_set.members)
+    helpers = (cage_sets.helpers_of(cage, cage_sets.FIELD, cage_sets.LINES) for cage in cage_set.members)
     return [*cage_set.members, *itertools.chain(*helpers)]
 
 
@@ -105,8 +106,8 @@ def _stay(cage_set: CageSet, source: Object, before: Place, now: Place) -> None:
         return
     back = now.matrix.inverted_safe() @ before.matrix
     for obj in _carried(cage_set):
-        if record.is_helper(obj, record.FIELD) and placement.carrier_of(obj)[0] == source:
-            filling.mesh_of(obj).transform(back)  # it is in the drawing's own space
+        if cage_sets.is_helper(obj, cage_sets.FIELD) and placement.carrier_of(obj)[0] == source:
+            mesh_data.mesh_of(obj).transform(back)  # it is in the drawing's own space
             placement.carry(obj, source)
         else:
             placement.rebase(obj, source, back)
@@ -128,7 +129,7 @@ def _corners(obj: Object) -> list[Vector]:
 def _on_load(*_: object) -> None:
     """Another file was opened."""
     live.stop()
-    record.forget_sets()
+    cage_sets.forget_sets()
     changes.forget()
     last_fault.clear()
     _stood.clear()

@@ -1,4 +1,4 @@
-"""Builds the node groups and materials that the add-on appends: addon/scene/nodes.blend.
+"""Builds the node groups and materials that the add-on appends: addon/blender/nodes.blend.
 
 Run it in the oldest Blender that is supported, so that all can read the file: `make nodes`.
 """
@@ -14,13 +14,13 @@ from typing import Any
 
 import bpy
 
-FILE = Path(__file__).resolve().parents[1] / "addon" / "scene" / "nodes.blend"
+FILE = Path(__file__).resolve().parents[1] / "addon" / "blender" / "nodes.blend"
 # Names of attributes in the files of users, as in addon/keys.py, and of the property with the digest of this script.
 WEIGHT, POSE, SPACE = "nested_cages_weight_", "nested_cages_pose", "nested_cages_space"
 DIGEST = "nested_cages_digest"
 # Corners of the cross-section of thick lines.
 TUBE_CORNERS = 8
-# Largest number of halvings of edges, as in addon/binding/field.py.
+# Largest number of halvings of edges, as in addon/bind/field.py.
 MAX_HALVINGS = 5
 
 Tree = Any

@@ -9,10 +9,10 @@ from itertools import pairwise
 import numpy as np
 from bpy.types import Scene
 
-from .. import record
+from .. import cage_sets
+from ..cage_sets import CageSet
 from ..core import core
 from ..errors import FloatArray
-from ..record import CageSet
 
 # Name and frame of a marker.
 Mark = tuple[str, int]
@@ -134,7 +134,7 @@ def frames_of(cage_set: CageSet) -> tuple[int, int, int] | None:
 def _fit_range(scene: Scene) -> None:
     """Fits the scene's range to the animations in it; ends that the user has changed since are kept."""
     now = (scene.frame_start, scene.frame_end)
-    stored = record.range_of(scene) or (*now, *now)
+    stored = cage_sets.range_of(scene) or (*now, *now)
     start, end = (before if at == ours else at for before, ours, at in zip(stored[:2], stored[2:], now, strict=True))
     playing = [(each, frames_of(each)) for each in CageSet.everywhere()]
     played = [frames for each, frames in playing if frames is not None and _plays_in(scene, each)]
@@ -143,9 +143,9 @@ def _fit_range(scene: Scene) -> None:
     if (first, last) != now:
         scene.frame_start, scene.frame_end = first, last
     if not played:
-        record.set_range(scene, None)
+        cage_sets.set_range(scene, None)
     elif (first, last) != (start, end):
-        record.set_range(scene, (start, end, first, last))
+        cage_sets.set_range(scene, (start, end, first, last))
 
 
 def _plays_in(scene: Scene, cage_set: CageSet) -> bool:

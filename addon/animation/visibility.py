@@ -12,13 +12,13 @@ from typing import Any
 import bpy
 from bpy.types import Mesh, Object, Scene
 
-from .. import record
+from .. import cage_sets
+from ..blender import display, shape_keys
+from ..blender.display import add_nodes_modifier
+from ..cage_sets import CageSet
+from ..cage_sets.selection import check_free
 from ..errors import UserError
-from ..record import CageSet
-from ..scene import display
-from ..scene.display import add_nodes_modifier
-from ..scene.ownership import check_free
-from . import shape_keys, timeline
+from . import timeline
 
 # The properties that hide an object.
 VISIBILITY = ("hide_viewport", "hide_render")
@@ -101,7 +101,7 @@ def enter(cage_set: CageSet) -> None:
     cage_set.record.playing = True
     action = shape_keys.new_action(source.name if source is not None else fine.name)
     for part in cage_set.references:
-        if record.exists(part.object) and is_free(part.object):
+        if cage_sets.exists(part.object) and is_free(part.object):
             part.hidden = True
             switch(part.object, playing, action)
     copy = make_copy(fine, source)
@@ -119,12 +119,12 @@ def leave(*sets: CageSet) -> None:
     copies: list[Object] = []
     for cage_set in sets:
         for part in cage_set.references:
-            if part.hidden and record.exists(part.object):
+            if part.hidden and cage_sets.exists(part.object):
                 actions.append(detach(part.object))
             part.hidden = False
         if cage_set.record.playing:
             cage_set.record.playing = False
-        copies += [obj for fine in cage_set.members[:1] for obj in record.helpers_of(fine, record.FILL)]
+        copies += [obj for fine in cage_set.members[:1] for obj in cage_sets.helpers_of(fine, cage_sets.FILL)]
     for copy in copies:
         for modifier in list(copy.modifiers):
             display.remove_modifier(copy, modifier)
@@ -137,7 +137,7 @@ def make_copy(fine: Object, source: Object | None) -> Object:
     name = f"{source.name if source is not None else fine.name} Moving"
     mesh = bpy.data.meshes.new(name)
     copy = bpy.data.objects.new(name, mesh)
-    record.make_helper(copy, record.FILL, fine)
+    cage_sets.make_helper(copy, cage_sets.FILL, fine)
     copy.parent = fine
     copy.location.z = fine.data.vertices[0].co.z  # the filled area is flat, at height 0
     copy.hide_select = True
@@ -205,4 +205,4 @@ def end(scene: Scene, cage_set: CageSet) -> None:
     for obj in cage_set.members:
         shape_keys.remove_steps(obj)
         always_show(obj)
-        record.node_of(obj).property_unset("frames")
+        cage_sets.node_of(obj).property_unset("frames")

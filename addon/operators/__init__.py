@@ -1,20 +1,20 @@
-"""The operators, thin wrappers of the public functions of other rooms."""
+"""The operators, thin wrappers of the public functions of other packages."""
 
 from __future__ import annotations
 
 import bpy
 
-from ..generation.job import end_all
-from ..properties.kinds import registration
+from ..blender.jobs import end_all
+from ..blender.props import registration
 from . import animation, bind, cutout, files, generate, objects, puppet, verify
 
-_ROOMS = (generate, verify, bind, puppet, animation, files, objects, cutout)
+_MODULES = (generate, verify, bind, puppet, animation, files, objects, cutout)
 CLASSES = [
     found
-    for room in _ROOMS
-    for found in vars(room).values()
+    for module in _MODULES
+    for found in vars(module).values()
     if isinstance(found, type) and issubclass(found, (bpy.types.Operator, bpy.types.FileHandler, bpy.types.Panel))
-    if found.__module__ == room.__name__
+    if found.__module__ == module.__name__
 ]
 
 register, _unregister = registration(CLASSES)

@@ -9,22 +9,21 @@ import numpy as np
 from bpy.types import Context, Scene
 
 from ..animation import visibility
-from ..binding.copies import complete
+from ..bind.copies import complete
+from ..blender.jobs import Work, share
+from ..blender.props import flag, whole
+from ..blender.views import redraw
+from ..cage_sets import CageSet, changes, selection
+from ..cage_sets.selection import scene_again, scene_of, set_of_active
+from ..drawing.planar import ReadingOptions
 from ..errors import UserError, counted
-from ..following import live, moving, writing
-from ..generation.job import Work, share
-from ..generation.levels import OWN, are_counts, lengths, parse_levels
-from ..notes import in_scene, is_told, larger
-from ..properties import groups
-from ..properties.kinds import flag, whole
-from ..properties.settings import all_values, filled, options_of
-from ..record import CageSet
-from ..scene import changes, ownership
-from ..scene.convert import ReadingOptions
-from ..scene.ownership import scene_again, scene_of, set_of_active
+from ..generate import groups
+from ..generate.levels import OWN, are_counts, lengths, parse_levels
+from ..generate.settings import all_values, filled, options_of
+from ..messages import in_scene, is_told, larger
+from ..motion import live, motion, writing
 from .base import NOTHING, DialogJobOperator, Operator, SetOperator
 from .generate import DrawingsOperator, sources
-from .views import redraw
 
 # Approximate fraction of the work for reading the frames.
 READING_PART = 0.2
@@ -89,20 +88,20 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
             )
         self.exclusive = True  # reading changes the frame
         objects, read = sources(context), []
-        shared = next((group for group in ownership.with_parts(objects) if len(group) > 1), None)
+        shared = next((group for group in selection.with_parts(objects) if len(group) > 1), None)
         if shared is not None:
             others = counted(len(shared) - 1, "drawing")
             raise UserError(f"'{shared[0].name}' shares its cages with {others}: they cannot follow one alone")
         for number, obj in enumerate(objects):
             poses = yield from share(
-                moving.read_poses(context, obj, frames, reading), number, len(objects), end=READING_PART
+                motion.read_poses(context, obj, frames, reading), number, len(objects), end=READING_PART
             )
             read.append(poses)
         self.exclusive, before = False, changes.states(objects)
         results = []
         for number, poses in enumerate(read):
             asked = replace(options, clearance=options.clearance / poses.scale)
-            work = moving.stand_still(poses, asked) if self.still else moving.follow(poses, asked, cyclic=self.cyclic)
+            work = motion.stand_still(poses, asked) if self.still else motion.follow(poses, asked, cyclic=self.cyclic)
             result = yield from share(work, number, len(read), READING_PART)
             results.append(result)
         edited, used = changes.edited_since(before), all_values(self)

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any, Literal
 import bpy
 from bpy.types import Context, Object
 
-from .. import making
-from ..binding.copies import complete
+from ..bind.copies import complete
+from ..blender import views
+from ..blender.jobs import SLICE, Job, Work, drain, running, share
+from ..blender.props import flag, length
+from ..cage_sets import CageSet
+from ..cage_sets.selection import each_of_chosen, scene_of, select, sets_of_chosen
+from ..drawing.grease_pencil import hidden_parts
 from ..errors import UserError, counted, last_fault
-from ..generation.job import SLICE, Job, Work, drain, running, share
-from ..notes import sentence
-from ..properties.kinds import flag, length
-from ..record import CageSet
-from ..scene.grease_pencil import hidden_parts
-from ..scene.ownership import each_of_chosen, scene_of, select, sets_of_chosen
-from . import views
+from ..generate import request
+from ..messages import sentence
 
 Outcome = set[Literal["RUNNING_MODAL", "CANCELLED", "FINISHED", "PASS_THROUGH", "INTERFACE"]]
 
@@ -96,7 +96,7 @@ class Operator(Named):
         self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
 
-    def tell(self, kind: making.Kind, text: str) -> None:
+    def tell(self, kind: request.Kind, text: str) -> None:
         """Reports a sentence."""
         self.report({kind}, text)
 

@@ -8,15 +8,15 @@ from typing import Any
 import bpy
 from bpy.types import Context
 
-from ..binding import binding
-from ..binding.field import HARMONIC, LINEAR, NAMES
+from ..bind import bind
+from ..bind.field import HARMONIC, LINEAR, NAMES
+from ..blender.jobs import Work
+from ..blender.props import choice
+from ..blender.views import OUTLINES
+from ..cage_sets import CageSet
+from ..cage_sets.selection import check_free, select
 from ..errors import UserError
-from ..generation.job import Work
-from ..properties.kinds import choice
-from ..record import CageSet
-from ..scene.ownership import check_free, select
 from .base import SetOperator
-from .views import OUTLINES
 
 BIND, UNBIND, REST = "BIND", "UNBIND", "REST_FROM_POSE"
 ACTION_ITEMS = (
@@ -52,7 +52,7 @@ class OBJECT_OT_nested_cages_bind(SetOperator, bpy.types.Operator):
             if not bound:
                 raise UserError("Nothing is bound to these cages")
             return bound
-        if next(binding.newcomers(context), None) is not None:
+        if next(bind.newcomers(context), None) is not None:
             return usable
         if not loose:
             if self.action == BIND:
@@ -65,20 +65,20 @@ class OBJECT_OT_nested_cages_bind(SetOperator, bpy.types.Operator):
             check_free(cage_set.members)
             return ""
         if self.action == REST:
-            return (yield from binding.rebind(context, cage_set, self.method))
+            return (yield from bind.rebind(context, cage_set, self.method))
         if cage_set.bound:
-            return (yield from binding.take_in(context, cage_set))
-        return (yield from binding.steps(context, cage_set, self.method))
+            return (yield from bind.take_in(context, cage_set))
+        return (yield from bind.steps(context, cage_set, self.method))
 
     def all(self, context: Context, sets: Sequence[CageSet]) -> Work[list[Any]]:
         if self.action == UNBIND:
             return (yield from SetOperator.all(self, context, sets))
         self.shown_by = (OUTLINES,)
-        return (yield from binding.in_step(context, [self.each(context, cage_set) for cage_set in sets]))
+        return (yield from bind.in_step(context, [self.each(context, cage_set) for cage_set in sets]))
 
     def finish(self, context: Context, done: Sequence[tuple[CageSet, str]]) -> None:
         if self.action == UNBIND:
-            for sentence in binding.unbind(*(cage_set for cage_set, _ in done)):
+            for sentence in bind.unbind(*(cage_set for cage_set, _ in done)):
                 self.report({"WARNING"}, sentence)
             return
         cages = [cage_set.cages[-1] for cage_set, _ in done]

@@ -12,28 +12,28 @@ import numpy as np
 from bpy.types import Context, Object
 from bpy_extras.io_utils import ImportHelper
 
-from .. import characters
 from ..animation.timeline import Timing
-from ..binding import binding, handles
+from ..bind import bind, handles
+from ..blender.blocks import removed_on_failure
+from ..blender.jobs import Work
+from ..blender.props import choice, flag, text
+from ..blender.views import FLAT_LIGHT, TEXTURES
+from ..cage_sets.selection import scene_of, select
+from ..drawing import grease_pencil
+from ..drawing.planar import Drawing, fine_drawing, read
 from ..errors import UserError, counted
-from ..generation import output
-from ..generation.generate import Generation, Options, Request, Result
-from ..generation.job import Work
-from ..generation.levels import lengths, parse_levels
-from ..generation.methods import Methods
-from ..io import pictures
-from ..io.pictures import Canvas, Picture
+from ..files import pictures
+from ..files.pictures import Canvas, Picture
+from ..generate import output
+from ..generate.levels import lengths, parse_levels
+from ..generate.methods import Methods
+from ..generate.run import Generation, Options, Request, Result
+from ..generate.settings import filled, settings_of
 from ..keys import found_object
-from ..properties.kinds import choice, flag, text
-from ..properties.settings import filled, settings_of
-from ..scene import grease_pencil
-from ..scene.blocks import removed_on_failure
-from ..scene.convert import Drawing, fine_drawing, read
-from ..scene.ownership import scene_of, select
+from ..puppets import one_cage
 from .base import pose
 from .files import FilesOperator, paths_of
 from .pictures import NAMES, PictureProperties, trace_options
-from .views import FLAT_LIGHT, TEXTURES
 
 HANDLES, CAGES, SKELETON, NOTHING = "HANDLES", "CAGES", "SKELETON", "NOTHING"
 MOVER_ITEMS = (
@@ -153,10 +153,10 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
             self._write(context, made, results, noun)
             return
         count = len(made)
-        whole, problems = yield from characters.united_drawing(context, made, 0.0)
-        armature, bones = characters.add_skeleton(context, whole)
+        whole, problems = yield from one_cage.united_drawing(context, made, 0.0)
+        armature, bones = one_cage.add_skeleton(context, whole)
         made.append(armature)
-        yield from characters.make(context, whole, armature, 0)
+        yield from one_cage.make(context, whole, armature, 0)
         pose(context, armature)
         self.tell_skipped(problems, noun)
         self.report({"INFO"}, f"{counted(count, noun)} cut out: turn {counted(bones, 'bone')} to pose it")
@@ -173,7 +173,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         cages: list[Object] = []
         for cage_set in sets if self.moved_by != NOTHING else ():
             try:
-                binding.bind(context, cage_set)
+                bind.bind(context, cage_set)
             except UserError as error:
                 self.report({"WARNING"}, f"Not bound: {error}")
                 continue

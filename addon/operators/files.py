@@ -11,26 +11,26 @@ from bpy.props import CollectionProperty
 from bpy.types import Context, Object
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from .. import record
+from .. import cage_sets
+from ..blender.blocks import removed_on_failure
+from ..blender.jobs import Progress, Work
+from ..blender.mesh_data import mesh_of
+from ..blender.props import choice, flag, number, text, whole
+from ..blender.views import FLAT_LIGHT, TEXTURES
+from ..cage_sets import CageSet, selection
+from ..cage_sets.selection import chosen, each_of_chosen, scene_of, select
 from ..core import core, game
+from ..drawing import planar
 from ..errors import UserError, counted
-from ..generation.job import Progress, Work
-from ..io import exporters, importers, pictures, svg_parts
-from ..io.pictures import Picture, image_on
+from ..files import exporters, importers, pictures, svg
+from ..files.pictures import Picture, image_on
 from ..keys import found_object
-from ..properties.kinds import choice, flag, number, text, whole
 from ..puppets import armatures, cutouts, exported, imported, repainting
 from ..puppets.moving import Making
-from ..record import CageSet
-from ..scene import convert, ownership
-from ..scene.blocks import removed_on_failure
-from ..scene.filling import mesh_of
-from ..scene.ownership import chosen, each_of_chosen, scene_of, select
 from .base import DialogJobOperator, Operator, Outcome, pose
 from .pictures import NAMES as TRACING
 from .pictures import PictureProperties, trace_options
 from .puppet import make_puppet
-from .views import FLAT_LIGHT, TEXTURES
 
 OUTLINE_ITEMS = (
     ("AUTO", "Automatic", "Parts of drawings with several shapes, one outline of others; exported cages as they were"),
@@ -158,7 +158,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelp
         puppets = []
         for done, (path, names) in enumerate(drawings.items()):
             yield Progress(0.5 * done / len(drawings), f"reading '{path.name}'")
-            parts, notes = svg_parts.read(path, self.outlines)
+            parts, notes = svg.read(path, self.outlines)
             if rig is not None or names is not None or path.is_dir() or path.suffix.lower() in imported.ENDINGS:
                 painting = imported.painting_in(path, names, hidden=self.hidden)
                 if rig is not None:
@@ -178,7 +178,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelp
         drawn += yield from self._outlines_of(context, traced)
         in_parts = []
         for title, parts in layered_files:
-            in_parts.append((yield from svg_parts.place(context, title, parts, scale=self.scale)))
+            in_parts.append((yield from svg.place(context, title, parts, scale=self.scale)))
         drawn += [obj for own in in_parts for obj in own]
         placed = [obj for obj in made if obj not in drawn]
         importers.arrange(placed, upright=self.plane == "XZ", centred=False)
@@ -364,7 +364,7 @@ class OBJECT_OT_nested_cages_export(Operator, ExportHelper, bpy.types.Operator):
             shapes,
             flip_y=self.flip_y or self.kind == "SVG",
             pieces=max(3, self.pieces) if self.pieces else None,
-            levels=[ownership.depth_of(obj) for obj in objects] if any(map(record.level_of, objects)) else None,
+            levels=[selection.depth_of(obj) for obj in objects] if any(map(cage_sets.level_of, objects)) else None,
             size=exporters.paper(context, objects[0], world=self.world) if self.scale == 1.0 else None,
         )
         self.report({"INFO"}, f"{counted(len(shapes), 'outline')} written to {path.name}")
@@ -372,19 +372,19 @@ class OBJECT_OT_nested_cages_export(Operator, ExportHelper, bpy.types.Operator):
 
 def has_outlines(context: Context) -> bool:
     """Whether any outline is selected, or what has cages or moves them."""
-    return any(map(convert.readable, context.selected_objects)) or next(each_of_chosen(context), None) is not None
+    return any(map(planar.readable, context.selected_objects)) or next(each_of_chosen(context), None) is not None
 
 
 def outlines(context: Context) -> list[Object]:
     """The selected outlines, and all of what has cages or moves them; drawing by drawing, the coarsest last."""
     outlined: list[Object] = []
     selected = list(context.selected_objects or chosen(context)[:1])
-    for obj in sorted(selected, key=lambda obj: (record.level_of(obj) or 0, obj.name)):
-        about = CageSet.all_of(obj) if record.level_of(obj) is None else []
+    for obj in sorted(selected, key=lambda obj: (cage_sets.level_of(obj) or 0, obj.name)):
+        about = CageSet.all_of(obj) if cage_sets.level_of(obj) is None else []
         members = [output.members for output in about]
         if about:
             # Around it and inside: one copy of the drawing is enough.
-            outlined += sorted(members[0] + [cage for more in members[1:] for cage in more[1:]], key=ownership.depth_of)
-        elif convert.readable(obj):
+            outlined += sorted(members[0] + [cage for more in members[1:] for cage in more[1:]], key=selection.depth_of)
+        elif planar.readable(obj):
             outlined.append(obj)
     return list(dict.fromkeys(outlined))

@@ -7,15 +7,15 @@ from collections.abc import Iterator, Sequence
 import bpy
 from bpy.types import Context, Object
 
-from .. import making, record
+from .. import cage_sets
+from ..blender.jobs import Work, running
+from ..blender.views import WIRES
+from ..cage_sets import CageSet
+from ..drawing import planar
 from ..errors import UserError
-from ..generation.job import Work, running
-from ..properties import groups
-from ..properties.settings import GenerationProperties, OperatorProperties
-from ..record import CageSet
-from ..scene import convert
+from ..generate import groups, request
+from ..generate.settings import GenerationProperties, OperatorProperties
 from .base import JobOperator, Operator
-from .views import WIRES
 
 
 class DrawingsOperator(JobOperator, OperatorProperties):
@@ -52,7 +52,7 @@ class OBJECT_OT_nested_cages_generate(DrawingsOperator, bpy.types.Operator):
 
     def work(self, context: Context) -> Work[None]:
         drawings, own = asked(context, self)
-        _, problems = yield from making.make(context, drawings, own, self, self.tell)
+        _, problems = yield from request.make(context, drawings, own, self, self.tell)
         self.tell_skipped(problems)
 
 
@@ -80,8 +80,8 @@ def sources(context: Context, *, as_selected: bool = False) -> list[Object]:
     is no longer selected.
     """
     if as_selected and context.mode != "EDIT_MESH" and context.selected_objects:
-        selected = [obj for obj in context.selected_objects if convert.readable(obj)]
-        sets = {obj: CageSet.of(obj) if record.level_of(obj) is not None else None for obj in selected}
+        selected = [obj for obj in context.selected_objects if planar.readable(obj)]
+        sets = {obj: CageSet.of(obj) if cage_sets.level_of(obj) is not None else None for obj in selected}
         return [obj for obj, its in sets.items() if its is None or its.source not in selected]
     return list(dict.fromkeys(_each_source(context)))
 
@@ -92,9 +92,9 @@ def _each_source(context: Context) -> Iterator[Object]:
         yield from context.objects_in_mode_unique_data
         return
     selected, active = context.selected_objects, context.view_layer.objects.active
-    for obj in filter(convert.readable, selected):
+    for obj in filter(planar.readable, selected):
         yield from _drawings_of(obj, selected)
-    if not selected and active is not None and convert.readable(active) and CageSet.all_of(active):
+    if not selected and active is not None and planar.readable(active) and CageSet.all_of(active):
         yield active
 
 
@@ -113,9 +113,9 @@ def why_nothing(context: Context) -> str:
 
 def _drawings_of(obj: Object, selected: Sequence[Object]) -> list[Object]:
     """The drawings that an object stands for: those of a bound set, none of a moving copy, else itself."""
-    if record.shown(obj, record.FILL) is not None:
+    if cage_sets.shown(obj, cage_sets.FILL) is not None:
         return []
-    cage_set = CageSet.of(obj) if record.level_of(obj) is not None else None
+    cage_set = CageSet.of(obj) if cage_sets.level_of(obj) is not None else None
     if cage_set is None:
         return [obj]
     if cage_set.source in selected:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import bpy
 from bpy.types import Context, Object
 
+from ..blender.jobs import Work
+from ..blender.props import choice, flag, whole
+from ..cage_sets.selection import select, sets_of_chosen
+from ..drawing.painted import paints
 from ..errors import UserError, counted
-from ..generation.job import Work
-from ..io import exporters, silhouettes
+from ..files import exporters, silhouettes
 from ..keys import found_object
-from ..properties.kinds import choice, flag, whole
-from ..scene.areas import paints
-from ..scene.ownership import select, sets_of_chosen
 from .base import GapProperty, JobOperator
 from .files import has_outlines, outlines
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..properties.kinds import flag, number, whole
+from ..blender.props import flag, number, whole
 
 
 class PictureProperties:

@@ -9,25 +9,27 @@ from collections.abc import Sequence
 import bpy
 from bpy.types import Context, Object
 
-from .. import characters, record
-from ..binding import binding, field, handles
-from ..binding.copies import complete
+from .. import cage_sets
+from ..bind import bind, field, handles
+from ..bind.copies import complete
+from ..blender import mesh_data
+from ..blender.blocks import removed_on_failure
+from ..blender.jobs import Progress, Work, drain
+from ..blender.props import choice, flag, text, whole
+from ..blender.views import OUTLINES
+from ..cage_sets import selection
+from ..cage_sets.selection import check_local, chosen, each_of_chosen, scene_of, select, sets_of_chosen
+from ..drawing import grease_pencil
+from ..drawing.painted import paints
+from ..drawing.planar import Drawing
 from ..errors import UserError, counted
-from ..generation.job import Progress, Work, drain
-from ..io.pictures import image_on
+from ..files.pictures import image_on
 from ..keys import found_object
-from ..properties.kinds import choice, flag, text, whole
-from ..puppets import armatures, caps, clips, controls, duplicates, moving
-from ..scene import filling, grease_pencil, ownership
-from ..scene.areas import paints
-from ..scene.blocks import removed_on_failure
-from ..scene.convert import Drawing
-from ..scene.ownership import check_local, chosen, each_of_chosen, scene_of, select, sets_of_chosen
+from ..puppets import armatures, caps, clips, controls, duplicates, moving, one_cage
 from .base import GapProperty, JobOperator, Operator, pose
-from .views import OUTLINES
 
 # Roles of objects that are no drawings of their own.
-OWN_ROLES = (record.FIELD, record.PROXY)
+OWN_ROLES = (cage_sets.FIELD, cage_sets.PROXY)
 # Degrees: joints that turn less without a fold are told, and what a joint of a rigid part turns.
 WIDE, HALF_TURN = 60.0, 180.0
 CLIP_ITEMS = (
@@ -98,16 +100,16 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, GapProperty, bpy.types.Operator
         """A cage around all drawings, with vertices where joints need them, that bones move."""
         armature = _armature(context)
         complete()
-        groups = ownership.with_parts(_drawings(context))
+        groups = selection.with_parts(_drawings(context))
         parts, identity = [part for group in groups for part in group], armature and armature.session_uid
         whole, problems = self._united(context, parts)
         yield Progress(0.0, "uniting painted areas")
         with removed_on_failure():
             given = found_object(identity) if identity else None
-            armature = given or characters.add_skeleton(context, whole)[0]
+            armature = given or one_cage.add_skeleton(context, whole)[0]
             if (identity and not given) or whole.source is None:
                 raise UserError("The armature or a drawing was deleted meanwhile, so the cage was discarded")
-            cage_set = yield from characters.make(context, whole, armature, self.vertices)
+            cage_set = yield from one_cage.make(context, whole, armature, self.vertices)
         cage = cage_set.cages[-1]
         pose(context, armature)
         self.tell_skipped(problems, "object")
@@ -122,7 +124,7 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, GapProperty, bpy.types.Operator
         parts = [part.session_uid for part in _drawings(context)]
         whole, problems = self._united(context, _drawings(context))
         yield Progress(0.0, "uniting painted areas")
-        armature, number = characters.add_skeleton(context, whole)
+        armature, number = one_cage.add_skeleton(context, whole)
         select(context, *(obj for part in parts if (obj := found_object(part)) is not None), armature)
         self.tell_skipped(problems, "object")
         self.report({"INFO"}, f"{counted(number, 'bone')}: edit them, then make a puppet of one cage")
@@ -138,13 +140,13 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, GapProperty, bpy.types.Operator
             check_local(cage)
             if handles.handles_of(cage):
                 raise UserError(f"'{cage.name}' has handles already")
-        loose = [binding.steps(context, each, "AUTO") for each in sets if not each.bound]
-        results = yield from binding.in_step(context, loose)
+        loose = [bind.steps(context, each, "AUTO") for each in sets if not each.bound]
+        results = yield from bind.in_step(context, loose)
         failed = next((each for each in results if isinstance(each, UserError)), None)
         if failed is not None:
             raise failed
         pose(context, handles.add(context, cages))
-        number = sum(len(filling.points_of(filling.mesh_of(cage))) for cage in cages)
+        number = sum(len(mesh_data.points_of(mesh_data.mesh_of(cage))) for cage in cages)
         self.report({"INFO"}, f"{counted(number, 'handle')}: move them, and the drawing follows")
 
     def _united(self, context: Context, parts: Sequence[Object]) -> tuple[Drawing, list[UserError]]:
@@ -153,19 +155,19 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, GapProperty, bpy.types.Operator
             raise UserError("Select the drawings: meshes, curves, texts or Grease Pencil")
         self.tell_hidden(context, parts)
         with field.unposed(map(field.shown_by, parts)):
-            return drain(characters.united_drawing(context, parts, self.gap))
+            return drain(one_cage.united_drawing(context, parts, self.gap))
 
 
 def _has_parts(context: Context) -> bool:
     """Whether something is selected that bones could move; looks at no more than it must."""
     selected = context.selected_objects
-    drawn = any(paints(obj) and record.level_of(obj) is None for obj in selected)
+    drawn = any(paints(obj) and cage_sets.level_of(obj) is None for obj in selected)
     return drawn or armatures.puppet_of(selected) is not None or next(each_of_chosen(context), None) is not None
 
 
 def _drawings(context: Context) -> Sequence[Object]:
     """The selected objects that paint something and are no cages; of an armature alone, what it moves."""
-    drawn = [obj for obj in context.selected_objects if paints(obj) and record.level_of(obj) is None]
+    drawn = [obj for obj in context.selected_objects if paints(obj) and cage_sets.level_of(obj) is None]
     return drawn or [obj for each in sets_of_chosen(context) for obj in each.originals]
 
 
@@ -282,13 +284,13 @@ def _chosen_puppet(context: Context) -> Object:
 
 def _is_rectangle(obj: Object) -> bool:
     """Whether an object shows a picture on a single face, which has no outline of what is painted."""
-    return obj.type == "MESH" and len(filling.mesh_of(obj).polygons) == 1 and image_on(obj) is not None
+    return obj.type == "MESH" and len(mesh_data.mesh_of(obj).polygons) == 1 and image_on(obj) is not None
 
 
 def _selected_parts(context: Context) -> tuple[list[Object], Object | None]:
     """The drawings of a puppet, and its armature if there is one: what is selected, with all that moves with it."""
     selected = list(context.selected_objects)
-    ours = [obj for obj in selected if record.level_of(obj) is not None or record.is_helper(obj, *OWN_ROLES)]
+    ours = [obj for obj in selected if cage_sets.level_of(obj) is not None or cage_sets.is_helper(obj, *OWN_ROLES)]
     drawings = [obj for obj in selected if paints(obj) and obj not in ours and not armatures.is_cap(obj)]
     old = armatures.puppet_of(sorted(selected, key=lambda obj: obj.type != "ARMATURE"))
     known = armatures.drawings_of(old) if old is not None else []

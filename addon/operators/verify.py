@@ -10,21 +10,21 @@ import numpy as np
 from bpy.types import Context, Object, Scene
 from mathutils import Vector
 
-from .. import record
+from .. import cage_sets
 from ..animation import visibility
-from ..binding.copies import complete
+from ..bind.copies import complete
+from ..blender import views
+from ..blender.jobs import Work
+from ..blender.props import flag, text
+from ..cage_sets import CageSet, changes, selection
+from ..cage_sets.selection import chosen, each_of_chosen, scene_of, select, sets_of_chosen
+from ..drawing import planar
+from ..drawing.plane import transform, world_matrix
 from ..errors import Fault, UserError, last_fault
-from ..following import claims
-from ..generation.job import Work
-from ..generation.verifying import Chain, Finding, check, check_animation, same_frame, select_points
 from ..keys import found_object
-from ..properties.kinds import flag, text
 from ..puppets import armatures, duplicates, weights
-from ..record import CageSet
-from ..scene import changes, convert, ownership
-from ..scene.ownership import chosen, each_of_chosen, scene_of, select, sets_of_chosen
-from ..scene.plane import transform, world_matrix
-from . import views
+from ..verify import claims
+from ..verify.check import Chain, Finding, check, check_animation, same_frame, select_points
 from .base import JobOperator, Operator
 
 
@@ -44,7 +44,7 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
 
     @staticmethod
     def needs(context: Context) -> bool:
-        several = islice(filter(convert.readable, context.selected_objects), 2)
+        several = islice(filter(planar.readable, context.selected_objects), 2)
         caged = len(list(several)) > 1 or next(each_of_chosen(context), None) is not None
         return caged or armatures.puppet_of(chosen(context)) is not None
 
@@ -73,7 +73,7 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
         names = {original.name for original in originals}
         shown = [each for each in findings if each.broken or names.isdisjoint((each.fine, each.cage))]
         for verdict, sentence in dict.fromkeys((finding.verdict, finding.note) for finding in shown):
-            self.report({"INFO"} if verdict == record.HOLDS else {"WARNING"}, sentence)
+            self.report({"INFO"} if verdict == cage_sets.HOLDS else {"WARNING"}, sentence)
         if at_fault and context.mode == "OBJECT":
             select(context, *reversed(at_fault))
 
@@ -119,7 +119,7 @@ def place_of(checked: Sequence[Object], finding: Finding) -> Fault | None:
 def _check_not_stepping(scene: Scene, objects: Sequence[Object]) -> None:
     """Raises: UserError if the cages play how they form, when the drawing crosses them on purpose."""
     for obj in objects:
-        cage_set = CageSet.of(obj) if record.level_of(obj) is not None else None
+        cage_set = CageSet.of(obj) if cage_sets.level_of(obj) is not None else None
         if cage_set is None or cage_set.bound or cage_set.record.moving:
             continue
         if visibility.is_animated(cage_set):
@@ -145,16 +145,16 @@ def _nested(context: Context, hidden: bool = False) -> list[list[Object]]:
     """The objects to check, from the inside out: selected ones of one set, or without sets; else all outputs of the
     selection, without objects hidden on this frame unless `hidden`.
     """
-    selected = [obj for obj in context.selected_objects if convert.readable(obj)]
+    selected = [obj for obj in context.selected_objects if planar.readable(obj)]
     outputs = sets_of_chosen(context)
-    mine = [obj for obj in selected if record.level_of(obj) is not None]
+    mine = [obj for obj in selected if cage_sets.level_of(obj) is not None]
     others = [obj for obj in selected if obj not in mine]
     plain = bool(others) and not any(CageSet.all_of(obj) for obj in others)
     drawings = {each.source for each in outputs}
     if len(selected) > 1 and (not outputs or (len(drawings) == 1 and (plain or len(mine) > 1))):
-        return [sorted(selected, key=lambda obj: (ownership.depth_of(obj), obj.dimensions.length))]
+        return [sorted(selected, key=lambda obj: (selection.depth_of(obj), obj.dimensions.length))]
     nested = [
-        sorted((obj for obj in output.members if hidden or not obj.hide_viewport), key=ownership.depth_of)
+        sorted((obj for obj in output.members if hidden or not obj.hide_viewport), key=selection.depth_of)
         for output in outputs
     ]
     return [objects for objects in nested if len(objects) > 1]
@@ -191,7 +191,7 @@ class OBJECT_OT_nested_cages_select_fault(Operator, bpy.types.Operator):
         assert obj is not None
         obj.hide_viewport = False
         obj.hide_set(False)
-        if record.level_of(obj) is None and obj.is_editable and obj.type != "ARMATURE":
+        if cage_sets.level_of(obj) is None and obj.is_editable and obj.type != "ARMATURE":
             _edit(context, obj, fault)
         places = np.array(fault.places)
         context.scene.cursor.location = places.mean(axis=0)
@@ -201,12 +201,12 @@ class OBJECT_OT_nested_cages_select_fault(Operator, bpy.types.Operator):
 
     def _look_again(self, context: Context, cage: Object) -> None:
         """Checks a cage on the frame on which it was at fault, for the places there."""
-        frame = record.node_of(cage).checked[1]
+        frame = cage_sets.node_of(cage).checked[1]
         if context.scene.frame_current != frame:
             context.scene.frame_set(frame)
         home = CageSet.of(cage)
         members = home.members if home is not None else [cage]
-        chain = claims.chain_of(context, sorted(members, key=ownership.depth_of))
+        chain = claims.chain_of(context, sorted(members, key=selection.depth_of))
         checked, findings = [*chain.objects, *chain.originals], check(context, [chain])
         _store(context, checked, [each for each in findings if cage.name in (each.cage, each.fine)])
         if not last_fault:
@@ -216,7 +216,7 @@ class OBJECT_OT_nested_cages_select_fault(Operator, bpy.types.Operator):
 def _broken(context: Context) -> list[Object]:
     """The cages of the selection that are at fault."""
     cages = [obj for each in sets_of_chosen(context) for obj in each.members[1:]]
-    return [obj for obj in cages if record.node_of(obj).check == record.FAULT]
+    return [obj for obj in cages if cage_sets.node_of(obj).check == cage_sets.FAULT]
 
 
 def _edit(context: Context, obj: Object, fault: Fault) -> None:

@@ -17,12 +17,12 @@ from bpy.types import Collection, Context, Object
 from mathutils import Matrix
 
 from .. import keys
-from ..binding import field
-from ..characters import add_bones
+from ..bind import field
+from ..cage_sets.selection import select
 from ..core import core
-from ..scene.areas import paints
-from ..scene.ownership import select
-from ..scene.plane import Frame, scale_of, transform, world_matrix
+from ..drawing.painted import paints
+from ..drawing.plane import Frame, scale_of, transform, world_matrix
+from .one_cage import add_bones
 
 # What Blender adds to a name that another block has.
 COUNTED = re.compile(r"\.\d{3}$")

@@ -15,11 +15,11 @@ from bpy.types import Context, Object
 from numpy.typing import NDArray
 
 from .. import keys
+from ..blender import mesh_data
 from ..core import core
+from ..drawing.painted import SOLID
+from ..drawing.plane import Frame, middle_of_box, size, transform, world_matrix
 from ..errors import FloatArray
-from ..scene import filling
-from ..scene.areas import SOLID
-from ..scene.plane import Frame, middle_of_box, size, transform, world_matrix
 from . import armatures
 
 # Distance from a drawing to the next one behind it, as a fraction of the size of all, where there is none.
@@ -140,7 +140,7 @@ def _piece_of(
         there = uv[np.flatnonzero(paints == ink.paint)[0]].mean(axis=0)
         for ring in ink.rings:
             add(ring, heights[-1], ink.paint, np.tile(there, (len(ring), 1)))
-    data = filling.new_mesh(f"{part.name} Cap", np.concatenate(points), faces=[list(face) for face in faces])
+    data = mesh_data.new_mesh(f"{part.name} Cap", np.concatenate(points), faces=[list(face) for face in faces])
     for material in materials:
         data.materials.append(material)
     data.polygons.foreach_set("material_index", np.array(numbers, np.int32))
@@ -151,18 +151,18 @@ def _piece_of(
 
 def _seen_of(context: Context, obj: Object, frame: Frame) -> Shown:
     """The triangles that an object shows."""
-    with filling.evaluated_mesh(obj.evaluated_get(context.evaluated_depsgraph_get())) as mesh:
+    with mesh_data.evaluated_mesh(obj.evaluated_get(context.evaluated_depsgraph_get())) as mesh:
         if mesh is None:
             return Shown(np.zeros((0, 3, 2)), np.zeros(0, np.int32), np.zeros((0, 3, 2)))
         mesh.calc_loop_triangles()
-        flat = frame.from_world(transform(world_matrix(obj), filling.points_of(mesh)))[0]
-        corners = flat[filling.stored(mesh.loop_triangles, "vertices", 3, np.int32)]
-        materials = filling.stored(mesh.loop_triangles, "material_index", 1, np.int32).ravel()
+        flat = frame.from_world(transform(world_matrix(obj), mesh_data.points_of(mesh)))[0]
+        corners = flat[mesh_data.stored(mesh.loop_triangles, "vertices", 3, np.int32)]
+        materials = mesh_data.stored(mesh.loop_triangles, "material_index", 1, np.int32).ravel()
         layer: Any = mesh.uv_layers.active
         texture = np.zeros_like(corners)
         if layer is not None:
-            loops = filling.stored(mesh.loop_triangles, "loops", 3, np.int32)
-            texture = filling.stored(layer.data, "uv", 2).astype(np.float64)[loops]
+            loops = mesh_data.stored(mesh.loop_triangles, "loops", 3, np.int32)
+            texture = mesh_data.stored(layer.data, "uv", 2).astype(np.float64)[loops]
     return Shown(corners, materials.clip(0, max(len(obj.material_slots) - 1, 0)), texture)
 
 

@@ -7,10 +7,10 @@ import numpy as np
 from bpy.types import Context, Object
 
 from .. import keys
-from ..animation.shape_keys import curve_for, curves_of
+from ..blender.shape_keys import curve_for, curves_of
+from ..cage_sets.selection import scene_of
 from ..core import blamed, core
 from ..errors import FloatArray, UserError
-from ..scene.ownership import scene_of
 from . import armatures
 from .controls import REACH, ROOT, reach_of
 

@@ -13,9 +13,9 @@ from bpy.types import Object
 from mathutils import Matrix, Vector
 
 from .. import keys
-from ..animation.shape_keys import curves_of
+from ..blender.shape_keys import curves_of
+from ..cage_sets.selection import select
 from ..core import core
-from ..scene.ownership import select
 from .armatures import part_of
 
 # Name of the control at the root; of the constraints, and of what is added to a bone's name for its control.

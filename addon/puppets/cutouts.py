@@ -11,12 +11,12 @@ import bpy
 import numpy as np
 from bpy.types import Context, Object
 
+from ..blender import mesh_data
+from ..cage_sets import CageSet
 from ..core import blamed, core, game
+from ..drawing.plane import space_to_space, transform
 from ..errors import FloatArray, UserError
-from ..io.pictures import image_on, size_of
-from ..record import CageSet
-from ..scene import filling
-from ..scene.plane import space_to_space, transform
+from ..files.pictures import image_on, size_of
 from . import exported
 
 # Part of the weights of a point that engines may leave out, as they take four bones, before it is told.
@@ -58,7 +58,7 @@ def cutouts_in_scene(context: Context, rig: Object) -> tuple[game.GamePuppet, tu
     """The puppet of the pictures that an armature moves, at rest, with its actions, and notes. Raises: UserError."""
     pictures = moved_by(rig)
     places = [
-        transform(space_to_space(rig, obj), filling.points_of(filling.mesh_of(obj)))[:, :2] for obj, _ in pictures
+        transform(space_to_space(rig, obj), mesh_data.points_of(mesh_data.mesh_of(obj)))[:, :2] for obj, _ in pictures
     ]
     unit = _unit_of(pictures[0][0], places[0])
     corners = [_corner_of(obj, points / unit) for (obj, _), points in zip(pictures, places, strict=True)]
@@ -102,7 +102,7 @@ def _bones_of(rig: Object, unit: float) -> tuple[core.Bone, ...]:
 
 def _points_in(space: Object, obj: Object) -> FloatArray:
     """The vertices (n, 2) of a mesh in the plane of another object."""
-    return transform(space_to_space(space, obj), filling.points_of(filling.mesh_of(obj)))[:, :2]
+    return transform(space_to_space(space, obj), mesh_data.points_of(mesh_data.mesh_of(obj)))[:, :2]
 
 
 def _pixels_of(obj: Object) -> FloatArray:
@@ -114,11 +114,11 @@ def _pixels_of(obj: Object) -> FloatArray:
 
 def _shown(obj: Object) -> tuple[FloatArray, FloatArray]:
     """Places (n, 2) of the corners of the faces of a picture in pixels, y pointing up, and their vertices (n,)."""
-    data = filling.mesh_of(obj)
+    data = mesh_data.mesh_of(obj)
     if data.uv_layers.active is None:
         raise UserError(f"'{obj.name}' has no texture: give it the material with its picture again")
-    uv = filling.stored(data.uv_layers.active.data, "uv", 2).astype(np.float64)
-    return uv * _pixels_of(obj), filling.stored(data.loops, "vertex_index", 1, np.int32).ravel()
+    uv = mesh_data.stored(data.uv_layers.active.data, "uv", 2).astype(np.float64)
+    return uv * _pixels_of(obj), mesh_data.stored(data.loops, "vertex_index", 1, np.int32).ravel()
 
 
 def _unit_of(obj: Object, points: FloatArray) -> float:
@@ -141,9 +141,9 @@ def _corner_of(obj: Object, points: FloatArray) -> FloatArray:
 def _weights(obj: Object, cage_set: CageSet, number: dict[str, int]) -> FloatArray:
     """(n, B) how much each bone moves the vertices of a picture: through its cages, from the finest to the coarsest."""
     with blamed(f"'{obj.name}'"):
-        weights = np.eye(len(filling.points_of(filling.mesh_of(obj))))
+        weights = np.eye(len(mesh_data.points_of(mesh_data.mesh_of(obj))))
         for finer, coarser in pairwise((obj, *cage_set.cages)):
-            weights = weights @ core.cage_coordinates(_points_in(coarser, finer), filling.shape_of(coarser))
+            weights = weights @ core.cage_coordinates(_points_in(coarser, finer), mesh_data.shape_of(coarser))
     weights = np.maximum(weights @ exported.group_weights(cage_set.cages[-1], number), 0.0)
     total = weights.sum(axis=1, keepdims=True)
     if not (total > 0.0).all():

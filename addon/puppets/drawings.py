@@ -10,12 +10,12 @@ import numpy as np
 from bpy.types import Context, Object
 from mathutils import Color
 
+from ..blender import mesh_data
 from ..core import core, game, layers
+from ..drawing.painted import areas_of
+from ..drawing.plane import Frame, transform, united, world_matrix
 from ..errors import FloatArray, UserError
-from ..io.pictures import image_on, is_gradient, pictures_in
-from ..scene import filling
-from ..scene.areas import areas_of
-from ..scene.plane import Frame, transform, united, world_matrix
+from ..files.pictures import image_on, is_gradient, pictures_in
 from .imported import pixels_of
 from .moving import Drawn
 
@@ -33,10 +33,10 @@ def paints_of(context: Context, obj: Object, frame: Frame) -> list[Paint]:
     materials = [slot.material for slot in obj.material_slots] or [None]
     slots = np.zeros(len(areas), int)
     if obj.type == "MESH" and len(materials) > 1:
-        with filling.evaluated_mesh(obj.evaluated_get(context.evaluated_depsgraph_get())) as mesh:
+        with mesh_data.evaluated_mesh(obj.evaluated_get(context.evaluated_depsgraph_get())) as mesh:
             if mesh is not None:
                 mesh.calc_loop_triangles()
-                numbers = filling.stored(mesh.loop_triangles, "material_index", 1, np.int32).ravel()
+                numbers = mesh_data.stored(mesh.loop_triangles, "material_index", 1, np.int32).ravel()
                 slots[: len(numbers)] = numbers
     found = []
     for slot, material in enumerate(materials):
@@ -64,14 +64,14 @@ def _gradient(obj: Object, slot: int, material: bpy.types.Material | None, frame
     from scipy import ndimage
 
     image = next((node.image for node in pictures_in(material) if is_gradient(node.image)), None)
-    if image is None or obj.type != "MESH" or filling.mesh_of(obj).uv_layers.active is None:
+    if image is None or obj.type != "MESH" or mesh_data.mesh_of(obj).uv_layers.active is None:
         return None
-    data = filling.mesh_of(obj)
-    faces = filling.stored(data.polygons, "material_index", 1, np.int32).ravel()
-    own = np.repeat(faces == slot, filling.stored(data.polygons, "loop_total", 1, np.int32).ravel())
-    corners = filling.stored(data.loops, "vertex_index", 1, np.int32).ravel()[own]
-    places = frame.from_world(transform(world_matrix(obj), filling.points_of(data)))[0][corners] * (1.0, -1.0)
-    uv = filling.stored(data.uv_layers.active.data, "uv", 2)[own]
+    data = mesh_data.mesh_of(obj)
+    faces = mesh_data.stored(data.polygons, "material_index", 1, np.int32).ravel()
+    own = np.repeat(faces == slot, mesh_data.stored(data.polygons, "loop_total", 1, np.int32).ravel())
+    corners = mesh_data.stored(data.loops, "vertex_index", 1, np.int32).ravel()[own]
+    places = frame.from_world(transform(world_matrix(obj), mesh_data.points_of(data)))[0][corners] * (1.0, -1.0)
+    uv = mesh_data.stored(data.uv_layers.active.data, "uv", 2)[own]
     affine = np.linalg.lstsq(np.column_stack([places, np.ones(len(places))]), uv)[0]
     pixels = pixels_of(image)[::-1] / 255.0
     size = np.array(pixels.shape[1::-1])

@@ -5,9 +5,9 @@ from __future__ import annotations
 import bpy
 from bpy.types import Object
 
-from .. import record
-from ..binding import copies, field
-from ..scene import display
+from .. import cage_sets
+from ..bind import copies, field
+from ..blender import display
 from .armatures import drawings_of, is_puppet, part_of
 
 
@@ -45,8 +45,8 @@ def _own_carrier(carrier: Object, armature: Object, beside: Object) -> Object:
     assert still is not None
     own, own_still = (copies.own_copy(each, beside) for each in (carrier, still))
     own.parent = own_still.parent = armature
-    record.drop(record.new_node(own).helpers, [still])
-    record.make_helper(own_still, record.FIELD, own)
+    cage_sets.drop(cage_sets.new_node(own).helpers, [still])
+    cage_sets.make_helper(own_still, cage_sets.FIELD, own)
     for modifier in own.modifiers:
         if isinstance(modifier, bpy.types.ArmatureModifier):
             modifier.object = armature

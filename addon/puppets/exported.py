@@ -14,12 +14,12 @@ from bpy.types import Context, Object
 from numpy.typing import NDArray
 
 from .. import keys
+from ..blender import mesh_data
+from ..blender.jobs import drain
+from ..cage_sets.selection import scene_of
 from ..core import blamed, core, game
 from ..errors import FloatArray, UserError
-from ..generation.job import drain
-from ..io.pictures import image_on
-from ..scene import filling
-from ..scene.ownership import scene_of
+from ..files.pictures import image_on
 from . import armatures, drawings, moving
 from .imported import pixels_of
 
@@ -72,7 +72,7 @@ def as_it_stands(rig: Object) -> game.GamePuppet:
     number, meshes = {bone.name: k for k, bone in enumerate(bones)}, list[game.PartMesh]()
     for obj in parts_of(rig):
         there = _in_rig(obj)
-        points = (filling.points_of(filling.mesh_of(obj)) @ there[:3, :3].T + there[:3, 3])[:, :2] / unit
+        points = (mesh_data.points_of(mesh_data.mesh_of(obj)) @ there[:3, :3].T + there[:3, 3])[:, :2] / unit
         weights = group_weights(obj, number)
         if not (weights.sum(axis=1) > 0.0).all():
             raise UserError(f"'{obj.name}' has vertices without weights of bones: paint some, or remove them")
@@ -136,7 +136,7 @@ def _pixels(place: Any, unit: float) -> tuple[float, float]:
 
 def group_weights(obj: Object, number: dict[str, int]) -> FloatArray:
     """(n, B) weights of the vertices of a mesh in its groups that are named after numbered bones."""
-    data = filling.mesh_of(obj)
+    data = mesh_data.mesh_of(obj)
     weights, names = np.zeros((len(data.vertices), len(number))), [group.name for group in obj.vertex_groups]
     for vertex in data.vertices:
         for member in vertex.groups:
@@ -149,10 +149,10 @@ def part_mesh(obj: Object, places: FloatArray, weights: FloatArray, place: game.
     """The mesh of a picture with vertices at places (n, 2) in pixels and weights (n, B), its hull first. Raises:
     UserError.
     """
-    data = filling.mesh_of(obj)
+    data = mesh_data.mesh_of(obj)
     data.calc_loop_triangles()
     points = game.stored(places)
-    triangles = filling.stored(data.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
+    triangles = mesh_data.stored(data.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
     order = _hull_first(obj, triangles, len(points))
     corners = points[triangles]
     edges, others = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -200,12 +200,12 @@ def _hull_first(obj: Object, triangles: Whole, count: int) -> Whole:
 def _texture(obj: Object, places: FloatArray) -> tuple[Any, int, int]:
     """The pixels of a layer, and their left and top on the canvas. Raises: UserError."""
     image = image_on(obj)
-    data = filling.mesh_of(obj)
+    data = mesh_data.mesh_of(obj)
     if image is None or data.uv_layers.active is None:
         raise UserError(f"'{obj.name}' has no texture: give it the material with its picture again")
     pixels = pixels_of(image)
-    uv = filling.stored(data.uv_layers.active.data, "uv", 2)
-    used = filling.stored(data.loops, "vertex_index", 1, np.int32).ravel()
+    uv = mesh_data.stored(data.uv_layers.active.data, "uv", 2)
+    used = mesh_data.stored(data.loops, "vertex_index", 1, np.int32).ravel()
     shown = np.stack((uv[:, 0], 1.0 - uv[:, 1]), axis=1) * (pixels.shape[1], pixels.shape[0])
     corner = places[used] - shown
     left, top = np.round(corner.mean(axis=0)).astype(int).tolist()

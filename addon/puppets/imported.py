@@ -13,14 +13,14 @@ from bpy.types import Context, Object
 from numpy.typing import NDArray
 
 from .. import keys
-from ..characters import skin
+from ..blender import display, mesh_data
 from ..core import blamed, game
+from ..drawing.plane import Frame, size
 from ..errors import FloatArray
-from ..io.importers import PIXEL
-from ..io.pictures import image_of_pixels, pictures_in
-from ..scene import display, filling
-from ..scene.plane import Frame, size
+from ..files.importers import PIXEL
+from ..files.pictures import image_of_pixels, pictures_in
 from . import armatures, controls
+from .one_cage import skin
 
 # Distance between two layers, as a fraction of the painting's size.
 DEPTH = 1e-3
@@ -121,7 +121,7 @@ def _fill(obj: Object, rig: Object, puppet: game.GamePuppet, mesh: game.PartMesh
     old: Any = obj.data
     name, points = old.name, unit * mesh.points
     same = _has_shape(old, points, mesh.triangles)
-    data = old if same else filling.new_mesh(name, points, faces=mesh.triangles)
+    data = old if same else mesh_data.new_mesh(name, points, faces=mesh.triangles)
     places = (puppet.place.down(mesh.points) - (left, top)) / (texture.shape[1], texture.shape[0])
     _paint(data, mesh.name, texture, places * (1.0, -1.0) + (0.0, 1.0), next(iter(old.materials), None))
     if not same:
@@ -141,7 +141,7 @@ def _has_shape(data: bpy.types.Mesh, points: FloatArray, triangles: NDArray[np.i
     ):
         return False
     blocks: Any = data.shape_keys.reference_key.data if data.shape_keys is not None else data.vertices
-    return np.array_equal(filling.stored(blocks, "co", 3)[:, :2], points.astype(np.float32))
+    return np.array_equal(mesh_data.stored(blocks, "co", 3)[:, :2], points.astype(np.float32))
 
 
 def _paint(
@@ -157,7 +157,7 @@ def _paint(
     """
     image = image_of_pixels(name, texture[::-1] / np.float32(255.0))
     layer = data.uv_layers.get("UVMap") or data.uv_layers.new(name="UVMap")
-    used = filling.stored(data.loops, "vertex_index", 1, np.int32).ravel()
+    used = mesh_data.stored(data.loops, "vertex_index", 1, np.int32).ravel()
     layer.data.foreach_set("uv", places[used].astype(np.float32).ravel())
     shown = material or display.material(display.CUTOUT, name)
     for picture in pictures_in(shown):

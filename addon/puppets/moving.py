@@ -16,18 +16,18 @@ import bpy
 import numpy as np
 from bpy.types import Collection, Context, Object
 
-from .. import keys, record
-from ..binding import field
-from ..characters import skin
+from .. import cage_sets, keys
+from ..bind import field
+from ..blender import mesh_data
+from ..blender.blocks import removed_on_failure
+from ..blender.jobs import Progress, Work
+from ..cage_sets.selection import select
 from ..core import blamed, core
+from ..drawing.plane import Frame, middle_of_box, turned_as_most
 from ..errors import UserError
-from ..generation.job import Progress, Work
-from ..io import silhouettes
-from ..scene import filling
-from ..scene.blocks import removed_on_failure
-from ..scene.ownership import select
-from ..scene.plane import Frame, middle_of_box, turned_as_most
+from ..files import silhouettes
 from . import armatures, caps, controls, weights
+from .one_cage import skin
 
 # What the import adds to the name of a layer for a shape without a name.
 NUMBERED = re.compile(r"[ .]\d+$")
@@ -195,7 +195,7 @@ def _replace(carriers: Mapping[str, Object], armature: Object) -> None:
 
 def _with_field(carrier: Object) -> list[Object]:
     """A hidden mesh and its field."""
-    return [carrier, *record.helpers_of(carrier, record.FIELD)]
+    return [carrier, *cage_sets.helpers_of(carrier, cage_sets.FIELD)]
 
 
 def _common_home(given: Drawn) -> Collection | None:
@@ -243,7 +243,7 @@ def _carrier(
     points = np.column_stack([grid.vertices, np.full(len(grid.vertices), frame.height)])
     name = puppet.draft.parts[number].name
     made, still = (
-        bpy.data.objects.new(title, filling.new_mesh(title, points, faces=grid.triangles))
+        bpy.data.objects.new(title, mesh_data.new_mesh(title, points, faces=grid.triangles))
         for title in (f"{name} Bend", f"{name} Bend Field")
     )
     for new in (made, still):
@@ -252,7 +252,7 @@ def _carrier(
         new.display_type = "WIRE"
         new.hide_viewport = new.hide_render = new.hide_select = True
         new[keys.PART] = name
-    record.make_helper(still, record.FIELD, made)
+    cage_sets.make_helper(still, cage_sets.FIELD, made)
     bones = puppet.bones[bent.first_bone : bent.first_bone + len(bent.bends) + 1]
     skin(made, armature, bones, bent.weights, keeps_volume=puppet.skin != core.character.Linear())
     context.view_layer.update()

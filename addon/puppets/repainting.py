@@ -9,10 +9,11 @@ import numpy as np
 from bpy.types import Context, Object
 
 from .. import keys
+from ..blender import mesh_data
+from ..cage_sets import selection
+from ..cage_sets.selection import scene_of
 from ..core import blamed, game
 from ..errors import FloatArray, UserError
-from ..scene import filling, ownership
-from ..scene.ownership import scene_of
 from . import armatures, exported, imported
 
 # Weights that differ by less than this from those that were solved were not painted by hand.
@@ -23,12 +24,12 @@ def repaint(context: Context, rig: Object, painting: game.Painting) -> tuple[lis
     """Changes a puppet to a painting: its objects, the armature last, and what changed. Raises: UserError."""
     if keys.KEPT not in rig.keys():  # noqa: SIM118
         raise UserError(f"'{rig.name}' is no puppet of a painting: import the painting without 'Repaint Selected'")
-    ownership.check_local(rig)
+    selection.check_local(rig)
     old = _old(rig)
     with blamed(f"'{rig.name}'"):
         puppet, changes = game.repainted(old, painting.parts, painting.size)
     painted = {obj.vertex_groups[member.group].name for obj in exported.parts_of(rig)
-               for vertex in filling.mesh_of(obj).vertices for member in vertex.groups
+               for vertex in mesh_data.mesh_of(obj).vertices for member in vertex.groups
                if member.weight > 0.0}  # fmt: skip
     other = sorted(painted - {bone.name for bone in old.bones})
     if context.mode != "OBJECT":
@@ -36,11 +37,11 @@ def repaint(context: Context, rig: Object, painting: game.Painting) -> tuple[lis
     names = {mesh.name for mesh in puppet.meshes}
     gone = [obj for obj in exported.parts_of(rig) if obj[keys.MADE] not in names]
     bpy.data.batch_remove([block for obj in gone for block in (obj, obj.data)])
-    home = ownership.home_of(scene_of(context), rig)
+    home = selection.home_of(scene_of(context), rig)
     told = [f"The weights of '{name}' are gone: it is no bone of the puppet." for name in other]
-    keyed = [obj for obj in exported.parts_of(rig) if filling.mesh_of(obj).shape_keys is not None]
+    keyed = [obj for obj in exported.parts_of(rig) if mesh_data.mesh_of(obj).shape_keys is not None]
     made = imported.stage(context, home, rig, puppet, rig[keys.CANVAS][2])
-    redrawn = [obj.name for obj in keyed if filling.mesh_of(obj).shape_keys is None]
+    redrawn = [obj.name for obj in keyed if mesh_data.mesh_of(obj).shape_keys is None]
     told += [f"The shape keys of '{name}' are gone: its outline is another one." for name in redrawn]
     return made, (*changes.sentences, *puppet.notes, *told)
 

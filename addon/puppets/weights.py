@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from bpy.types import Object
 
-from .. import keys, record
-from ..binding import field
+from .. import cage_sets, keys
+from ..bind import field
+from ..blender import mesh_data
 from ..core import broad_phase, core
+from ..drawing.plane import Frame, transform, world_matrix
 from ..errors import FloatArray
-from ..generation.verifying import Folding
-from ..scene import filling
-from ..scene.plane import Frame, transform, world_matrix
+from ..verify.check import Folding
 from . import armatures
 from .armatures import part_of
 
@@ -25,12 +25,12 @@ ROUNDING = 1e-5
 def note_solved(obj: Object, solved: FloatArray) -> None:
     """Notes weights (N, B) of a mesh that were solved, to know later what was painted by hand."""
     for number, column in enumerate(solved.T):
-        filling.add_attribute(filling.mesh_of(obj), f"{keys.SOLVED}{number}", "FLOAT", column.astype(np.float32))
+        mesh_data.add_attribute(mesh_data.mesh_of(obj), f"{keys.SOLVED}{number}", "FLOAT", column.astype(np.float32))
 
 
 def carriers_of(armature: Object) -> dict[str, Object]:
     """The hidden mesh that bends each part that bends, by name of the part."""
-    hidden = [each for each in armature.children if part_of(each) and not record.is_helper(each, record.FIELD)]
+    hidden = [each for each in armature.children if part_of(each) and not cage_sets.is_helper(each, cage_sets.FIELD)]
     return {part_of(each): each for each in hidden}
 
 
@@ -58,7 +58,9 @@ def by_hand(armature: Object, puppet: core.puppet.Puppet, frame: Frame) -> core.
             continue
         found = _difference(carrier, names[part])
         if found is not None:
-            places = frame.from_world(transform(world_matrix(carrier), filling.points_of(filling.mesh_of(carrier))))[0]
+            places = frame.from_world(
+                transform(world_matrix(carrier), mesh_data.points_of(mesh_data.mesh_of(carrier)))
+            )[0]
             nearest = broad_phase.nearest(bent.grid.vertices, places)[1]
             weights = np.clip(bent.weights + found[nearest], 0.0, 1.0)
             puppet = core.puppet.reweighted(puppet, number[part], weights / weights.sum(axis=1, keepdims=True))
@@ -67,14 +69,14 @@ def by_hand(armature: Object, puppet: core.puppet.Puppet, frame: Frame) -> core.
 
 def _difference(obj: Object, names: Sequence[str]) -> FloatArray | None:
     """(N, B) how the weights of bones differ from those that were solved; None if they don't."""
-    mesh = filling.mesh_of(obj)
+    mesh = mesh_data.mesh_of(obj)
     known: Any = mesh.attributes
     groups = [obj.vertex_groups[name].index for name in names if name in obj.vertex_groups]
     solved = [each for k in range(len(names)) if (each := known.get(f"{keys.SOLVED}{k}")) is not None]
     if not len(groups) == len(solved) == len(names):
         return None
-    now = np.nan_to_num(filling.weights_of(mesh, len(obj.vertex_groups)))[groups].T
+    now = np.nan_to_num(mesh_data.weights_of(mesh, len(obj.vertex_groups)))[groups].T
     sums = now.sum(axis=1, keepdims=True)
-    before = np.concatenate([filling.stored(each.data, "value", 1) for each in solved], axis=1).astype(np.float64)
+    before = np.concatenate([mesh_data.stored(each.data, "value", 1) for each in solved], axis=1).astype(np.float64)
     found = np.where(sums > 0.0, now / np.maximum(sums, ROUNDING), before) - before
     return found if np.abs(found).max() > ROUNDING else None

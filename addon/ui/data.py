@@ -7,19 +7,20 @@ from typing import Any
 
 from bpy.types import Context, Object
 
-from .. import notes, record, watch
+from .. import cage_sets, messages, watch
+from ..cage_sets import CageSet, changes
+from ..cage_sets.selection import scene_of
+from ..drawing import planar
 from ..errors import UserError, counted
-from ..following import claims, live
-from ..generation.levels import lengths, loop_sizes, meanings, parse_levels
-from ..generation.rules import KEEP
-from ..io.pictures import image_on
+from ..files.pictures import image_on
+from ..generate.levels import lengths, loop_sizes, meanings, parse_levels
+from ..generate.rules import KEEP
+from ..generate.settings import settings_of
+from ..motion import live
 from ..operators.generate import why_nothing
-from ..properties.settings import settings_of
 from ..puppets.armatures import is_puppet, puppet_of
 from ..puppets.controls import reach_of
-from ..record import CageSet
-from ..scene import changes, convert
-from ..scene.ownership import scene_of
+from ..verify import claims
 
 # Icons for how a cage is.
 HOLDS, BROKEN, EDITED, ADVICE, MADE = "CHECKMARK", "ERROR", "QUESTION", "INFO", "MOD_MESHDEFORM"
@@ -90,7 +91,7 @@ def _computed(context: Context, active: Object | None) -> Shown:
     return Shown(
         title=f"{active.name} and {counted(others, 'other')}" if others else active.name,
         hint="" if sets and context.mode in USABLE else _hint(context, active),
-        counts=_counts(context, active) if record.level_of(active) is None else "",
+        counts=_counts(context, active) if cage_sets.level_of(active) is None else "",
         sets=tuple(_lines(context, each) for each in sets),
         bound=any(each.bound for each in sets),
         plays=any(each.bound or each.record.moving for each in sets),
@@ -106,7 +107,7 @@ def _hint(context: Context, obj: Object | None) -> str:
         return "Draw closed shapes, then go to Object Mode and press Generate."
     if context.mode not in USABLE:
         return "Go to Object Mode to make cages."
-    if obj is not None and convert.readable(obj):
+    if obj is not None and planar.readable(obj):
         return ""
     if obj is not None and image_on(obj) is not None:
         return f"'{obj.name}' is a picture: see Cutout below."
@@ -122,10 +123,10 @@ def _lines(context: Context, cage_set: CageSet) -> SetLines:
     followed = following is not None and following.identity in {obj.session_uid for obj in cage_set.originals}
     changed = not followed and changes.is_changed(cage_set)
     for cage in cages:
-        node = record.node_of(cage)
+        node = cage_sets.node_of(cage)
         size *= 1.0 + node.excess
         name = cage.name.removeprefix(f"{cage_set.record.title} ").removeprefix("Inner ")
-        text = f"{name}: {len(cage.data.vertices)} vertices, {notes.larger(size)}"
+        text = f"{name}: {len(cage.data.vertices)} vertices, {messages.larger(size)}"
         icon, sentence = (EDITED, "") if changed else _health(context, cage, bound=bool(cage_set.bound))
         lines.append(CageLine(cage.name, text, icon, sentence))
     return SetLines(cage_set.name, changed, tuple(lines))
@@ -133,14 +134,14 @@ def _lines(context: Context, cage_set: CageSet) -> SetLines:
 
 def _health(context: Context, cage: Object, *, bound: bool) -> tuple[str, str]:
     """An icon for how a cage is, and one sentence on what is wrong with it, if anything is."""
-    node, stands = record.node_of(cage), claims.stands(context, cage)
-    if node.check in (record.FAULT, record.UNJUDGED) and stands:
-        icon = BROKEN if node.check == record.FAULT else EDITED
-        return icon, " ".join(record.sentences(node, checks=True, others=False))
-    if not bound and record.is_edited(cage):
-        return (HOLDS, "") if stands and record.is_judged(cage) else (EDITED, record.EDITED)
-    told = [each for each in record.notes(node) if notes.is_told(*each)]
-    advice = [notes.sentence(*each) for each in told if not each[0].startswith(record.CHECK)]
+    node, stands = cage_sets.node_of(cage), claims.stands(context, cage)
+    if node.check in (cage_sets.FAULT, cage_sets.UNJUDGED) and stands:
+        icon = BROKEN if node.check == cage_sets.FAULT else EDITED
+        return icon, " ".join(cage_sets.sentences(node, checks=True, others=False))
+    if not bound and cage_sets.is_edited(cage):
+        return (HOLDS, "") if stands and cage_sets.is_judged(cage) else (EDITED, cage_sets.EDITED)
+    told = [each for each in cage_sets.notes(node) if messages.is_told(*each)]
+    advice = [messages.sentence(*each) for each in told if not each[0].startswith(cage_sets.CHECK)]
     if advice:
         return ADVICE, advice[0]
     return (HOLDS if stands or not bound else MADE), ""

@@ -7,8 +7,8 @@ from typing import Any
 import bpy
 from bpy.types import Context
 
-from ..properties.kinds import registration
-from ..properties.settings import copy_values, settings_of
+from ..blender.props import registration
+from ..generate.settings import copy_values, settings_of
 
 # Operators of the menu by their names, with their icons: groups after Generate, and what comes last.
 ENTRIES: tuple[dict[str, Any], ...] = (

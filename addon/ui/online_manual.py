@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from ..properties.groups import ANIMATION, FRAMES, PLACES, RULES
+from ..generate.groups import ANIMATION, FRAMES, PLACES, RULES
 
 # The folder of the extension, or of the repository.
 ROOT = Path(__file__).resolve().parents[2]

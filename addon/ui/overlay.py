@@ -16,11 +16,11 @@ from gpu_extras.batch import batch_for_shader
 from numpy.typing import NDArray
 
 from .. import watch
+from ..blender import mesh_data
+from ..cage_sets import CageSet
+from ..drawing.plane import transform
 from ..errors import last_fault
-from ..properties import groups
-from ..record import CageSet
-from ..scene import filling
-from ..scene.plane import transform
+from ..generate import groups
 
 # Pixels at interface scale 1: default width of lines, extra width of selected cages, and size of handles.
 WIDTH, MORE, HANDLE = 2.5, 1.5, 9.0
@@ -67,9 +67,9 @@ def strokes(context: Context) -> Iterator[Strokes]:
     """What these cages look like on this frame."""
     depsgraph = context.evaluated_depsgraph_get()
     for obj, look in looks(context):
-        mesh = filling.mesh_of(obj.evaluated_get(depsgraph))
-        points = transform(np.array(obj.matrix_world), filling.points_of(mesh)).astype(np.float32)
-        ends = points[filling.loop_edges(mesh)].reshape(-1, 3)
+        mesh = mesh_data.mesh_of(obj.evaluated_get(depsgraph))
+        points = transform(np.array(obj.matrix_world), mesh_data.points_of(mesh)).astype(np.float32)
+        ends = points[mesh_data.loop_edges(mesh)].reshape(-1, 3)
         yield Strokes(ends, points if look.handles else points[:0], look.colour, look.width)
 
 

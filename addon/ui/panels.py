@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.types import Context
 
+from ..blender.jobs import running
+from ..blender.props import registration
 from ..errors import last_fault
-from ..following import live
-from ..generation.job import running
+from ..generate import groups
+from ..generate.settings import copy_values, settings_of
+from ..motion import live
 from ..operators.bind import REST
 from ..operators.puppet import CLIP_ITEMS, ONE_CAGE
-from ..properties import groups
-from ..properties.kinds import registration
-from ..properties.settings import copy_values, settings_of
 from ..puppets.controls import reach_of
 from . import data, sentences
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 from bpy.types import Context
 
-from ..properties import groups
-from ..properties.kinds import number, registration, text
+from ..blender.props import number, registration, text
+from ..generate import groups
 from . import panels
 
 

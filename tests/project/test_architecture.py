@@ -21,8 +21,8 @@ LAYERS = {
         character puppet formats layers game batch command __main__ __init__
     """,
     "addon": """
-        errors core memory notes keys record scene animation rigging generation binding io following characters puppets
-        properties watch making operators ui api __init__ __main__
+        errors keys core memory messages blender drawing cage_sets animation transfer bind generate properties files api
+        verify puppets motion watch operators ui __init__ __main__
     """,
 }
 ORDER = {package: layers.split() for package, layers in LAYERS.items()}

@@ -1,0 +1,79 @@
+"""What bound objects show instead of their own mesh: one without steps, cages filled, and thick lines apart."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import bpy
+from bpy.types import Object
+
+from .. import cage_sets
+from ..animation import visibility
+from ..blender import display, mesh_data
+from ..blender.shape_keys import discard, remove_mesh
+from ..transfer.rig import Rig
+
+
+def park(obj: Object) -> None:
+    """Shows a copy of an object's mesh without our steps; its own action keeps playing, but no longer hides it."""
+    hidden = (obj.hide_render, obj.hide_viewport, obj.hide_get())
+    mesh, rig = mesh_data.mesh_of(obj), Rig.of(obj)
+    cage_sets.set_before(obj, cage_sets.Before(mesh, obj.matrix_basis, hidden))
+    visibility.mute(obj, True)
+    obj.data = mesh_data.new_mesh(mesh.name, mesh_data.points_of(mesh), mesh_data.loop_edges(mesh))
+    rig.give(obj, same_vertices=True)
+    obj.hide_viewport = False
+    obj.hide_set(False)
+
+
+def unpark(objects: list[Object]) -> list[str]:
+    """Gives objects their original meshes back, with the work done on them since; returns what could not be kept."""
+    lost, shown = list[str](), list[bpy.types.Mesh]()
+    for obj in objects:
+        mesh, matrix, hidden = cage_sets.before(obj)
+        if mesh is None or matrix is None:
+            continue
+        posed, rig = mesh_data.mesh_of(obj), Rig.of(obj)
+        obj.data = mesh
+        lost += [f"'{obj.name}': {what} could not be kept" for what in rig.give(obj, same_vertices=True)]
+        shown.append(posed)
+        visibility.mute(obj, False)
+        cage_sets.set_before(obj, cage_sets.Before())
+        if obj.matrix_basis != matrix:
+            obj.matrix_basis = matrix
+        obj.hide_render, obj.hide_viewport, away = hidden
+        with suppress(RuntimeError):  # not in this view layer
+            obj.hide_set(away)
+    discard((), shown, ())
+    return lost
+
+
+def fill(levels: list[Object]) -> None:
+    """Gives the cages triangles inside their outlines. Raises: UserError."""
+    for cage in levels[1:]:
+        old, shape, rig = mesh_data.mesh_of(cage), mesh_data.shape_of(cage), Rig.of(cage)
+        name = old.name
+        cage.data = mesh_data.filled(name, mesh_data.points_of(old), shape)
+        rig.give(cage, same_vertices=True)
+        remove_mesh(old)
+        cage.data.name = name
+        cage.hide_render = True  # as wires they did not show in renders
+
+
+def take_lines_out(obj: Object) -> None:
+    """Moves thick lines to a helper object, because followers of an object need its plain shape in renders."""
+    display.render_lines(obj, False)
+    thickness = display.thickness_of(obj)
+    if thickness <= 0.0:
+        return
+    display.set_thickness(obj, 0.0)
+    name = f"{obj.name} Lines"
+    helper = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    cage_sets.make_helper(helper, cage_sets.LINES, obj, thickness)
+    helper.hide_viewport = helper.hide_select = True
+    helper.parent = obj
+    for collection in obj.users_collection:
+        collection.objects.link(helper)
+    display.add_nodes_modifier(helper, display.EDGES, display.group(display.EDGES), {"Object": obj})
+    helper.color = obj.color
+    display.set_thickness(helper, thickness)

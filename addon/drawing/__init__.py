@@ -1,0 +1,1 @@
+"""What objects show, as closed outlines in a plane."""

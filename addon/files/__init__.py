@@ -1,0 +1,1 @@
+"""Drawings from files, and cages to files."""

@@ -1,0 +1,242 @@
+"""Pictures in the scene: flat meshes that show them, and collision outlines from their alpha channel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.types import Context, Mesh, Object
+from mathutils import Matrix
+from numpy.typing import NDArray
+
+from .. import keys
+from ..blender import display, mesh_data
+from ..blender.jobs import Progress, Work, mapped
+from ..cage_sets import selection
+from ..cage_sets.selection import scene_of
+from ..core import blamed, core, pictures, progress, triangulation
+from ..drawing import placement
+from ..drawing.plane import PLANARITY, Frame, world_matrix
+from ..errors import FloatArray, UserError
+from ..generate.run import STAGES
+from ..memory import key_of, known, remember
+from .importers import PIXEL
+
+# Triangles along the longer side of a picture, which let it bend smoothly.
+CELLS = 24
+# Distance between pictures that are laid out in a row, as a fraction of their mean width.
+GAP = 0.1
+
+
+@dataclass(frozen=True)
+class Canvas:
+    """Where a picture lies in the world: its lower left corner, its width and its height, (3,) each."""
+
+    corner: FloatArray
+    width: FloatArray
+    height: FloatArray
+
+    def frame(self) -> Frame:
+        """A frame of unit scale in the middle of the picture. Raises: UserError if the picture is sheared."""
+        x, y = (side / np.linalg.norm(side) for side in (self.width, self.height))
+        if abs(float(x @ y)) > PLANARITY:
+            raise UserError("The picture is sheared: apply the scale of its object and its parents, or use a new one")
+        return replace(Frame.through(self.corner + 0.5 * (self.width + self.height), x, y), own=True)
+
+    def placed(self, parts: FloatArray) -> FloatArray:
+        """Points (n, 2), as fractions of the picture's width and height, in the frame, rounded to float32."""
+        sides = np.array([np.linalg.norm(self.width), np.linalg.norm(self.height)])
+        return ((parts - 0.5) * sides).astype(np.float32).astype(np.float64)
+
+
+def load(path: Path) -> bpy.types.Image:
+    """The image of a file, reused if it is already loaded. Raises: UserError."""
+    if not path.exists():
+        raise UserError(f"There is no file '{path}'")
+    try:
+        return bpy.data.images.load(str(path), check_existing=True)
+    except RuntimeError as error:
+        raise UserError(f"'{path.name}' cannot be read as an image") from error
+
+
+def image_of_pixels(name: str, pixels: NDArray[Any]) -> bpy.types.Image:
+    """A new image that the file holds, of sRGB and opacity (h, w, 4) from 0 to 1, the bottom row first."""
+    image = bpy.data.images.new(name, pixels.shape[1], pixels.shape[0], alpha=True)
+    image.pixels.foreach_set(pixels.astype(np.float32).ravel())  # type: ignore[attr-defined]  # a number in the stubs
+    image.update()
+    image.pack()
+    return image
+
+
+def size_of(image: bpy.types.Image) -> tuple[int, int]:
+    """Width and height in pixels. Raises: UserError if there are none."""
+    width, height = image.size
+    if not width or not height:
+        raise UserError(f"The image '{image.name}' has no pixels: its file may be missing")
+    return width, height
+
+
+def image_on(obj: Object | None) -> bpy.types.Image | None:
+    """The image of an image empty, or on the active material of a mesh; a gradient is none."""
+    if obj is None:
+        return None
+    if obj.type == "EMPTY":
+        return obj.data if isinstance(obj.data, bpy.types.Image) else None
+    shown = [node.image for node in pictures_in(obj.active_material)] if obj.type == "MESH" else []
+    return next((image for image in shown if image is not None and not is_gradient(image)), None)
+
+
+def is_gradient(image: bpy.types.Image | None) -> bool:
+    """Whether an image is the gradient of a shape."""
+    return image is not None and bool(image.get(keys.GRADIENT))
+
+
+def pictures_in(material: bpy.types.Material | None) -> list[Any]:
+    """The nodes of a material for images."""
+    nodes: Any = material.node_tree.nodes if material is not None and material.node_tree is not None else ()
+    return [node for node in nodes if node.bl_idname == "ShaderNodeTexImage"]
+
+
+def canvas_of(obj: Object, size: tuple[int, int]) -> Canvas:
+    """The place where an object shows a picture of that size in pixels. Raises: UserError."""
+    matrix = world_matrix(obj)
+    if obj.type == "MESH":
+        return _on_faces(obj, matrix)
+    extent = np.array(size) / max(size) * obj.empty_display_size
+    corner, axes = np.array(obj.empty_image_offset) * extent, matrix[:3, :3]
+    return Canvas(
+        matrix[:3, 3] + axes[:, 0] * corner[0] + axes[:, 1] * corner[1], axes[:, 0] * extent[0], axes[:, 1] * extent[1]
+    )
+
+
+def side_by_side(sizes: Sequence[tuple[int, int]]) -> list[Canvas]:
+    """Places for pictures of these sizes in pixels: upright in a row from left to right, centred at the origin."""
+    sides = PIXEL * np.array(sizes, dtype=np.float64)
+    steps = sides[:, 0] + GAP * sides[:, 0].mean()
+    left = np.cumsum(steps) - steps
+    left -= 0.5 * (left[-1] + sides[-1, 0])
+    axes = np.eye(3)
+    return [
+        Canvas(np.array((x, 0.0, -0.5 * height)), width * axes[0], height * axes[2])
+        for x, (width, height) in zip(left, sides, strict=True)
+    ]
+
+
+def _on_faces(obj: Object, matrix: FloatArray) -> Canvas:
+    """The canvas of a flat mesh by its texture coordinates. Raises: UserError."""
+    mesh = mesh_data.mesh_of(obj)
+    if mesh.uv_layers.active is None:
+        raise UserError(f"'{obj.name}' has no texture coordinates, so where its picture lies is not known")
+    uv = mesh_data.stored(mesh.uv_layers.active.data, "uv", 2)
+    points = mesh_data.points_of(mesh)[mesh_data.stored(mesh.loops, "vertex_index", 1, np.int32).ravel()]
+    parts = np.column_stack([uv, np.ones(len(uv))]).astype(np.float64)
+    affine, _, rank, _ = np.linalg.lstsq(parts, points, rcond=None)
+    if rank < 3 or np.abs(parts @ affine - points).max() > PLANARITY * np.ptp(points, axis=0).max():
+        raise UserError(f"'{obj.name}' is not a flat picture: its texture coordinates do not fit one plane")
+    axes = matrix[:3, :3]
+    return Canvas(matrix[:3, 3] + axes @ affine[2], axes @ affine[0], axes @ affine[1])
+
+
+def textured_mesh(name: str, outline: core.Mesh, canvas: Canvas, image: bpy.types.Image) -> Mesh:
+    """A new mesh in the outline, in the canvas's frame, that shows the picture."""
+    spacing = float(np.ptp(outline.vertices, axis=0).max()) / CELLS
+    inside = triangulation.triangulate(outline, triangulation.Sampling(spacing))
+    points = inside.vertices
+    data = mesh_data.new_mesh(name, points, faces=inside.triangles)
+    sides = np.array([np.linalg.norm(canvas.width), np.linalg.norm(canvas.height)])
+    parts = points / sides + 0.5
+    layer = data.uv_layers.new(name="UVMap")
+    used = mesh_data.stored(data.loops, "vertex_index", 1, np.int32).ravel()
+    layer.data.foreach_set("uv", parts[used].astype(np.float32).ravel())
+    # One material per image and file shows it without lighting, with its transparency.
+    material = bpy.data.materials.get(f"{image.name} Cutout")
+    if material is None or all(node.image != image for node in pictures_in(material)):
+        material = display.material(display.CUTOUT, f"{image.name} Cutout")
+        picture: Any = material.node_tree.nodes["Image Texture"]
+        picture.image = image
+    data.materials.append(material)
+    return data
+
+
+def place(context: Context, name: str, data: Mesh, frame: Frame, beside: Object | None) -> Object:
+    """A new object with the mesh in its frame, in the collection of the object that showed the picture, if any."""
+    obj = bpy.data.objects.new(name, data)
+    (selection.home_of(scene_of(context), beside) if beside is not None else context.collection).objects.link(obj)
+    obj.matrix_world = Matrix(frame.matrix.tolist())
+    return obj
+
+
+@dataclass(frozen=True)
+class Picture:
+    """The opacity of an image: name and alpha (H, W), the top row first."""
+
+    name: str
+    alpha: NDArray[np.float32]
+
+    @classmethod
+    def of(cls, image: bpy.types.Image) -> Picture:
+        """The opacity of a Blender image. Raises: UserError if it has none."""
+        width, height = size_of(image)
+        if image.channels not in (2, 4):
+            raise UserError(f"The image '{image.name}' has no alpha channel: save it as RGBA, or choose another image")
+        pixels = np.empty(width * height * image.channels, np.float32)
+        image.pixels.foreach_get(pixels)  # type: ignore[attr-defined]  # a number in the stubs
+        return cls(image.name, pixels.reshape(height, width, image.channels)[::-1, :, -1])
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        height, width = self.alpha.shape
+        return width, height
+
+    def trace(self, vertices: int, *, tile: bool = False, **options: Any) -> Work[core.Mesh]:
+        """A mesh around all opaque pixels, in pixels with y upwards from the bottom. Raises: UserError.
+
+        tile: whether a picture that is opaque as a whole gets its own edge, without padding. options: padding,
+        threshold and holes of ``picture_cages``.
+        """
+        if tile and bool((self.alpha > options["threshold"]).all()):
+            width, height = self.size
+            return core.Mesh.from_loops([[(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]])
+        key = key_of("picture", self.alpha, vertices, tuple(sorted(options.items())))
+        traced: core.Mesh | None = known(key)
+        if traced is not None:
+            return traced
+        yield Progress(0.0, f"'{self.name}': tracing pixels")
+        with blamed(f"'{self.name}'"):
+
+            def work(report: Callable[[core.Progress], None]) -> core.Hierarchy:
+                return pictures.picture_cages(self.alpha, [vertices], progress=report, **options)
+
+            made = yield from mapped(
+                progress.Run(work),
+                lambda step: Progress(step.fraction, f"'{self.name}': {STAGES[step.stage]}"),
+            )
+            cage = made.cages[0]
+            traced = core.Mesh(cage.vertices * (1.0, -1.0) + (0.0, self.size[1]), cage.edges)
+        remember(key, traced, cage.vertices.nbytes)
+        return traced
+
+
+def place_outline(
+    context: Context, picture: Picture, mesh: core.Mesh, target: Object | None = None, *, unit: float = PIXEL
+) -> Object:
+    """A new object with the outline as a wire, over the image that a `target` shows, or with so many units per pixel
+    around the middle of the picture.
+    """
+    offset = (-0.5, -0.5)
+    if target is not None:
+        unit = target.empty_display_size / max(picture.size)
+        offset = (target.empty_image_offset[0], target.empty_image_offset[1])
+    points = (mesh.vertices + np.array(offset) * picture.size) * unit
+    name = f"{picture.name} Outline"
+    obj = bpy.data.objects.new(name, mesh_data.new_mesh(name, points, mesh.edges))
+    display.apply_display(obj, 1)
+    (selection.home_of(scene_of(context), target) if target is not None else context.collection).objects.link(obj)
+    if target is not None:
+        placement.stand_as(target, obj)
+    return obj

@@ -1,1 +1,0 @@
-"""Cages that follow a drawing: its animation, or its edits."""

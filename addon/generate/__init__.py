@@ -1,0 +1,1 @@
+"""Cages from drawings: what is asked for, the run, and what is written into the scene."""

@@ -1,1 +1,0 @@
-"""From drawings to certified cages, in slices that can be cancelled, and into the scene."""

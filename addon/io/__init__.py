@@ -1,1 +1,0 @@
-"""Import of files and images, export: `importers`, `exporters`, `pieces`, `pictures`, `silhouette`."""

@@ -1,0 +1,1 @@
+"""Cages that follow a moving drawing, or its edits."""

@@ -1,1 +1,0 @@
-"""The artist's work on output survives new output and binding."""

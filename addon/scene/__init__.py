@@ -1,1 +1,0 @@
-"""Objects of the scene as planar drawings, and ownership of output."""

@@ -1,0 +1,1 @@
+"""The artist's work on cages and drawings, carried over to new meshes."""

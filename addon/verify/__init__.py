@@ -1,0 +1,1 @@
+"""Whether cages hold what is displayed."""
