@@ -82,7 +82,7 @@ class Samples:
                 i, j = near_pairs(points[own], points[own], points[own], float(self.longest[k]))
                 yield own[i], own[j]
                 continue
-            for first in range(0, len(own), rows := max(1, BLOCK_PAIRS // len(own))):
+            for first in range(0, len(own), rows := 1 + BLOCK_PAIRS // (1 + len(own))):
                 yield own[first : first + rows, None], own
 
 
