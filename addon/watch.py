@@ -145,12 +145,12 @@ def _on_save(*_: object) -> None:
 
 def _handlers() -> tuple[tuple[Any, Any], ...]:
     app = bpy.app.handlers
-    imported = getattr(app, "blend_import_post", [])  # since Blender 4.3
+    imported = [(app.blend_import_post, copies.on_import)] if hasattr(app, "blend_import_post") else []  # 4.3 and later
     return (
         (app.depsgraph_update_post, _on_update),
         (app.load_post, _on_load),
         (app.save_pre, _on_save),
-        (imported, copies.on_import),
+        *imported,
     )
 
 
