@@ -3,9 +3,9 @@
     python packaging/pictures.py [NAME ...]
     blender --factory-startup -p 0 0 1280 800 --python packaging/pictures.py -- [NAME ...]
 
-By Python with bpy and the extra ``examples``: those of README and gallery, from the examples. By a Blender 4.3 with a
-window of 1280 x 800 pixels: those of the guide; a 5.2 makes the one that shows it. The window needs scipy in Blender's
-own Python, an X screen as large as itself, xdotool, and ImageMagick's `import`. Look at each before it is committed.
+By Python with bpy and the extra ``examples``: those of README and gallery, from the examples. By a Blender 5.2 with a
+window of 1280 x 800 pixels: those of the guide. It needs scipy, shapely and tinycss2 in Blender's own Python, an X
+screen as large as its window, xdotool, and ImageMagick's `import`. Look at each before it is committed.
 """
 
 from __future__ import annotations
@@ -260,6 +260,8 @@ def cutout() -> Steps:
     shading = view()[1].spaces.active.shading
     shading.color_type, shading.light = "TEXTURE", "FLAT"
     look(1.5 * size)
+    with override():
+        bpy.ops.view3d.view_axis(type="FRONT")
     yield 1.0
     yield from shoot("cutout", (56, 85, 775, 720))
 
@@ -313,7 +315,7 @@ def silhouette() -> Steps:
 
 def hat() -> Any:
     """A stroke of Grease Pencil."""
-    data = bpy.data.grease_pencils_v3.new("Hat")
+    data = bpy.data.grease_pencils.new("Hat")
     drawing = data.layers.new("Layer").frames.new(1).drawing
     drawing.add_strokes([5])
     places = ((-0.55, 1.55), (-0.25, 1.7), (0.0, 2.1), (0.25, 1.7), (0.55, 1.55))
@@ -334,15 +336,17 @@ def message() -> Steps:
     yield from sidebar()
     yield 1.0
     # an error opens its window only for a button that a mouse has pressed
-    subprocess.run(["xdotool", "mousemove", "900", "228", "sleep", "0.5", "click", "1"], check=True)
+    subprocess.run(["xdotool", "mousemove", "900", "159", "sleep", "0.5", "click", "1"], check=True)
     yield 2.0
-    yield from shoot("message", (450, 160, 1035, 345))
+    yield from shoot("message", (450, 95, 1035, 280))
 
 
 @picture
 def image_dialog() -> Steps:
     yield from clear()
-    fish(128)
+    shown = bpy.data.objects.new("fish", None)
+    shown.empty_display_type, shown.data = "IMAGE", fish(128)
+    put(shown)
     yield from sidebar()
     yield 0.5
     with override():
@@ -373,14 +377,6 @@ def result() -> Steps:
     yield from sign()
     generate(levels="20%, 8%")
     yield from shoot("result")
-
-
-@picture
-def blender_5_2() -> Steps:
-    """The same in a later Blender, which makes this picture alone."""
-    yield from sign()
-    generate(levels="20%, 8%")
-    yield from shoot("blender_5_2")
 
 
 @picture
@@ -532,7 +528,7 @@ def playing() -> Steps:
 @picture
 def running() -> Steps:
     yield from clear()
-    outline("Coast", coast())
+    outline("Coast", coast(60_000))
     look(3.0)
     yield from sidebar()
     bpy.context.scene.nested_cages.levels = "200, 60"
@@ -574,9 +570,7 @@ def guide(names: list[str]) -> None:
     bpy.context.preferences.view.show_splash = False
     bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
     register_extension()
-    later = ["blender_5_2"]
-    everything = later if bpy.app.version >= (5, 2) else [name for name in PICTURES if name not in later]
-    steps = make(names or everything)
+    steps = make(names or list(PICTURES))
     bpy.app.timers.register(lambda: next(steps, None), first_interval=1.0, persistent=True)
 
 
