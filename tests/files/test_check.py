@@ -3,6 +3,8 @@
 import itertools
 import json
 import re
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -387,3 +389,12 @@ def test_what_is_not_there_or_wrongly_used(folder: Path) -> None:
     for words in ([folder / "in.svg"], [folder / "in.svg", folder / "out.svg", "--levels", "many"],
                   [folder / "in.svg", folder / "out.svg", "--clearance", "-1"]):  # fmt: skip
         assert run("check", *words).status == 2
+
+
+def test_an_animation_is_checked_where_shapely_is_missing() -> None:
+    """As in a Blender alone; of a file that is not there, its name is all that is said."""
+    alone = (
+        "import runpy, sys; sys.modules['shapely'] = None; runpy.run_module('nestedcages_core', run_name='__main__')"
+    )
+    done = subprocess.run([sys.executable, "-c", alone, "check", "no.blend"], capture_output=True, text=True)
+    assert (done.returncode, "no.blend" in done.stderr, "shapely" in done.stderr) == (1, True, False)
