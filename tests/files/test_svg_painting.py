@@ -40,6 +40,8 @@ def line(style: str, data: str = "M0 0H10") -> str:
         ('stroke-width="2" stroke-dasharray="-1 2"', "M0 0H10", 20.0),
         ('stroke-width="2" stroke-linecap="square"', "M3 3h0", 4.0),
         ('stroke-width="2" stroke-linecap="round"', "M3 3z", math.pi),
+        ('stroke-width="2" stroke-linecap="round"', "M4 12C4 18 12 22 12 22", 29.947),  # of 4000 chords, by GEOS
+        ('stroke-width="2" stroke-linecap="round"', "M4 12C4 12 8 20 12 22", 29.077),
         ('stroke-width="2" transform="scale(2 3)"', "M0 0H10", 120.0),
         ('transform="scale(2)" vector-effect="non-scaling-stroke"', "M0 0H10", 20.0),
         ('stroke-width="2" pathLength="8" stroke-dasharray="1"', "M0 0H80", 80.0),
@@ -134,6 +136,7 @@ CLIPS = [
     ('<clipPath id="c"><rect width="2" height="9"/><rect x="5" width="3" height="9"/></clipPath>', 45.0),
     ('<clipPath id="c" clipPathUnits="objectBoundingBox"><rect width=".5" height=".5"/></clipPath>', 25.0),
     ('<clipPath id="c"><path clip-rule="evenodd" d="M0 0H10V10H0zM2 2H8V8H2z"/></clipPath>', 64.0),
+    ('<clipPath id="c"><path clip-rule="evenodd" d="M0 0H10V10H0zM2 2C2 2 8 2 8 2V8H2z"/></clipPath>', 64.0),
     ('<clipPath id="d"><rect width="2" height="9"/></clipPath><clipPath id="c" clip-path="url(#d)">'
      '<rect width="9" height="3"/></clipPath>', 6.0),
     ('<clipPath id="c"><rect x="-5" y="-5" width="99" height="99"/></clipPath>', 100.0),

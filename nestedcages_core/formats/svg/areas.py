@@ -312,7 +312,8 @@ def _uncovered(region: Any, outlines: Any, slivers: FloatArray) -> Any:
     if shapely.covers(region, outlines):
         parts = shapely.get_parts(region)
         holed = shapely.get_num_interior_rings(parts).any()
-        if not holed or shapely.area(shapely.polygons(shapely.get_rings(parts))).min() > _areas(slivers).max():
+        largest = _areas(slivers).max(initial=0.0)
+        if not holed or shapely.area(shapely.polygons(shapely.get_rings(parts))).min() > largest:
             return np.zeros(0, object)
     shapes = shapely.polygons(slivers)
     found = shapes[~shapely.covers(region, shapes)]

@@ -37,6 +37,9 @@ MEETING = 0.65
 PUSH = 2.0**-43
 """Distance over the largest coordinate by which chains keep away from curves: well above rounding."""
 
+HANDLE = 8.0
+"""Length over the push up to which a handle has none."""
+
 JOINT = 0.125
 """Depth over the tolerance of points between two tangents that are left out."""
 
@@ -231,6 +234,11 @@ def pieces_of(
     starts = np.roll(stops, 1, axis=0)
     starts[np.append(True, is_last[:-1])] = everything[last - degrees]
     chord = stops - starts
+    reach = HANDLE * PUSH * np.maximum(np.abs(starts), np.abs(stops)).max(axis=1)
+    short = np.stack((_norm(corners[:, 0] - starts), _norm(corners[:, 1] - stops)), axis=1) <= reach[:, None]
+    corners = np.where(
+        (short & ~short[:, ::-1])[..., None], corners[:, ::-1], corners
+    )  # tangents meet in the other one
     middle = corners.sum(axis=1) / 2.0 - starts
     turns = np.where(degrees[curve] == LINE, 0, np.sign(cross(middle, chord))).astype(np.int64)
     first = np.append(0, np.flatnonzero(is_last)[np.cumsum(counts) - 1] + 1)
@@ -318,7 +326,7 @@ def _cubics(
     curve = _between(control[index], s, t)
     found = []
     for _ in range(HALVINGS):
-        far = angle_between(curve[:, 1] - curve[:, 0], curve[:, 3] - curve[:, 2]) > 1.5 * max_turn[index]
+        far = _turn(curve, HANDLE * PUSH * np.abs(curve).max(axis=(1, 2), initial=0.0)) > 1.5 * max_turn[index]
         found.append((index[~far], t[~far], curve[~far]))
         if not far.any():
             break
@@ -367,6 +375,14 @@ def _between(control: FloatArray, s: FloatArray, t: FloatArray) -> FloatArray:
     sums, pairs, products = u + v + w, u * v + v * w + w * u, u * v * w
     found = first + sums[..., None] * linear + pairs[..., None] * square + products[..., None] * cube
     return np.asarray(np.moveaxis(found, 0, 1))
+
+
+def _turn(control: FloatArray, least: FloatArray) -> FloatArray:
+    """(n,) angles between the tangents at the ends of cubics (n, 4, 2); handles no longer than (n,) have no length."""
+    steps = np.diff(control, axis=1)
+    has = _norm(steps) > least[:, None]
+    ahead, behind = (np.where(has[:, k, None], steps[:, k], steps[:, 1]) for k in (0, 2))
+    return angle_between(ahead, behind)
 
 
 def angle_between(a: FloatArray, b: FloatArray) -> FloatArray:
