@@ -36,6 +36,23 @@ def points_of(owner: Mesh | bpy.types.ShapeKey) -> FloatArray:
     return stored(items, "co", 3).astype(np.float64)
 
 
+def corner_vertices(mesh: Mesh) -> NDArray[np.int32]:
+    """The vertex (L,) of each corner of the faces of a mesh."""
+    return stored(mesh.loops, "vertex_index", 1, np.int32).ravel()
+
+
+def texture_places(mesh: Mesh) -> NDArray[np.float32] | None:
+    """Places (L, 2) in a texture of the corners of the faces of a mesh, from 0 to 1; None without any."""
+    layer = mesh.uv_layers.active
+    return None if layer is None else stored(layer.data, "uv", 2)
+
+
+def place_texture(mesh: Mesh, places: FloatArray) -> None:
+    """Sets the places (n, 2) of the vertices of a mesh in its texture."""
+    layer = mesh.uv_layers.get("UVMap") or mesh.uv_layers.new(name="UVMap")
+    layer.data.foreach_set("uv", places[corner_vertices(mesh)].astype(np.float32).ravel())
+
+
 def weights_of(mesh: Mesh, groups: int) -> FloatArray:
     """Weights (groups, n) of vertices in vertex groups, by their numbers; nan for vertices that are not in a group."""
     weights = np.full((groups, len(mesh.vertices)), np.nan)

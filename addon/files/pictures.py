@@ -129,10 +129,10 @@ def side_by_side(sizes: Sequence[tuple[int, int]]) -> list[Canvas]:
 def _on_faces(obj: Object, matrix: FloatArray) -> Canvas:
     """The canvas of a flat mesh by its texture coordinates. Raises: UserError."""
     mesh = mesh_data.mesh_of(obj)
-    if mesh.uv_layers.active is None:
+    uv = mesh_data.texture_places(mesh)
+    if uv is None:
         raise UserError(f"'{obj.name}' has no texture coordinates, so where its picture lies is not known")
-    uv = mesh_data.stored(mesh.uv_layers.active.data, "uv", 2)
-    points = mesh_data.points_of(mesh)[mesh_data.stored(mesh.loops, "vertex_index", 1, np.int32).ravel()]
+    points = mesh_data.points_of(mesh)[mesh_data.corner_vertices(mesh)]
     parts = np.column_stack([uv, np.ones(len(uv))]).astype(np.float64)
     affine, _, rank, _ = np.linalg.lstsq(parts, points, rcond=None)
     if rank < 3 or np.abs(parts @ affine - points).max() > PLANARITY * np.ptp(points, axis=0).max():
@@ -148,10 +148,7 @@ def textured_mesh(name: str, outline: core.Mesh, canvas: Canvas, image: bpy.type
     points = inside.vertices
     data = mesh_data.new_mesh(name, points, faces=inside.triangles)
     sides = np.array([np.linalg.norm(canvas.width), np.linalg.norm(canvas.height)])
-    parts = points / sides + 0.5
-    layer = data.uv_layers.new(name="UVMap")
-    used = mesh_data.stored(data.loops, "vertex_index", 1, np.int32).ravel()
-    layer.data.foreach_set("uv", parts[used].astype(np.float32).ravel())
+    mesh_data.place_texture(data, points / sides + 0.5)
     # One material per image and file shows it without lighting, with its transparency.
     material = bpy.data.materials.get(f"{image.name} Cutout")
     if material is None or all(node.image != image for node in pictures_in(material)):

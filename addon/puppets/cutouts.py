@@ -10,6 +10,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 from bpy.types import Context, Object
+from numpy.typing import NDArray
 
 from ..blender import mesh_data
 from ..cage_sets import CageSet
@@ -57,9 +58,7 @@ def write(context: Context, rig: Object, path: Path, engine: str) -> tuple[list[
 def cutouts_in_scene(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str, ...]]:
     """The puppet of the pictures that an armature moves, at rest, with its actions, and notes. Raises: UserError."""
     pictures = moved_by(rig)
-    places = [
-        transform(space_to_space(rig, obj), mesh_data.points_of(mesh_data.mesh_of(obj)))[:, :2] for obj, _ in pictures
-    ]
+    places = [_points_in(rig, obj) for obj, _ in pictures]
     unit = _unit_of(pictures[0][0], places[0])
     corners = [_corner_of(obj, points / unit) for (obj, _), points in zip(pictures, places, strict=True)]
     low = np.min(corners, axis=0)
@@ -112,13 +111,10 @@ def _pixels_of(obj: Object) -> FloatArray:
     return np.array(size_of(image), dtype=np.float64)
 
 
-def _shown(obj: Object) -> tuple[FloatArray, FloatArray]:
+def _shown(obj: Object) -> tuple[FloatArray, NDArray[np.int32]]:
     """Places (n, 2) of the corners of the faces of a picture in pixels, y pointing up, and their vertices (n,)."""
-    data = mesh_data.mesh_of(obj)
-    if data.uv_layers.active is None:
-        raise UserError(f"'{obj.name}' has no texture: give it the material with its picture again")
-    uv = mesh_data.stored(data.uv_layers.active.data, "uv", 2).astype(np.float64)
-    return uv * _pixels_of(obj), mesh_data.stored(data.loops, "vertex_index", 1, np.int32).ravel()
+    places = exported.texture_places(obj) * _pixels_of(obj)
+    return places, mesh_data.corner_vertices(mesh_data.mesh_of(obj))
 
 
 def _unit_of(obj: Object, points: FloatArray) -> float:

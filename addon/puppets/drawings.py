@@ -64,15 +64,17 @@ def _gradient(obj: Object, slot: int, material: bpy.types.Material | None, frame
     from scipy import ndimage
 
     image = next((node.image for node in pictures_in(material) if is_gradient(node.image)), None)
-    if image is None or obj.type != "MESH" or mesh_data.mesh_of(obj).uv_layers.active is None:
+    if image is None or obj.type != "MESH":
         return None
     data = mesh_data.mesh_of(obj)
+    uv = mesh_data.texture_places(data)
+    if uv is None:
+        return None
     faces = mesh_data.stored(data.polygons, "material_index", 1, np.int32).ravel()
     own = np.repeat(faces == slot, mesh_data.stored(data.polygons, "loop_total", 1, np.int32).ravel())
-    corners = mesh_data.stored(data.loops, "vertex_index", 1, np.int32).ravel()[own]
+    corners = mesh_data.corner_vertices(data)[own]
     places = frame.from_world(transform(world_matrix(obj), mesh_data.points_of(data)))[0][corners] * (1.0, -1.0)
-    uv = mesh_data.stored(data.uv_layers.active.data, "uv", 2)[own]
-    affine = np.linalg.lstsq(np.column_stack([places, np.ones(len(places))]), uv)[0]
+    affine = np.linalg.lstsq(np.column_stack([places, np.ones(len(places))]), uv[own])[0]
     pixels = pixels_of(image)[::-1] / 255.0
     size = np.array(pixels.shape[1::-1])
 

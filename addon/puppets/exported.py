@@ -200,18 +200,27 @@ def _hull_first(obj: Object, triangles: Whole, count: int) -> Whole:
 def _texture(obj: Object, places: FloatArray) -> tuple[Any, int, int]:
     """The pixels of a layer, and their left and top on the canvas. Raises: UserError."""
     image = image_on(obj)
-    data = mesh_data.mesh_of(obj)
-    if image is None or data.uv_layers.active is None:
-        raise UserError(f"'{obj.name}' has no texture: give it the material with its picture again")
-    pixels = pixels_of(image)
-    uv = mesh_data.stored(data.uv_layers.active.data, "uv", 2)
-    used = mesh_data.stored(data.loops, "vertex_index", 1, np.int32).ravel()
+    if image is None:
+        raise _untextured(obj)
+    pixels, uv = pixels_of(image), texture_places(obj)
     shown = np.stack((uv[:, 0], 1.0 - uv[:, 1]), axis=1) * (pixels.shape[1], pixels.shape[0])
-    corner = places[used] - shown
+    corner = places[mesh_data.corner_vertices(mesh_data.mesh_of(obj))] - shown
     left, top = np.round(corner.mean(axis=0)).astype(int).tolist()
     if np.abs(corner - (left, top)).max() > OFF_PLACE:
         raise UserError(f"'{obj.name}' does not show its picture where it was painted: undo changes of its coordinates")
     return pixels, left, top
+
+
+def texture_places(obj: Object) -> NDArray[np.float32]:
+    """Places (L, 2) of the corners of the faces of a picture, from 0 to 1. Raises: UserError."""
+    uv = mesh_data.texture_places(mesh_data.mesh_of(obj))
+    if uv is None:
+        raise _untextured(obj)
+    return uv
+
+
+def _untextured(obj: Object) -> UserError:
+    return UserError(f"'{obj.name}' has no texture: give it the material with its picture again")
 
 
 def baked(context: Context, rig: Object, bones: Sequence[core.Bone], unit: float) -> tuple[game.Animation, ...]:

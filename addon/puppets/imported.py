@@ -156,9 +156,7 @@ def _paint(
     places: (n, 2) of its vertices, from 0 to 1.
     """
     image = image_of_pixels(name, texture[::-1] / np.float32(255.0))
-    layer = data.uv_layers.get("UVMap") or data.uv_layers.new(name="UVMap")
-    used = mesh_data.stored(data.loops, "vertex_index", 1, np.int32).ravel()
-    layer.data.foreach_set("uv", places[used].astype(np.float32).ravel())
+    mesh_data.place_texture(data, places)
     shown = material or display.material(display.CUTOUT, name)
     for picture in pictures_in(shown):
         old, picture.image = picture.image, image

@@ -19,7 +19,6 @@ from bpy.types import Collection, Context, Object
 from .. import cage_sets, keys
 from ..bind import field
 from ..blender import mesh_data
-from ..blender.blocks import removed_on_failure
 from ..blender.jobs import Progress, Work
 from ..cage_sets.selection import select
 from ..core import blamed, core
@@ -118,7 +117,7 @@ class Making:
 def articulate(
     context: Context, given: Drawn, old: Object | None, options: Making
 ) -> Work[tuple[Object, core.puppet.Puppet]]:
-    """An armature that moves the drawings part by part. Raises: UserError.
+    """An armature that moves the drawings part by part. Raises: UserError, which may leave new objects behind.
 
     old: that of an earlier puppet of theirs, which is drawn as it is changed now.
     """
@@ -138,34 +137,33 @@ def articulate(
     _check_followers(given, puppet)
     everyone = [obj for own in given.objects for obj in own]
     solved, before = puppet, weights.carriers_of(old) if old is not None else weights.left_over(everyone)
-    with removed_on_failure():
-        if old is None:
-            home = _common_home(given)
-            root = puppet.draft.parts[puppet.draft.part_of[0]].name
-            title = options.title or (home.name if home else root)
-            armature = armatures.add_armature(context, home, given.frame, title)
-            armatures.hang_as(armature, everyone)
-        else:
-            armature, puppet = old, weights.by_hand(old, puppet, given.frame)
-            caps.remove_caps(armature)
-            for obj in armatures.drawings_of(armature):
-                armatures.hang(obj, armature)  # bones may go
-        limits = solved.ranges if options.limits else ()
-        puppet = armatures.draw_bones(context, armature, given.frame, puppet, limits)
-        controls.add_controls(context, armature, puppet.figure, options.reach)
-        context.view_layer.update()
-        carriers: dict[int, Object] = {}
-        for number, objects in enumerate(given.objects):
-            carrier = puppet.fields[number]
-            if carrier is not None and id(carrier) not in carriers:
-                carriers[id(carrier)] = made = _carrier(context, objects[0], armature, given.frame, puppet, number)
-                weights.note_solved(made, solved.fields[number].weights)
-            for obj in objects:
-                field.release(obj)
-                obj[keys.DRAWN] = puppet.draft.parts[number].name
-                armatures.hang(obj, armature, "" if carrier else puppet.bones[puppet.draft.bone_of[number]].name)
-                if carrier is not None:
-                    field.follow(obj, carriers[id(carrier)], carriers[id(carrier)])
+    if old is None:
+        home = _common_home(given)
+        root = puppet.draft.parts[puppet.draft.part_of[0]].name
+        title = options.title or (home.name if home else root)
+        armature = armatures.add_armature(context, home, given.frame, title)
+        armatures.hang_as(armature, everyone)
+    else:
+        armature, puppet = old, weights.by_hand(old, puppet, given.frame)
+        caps.remove_caps(armature)
+        for obj in armatures.drawings_of(armature):
+            armatures.hang(obj, armature)  # bones may go
+    limits = solved.ranges if options.limits else ()
+    puppet = armatures.draw_bones(context, armature, given.frame, puppet, limits)
+    controls.add_controls(context, armature, puppet.figure, options.reach)
+    context.view_layer.update()
+    carriers: dict[int, Object] = {}
+    for number, objects in enumerate(given.objects):
+        carrier = puppet.fields[number]
+        if carrier is not None and id(carrier) not in carriers:
+            carriers[id(carrier)] = made = _carrier(context, objects[0], armature, given.frame, puppet, number)
+            weights.note_solved(made, solved.fields[number].weights)
+        for obj in objects:
+            field.release(obj)
+            obj[keys.DRAWN] = puppet.draft.parts[number].name
+            armatures.hang(obj, armature, "" if carrier else puppet.bones[puppet.draft.bone_of[number]].name)
+            if carrier is not None:
+                field.follow(obj, carriers[id(carrier)], carriers[id(carrier)])
     _replace(before, armature)
     caps.remove_left_over(everyone)
     context.view_layer.update()

@@ -236,9 +236,8 @@ def pieces_of(
     chord = stops - starts
     reach = HANDLE * PUSH * np.maximum(np.abs(starts), np.abs(stops)).max(axis=1)
     short = np.stack((_norm(corners[:, 0] - starts), _norm(corners[:, 1] - stops)), axis=1) <= reach[:, None]
-    corners = np.where(
-        (short & ~short[:, ::-1])[..., None], corners[:, ::-1], corners
-    )  # tangents meet in the other one
+    alone = short & ~short[:, ::-1]  # the tangents meet in the other one
+    corners = np.where(alone[..., None], corners[:, ::-1], corners)
     middle = corners.sum(axis=1) / 2.0 - starts
     turns = np.where(degrees[curve] == LINE, 0, np.sign(cross(middle, chord))).astype(np.int64)
     first = np.append(0, np.flatnonzero(is_last)[np.cumsum(counts) - 1] + 1)
