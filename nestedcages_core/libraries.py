@@ -10,18 +10,14 @@ from typing import Any
 
 from .errors import NestedCagesError
 
-INSTALL = "install it with 'pip install nested-cages[formats]'"
-"""Advice about a missing library; the Blender extension includes all but Pillow, since Blender reads
-pictures itself."""
-
 
 @contextmanager
-def needed(name: str, purpose: str, install: str = INSTALL) -> Iterator[None]:
+def needed(name: str, purpose: str) -> Iterator[None]:
     """Raises NestedCagesError where the library is missing; purpose: the subject, such as "Merging parts"."""
     try:
         yield
     except ImportError as error:
-        problem = f"{purpose} needs {name}; {install}."
+        problem = f"{purpose} needs {name}; install it with 'pip install {name}'."
         raise NestedCagesError(problem, code="dependency.missing", library=name) from error
 
 
@@ -43,7 +39,7 @@ def has_shapely() -> bool:
 
 def load_pyplot() -> Any:
     """The plots of matplotlib. Raises NestedCagesError where it is missing."""
-    with needed("matplotlib", "A plot", "install it with 'pip install matplotlib'"):
+    with needed("matplotlib", "A plot"):
         from matplotlib import pyplot as plt
     return plt
 

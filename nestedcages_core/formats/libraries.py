@@ -9,7 +9,7 @@ from ..libraries import needed
 
 def load_pyogrio(purpose: str) -> Any:
     """pyogrio (GDAL), for the subject of a sentence. Raises NestedCagesError where it is missing."""
-    with needed("pyogrio", purpose, "install it with 'pip install nested-cages[maps]'"):
+    with needed("pyogrio", purpose):
         import pyogrio
     return pyogrio
 
