@@ -31,7 +31,7 @@ PART, PROVED, LIMB, LENGTH, CONTROL, AHEAD, SOLVED, DRAWN, CAP = _names(
 )
 # Of an armature of a painting: width and height of the canvas in pixels, and metres per pixel, and its puppet as it was
 # made; of its meshes: their names in it, path and id of the layer, and how it blends.
-CANVAS, KEPT, MADE, LAYER, LAYER_ID, BLEND = _names("canvas kept made layer layer_id blend")
+CANVAS, MADE, LAYER, BLEND = _names("canvas made layer blend")
 
 # Of an image: that it is the gradient of a shape.
 (GRADIENT,) = _names("gradient")

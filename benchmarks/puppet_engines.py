@@ -1,7 +1,7 @@
-"""Puppets in the runtimes of Spine, DragonBones and Godot: how far vertices are off in random poses.
+"""Puppets in the runtimes of Spine and Godot: how far vertices are off in random poses.
 
 A character of the cast a line, or the layered files that `--only` names: opaque pixels outside of hulls, and what the
-engines say with each bone turned by up to 110 degrees. Runtimes of Spine and DragonBones come by npm; Godot is the
+engines say with each bone turned by up to 110 degrees. The runtime of Spine comes by npm; Godot is the
 program of that name, or GODOT in the environment; with a display it draws too.
 """
 
@@ -25,9 +25,9 @@ from nestedcages_core import NestedCagesError, read_png
 from nestedcages_core.game import Animation, GamePuppet, game_puppet, read_painting, write_puppet
 
 SCRIPTS = HERE / "engines"
-PACKAGES = ("@esotericsoftware/spine-core@4.2.100", "@cocos/dragonbones-js@1.0.2")
+PACKAGES = ("@esotericsoftware/spine-core@4.2.100",)
 CHARACTERS = ("cat", "snake", "octopus", "dragon", "robot", "spider", "fairy", "minotaur")
-FILES = {"godot": "puppet.tscn", "spine": "puppet.json", "dragonbones": "puppet_ske.json"}
+FILES = {"godot": "puppet.tscn", "spine": "puppet.json"}
 TURN, POSES, SECONDS = 110.0, 8, 120
 """Degrees of a bone in a pose, poses, and how long an engine may take."""
 
@@ -142,8 +142,7 @@ def judged(puppet: GamePuppet, modules: Path | None, godot: str | None) -> list[
             'config_version=5\n[application]\nconfig/name="judge"\n', encoding="utf-8"
         )
         row: list[str | None] = [
-            f"{said(['node', str(SCRIPTS / f'{each}.mjs'), name], modules)['worst']:.0e}" if modules else None
-            for each in ("spine", "dragonbones")
+            f"{said(['node', str(SCRIPTS / 'spine.mjs'), name], modules)['worst']:.0e}" if modules else None
         ]
         if not godot:
             return [*row, None, None]
@@ -157,7 +156,7 @@ def judged(puppet: GamePuppet, modules: Path | None, godot: str | None) -> list[
 
 
 def node_modules() -> Path | None:
-    """The folder with the runtimes in JavaScript, installed when first needed; none without npm."""
+    """The folder with the runtime in JavaScript, installed when first needed; none without npm."""
     folder = ROOT / "build" / "engines"
     if shutil.which("npm") is None or shutil.which("node") is None:
         return None
@@ -178,11 +177,11 @@ def run(options: Options) -> str:
             parts, size, _ = read_painting(file)
             puppet = game_puppet(parts, size, name="puppet")
         except NestedCagesError as error:
-            rows.append([file.stem, *[None] * 9, error.code])
+            rows.append([file.stem, *[None] * 8, error.code])
             continue
         seconds = process_time() - start
         turns = [min(-each.low, each.high) for each in puppet.ranges if each.low > -180.0]
         counts = len(puppet.meshes), len(puppet.bones), f"{min(turns):.0f}°" if turns else None, outside(puppet)
         rows.append([file.stem, len(parts), *counts, *judged(puppet, modules, godot), f"{seconds:.1f}", ""])
-    head = ("file", "layers", "meshes", "bones", "least range", "outside", "Spine px", "DragonBones px", "Godot px")
+    head = ("file", "layers", "meshes", "bones", "least range", "outside", "Spine px", "Godot px")
     return table((*head, "drawn otherwise", "CPU s", "refused"), rows)

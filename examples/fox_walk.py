@@ -80,7 +80,7 @@ def main() -> None:
     with registered():
         bpy.ops.object.nested_cages_import(filepath=str(ROOT / "examples" / "fox.svg"), outlines="PUPPET")
         armature = bpy.context.object
-        bpy.ops.object.nested_cages_clip(kind="WALK")
+        bpy.ops.object.nested_cages_walk()
         bpy.context.scene.frame_end = PERIOD
         bpy.ops.object.nested_cages_verify(whole=True)
         bpy.ops.object.mode_set(mode="OBJECT")

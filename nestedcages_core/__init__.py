@@ -132,10 +132,8 @@ if TYPE_CHECKING:
     from .puppet import PuppetDraft as PuppetDraft
     from .puppet import PuppetPart as PuppetPart
     from .puppet import draft_puppet as draft_puppet
-    from .puppet import idle as idle
     from .puppet import puppet_of as puppet_of
     from .puppet import walk as walk
-    from .puppet import wave as wave
     from .solver.banded import Rows as Rows
     from .solver.newton import ProjectedNewton as ProjectedNewton
     from .solver.quadratic_program import InteriorPoint as InteriorPoint
@@ -239,7 +237,7 @@ _LATER = {
     "levels.check_energy": "check_energy",
     "levels.excess_by_count": "ExcessByCount excess_by_count",
     "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",
-    "puppet": "PartChoice Puppet PuppetDraft PuppetPart draft_puppet idle puppet_of walk wave",
+    "puppet": "PartChoice Puppet PuppetDraft PuppetPart draft_puppet puppet_of walk",
     "published": (
         "AUGMENTED_2022 AUGMENTED_2022_REPAIRED GradientDescent PaperContact PaperFlow PaperWeights Repairs "
         "as_published"

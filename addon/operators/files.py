@@ -110,7 +110,12 @@ class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelp
     hidden: flag("Hidden Layers", "Include hidden layers of a painting, as hidden parts")
     repaint: flag(
         "Repaint Selected",
-        "Change the selected puppet to this painting: bones, names, poses, actions and weights painted by hand stay",
+        "Change the selected puppet to this painting: bones, names, poses and actions stay, by the names of layers",
+        options={"SKIP_SAVE"},
+    )
+    replace_weights: flag(
+        "Replace Painted Weights",
+        "Solve all weights of the selected puppet anew, also those that were painted by hand",
         options={"SKIP_SAVE"},
     )
     plane: choice("Plane", "How drawings are put into the scene", PLANE_ITEMS, default="AUTO")
@@ -122,7 +127,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelp
         if self._shown(context) is not None:
             self.draw_options(*TRACING)
             return
-        self.draw_options("outlines", "hidden", "repaint", "plane", "scale", "standard")
+        self.draw_options("outlines", "hidden", "repaint", "replace_weights", "plane", "scale", "standard")
         if self.outlines == "ONE":
             self.draw_options(*TRACING)
 
@@ -230,7 +235,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelp
 
     def _repaint(self, context: Context, rig: Object, painting: Any) -> None:
         """Changes a puppet to a painting. Raises: UserError."""
-        made, notes = repainting.repaint(context, rig, painting)
+        made, notes = repainting.repaint(context, rig, painting, replace_weights=self.replace_weights)
         for note in (*painting.notes, *notes):
             self.report({"WARNING"}, note)
         self.shown_by = (TEXTURES, FLAT_LIGHT)
@@ -270,7 +275,6 @@ SUFFIXES = {"SVG": ".svg", "GEOJSON": ".geojson"}
 ENGINES = (
     ("GODOT", "Godot 4", "A scene with the textures and actions of a puppet or cutout"),
     ("SPINE", "Spine 4.2", "A skeleton with its atlas and actions"),
-    ("DRAGONBONES", "DragonBones 5.5", "A skeleton with its atlas and actions"),
     ("SCRIPT", "Own Script", "Bones, meshes, weights and actions as JSON, with the atlas"),
 )
 

@@ -32,11 +32,6 @@ from .base import GapProperty, JobOperator, Operator, pose
 OWN_ROLES = (cage_sets.FIELD, cage_sets.PROXY)
 # Degrees: joints that turn less without a fold are told, and what a joint of a rigid part turns.
 WIDE, HALF_TURN = 60.0, 180.0
-CLIP_ITEMS = (
-    ("WALK", "Walk", "Steps on the spot, for two legs or more"),
-    ("WAVE", "Wave", "An arm goes up and waves"),
-    ("IDLE", "Idle", "Head, arms and tails sway"),
-)
 
 
 PARTS, ONE_CAGE, BONES, HANDLES = "PARTS", "ONE_CAGE", "BONES", "HANDLES"
@@ -224,15 +219,13 @@ def make_puppet(
     operator.report({"INFO"}, f"{count} on {counted(len(puppet.bones), 'bone')}: pose '{armature.name}'{folds}")
 
 
-class OBJECT_OT_nested_cages_clip(Operator, bpy.types.Operator):
-    """Let the puppet walk, wave or idle by a new action, which repeats and folds nothing on any frame; the action that
+class OBJECT_OT_nested_cages_walk(Operator, bpy.types.Operator):
+    """Let the puppet walk on the spot by a new action, which repeats and folds nothing on any frame; the action that
     it had stays in the file
     """
 
-    bl_label = "Add Clip"
+    bl_label = "Walk"
     modes = ("OBJECT", "POSE")
-
-    kind: choice("Clip", "What the puppet does", CLIP_ITEMS, default="WALK")
 
     needs = staticmethod(lambda context: armatures.puppet_of(chosen(context)))
     missing = "Select a puppet, or a drawing that it moves"
@@ -240,7 +233,7 @@ class OBJECT_OT_nested_cages_clip(Operator, bpy.types.Operator):
     def run(self, context: Context) -> None:
         duplicates.complete_puppets()
         armature = _chosen_puppet(context)
-        action = clips.add_clip(context, armature, self.kind.lower())
+        action = clips.add_walk(context, armature)
         frames = round(action.frame_end - action.frame_start)
         folds = clips.beyond(armature)
         if folds:

@@ -6,7 +6,7 @@ is not ours in it stays.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import radians
 from typing import Any
@@ -18,10 +18,12 @@ from mathutils import Matrix
 
 from .. import keys
 from ..bind import field
+from ..blender import mesh_data
 from ..cage_sets.selection import select
 from ..core import core
 from ..drawing.painted import paints
-from ..drawing.plane import Frame, scale_of, transform, world_matrix
+from ..drawing.plane import Frame, scale_of, world_matrix
+from ..errors import FloatArray
 from .one_cage import add_bones
 
 # What Blender adds to a name that another block has.
@@ -76,6 +78,10 @@ def carried_by(obj: Object, armature: Object) -> str:
         return ""
     if obj.parent_type == "BONE":
         return part_of(armature.data.bones.get(obj.parent_bone))
+    if is_skinned(obj):
+        weights = mesh_data.weights_of(mesh_data.mesh_of(obj), len(obj.vertex_groups))
+        strongest = obj.vertex_groups[int(np.nansum(weights, axis=1).argmax())]
+        return part_of(armature.data.bones.get(strongest.name))
     return part_of(field.followed(obj))
 
 
@@ -110,24 +116,28 @@ def figure_of(armature: Object) -> core.puppet.Figure:
 
 
 def choices_in(
-    armature: Object, parts: Sequence[core.puppet.PuppetPart], drawings: Sequence[Object], frame: Frame
+    armature: Object,
+    parts: Sequence[core.puppet.PuppetPart],
+    drawings: Mapping[str, Object],
+    in_parts: Callable[[FloatArray], FloatArray],
 ) -> dict[str, core.puppet.PartChoice]:
     """What an armature says of parts: on which others they hang, where they turn and by how many bones they bend.
 
-    drawings: one of each part.
+    drawings: one of each part that the armature moves, by its name; in_parts: takes points (n, 3) of the armature to
+    the parts' coordinates.
     """
-    matrix, known = world_matrix(armature), {part.name: part for part in parts}
+    known = {part.name: part for part in parts}
     choices: dict[str, core.puppet.PartChoice] = {}
     chains = chains_of(armature.data.bones)
-    for name, obj in zip(known, drawings, strict=True):
-        host = carried_by(obj, armature) if name not in chains else ""
+    for name, obj in drawings.items():
+        host = carried_by(obj, armature) if name in known and name not in chains else ""
         if host in known and obj.get(keys.DRAWN, name) == name:  # a copy of a part hangs where it lies now
             choices[name] = core.puppet.PartChoice(parent=host, hold=core.puppet.Hold.RIDES)
     for name, chain in chains.items():
         if name not in known:
             continue
         ends = np.array([*(bone.head_local for bone in chain), chain[-1].tail_local])
-        places = tuple((float(x), float(y)) for x, y in frame.from_world(transform(matrix, ends))[0])
+        places = tuple((float(x), float(y)) for x, y in in_parts(ends))
         stays = known[name].distance(places[0]) <= OFF_PART * chain[0].length
         inside = all(known[name].distance(place) == 0.0 for place in places[1:-1])
         here = core.puppet.PartChoice(bones=len(chain), chain=places if stays and inside else None)

@@ -1,4 +1,4 @@
-"""Clips of a puppet as actions: keys of its bones within what is proved of them, that repeat."""
+"""The walk of a puppet as an action: keys of its bones within what is proved of them, that repeat."""
 
 from __future__ import annotations
 
@@ -14,19 +14,18 @@ from ..errors import FloatArray, UserError
 from . import armatures
 from .controls import REACH, ROOT, reach_of
 
-# Length of each clip in seconds, and its keys.
-LENGTHS = {"walk": (1.0, 8), "wave": (1.0, 8), "idle": (3.0, 12)}
+# Length of a walk in seconds, and its keys.
+SECONDS, KEYS = 1.0, 8
 # Blender's number for the interpolation of a keyframe by a Bézier curve, and for handles that don't overshoot.
 BEZIER, CLAMPED = 2, 4
 
 
-def add_clip(context: Context, armature: Object, kind: str) -> bpy.types.Action:
+def add_walk(context: Context, armature: Object) -> bpy.types.Action:
     """A new action of a puppet, in place of the one that it plays, which stays in the file. Raises: UserError."""
     figure, scene = armatures.figure_of(armature), scene_of(context)
-    seconds, count = LENGTHS[kind]
-    step = max(1, round(seconds * scene.render.fps / scene.render.fps_base / count))
+    step = max(1, round(SECONDS * scene.render.fps / scene.render.fps_base / KEYS))
     with blamed(f"'{armature.name}'"):
-        clip = getattr(core.puppet, kind)(figure, seconds=seconds, frames=count)
+        clip = core.puppet.walk(figure, seconds=SECONDS, frames=KEYS)
     for bone in figure.bones:
         if armature.pose.bones[bone.name].rotation_mode in ("QUATERNION", "AXIS_ANGLE"):
             raise UserError(f"'{bone.name}' is turned by quaternions or an axis: set its mode to XYZ Euler")
@@ -36,13 +35,13 @@ def add_clip(context: Context, armature: Object, kind: str) -> bpy.types.Action:
     if animation.action is not None:
         animation.action.use_fake_user = True
     action = animation.action = bpy.data.actions.new(f"{armature.name} {clip.name.title()}")
-    frames = scene.frame_start + step * np.arange(count + 1.0)
+    frames = scene.frame_start + step * np.arange(KEYS + 1.0)
     for bone in figure.bones:
         sign = 1.0 if armature.data.bones[bone.name].z_axis.z >= 0.0 else -1.0
         turned = np.deg2rad([sign * pose.get(bone.name, 0.0) for pose in clip.frames])
         _key(armature, _path(bone.name, "rotation_euler"), 2, frames, turned)
         if reach_of(armature.pose.bones[bone.name]) is not None:
-            _key(armature, _path(bone.name, f'constraints["{REACH}"].influence'), 0, frames, np.zeros(count))
+            _key(armature, _path(bone.name, f'constraints["{REACH}"].influence'), 0, frames, np.zeros(KEYS))
     root = next((bone.name for bone in armature.data.bones if bone.get(keys.CONTROL) == ROOT), None)
     if root is not None:
         _key(armature, _path(root, "location"), 1, frames, np.array(clip.rise))

@@ -54,7 +54,7 @@ def pictures_of(
     """The picture of each part, from what it paints. low, scale: of `picture_of`."""
     found = []
     for part, paints in zip(given.parts, shapes, strict=True):
-        pictures = [game.picture_of(part.name, (part.name,), "", [paint], low, scale) for paint in paints]
+        pictures = [game.picture_of(part.name, (part.name,), [paint], low, scale) for paint in paints]
         found.append(game.painted_as_one([each for each in pictures if each is not None]))
     return found
 

@@ -98,7 +98,7 @@ def pictured(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str,
         return (end[0] - low[0]) / pixel - 0.5 * width, (end[1] - low[1]) / pixel
 
     with blamed(f"'{rig.name}'"):
-        found = armatures.choices_in(rig, given.parts, [own[0] for own in given.objects], given.frame)
+        found = armatures.choices_in(rig, given.parts, given.lowest, given.places_in(rig))
         choices = {
             name: replace(
                 choice,
@@ -165,7 +165,6 @@ def part_mesh(obj: Object, places: FloatArray, weights: FloatArray, place: game.
     return game.PartMesh(
         obj.name,
         str(obj.get(keys.LAYER, obj.name)),
-        str(obj.get(keys.LAYER_ID, "")),
         points[order],
         ring,
         back[triangles],

@@ -19,7 +19,7 @@ from ..drawing.plane import Frame, size
 from ..errors import FloatArray
 from ..files.importers import PIXEL
 from ..files.pictures import image_of_pixels, pictures_in
-from . import armatures, controls
+from . import armatures, controls, weights
 from .one_cage import skin
 
 # Distance between two layers, as a fraction of the painting's size.
@@ -110,8 +110,7 @@ def stage(
         obj.location.z = step * number
         _fill(obj, rig, puppet, mesh, unit)
         made.append(obj)
-    canvas = [puppet.place.width, puppet.place.height, unit]
-    keys.store(rig, {keys.CANVAS: canvas, keys.KEPT: game.to_puppet_json(puppet)})
+    keys.store(rig, {keys.CANVAS: [puppet.place.width, puppet.place.height, unit]})
     return [*made, rig]
 
 
@@ -130,8 +129,9 @@ def _fill(obj: Object, rig: Object, puppet: game.GamePuppet, mesh: game.PartMesh
         data.name = name
     obj.vertex_groups.clear()
     skin(obj, rig, puppet.bones, mesh.weights, keeps_volume=False)
-    layer = {keys.LAYER: mesh.part, keys.LAYER_ID: mesh.identity, keys.BLEND: mesh.blend, keys.MADE: mesh.name}
+    layer = {keys.LAYER: mesh.part, keys.BLEND: mesh.blend, keys.MADE: mesh.name}
     keys.store(obj, layer)
+    weights.note_digest(obj)
 
 
 def _has_shape(data: bpy.types.Mesh, points: FloatArray, triangles: NDArray[np.int64]) -> bool:

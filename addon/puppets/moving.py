@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -22,8 +22,8 @@ from ..blender import mesh_data
 from ..blender.jobs import Progress, Work
 from ..cage_sets.selection import select
 from ..core import blamed, core
-from ..drawing.plane import Frame, middle_of_box, turned_as_most
-from ..errors import UserError
+from ..drawing.plane import Frame, middle_of_box, transform, turned_as_most, world_matrix
+from ..errors import FloatArray, UserError
 from ..files import silhouettes
 from . import armatures, caps, controls, weights
 from .one_cage import skin
@@ -43,6 +43,16 @@ class Drawn:
     """Those of each part: the shapes of a layer that have no names of their own are one."""
     parts: tuple[core.puppet.PuppetPart, ...]
     problems: tuple[UserError, ...]
+
+    @property
+    def lowest(self) -> dict[str, Object]:
+        """The lowest object of each part, by its name."""
+        return {part.name: own[0] for part, own in zip(self.parts, self.objects, strict=True)}
+
+    def places_in(self, armature: Object) -> Callable[[FloatArray], FloatArray]:
+        """What takes points (n, 3) of an armature to the parts' coordinates."""
+        matrix = world_matrix(armature)
+        return lambda points: self.frame.from_world(transform(matrix, points))[0]
 
 
 def drawn(context: Context, objects: Sequence[Object], old: Object | None) -> Work[Drawn]:
@@ -123,10 +133,9 @@ def articulate(
     """
     yield Progress(0.3, "finding joints")
     with blamed("The puppet"):
-        lowest = [own[0] for own in given.objects]
         if old is not None:
             armatures.mark_subdivided(old)
-            choices = armatures.choices_in(old, given.parts, lowest, given.frame)
+            choices = armatures.choices_in(old, given.parts, given.lowest, given.places_in(old))
         else:
             choices = armatures.parents_of(given.parts, given.objects)
         draft = core.puppet.draft_puppet(given.parts, choices)

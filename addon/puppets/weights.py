@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Sequence
 from typing import Any
 
@@ -26,6 +27,22 @@ def note_solved(obj: Object, solved: FloatArray) -> None:
     """Notes weights (N, B) of a mesh that were solved, to know later what was painted by hand."""
     for number, column in enumerate(solved.T):
         mesh_data.add_attribute(mesh_data.mesh_of(obj), f"{keys.SOLVED}{number}", "FLOAT", column.astype(np.float32))
+
+
+def note_digest(obj: Object) -> None:
+    """Notes the weights of a picture, to know later whether they were painted by hand."""
+    obj[keys.SOLVED] = _digest(obj)
+
+
+def were_painted(obj: Object) -> bool:
+    """Whether the weights of a picture are others than were solved."""
+    return str(obj.get(keys.SOLVED, "")) != _digest(obj)
+
+
+def _digest(obj: Object) -> str:
+    found = np.nan_to_num(mesh_data.weights_of(mesh_data.mesh_of(obj), len(obj.vertex_groups)))
+    used = found[found.any(axis=1)]
+    return f"{zlib.crc32(np.round(used / ROUNDING).astype(np.int64).tobytes()):08x}"
 
 
 def carriers_of(armature: Object) -> dict[str, Object]:

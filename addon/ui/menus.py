@@ -16,7 +16,7 @@ ENTRIES: tuple[dict[str, Any], ...] = (
     {
         "bind": "LINKED",
         "puppet": "OUTLINER_OB_ARMATURE",
-        "clip": "ACTION",
+        "walk": "ACTION",
         "snap": "SNAP_ON",
         "follow": "CON_FOLLOWTRACK",
         "live": "REC",

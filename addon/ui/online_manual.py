@@ -22,7 +22,7 @@ OPERATORS = {
     "export": "export#to-a-file",
     "import": "export#from-a-file",
     "cutout": "pictures#cutout",
-    **dict.fromkeys(("puppet", "clip", "snap"), "characters#a-puppet"),
+    **dict.fromkeys(("puppet", "walk", "snap"), "characters#a-puppet"),
     "select_fault": "messages",
     "to_objects": "silhouette",
 }

@@ -14,7 +14,7 @@ from ..generate import groups
 from ..generate.settings import copy_values, settings_of
 from ..motion import live
 from ..operators.bind import REST
-from ..operators.puppet import CLIP_ITEMS, ONE_CAGE
+from ..operators.puppet import ONE_CAGE
 from ..puppets.controls import reach_of
 from . import data, sentences
 
@@ -189,9 +189,7 @@ class VIEW3D_PT_nested_cages_puppet(SidebarPanel, bpy.types.Panel):
         column.operator("object.nested_cages_import", text="Import Puppet", icon="IMPORT").outlines = "PUPPET"
         puppet = bpy.data.objects.get(now.puppet)
         if puppet is not None:
-            row = layout.row(align=True)
-            for kind, name, _ in CLIP_ITEMS:
-                row.operator("object.nested_cages_clip", text=name).kind = kind
+            layout.operator("object.nested_cages_walk")
             column = layout.column(align=True)
             bones = filter(None, map(puppet.pose.bones.get, now.reaching))
             for reach in filter(None, map(reach_of, bones)):

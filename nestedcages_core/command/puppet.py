@@ -8,19 +8,15 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..errors import NestedCagesError
-from ..formats import read_whole, write_files
+from ..formats import write_files
 from ..game import (
     GamePuppet,
     engine_for,
-    from_puppet_json,
     game_puppet,
     puppet_files,
     read_painting,
-    repainted,
-    to_puppet_json,
     undrawn,
 )
-from ..game.kept import KEPT_LIMITS
 from ..puppet import PartChoice
 from .options import at_least
 from .printing import sentence_of, tell
@@ -39,8 +35,6 @@ def run(_: argparse.ArgumentParser, given: argparse.Namespace) -> bool:
             for note in undrawn(puppet, engine):
                 tell(f"note: {note}", sys.stderr)
             contents |= puppet_files(path, puppet, engine)
-        if given.keep is not None:
-            contents[Path(given.keep)] = to_puppet_json(puppet)
         write_files(contents)
         for file in reversed(contents):
             tell(f"Wrote {file}", sys.stdout)
@@ -54,11 +48,7 @@ def _puppet(given: argparse.Namespace) -> tuple[GamePuppet, tuple[str, ...]]:
     """The puppet of a painting, and what its reader says."""
     parts, size, notes = read_painting(given.painting, hidden=given.hidden, pixels=given.pixels)
     stem = Path(given.painting).resolve().stem
-    if given.keep is None or not Path(given.keep).exists():
-        return game_puppet(parts, size, name=stem, vertices=given.vertices, choices=_choices(given)), notes
-    before = from_puppet_json(read_whole(given.keep, KEPT_LIMITS))
-    puppet, changes = repainted(before, parts, size, vertices=given.vertices)
-    return puppet, (*notes, *changes.sentences)
+    return game_puppet(parts, size, name=stem, vertices=given.vertices, choices=_choices(given)), notes
 
 
 def _choices(given: argparse.Namespace) -> dict[str, PartChoice]:

@@ -6,7 +6,7 @@ import argparse
 
 from .options import at_least
 
-ENGINES = ("godot", "spine", "dragonbones", "script")
+ENGINES = ("godot", "spine", "script")
 
 DESCRIPTION = """\
 Makes a puppet of a layered painting: .psd, .psb, .ora, .kra, .svg, or a folder of .png by the order of their names.
@@ -17,11 +17,10 @@ EPILOG = """\
 output files, by their names, several at once:
   NAME.tscn       a scene of Godot 4, with NAME.png
   NAME.json       Spine 4.2, with NAME.atlas and NAME.png
-  NAME_ske.json   DragonBones 5.5, with NAME_tex.json and NAME.png
+  NAME.puppet.json  your own script, with NAME.png
 
 examples:
   nested-cages puppet cat.psd -o cat.tscn
-  nested-cages puppet cat.psd -o cat.tscn --keep cat.puppet.json
   nested-cages puppet cat.kra -o cat.tscn --vertices 24 --parent hat=head --bones tail=4
 """
 
@@ -49,11 +48,6 @@ def parser() -> argparse.ArgumentParser:
         default=16,
         metavar="N",
         help="of the hull of a part; joints and small islands aside (default: %(default)s)",
-    )
-    options.add_argument(
-        "--keep",
-        metavar="FILE.json",
-        help="keep the bones, names, order and keys of this puppet when its painting changed; written each time",
     )
     options.add_argument("--hidden", action="store_true", help="include hidden layers, as hidden parts")
     options.add_argument(

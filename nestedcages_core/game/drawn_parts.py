@@ -16,7 +16,7 @@ def puppet_parts(text: str | bytes, **options: Any) -> tuple[tuple[PuppetPart, .
     options: fields of `SvgOptions`. Raises NestedCagesError as `from_svg`.
     """
     parts, notes = svg_parts(text, **options)
-    return tuple(PuppetPart(part.name, _outline(part), part.groups, part.identity) for part in parts), notes
+    return tuple(PuppetPart(part.name, _outline(part), part.groups) for part in parts), notes
 
 
 def _outline(part: SvgPart) -> Mesh:

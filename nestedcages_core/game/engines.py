@@ -11,10 +11,9 @@ from ..errors import invalid_setting
 from ..formats import write_files
 from ..formats.pictures import encode_png
 from .atlas import Atlas, atlas_of
-from .dragonbones import to_dragonbones, to_dragonbones_atlas
 from .godot import to_godot
-from .kept import to_puppet_json
 from .puppet import GamePuppet
+from .script import to_script
 from .spine import to_spine, to_spine_atlas
 
 PICTURE = "{stem}.png"
@@ -47,17 +46,9 @@ ENGINES: Mapping[str, Engine] = {
         {"{stem}.json": lambda puppet, atlas, picture: to_spine(puppet, atlas), "{stem}.atlas": to_spine_atlas},
         ("add", "multiply", "screen"),
     ),
-    "dragonbones": Engine(
-        "DragonBones 5.5",
-        {
-            "{stem}_ske.json": lambda puppet, atlas, picture: to_dragonbones(puppet, atlas),
-            "{stem}_tex.json": to_dragonbones_atlas,
-        },
-        ("add", "multiply", "screen"),
-    ),
     "script": Engine(
         "own scripts",
-        {"{stem}.puppet.json": lambda puppet, atlas, picture: to_puppet_json(puppet, atlas, picture)},
+        {"{stem}.puppet.json": to_script},
         ("add", "multiply", "screen"),
     ),
 }

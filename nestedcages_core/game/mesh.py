@@ -37,8 +37,6 @@ class PartMesh:
     name: str
     part: str
     """Path of the layer: its groups and name, with slashes between."""
-    identity: str
-    """Id of the layer in its file, empty if it has none."""
     points: FloatArray
     """(n, 2) pixels, y pointing up; the hull first, in order."""
     hull: int

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -17,13 +16,12 @@ from ..geometry.mesh import Mesh
 from ..geometry.triangulation import Triangulation
 from ..layers import PicturePart
 from ..libraries import load_shapely
-from ..puppet import BendField, Hold, JointRange, PartChoice, Puppet, PuppetDraft, PuppetPart, draft_puppet
-from ..puppet.caps import caps_of
+from ..puppet import BendField, JointRange, PartChoice, Puppet, PuppetDraft, PuppetPart, draft_puppet
+from ..puppet.parts import with_unique_names
 from ..puppet.puppet import bent, limb_of, riders_on
 from ..puppet.ranges import FREE
 from .animation import Animation
 from .bending import SKIN, Limb, best_field, counter_clockwise, meshed_loop
-from .caps import cap_picture
 from .islands import Island, certify, islands_of
 from .mesh import PartMesh, Placement
 from .proved import narrower, proved_ranges
@@ -36,26 +34,6 @@ SOLID = 128
 
 SIMPLIFIED = 0.7
 """Tolerance of that outline in pixels: what corners of pixels stand out from a slanted edge."""
-
-
-@dataclass(frozen=True)
-class PartRecord:
-    """A part of a painting as it was when its puppet was made, to know it again."""
-
-    name: str
-    """In the puppet."""
-    path: str
-    """Groups and name of the layer."""
-    identity: str
-    """Id of the layer, empty if it has none."""
-    parent: str
-    """Name of the part that it hangs on; empty for the root."""
-    hold: Hold
-    joint: tuple[float, float]
-    bones: list[str]
-    """Names of its own bones, from the joint to the tip."""
-    checksum: int
-    """Of its pixels and their place."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,19 +50,15 @@ class GamePuppet:
     """Of each bone: the angles at which no triangle of any mesh flips, blended as engines do."""
     animations: tuple[Animation, ...] = ()
     notes: tuple[str, ...] = ()
-    parts: tuple[PartRecord, ...] = ()
-    """Of the painting, the lowest first."""
-    hand: Mapping[str, FloatArray] = field(default_factory=dict, repr=False)
-    """(n, B) by name of the mesh, how its weights differ from those that were solved: what was painted by hand."""
-
     draft: PuppetDraft | None = field(default=None, repr=False)
-    """How its parts hang together; None if it was read from a file."""
+    """How its parts hang together; None if it was put together elsewhere."""
 
     @property
     def puppet(self) -> Puppet:
-        """What moves it, whose parts have no fields: their meshes have the weights. Raises NestedCagesError."""
+        """What moves it, whose parts have no fields: their meshes have the weights. Raises NestedCagesError without a
+        draft."""
         if self.draft is None:
-            raise invalid_setting(f"The puppet {self.name!r} was read from a file and has no draft.")
+            raise invalid_setting(f"The puppet {self.name!r} has no draft.")
         return Puppet(replace(self.draft, bones=self.bones), (None,) * len(self.draft.parts), self.ranges, SKIN)
 
     def posed(self, turned: Mapping[str, float]) -> list[FloatArray]:
@@ -112,26 +86,30 @@ def game_puppet(
     if not parts:
         raise invalid_setting("The picture has no visible layer with pixels; show one, or include hidden layers.")
     place = Placement(*size)
-    draft = draft_puppet([puppet_part(part, place) for part in parts], choices)
+    draft = draft_puppet(puppet_parts_of(parts, place), choices)
     return meshed(draft, parts, place, name=name, vertices=vertices)
 
 
-def puppet_part(part: PicturePart, place: Placement) -> PuppetPart:
-    """The outline of a painted part, by which parts find how they hang together."""
+def puppet_parts_of(parts: Sequence[PicturePart], place: Placement) -> tuple[PuppetPart, ...]:
+    """The outlines of painted parts, by which parts find how they hang together, with unique names."""
+    return with_unique_names(_puppet_part(part, place) for part in parts)
+
+
+def _puppet_part(part: PicturePart, place: Placement) -> PuppetPart:
     shapely = load_shapely("A puppet of parts that overlap")
     opaque = part.pixels[..., 3] >= SOLID
     pixels = boundary_of_pixels(opaque if opaque.any() else part.pixels[..., 3] > 0)
     outline = shapely.simplify(shapely.geometry.shape(pixels.__geo_interface__), SIMPLIFIED)
     solid = Mesh.of(outline)
     up = [place.up(ring + np.array([part.left, part.top])) for ring in solid.rings]
-    return PuppetPart(part.name, Mesh.from_loops(up), part.groups, part.identity)
+    return PuppetPart(part.name, Mesh.from_loops(up), part.groups)
 
 
 def meshed(
     draft: PuppetDraft, parts: Sequence[PicturePart], place: Placement, *, name: str, vertices: int = HULL_VERTICES
 ) -> GamePuppet:
     """The puppet of a draft whose parts have these pictures, in the same order, and its meshes: one for each
-    island and each cap.
+    island.
 
     A part gets fewer bones where a joint of its meshes turns too little, as in `puppet_of`. Raises NestedCagesError.
     """
@@ -143,16 +121,9 @@ def meshed(
         for part, (own, _) in made.items()
         for key, field in own.items()
     }
-    caps = caps_of(draft)
     meshes: list[PartMesh] = []
     for k, part in enumerate(parts):
-        drawn, own = draft.parts[k], draft.parts[k].name
-        pictures = [(cap.bone, cap_picture(cap, drawn, part, place)) for cap in caps if cap.part == k]
-        held = [(bone, picture) for bone, picture in pictures if picture is not None]
-        behind = [(bone, each) for bone, cap in held for each in islands_of(cap.seen, cap.left, cap.top, vertices)]
-        for number, (bone, island) in enumerate(behind):
-            grid, weights = _stiff(place.up(island.loop), bone, len(draft.bones))
-            meshes.append(_textured(f"{own}.cap{number + 1}", part, island, grid, weights, place))
+        own = draft.parts[k].name
         for number, island in enumerate(islands[k]):
             carrier = fields.get((k, number))
             if carrier is None:
@@ -163,10 +134,9 @@ def meshed(
             called = own if number == 0 else f"{own}.island{number + 1}"
             meshes.append(_textured(called, part, island, grid, weights, place))
     ranges = proved_ranges(draft.bones, meshes)
-    records = tuple(_record_of(draft, k, part) for k, part in enumerate(parts))
     stiff = [draft.parts[part].name for part, (_, turns) in made.items() if all(turn == FREE for turn in turns)]
     notes = (*draft.notes, *(f"{part} is not painted where its bones meet, so it does not bend." for part in stiff))
-    return GamePuppet(name, place, draft.bones, tuple(meshes), ranges, (), notes, records, draft=draft)
+    return GamePuppet(name, place, draft.bones, tuple(meshes), ranges, (), notes, draft)
 
 
 def _stiff(loop: FloatArray, bone: int, bones: int) -> tuple[Triangulation, FloatArray]:
@@ -184,7 +154,7 @@ def _textured(
     hull = len(grid.edge)
     certify(place.down(grid.vertices[:hull]), island.pixels, island.left, island.top)
     shown = island.left, island.top, island.pixels, part.blend, part.is_visible
-    return PartMesh(name, part.path, part.identity, grid.vertices, hull, grid.triangles, weights, *shown)
+    return PartMesh(name, part.path, grid.vertices, hull, grid.triangles, weights, *shown)
 
 
 def _fields_of(
@@ -200,19 +170,3 @@ def _fields_of(
             fields[k, number], own = best_field(hull, limb, draft.bone_of[part])
             turns = [narrower(*both) for both in zip(turns, own, strict=True)]
     return fields, turns
-
-
-def _record_of(draft: PuppetDraft, number: int, part: PicturePart) -> PartRecord:
-    link = draft.links[number]
-    parent = "" if link.parent is None else draft.parts[link.parent].name
-    bones = [draft.bones[bone].name for bone in draft.chain(number)]
-    x, y = link.joint
-    joint = (float(x), float(y))
-    name = draft.parts[number].name
-    return PartRecord(name, part.path, part.identity, parent, link.hold, joint, bones, checksum_of(part))
-
-
-def checksum_of(part: PicturePart) -> int:
-    """A number that differs where pixels or their place do."""
-    seen = np.where(part.pixels[..., 3:] > 0, part.pixels, 0)
-    return zlib.crc32(seen.tobytes(), zlib.crc32(f"{part.left} {part.top} {seen.shape}".encode()))

@@ -48,7 +48,7 @@ def parts_of_svg(
     low, high = corners.min(axis=0), corners.max(axis=0)
     scale = pixels / float((high - low).max())
     width, height = np.maximum(np.ceil((high - low) * scale).astype(int), 1).tolist()
-    drawn = (picture_of(s.name, s.groups, s.identity, _paints_of(s), low, scale) for s in shapes)
+    drawn = (picture_of(s.name, s.groups, _paints_of(s), low, scale) for s in shapes)
     found = [part for part in drawn if part is not None]
     if len({part.groups for part in found if part.groups}) >= LEAST_GROUPS:
         found = [painted_as_one(list(own)) for _, own in groupby(found, key=lambda part: part.groups or part.name)]
@@ -70,7 +70,7 @@ def painted_as_one(parts: Sequence[PicturePart]) -> PicturePart:
         light[box] = light[box] * (1.0 - own[..., None]) + own[..., None] * part.pixels[..., :3] / 255.0
         alpha[box] = alpha[box] * (1.0 - own) + own
     *above, name = parts[0].groups
-    return PicturePart(name, tuple(above), "", left, top, _as_bytes(light, alpha))
+    return PicturePart(name, tuple(above), left, top, _as_bytes(light, alpha))
 
 
 def _as_bytes(light: FloatArray, alpha: FloatArray) -> Pixels:
@@ -82,7 +82,7 @@ def _as_bytes(light: FloatArray, alpha: FloatArray) -> Pixels:
 
 
 def picture_of(
-    name: str, groups: tuple[str, ...], identity: str, paints: Sequence[Paint], low: FloatArray, scale: float
+    name: str, groups: tuple[str, ...], paints: Sequence[Paint], low: FloatArray, scale: float
 ) -> PicturePart | None:
     """The picture of a shape; None if it covers no pixel.
 
@@ -102,7 +102,7 @@ def picture_of(
         light += covered[..., None] * shades[..., :3]
         alpha += covered
     out = _as_bytes(light, alpha)
-    return PicturePart(name, groups, identity, left, top, out) if out[..., 3].any() else None
+    return PicturePart(name, groups, left, top, out) if out[..., 3].any() else None
 
 
 def _paints_of(shape: SvgPart) -> list[Paint]:

@@ -25,8 +25,6 @@ class PicturePart:
     name: str
     groups: tuple[str, ...]
     """Names of the groups around it, the outermost first."""
-    identity: str
-    """Id in the file, empty if it has none."""
     left: int
     top: int
     pixels: Pixels = field(repr=False)
@@ -46,7 +44,7 @@ class PicturePart:
 
     @property
     def path(self) -> str:
-        """Groups and name, which tell a part again in files without ids."""
+        """Groups and name."""
         return "/".join((*self.groups, self.name))
 
 
@@ -141,7 +139,6 @@ def _part(layer: Layer, clipped: list[Layer], inherited: _Inherited, notes: Note
     return PicturePart(
         layer.name,
         inherited.groups,
-        layer.identity,
         layer.left + int(columns[0]),
         layer.top + int(rows[0]),
         np.ascontiguousarray(pixels[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]),

@@ -5,11 +5,11 @@
 - `puppet_of`: the draft's `Puppet`: a `BendField` for each part that bends, weights, and a `JointRange` for each bone.
 - `Puppet.caps`: each `Cap` is paint that stays behind at a joint, so that nothing opens there.
 - `reweighted`: the puppet with weights that were painted by hand.
-- `walk`, `wave`, `idle`: a `Clip` for any puppet that has the limbs for it, or its `Figure`, within the proved ranges.
+- `walk`: a `Clip` for any puppet that has legs, or its `Figure`, within the proved ranges.
 """
 
 from .caps import Cap
-from .clips import Clip, idle, walk, wave
+from .clips import Clip, walk
 from .draft import PuppetDraft, draft_puppet
 from .fields import BendField
 from .limbs import Figure, Limbs
@@ -34,9 +34,7 @@ __all__ = [
     "PuppetPart",
     "Side",
     "draft_puppet",
-    "idle",
     "puppet_of",
     "reweighted",
     "walk",
-    "wave",
 ]

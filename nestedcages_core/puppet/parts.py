@@ -36,8 +36,6 @@ class PuppetPart:
     """All that the part paints, strokes included; y pointing up."""
     groups: tuple[str, ...] = ()
     """Names of the groups or layers around it, the outermost first."""
-    identity: str = ""
-    """Id in the file, which tells the part again after changes; empty if it has none."""
 
     @cached_property
     def solid(self) -> Any:

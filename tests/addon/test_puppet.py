@@ -162,16 +162,15 @@ def test_limbs_reach_for_controls_within_their_ranges(fox: tuple[Any, dict[str, 
         assert low - 0.1 <= np.rad2deg(turned.z) <= high + 0.1
 
 
-def test_clips_repeat_and_fold_nothing(fox: tuple[Any, dict[str, np.ndarray]]) -> None:
+def test_a_walk_repeats_and_folds_nothing(fox: tuple[Any, dict[str, np.ndarray]]) -> None:
     armature, before = fox
     scene = bpy.context.scene
     tip = [each for each in armature.pose.bones if part_of(each.bone) == "tail"][-1]
     tip.keyframe_insert("rotation_euler", frame=1)
     own = armature.animation_data.action
-    for kind in ("WAVE", "IDLE", "WALK"):
-        assert bpy.ops.object.nested_cages_clip(kind=kind) == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_walk() == {"FINISHED"}
     walk = armature.animation_data.action
-    assert own.use_fake_user and own not in (walk, None) and len(bpy.data.actions) == 4
+    assert own.use_fake_user and own not in (walk, None) and len(bpy.data.actions) == 2
     first, last = map(round, walk.frame_range)
     poses = []
     for frame in range(first, last + 1):
@@ -444,7 +443,7 @@ def test_a_part_that_was_turned_or_mirrored_turns_no_puppet(man: Any, own: Matri
     new_file()
     found = make(*figure_of_faces(own))
     assert bones_of(found) == wanted
-    assert bpy.ops.object.nested_cages_clip(kind="WALK") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_walk() == {"FINISHED"}
 
 
 @pytest.mark.parametrize("side", slow_after(1, ["RIGHT", "FRONT"], thorough_after=1))
@@ -461,7 +460,7 @@ def test_strokes_that_stand_upright_are_seen_from_the_front_or_the_right(side: s
     right = (1.0, 0.0, 0.0) if side == "FRONT" else (0.0, 1.0, 0.0)
     np.testing.assert_allclose(np.array(armature.matrix_world)[:3, 0], right, atol=1e-4)
     np.testing.assert_allclose(np.array(armature.matrix_world)[:3, 1], (0.0, 0.0, 1.0), atol=1e-4)
-    assert bpy.ops.object.nested_cages_clip(kind="WALK") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_walk() == {"FINISHED"}
 
 
 def test_parts_are_stacked_by_where_their_vertices_are() -> None:
@@ -544,7 +543,7 @@ def test_a_subdivided_bone_bends_its_part(man: Any, cuts: int) -> None:
     before = shapes()
     rig.pose.bones[chain[-1]].rotation_euler[2] = 0.5
     assert "Arm.L" in moved(before, shapes()) <= {"Arm.L", "Hand.L"}
-    assert bpy.ops.object.nested_cages_clip(kind="WAVE") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_walk() == {"FINISHED"}
 
 
 def test_a_joint_moved_off_its_part_comes_back(man: Any) -> None:
@@ -648,7 +647,7 @@ def test_an_override_is_posed_and_walks_and_says_what_it_cannot(tmp_path: Path) 
     with refused("'Character Puppet'", unchanged=False):
         bpy.ops.object.nested_cages_puppet()
     np.testing.assert_allclose(picture(), posed, atol=1e-5)
-    assert bpy.ops.object.nested_cages_clip(kind="WALK") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_walk() == {"FINISHED"}
     bpy.context.scene.frame_set(7)
     walking = picture()
     assert np.abs(walking - posed).max() > 0.05

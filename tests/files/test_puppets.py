@@ -10,7 +10,7 @@ import shapely
 import shapely.affinity
 
 import nestedcages_core as core
-from nestedcages_core import PartChoice, Puppet, PuppetDraft, PuppetPart, draft_puppet, idle, puppet_of, walk, wave
+from nestedcages_core import PartChoice, Puppet, PuppetDraft, PuppetPart, draft_puppet, puppet_of, walk
 from support.documents import refusal, svg
 from support.figures import ball, front_figure, limb, side_figure, solid
 from support.marks import slow_after
@@ -304,27 +304,24 @@ def test_covers_keep_the_joint_painted_and_show_nothing_at_rest() -> None:
     assert disc.difference(kept).area < 0.001 * disc.area < disc.difference(shapely.difference(kept, area)).area
 
 
-# Clips
+# Walks
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("parts", slow_after(0, [side_figure, front_figure]), ids=["side", "front"])
-def test_clips_stay_within_the_ranges_and_repeat(parts: Callable[[], list[PuppetPart]]) -> None:
+def test_walks_stay_within_the_ranges_and_repeat(parts: Callable[[], list[PuppetPart]]) -> None:
     puppet = puppet_from(parts)
-    for clip in (walk, wave, idle):
-        frames = clip(puppet).frames
-        assert all(puppet.beyond(frame) == () for frame in frames)
-        assert max(abs(angle) for frame in frames for angle in frame.values()) > 1.0
-        following = [*frames[1:], frames[0]]
-        assert max(abs(a[bone] - b[bone]) for a, b in zip(frames, following, strict=True) for bone in a) < 15.0
+    frames = walk(puppet).frames
+    assert all(puppet.beyond(frame) == () for frame in frames)
+    assert max(abs(angle) for frame in frames for angle in frame.values()) > 1.0
+    following = [*frames[1:], frames[0]]
+    assert max(abs(a[bone] - b[bone]) for a, b in zip(frames, following, strict=True) for bone in a) < 15.0
 
 
 @pytest.mark.slow
-def test_legs_of_a_walk_take_turns_and_clips_need_limbs() -> None:
+def test_legs_of_a_walk_take_turns_and_a_walk_needs_legs() -> None:
     frames = walk(puppet_from(side_figure)).frames
     left, right = (np.array([frame[name] for frame in frames]) for name in ("leg.L", "leg.R"))
     assert np.ptp(left) > 30.0 and np.allclose(left, np.roll(right, len(frames) // 2))
     puppet = puppet_of(draft_puppet([ball("body", 0.0, 0.0, 2.0)]))
-    assert idle(puppet).frames
-    for clip in (walk, wave):
-        refusal(clip, puppet)
+    refusal(walk, puppet)
