@@ -113,7 +113,7 @@ test-blender-$(1)-$(2):
 	if [ -z "$$$$python" ]; then echo "== Blender $(2) is left out: no Python $(1) here"; exit 0; fi; \
 	env=.venv-bpy-$(2); \
 	if [ ! -e $$$$env/ready ]; then "$$$$python" -m venv --clear $$$$env && $$$$env/bin/python -m pip install --quiet \
-		--disable-pip-version-check bpy==$(2) scipy==$$(SCIPY_$(1)) pytest pytest-timeout shapely tinycss2 cssselect2 pillow hypothesis markdown-it-py && \
+		--disable-pip-version-check bpy==$(2) scipy==$$(SCIPY_$(1)) pytest pytest-timeout shapely tinycss2 cssselect2 pillow psd-tools hypothesis markdown-it-py && \
 		touch $$$$env/ready || { echo "== Blender $(2) cannot be installed"; exit $$(if $$(IF_POSSIBLE),0,1); }; fi; \
 	echo "== Blender $(2)"; \
 	$(if $(LIMIT),$(LIMIT) 600) $$$$env/bin/python -m pytest -q tests/addon

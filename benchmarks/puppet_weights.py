@@ -112,7 +112,7 @@ def run(options: Options) -> str:
     known, drawn = {}, {}
     for name in [each for each in names_of(options) if CAST[each]["set"] != NOT_FITTED]:
         named = [replace(part, groups=()) for part in drawing(name)]
-        bare = [replace(part, name=f"path{k}", identity="") for k, part in enumerate(named)]
+        bare = [replace(part, name=f"path{k}") for k, part in enumerate(named)]
         grouped = [replace(part, groups=(group_of(part.name, CAST[name]["parents"]),)) for part in named]
         drawn[name] = {SHAPES: bare, NAMES: named, GROUPS: grouped}
         known[name] = [evidence_of(each, name) for each in (bare, named, grouped)]

@@ -101,7 +101,7 @@ def graph(options: Options) -> str:
         if not new:
             links += [link for link in draft.links if link.parent is not None]
             bad_links += [link for link in bad if link.parent is not None]
-        bare = [replace(part, name=f"path{k}", identity="") for k, part in enumerate(draft.parts)]
+        bare = [replace(part, name=f"path{k}") for k, part in enumerate(draft.parts)]
         own, without = len(bad), len(wrong(draft_puppet(bare), name))
         sums[int(new)] += len(bare), own, without
         rows.append((name, len(bare), len(bare) - own, len(bare) - without))

@@ -34,7 +34,7 @@ PLATFORMS = {
     "windows-x64": ("win_amd64",),
     "windows-arm64": ("win_arm64",),
     "macos-arm64": ("macosx_12_0_arm64", "macosx_11_0_arm64"),
-    "macos-x64": ("macosx_10_14_x86_64", "macosx_10_13_x86_64", "macosx_10_9_x86_64"),
+    "macos-x64": ("macosx_10_14_x86_64", "macosx_10_13_x86_64", "macosx_10_10_x86_64", "macosx_10_9_x86_64"),
     "linux-x64": ("manylinux_2_28_x86_64", "manylinux_2_27_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"),
 }
 """Blender's names of platforms, and the tags of wheels that fit them, newest first."""
@@ -42,7 +42,7 @@ PLATFORMS = {
 X64_AND_MAC = tuple(platform for platform in PLATFORMS if platform != "windows-arm64")
 """Those with wheels for Python 3.11."""
 
-MAX_ZIP = 50_000_000
+MAX_ZIP = 56_000_000
 """Largest size of a zip in bytes: a download that users wait for."""
 
 
@@ -60,12 +60,17 @@ class Bundle:
 STYLE_SHEETS = ("tinycss2==1.5.1", "cssselect2==0.10.1", "webencodings==0.6.1")
 """Packages of Python alone that drawings with style sheets need."""
 
-NEWER = ("scipy==1.17.1", "shapely==2.2.0", *STYLE_SHEETS)
+LAYERS = ("psd-tools==1.26.0", "attrs==26.1.0", "pillow==13.0.0")
+"""What layered paintings need."""
+
+NEWER = ("scipy==1.17.1", "shapely==2.2.0", *STYLE_SHEETS, *LAYERS)
 """From Python 3.13 on."""
 
+OLDER = ("scipy==1.15.3", "shapely==2.1.2", *STYLE_SHEETS, *LAYERS)
+"""That work with the numpy of Blender before 5.1, 1.24 and 1.26."""
+
 BUNDLES = (
-    # scipy and shapely that work with the numpy of these Blenders, 1.24 and 1.26
-    Bundle("blender4.2", "3.11", ("4.2.0", "5.1.0"), ("scipy==1.15.3", "shapely==2.1.2", *STYLE_SHEETS), X64_AND_MAC),
+    Bundle("blender4.2", "3.11", ("4.2.0", "5.1.0"), OLDER, X64_AND_MAC),
     Bundle("blender5.1", "3.13", ("5.1.0", None), NEWER, tuple(PLATFORMS)),
     # as Linux distributions build Blender, with their own Python
     Bundle("python3.13", "3.13", ("4.2.0", "5.1.0"), NEWER, ("linux-x64",)),

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import re
 import zipfile
+from collections.abc import Iterator
 from email.message import Message
 from email.parser import BytesParser
 from pathlib import Path
+from typing import Any
 
 INSIDE = re.compile(r"^Name: (?P<name>.+)\n(?:.+\n)*?License: (?P<licence>.+)$", re.MULTILINE)
 """How the licence files of wheels list the libraries that are compiled into them."""
@@ -22,8 +25,10 @@ def licences(wheels: list[Path]) -> list[str]:
         with zipfile.ZipFile(path) as archive:
             names = archive.namelist()
             metadata = archive.read(next(name for name in names if name.endswith(".dist-info/METADATA")))
+            boms = [name for name in names if re.search(r"\.dist-info/sboms/.*\.json$", name)]
+            inside = {line for name in boms for line in _components(json.loads(archive.read(name)))}
             texts = [name for name in names if re.search(r"\.dist-info/(licenses/)?LICEN[SC]E", name)]
-            inside = {
+            inside |= {
                 f"  in it {found['name'].strip()}: {found['licence'].strip()}"
                 for name in texts
                 for found in INSIDE.finditer(archive.read(name).decode("utf-8").replace("\r\n", "\n"))
@@ -31,6 +36,15 @@ def licences(wheels: list[Path]) -> list[str]:
         told = BytesParser().parsebytes(metadata)
         packages.setdefault(f"{told['Name']} {told['Version']}: {_licence(told, path)}", set()).update(inside)
     return [line for package, inside in sorted(packages.items()) for line in (package, *sorted(inside))]
+
+
+def _components(bom: dict[str, Any]) -> Iterator[str]:
+    """The libraries that a bill of materials (CycloneDX) lists, other than parts of the package itself."""
+    own = bom["metadata"]["component"].get("licenses")
+    for component in bom.get("components", ()):
+        licences = [each.get("expression") or each["license"]["id"] for each in component.get("licenses", ())]
+        if licences and component["licenses"] != own:
+            yield f"  in it {component['name']}: {', '.join(licences)}"
 
 
 def _licence(told: Message, path: Path) -> str:

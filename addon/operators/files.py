@@ -201,7 +201,8 @@ class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelp
         self.framed, self.upright = tuple(made), not placed if self.plane == "AUTO" else self.plane == "XZ"
         select(context, *made)
         if puppets and not (placed or drawn):
-            layers, bones = (sum(len(getattr(each, kind)) for each in puppets) for kind in ("parts", "bones"))
+            layers = sum(len(each.puppet.draft.parts) for each in puppets)
+            bones = sum(len(each.bones) for each in puppets)
             self.report({"INFO"}, f"{counted(layers, 'part')}, {counted(bones, 'bone')}")
             if len(puppets) == 1:
                 pose(context, made[-1])

@@ -34,24 +34,13 @@ def painting_in(path: Path, names: Sequence[str] | None, *, hidden: bool) -> gam
     names: of the pictures of a folder that are read; all if None.
     """
     with blamed(f"'{path.name}' cannot be read"):
-        return game.read_painting(path, names, hidden=hidden, decode=decoded)
+        return game.read_painting(path, names, hidden=hidden)
 
 
 def jointed(path: Path, painting: game.Painting) -> game.GamePuppet:
     """The puppet of a painting. Raises: UserError."""
     with blamed(f"'{path.name}' cannot be read"):
         return game.game_puppet(painting.parts, painting.size, name=path.stem)
-
-
-def decoded(data: bytes) -> NDArray[np.uint8]:
-    """(h, w, 4) pixels of a PNG, which Blender reads."""
-    image = bpy.data.images.new("Layer", 1, 1)
-    try:
-        image.pack(data=data, data_len=len(data))
-        image.source = "FILE"
-        return pixels_of(image)
-    finally:
-        bpy.data.images.remove(image)
 
 
 def pixels_of(image: bpy.types.Image) -> NDArray[np.uint8]:

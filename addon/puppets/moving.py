@@ -83,7 +83,7 @@ def drawn(context: Context, objects: Sequence[Object], old: Object | None) -> Wo
         problems += left_out
         kept.append(tuple(own))
         groups = tuple(home.name for home in own[0].users_collection[:1])
-        parts.append(core.puppet.PuppetPart(name, core.Mesh.from_loops(loops), groups, name))
+        parts.append(core.puppet.PuppetPart(name, core.Mesh.from_loops(loops), groups))
     if not parts:
         raise problems[0]
     return Drawn(frame, tuple(kept), tuple(parts), tuple(problems))

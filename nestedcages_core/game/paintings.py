@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from pathlib import Path
 from typing import NamedTuple
 
 from ..formats import Limits, read_whole
-from ..formats.pictures.png import Pixels
 from ..layers import ENDINGS, PicturePart, parts_of, read_layers
 from .vector import LONGER_SIDE, parts_of_svg
 
@@ -33,16 +32,14 @@ def read_painting(
     *,
     hidden: bool = False,
     pixels: int = LONGER_SIDE,
-    decode: Callable[[bytes], Pixels] | None = None,
 ) -> Painting:
     """The parts of a layered file, an SVG, or a folder of PNG pictures by the order of their names.
 
     names: of the pictures of a folder that are read, all if None; hidden: whether hidden layers become hidden parts;
-    pixels: of the longer side of an SVG; decode: (h, w, 4) pixels of a PNG, by Pillow if None. Raises NestedCagesError,
-    OSError.
+    pixels: of the longer side of an SVG. Raises NestedCagesError, OSError.
     """
     if Path(path).suffix.lower() == ".svg":
         return Painting(*parts_of_svg(read_whole(path, Limits()), pixels, background=False))
-    picture = read_layers(path, names, decode=decode)
+    picture = read_layers(path, names)
     parts, notes = parts_of(picture, hidden=hidden)
     return Painting(parts, (picture.width, picture.height), notes)

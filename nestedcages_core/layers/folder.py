@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import re
 import struct
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from pathlib import Path
 
 from ..errors import invalid_file
 from ..formats.files import read_whole
 from ..formats.limits import Limits, Quota
-from ..formats.pictures.png import SIGNATURE, Pixels
+from ..formats.pictures.png import SIGNATURE, decode_png
 from .layer import Layer, LayeredPicture
 
 ORDER = re.compile(r"^\d+[\s._-]*(?=\D)")
@@ -21,15 +21,13 @@ MOST_FOLDERS = 8
 """Maximum depth of folders in folders."""
 
 
-def read_folder(
-    path: Path, limits: Limits, decode: Callable[[bytes], Pixels], names: Collection[str] | None = None
-) -> LayeredPicture:
+def read_folder(path: Path, limits: Limits, names: Collection[str] | None = None) -> LayeredPicture:
     """A layer for each PNG of a folder, the first by name lowest, folders in it as groups. Raises NestedCagesError.
 
     Pictures lie where their oFFs chunk says, as GIMP writes it, else at the upper left corner of the canvas. The canvas
     is as large as they reach. names: of the files and folders in it that are read; all if None.
     """
-    layers = _layers_in(path, Quota(limits), limits, decode, names)
+    layers = _layers_in(path, Quota(limits), names)
     found = [layer for each in layers for layer in each.walk() if layer.pixels is not None]
     if not found:
         raise invalid_file(f"{path.name}: the folder has no PNG pictures.")
@@ -41,8 +39,6 @@ def read_folder(
 def _layers_in(
     path: Path,
     quota: Quota,
-    limits: Limits,
-    decode: Callable[[bytes], Pixels],
     wanted: Collection[str] | None = None,
     depth: int = 0,
 ) -> tuple[Layer, ...]:
@@ -53,13 +49,13 @@ def _layers_in(
     for name in names:
         file = path / name
         if file.is_dir() and depth < MOST_FOLDERS:
-            inside = _layers_in(file, quota, limits, decode, depth=depth + 1)
+            inside = _layers_in(file, quota, depth=depth + 1)
             layers += [Layer(ORDER.sub("", name), children=inside)] if inside else []
         elif file.suffix.lower() == ".png" and file.is_file():
             quota.spend("elements", 1)
-            data = read_whole(file, limits)
+            data = read_whole(file, quota.limits)
             quota.spend("bytes", len(data))
-            pixels = decode(data)
+            pixels = decode_png(data, limits=quota.limits)
             quota.spend("pixels", pixels.shape[0] * pixels.shape[1])
             left, top = _place_of_png(data)
             layers.append(Layer(ORDER.sub("", file.stem), left=left, top=top, pixels=pixels))

@@ -62,8 +62,6 @@ class Layer:
     """A layer or a group of layers."""
 
     name: str
-    identity: str = ""
-    """Id in the file, which stays when the layer is renamed or repainted; empty if it has none."""
     left: int = 0
     top: int = 0
     """Place of the upper left pixel on the canvas; y pointing down."""
@@ -74,7 +72,8 @@ class Layer:
     blend: str = NORMAL
     is_clipped: bool = False
     """Whether it shows only where the layer below it is opaque."""
-    mask: LayerMask | None = None
+    masks: tuple[LayerMask, ...] = ()
+    """Each hides a part of it."""
     children: tuple[Layer, ...] | None = None
     """Of a group, the lowest first; None for layers."""
 

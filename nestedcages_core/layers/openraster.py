@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from xml.etree import ElementTree as ET
 
 from ..errors import invalid_file
 from ..formats.limits import Quota
-from ..formats.pictures.png import Pixels
+from ..formats.pictures.png import decode_png
 from .archive import Archive, number, whole
 from .layer import NORMAL, Layer, LayeredPicture, Notes, check_depth
 
 STACK = "stack.xml"
 
-BLENDS = {"svg:src-over": NORMAL, "svg:multiply": "multiply", "svg:screen": "screen", "svg:plus": "add"}
+BLENDS = {"src-over": NORMAL, "src-atop": NORMAL, "plus": "add"}
 """Names of composite operations; others keep theirs."""
 
-CLIPPED = "svg:src-atop"
+CLIPPED = "src-atop"
 """The operation of a layer that shows only where what is below is opaque."""
 
 
-def read_openraster(archive: Archive, quota: Quota, decode: Callable[[bytes], Pixels]) -> LayeredPicture:
-    """The layers of an OpenRaster file. decode: pixels (h, w, 4) of a PNG. Raises NestedCagesError."""
+def read_openraster(archive: Archive, quota: Quota) -> LayeredPicture:
+    """The layers of an OpenRaster file."""
     image = archive.document(STACK)
     stack = image.find("stack")
     if stack is None:
@@ -37,22 +36,21 @@ def read_openraster(archive: Archive, quota: Quota, decode: Callable[[bytes], Pi
             return None
         quota.spend("elements", 1)
         left, top = dx + whole(node, "x"), dy + whole(node, "y")
-        operation = node.get("composite-op", "svg:src-over")
+        operation = node.get("composite-op", "svg:src-over").removeprefix("svg:")
         name, source, pixels = node.get("name", ""), node.get("src"), None
         if node.tag == "layer" and source and source.lower().endswith(".png"):
-            pixels = decode(archive.read(source))
+            pixels = decode_png(archive.read(source), limits=quota.limits)
             quota.spend("pixels", pixels.shape[0] * pixels.shape[1])
         elif node.tag == "layer":
             notes.add("Layers without pixels are left out: {}.", name)
         return Layer(
             name,
-            "",
             left,
             top,
             pixels,
             is_visible=node.get("visibility") != "hidden",
             opacity=min(max(number(node, "opacity", 1.0), 0.0), 1.0),
-            blend=NORMAL if operation == CLIPPED else BLENDS.get(operation, operation.removeprefix("svg:")),
+            blend=BLENDS.get(operation, operation),
             is_clipped=operation == CLIPPED,
             children=layers(node, left, top, depth + 1) if node.tag == "stack" else None,
         )

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..formats.pictures.png import Pixels
 from ..geometry.arrays import FloatArray
-from .layer import NORMAL, PASS_THROUGH, Layer, LayeredPicture, Notes, Opacities
+from .layer import NORMAL, PASS_THROUGH, Layer, LayeredPicture, LayerMask, Notes, Opacities
 
 BLENDS = (NORMAL, "multiply", "screen", "add")
 """Blend modes that game engines have too; others become normal."""
 
 COVERED = 0.99
 """Smallest fraction of the canvas that an opaque background covers."""
+
+FAINTEST = 1e-9
+"""Opacity below which a colour means nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +58,7 @@ class _Inherited:
     groups: tuple[str, ...] = ()
     opacity: float = 1.0
     is_visible: bool = True
-    masked: tuple[Layer, ...] = ()
-    """Groups with masks."""
+    masks: tuple[LayerMask, ...] = ()
 
 
 def parts_of(picture: LayeredPicture, *, hidden: bool = False) -> tuple[tuple[PicturePart, ...], tuple[str, ...]]:
@@ -66,7 +68,7 @@ def parts_of(picture: LayeredPicture, *, hidden: bool = False) -> tuple[tuple[Pi
     hidden: whether hidden layers become hidden parts.
     """
     notes = Notes()
-    found = [part for part in _parts(picture.layers, _Inherited(), notes) if part is not None]
+    found = list(_parts(picture.layers, _Inherited(), notes))
     if len(found) > 1 and _is_background(found[0], picture):
         notes.add("Backgrounds are left out: {}.", found.pop(0).name)
     if not hidden:
@@ -84,66 +86,63 @@ def _is_background(part: PicturePart, picture: LayeredPicture) -> bool:
     return bool(np.count_nonzero(inside[..., 3] == 255) >= COVERED * picture.width * picture.height)
 
 
-def _parts(layers: tuple[Layer, ...], inherited: _Inherited, notes: Notes) -> Iterator[PicturePart | None]:
-    """The parts of layers in a group, the lowest first."""
+def _parts(layers: tuple[Layer, ...], inherited: _Inherited, notes: Notes) -> Iterator[PicturePart]:
+    """The parts of layers in a group, the lowest first; what is clipped to a group is painted onto its layers."""
     number = 0
     while number < len(layers):
         layer, number = layers[number], number + 1
-        if layer.children is not None:
-            yield from _parts(layer.children, _inside_group(layer, inherited, notes), notes)
-            continue
-        clipped = []
-        while number < len(layers) and layers[number].is_clipped:
-            clipped.append(layers[number])
+        clipped = list[Layer]()
+        while number < len(layers) and layers[number].is_clipped and not layer.is_clipped:
+            clipped += _shown(layers[number])
             number += 1
-        yield _part(layer, clipped, inherited, notes)
+        own = [_part(layer, inherited, notes)] if layer.children is None else _inside(layer, inherited, notes)
+        for part in own:
+            if part is not None:
+                for above in clipped:
+                    notes.add("Clipped layers are painted onto those below them: {}.", above.name)
+                yield _with(part, clipped, notes) if clipped else part
 
 
-def _inside_group(group: Layer, inherited: _Inherited, notes: Notes) -> _Inherited:
-    """What a group and those around it do to its layers."""
+def _shown(layer: Layer) -> Iterator[Layer]:
+    """A layer that is seen, or those of a group."""
+    if layer.is_visible and layer.pixels is not None and layer.pixels.size:
+        yield layer
+    for child in layer.children or () if layer.is_visible else ():
+        yield from _shown(child)
+
+
+def _inside(group: Layer, inherited: _Inherited, notes: Notes) -> Iterator[PicturePart]:
+    """The parts of the layers in a group."""
     if group.blend not in (NORMAL, PASS_THROUGH):
         notes.add("Blend modes of groups are left out: {}.", group.name)
-    if group.is_clipped:
-        notes.add("Clipping of groups is left out: {}.", group.name)
     if group.opacity < 1.0:
         notes.add("The opacity of a group becomes that of each of its layers: {}.", group.name)
-    return _Inherited(
+    within = _Inherited(
         (*inherited.groups, group.name),
         inherited.opacity * group.opacity,
         inherited.is_visible and group.is_visible,
-        (*inherited.masked, group) if group.mask is not None else inherited.masked,
+        (*inherited.masks, *group.masks),
     )
+    return _parts(group.children or (), within, notes)
 
 
-def _part(layer: Layer, clipped: list[Layer], inherited: _Inherited, notes: Notes) -> PicturePart | None:
-    """The part of a layer and of those that are clipped to it; None if nothing is painted."""
-    if layer.pixels is None or not layer.pixels.size:
+def _part(layer: Layer, inherited: _Inherited, notes: Notes) -> PicturePart | None:
+    """The part of a layer; None if nothing is painted."""
+    pixels, opacity = layer.pixels, layer.opacity * inherited.opacity
+    masked = None if pixels is None else _masked(pixels, layer, (*layer.masks, *inherited.masks))
+    if masked is None or not (np.round(masked[..., 3] * opacity) > 0.0).any():
         notes.add("Layers without pixels are left out: {}.", layer.name)
         return None
-    pixels = np.array(layer.pixels)
-    height, width = pixels.shape[:2]
-    for masked in (layer, *inherited.masked):
-        if masked.mask is not None:
-            pixels[..., 3] = _multiplied(pixels[..., 3], masked.mask.over(layer.left, layer.top, height, width))
-    for above in clipped:
-        if above.is_visible and above.pixels is not None and above.pixels.size:
-            _paint_onto(pixels, layer, above, notes)
-            notes.add("Clipped layers are painted onto those below them: {}.", above.name)
-    opacity = layer.opacity * inherited.opacity
-    opaque = np.round(pixels[..., 3] * opacity) > 0.0
-    if not opaque.any():
-        notes.add("Layers without pixels are left out: {}.", layer.name)
-        return None
+    opaque = np.round(masked[..., 3] * opacity) > 0.0
     rows, columns = np.flatnonzero(opaque.any(axis=1)), np.flatnonzero(opaque.any(axis=0))
-    blend = _known(layer, notes)
     return PicturePart(
         layer.name,
         inherited.groups,
         layer.left + int(columns[0]),
         layer.top + int(rows[0]),
-        np.ascontiguousarray(pixels[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]),
+        np.ascontiguousarray(masked[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]),
         opacity,
-        blend,
+        _known(layer, notes),
         layer.is_visible and inherited.is_visible,
     )
 
@@ -155,29 +154,45 @@ def _known(layer: Layer, notes: Notes) -> str:
     return NORMAL
 
 
+def _masked(pixels: Pixels, layer: Layer, masks: Sequence[LayerMask]) -> Pixels:
+    """Pixels of a layer where masks show them."""
+    out = np.array(pixels)
+    for mask in masks:
+        out[..., 3] = _multiplied(out[..., 3], mask.over(layer.left, layer.top, *pixels.shape[:2]))
+    return out
+
+
 def _multiplied(first: Opacities, second: Opacities) -> Opacities:
     return ((first.astype(np.uint16) * second + 127) // 255).astype(np.uint8)
 
 
-def _paint_onto(pixels: Pixels, base: Layer, above: Layer, notes: Notes) -> None:
-    """Blend a clipped layer onto the pixels of its base, whose opacity stays."""
-    height, width = pixels.shape[:2]
-    painted = above.pixels
-    assert painted is not None
-    top, left = max(above.top - base.top, 0), max(above.left - base.left, 0)
-    bottom = min(above.top - base.top + painted.shape[0], height)
-    right = min(above.left - base.left + painted.shape[1], width)
-    if top >= bottom or left >= right:
-        return
-    x, y = base.left - above.left, base.top - above.top
-    source = painted[top + y : bottom + y, left + x : right + x].astype(np.float64) / 255.0
-    alpha = source[..., 3:] * above.opacity
-    if above.mask is not None:
-        hidden = above.mask.over(base.left + left, base.top + top, bottom - top, right - left)
-        alpha = alpha * (hidden[..., None] / 255.0)
-    below = pixels[top:bottom, left:right, :3].astype(np.float64) / 255.0
-    mixed = below + alpha * (_blended(below, source[..., :3], _known(above, notes)) - below)
-    pixels[top:bottom, left:right, :3] = (255.0 * mixed + 0.5).astype(np.uint8)
+def _with(part: PicturePart, clipped: Sequence[Layer], notes: Notes) -> PicturePart:
+    """A part with layers painted onto it, where it is opaque."""
+    pixels = np.array(part.pixels)
+    for above in clipped:
+        assert above.pixels is not None
+        seen = _masked(above.pixels, above, above.masks)
+        above = replace(above, pixels=seen, blend=_known(above, notes))
+        paint_onto(pixels, part.left, part.top, above, is_clipped=True)
+    return replace(part, pixels=pixels)
+
+
+def paint_onto(pixels: Pixels, left: int, top: int, above: Layer, *, is_clipped: bool = False) -> None:
+    """Paint a layer onto pixels (h, w, 4) whose upper left corner is at (left, top); if clipped, where these are opaque
+    (W3C Compositing and Blending: source over, source atop)."""
+    assert above.pixels is not None
+    x, y = above.left - left, above.top - top
+    height, width = above.pixels.shape[:2]
+    box = np.s_[max(y, 0) : max(y + height, 0), max(x, 0) : max(x + width, 0)]
+    below = pixels[box] / 255.0
+    source = above.pixels[max(-y, 0) : max(-y, 0) + below.shape[0], max(-x, 0) : max(-x, 0) + below.shape[1]] / 255.0
+    covered, under = source[..., 3:] * above.opacity, np.ones_like(below[..., 3:]) if is_clipped else below[..., 3:]
+    mixed = (1.0 - under) * source[..., :3] + under * _blended(below[..., :3], source[..., :3], above.blend)
+    light = covered * mixed + (1.0 - covered) * under * below[..., :3]
+    alpha = covered + under * (1.0 - covered)
+    pixels[box][..., :3] = np.round(255.0 * light / np.maximum(alpha, FAINTEST))
+    if not is_clipped:
+        pixels[box][..., 3:] = np.round(255.0 * alpha)
 
 
 def _blended(below: FloatArray, above: FloatArray, blend: str) -> FloatArray:

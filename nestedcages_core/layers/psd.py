@@ -1,36 +1,30 @@
-"""PSD and PSB, after Adobe's "Photoshop File Formats Specification"."""
+"""PSD and PSB, by psd-tools: 8, 16 or 32 bits, in grey, RGB or CMYK."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+import io
+import warnings
+from typing import Any
 
 import numpy as np
 
 from ..errors import invalid_file
 from ..formats.limits import Limits, Quota
-from .byte_reader import ByteReader
+from ..formats.pictures.png import Pixels
+from ..geometry.arrays import FloatArray
+from ..libraries import needed
 from .layer import NORMAL, PASS_THROUGH, Layer, LayeredPicture, LayerMask, Notes, Opacities, check_depth
-from .psd_pixels import MODES, coloured, plane
 
 SIGNATURE = b"8BPS"
 
-LONG_KEYS = {b"LMsk", b"Lr16", b"Lr32", b"Layr", b"Mt16", b"Mt32", b"Mtrn", b"Alph", b"FMsk", b"lnk2", b"FEid"} | {
-    b"FXid",
-    b"PxSD",
-    b"lnkE",
-    b"extd",
-    b"cinf",
-}
-"""Tagged blocks whose lengths have eight bytes in a PSB."""
-
-LAYERS_OF_DEEP_FILES = (b"Lr16", b"Lr32", b"Layr")
-"""Tagged blocks with the layers of files of 16 and 32 bits."""
+GREY, CMYK = ("GRAYSCALE", "DUOTONE"), "CMYK"
+MODES, DEPTHS = (*GREY, "RGB", CMYK), (8, 16, 32)
+"""Colour modes that are read, duotones as grey, and bits of a channel."""
 
 BLENDS = {
     "norm": NORMAL,
     "pass": PASS_THROUGH,
-    "mul": "multiply",
+    "mul ": "multiply",
     "scrn": "screen",
     "lddg": "add",
     "over": "overlay",
@@ -39,186 +33,122 @@ BLENDS = {
     "sLit": "soft light",
     "hLit": "hard light",
     "diff": "difference",
-    "div": "colour dodge",
+    "div ": "colour dodge",
     "idiv": "colour burn",
 }
 """Names of blend modes; others keep their keys."""
 
-HIDDEN, MASK_OFF, MASK_HAS_PARAMETERS = 2, 2, 16
-"""Bits of flags of a layer and of its mask."""
+ENCODINGS = "utf-8", "cp932"
+"""Of names without Unicode, which programs wrote in the encoding of their system, besides Mac Roman."""
 
-COLOUR, ALPHA, MASK = 0, -1, -2
-"""Numbers of channels."""
-
-LAYER, OPEN_GROUP, CLOSED_GROUP, END_OF_GROUP = range(4)
-"""Kinds of records: a group is its layers between an end, which comes first, and its own record."""
-
-EFFECTS, VECTOR_MASKS = {b"lrFX", b"lfx2", b"lmfx"}, {b"vmsk", b"vsms"}
-"""Tagged blocks that are not read, but told."""
-
-FLAGS_OF_MASK_PARAMETERS = {1: 1, 2: 8, 4: 1, 8: 8}
-"""Lengths of the parameters of masks by their bits: density and feather, of the mask and of a vector mask."""
-
-
-@dataclass
-class _Record:
-    """What the file says of a layer before its pixels."""
-
-    layer: Layer
-    kind: int
-    size: tuple[int, int]
-    """Height and width."""
-    channels: list[tuple[int, int]]
-    """Their numbers and lengths in bytes."""
-    mask_place: tuple[int, int, int, int, int] | None = None
-    """Left, top, height, width and the opacity outside."""
-    mask_density: int = 255
-    tags: set[bytes] = field(default_factory=set)
+SRGB_LINEAR, SRGB_SLOPE, SRGB_POWER, SRGB_OFFSET = 0.0031308, 12.92, 2.4, 0.055
+"""The curve of sRGB (IEC 61966-2-1); colours of 32 bits are linear."""
 
 
 def read_psd(data: bytes, limits: Limits) -> LayeredPicture:
-    """The layers of a PSD or PSB: 8, 16 or 32 bits, in grey, RGB or CMYK. Raises NestedCagesError."""
-    file = ByteReader(data)
-    if bytes(file.take(4)) != SIGNATURE:
-        raise invalid_file("This is not a PSD.")
-    version, _, _, height, width, depth, mode = file.numbers("H6sHIIHH")
-    big = version == 2
-    if mode not in MODES or depth not in (8, 16, 32):
-        raise invalid_file(f"Colour mode {mode} with {depth} bits is not read. Convert the picture to RGB with 8 bits.")
-    file.block()  # colour table
-    file.block()  # resources
-    section = file.block("Q" if big else "I") if file.left else ByteReader(b"")
-    info = section.block("Q" if big else "I") if section.left else section
-    if not info.left and section.left:
-        section.block()  # global mask
-        for key, block in _tagged(section, big):
-            if key in LAYERS_OF_DEEP_FILES:
-                info = ByteReader(block)
-    notes = Notes()
-    records = _all_layers(info, big, depth, mode, Quota(limits), notes) if info.left else []
-    return LayeredPicture(width, height, _nested(records), notes.sentences)
+    """The layers of a PSD or PSB. Raises NestedCagesError, also where psd-tools is missing."""
+    with needed("psd-tools", "Reading PSD"):
+        import psd_tools
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        document = psd_tools.PSDImage.open(io.BytesIO(data))
+        document.compatibility_mode = psd_tools.constants.CompatibilityMode.CLIP_STUDIO_PAINT  # groups clip, too
+        mode = document.color_mode.name
+        if mode not in MODES or document.depth not in DEPTHS:
+            raise invalid_file(
+                f"Colour mode {mode} with {document.depth} bits is not read. Convert it to 8 bits in RGB."
+            )
+        notes = Notes()
+        layers = _layers(document, document, Quota(limits), notes)
+    return LayeredPicture(document.width, document.height, layers, notes.sentences)
 
 
-def _tagged(file: ByteReader, big: bool) -> Iterator[tuple[bytes, memoryview]]:
-    """Tagged blocks, as far as they go."""
-    while file.left >= 12:
-        signature, key = bytes(file.take(4)), bytes(file.take(4))
-        if signature not in (b"8BIM", b"8B64"):
-            return
-        length = file.number("Q" if big and key in LONG_KEYS else "I")
-        yield key, file.take(length)
-        while length % 4 and file.left and file.data[file.at] == 0:  # padded by some programs, not by all
-            length += 1
-            file.take(1)
+def _layers(group: Any, document: Any, quota: Quota, notes: Notes, depth: int = 0) -> tuple[Layer, ...]:
+    check_depth(depth)
+    return tuple(_layer(each, document, quota, notes, depth) for each in group)
 
 
-def _all_layers(
-    info: ByteReader, big: bool, depth: int, mode: int, quota: Quota, notes: Notes
-) -> list[tuple[Layer, int]]:
-    """Layers with their kinds, the lowest first."""
-    records = []
-    for _ in range(abs(info.number("h"))):
-        quota.spend("elements", 1)
-        records.append(_record(info, big))
-        height, width = records[-1].size
-        quota.spend("pixels", height * width)
-        if records[-1].mask_place is not None:
-            quota.spend("pixels", records[-1].mask_place[2] * records[-1].mask_place[3])
-    return [(_with_pixels(record, info, big, depth, mode, notes), record.kind) for record in records]
-
-
-def _record(info: ByteReader, big: bool) -> _Record:
-    top, left, bottom, right, count = info.numbers("iiiiH")
-    channels = [info.numbers("hQ" if big else "hI") for _ in range(count)]
-    _, blend, opacity, clipping, flags, _ = info.numbers("4s4sBBBB")
-    extra = info.block()
-    mask = extra.block()
-    extra.block()  # ranges of blending
-    name = bytes(extra.take(extra.number("B"))).decode("macroman")
-    extra.take(min(-(len(name) + 1) % 4, extra.left))
-    identity, kind, fill, tags = "", LAYER, 255, set()
-    for key, block in _tagged(extra, big):
-        tags.add(key)
-        if key == b"luni":
-            text = ByteReader(block)
-            name = bytes(text.take(2 * text.number("I"))).decode("utf-16-be", errors="replace").rstrip("\0")
-        elif key == b"lyid":
-            identity = str(ByteReader(block).number("I"))
-        elif key in (b"lsct", b"lsdk"):
-            found = ByteReader(block).number("I")
-            kind = found if found in (OPEN_GROUP, CLOSED_GROUP, END_OF_GROUP) else LAYER
-        elif key == b"iOpa":
-            fill = ByteReader(block).number("B")
-    layer = Layer(
+def _layer(layer: Any, document: Any, quota: Quota, notes: Notes, depth: int) -> Layer:
+    quota.spend("elements", 1)
+    blend = layer.blend_mode.value.decode("latin-1")
+    name = _name(layer)
+    children = _layers(layer, document, quota, notes, depth + 1) if layer.is_group() else None
+    if children is None:
+        if layer.has_effects():
+            notes.add("Effects of layers, such as shadows and outlines, are left out: {}.", name)
+        if layer.has_vector_mask() and not (layer.mask is not None and layer.mask.has_real()):
+            notes.add("Vector masks are left out: {}.", name)
+    return Layer(
         name,
-        identity,
-        left,
-        top,
-        is_visible=not flags & HIDDEN,
-        opacity=(opacity / 255) * (fill / 255),
-        blend=BLENDS.get(blend.decode("latin-1").strip(), blend.decode("latin-1").strip()),
-        is_clipped=bool(clipping),
+        0 if children is not None else layer.left,
+        0 if children is not None else layer.top,
+        None if children is not None else _pixels(layer, document, quota),
+        is_visible=layer.visible,
+        opacity=(layer.opacity / 255) * (layer.fill_opacity / 255),
+        blend=BLENDS.get(blend, blend.strip()),
+        is_clipped=layer.clipping,
+        masks=_masks(layer, quota),
+        children=children,
     )
-    size = (max(bottom - top, 0), max(right - left, 0))
-    record = _Record(layer, kind, size, channels, tags=tags)
-    if mask.left >= 18:
-        m_top, m_left, m_bottom, m_right, outside, m_flags = mask.numbers("iiiiBB")
-        if not m_flags & MASK_OFF:
-            record.mask_place = (m_left, m_top, max(m_bottom - m_top, 0), max(m_right - m_left, 0), outside)
-            record.mask_density = _density_of_mask(mask) if m_flags & MASK_HAS_PARAMETERS else 255
-    return record
 
 
-def _density_of_mask(mask: ByteReader) -> int:
-    """How much a mask hides, up to 255, from the parameters at its end."""
-    bits = mask.number("B") if mask.left else 0
-    for bit, length in FLAGS_OF_MASK_PARAMETERS.items():
-        if bits & bit and mask.left >= length:
-            parameter = mask.take(length)
-            if bit == 1:
-                return parameter[0]
-    return 255
+def _name(layer: Any) -> str:
+    """A name; one that was written without Unicode in UTF-8 or Shift-JIS where all of it is that, else in Mac Roman."""
+    from psd_tools.constants import Tag
+
+    name: str = layer.name
+    if Tag.UNICODE_LAYER_NAME in layer.tagged_blocks:
+        return name.rstrip("\0")
+    data = name.encode("macroman", errors="replace")
+    for encoding in ENCODINGS:
+        try:
+            found = data.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if encoding == "utf-8" or all(ord(letter) > 0x2FFF or not letter.isalpha() for letter in found):
+            return found
+    return name
 
 
-def _with_pixels(record: _Record, info: ByteReader, big: bool, depth: int, mode: int, notes: Notes) -> Layer:
-    """The layer of a record, with the channels that come next in the file."""
-    height, width = record.size
-    planes: dict[int, Opacities] = {}
-    mask = None
-    for number, length in record.channels:
-        block = info.take(length)
-        if number == MASK and record.mask_place is not None:
-            left, top, rows, columns, outside = record.mask_place
-            shown = np.zeros((rows, columns), np.uint8)
-            if shown.size:
-                shown = plane(block, (rows, columns), depth, big=big, is_colour=False)
-            mask = LayerMask(left, top, shown, outside).thinned(record.mask_density)
-        elif number >= ALPHA and height and width and record.kind == LAYER:
-            planes[number] = plane(block, record.size, depth, big=big, is_colour=number >= COLOUR)
-    if record.kind == LAYER:
-        for tags, sentence in (
-            (EFFECTS, "Effects of layers, such as shadows and outlines, are left out: {}."),
-            (VECTOR_MASKS, "Vector masks are left out: {}."),
-        ):
-            if tags & record.tags:
-                notes.add(sentence, record.layer.name)
-    pixels = coloured(planes, height, width, mode) if planes else None
-    return replace(record.layer, pixels=pixels, mask=mask)
+def _pixels(layer: Any, document: Any, quota: Quota) -> Pixels | None:
+    """(h, w, 4) colours and alpha; opaque where there is none."""
+    if not layer.has_pixels() or not layer.width or not layer.height:
+        return None
+    quota.spend("pixels", layer.width * layer.height)
+    colour, alpha = layer.numpy("color"), layer.numpy("shape")
+    if colour is None:
+        return None
+    if document.color_mode.name == CMYK:  # stored inverted: 1 is no ink
+        colour = colour[..., :3] * colour[..., 3:]
+    elif document.color_mode.name in GREY:
+        colour = colour[..., :1]
+    out: Pixels = np.full((layer.height, layer.width, 4), 255, np.uint8)
+    out[..., :3] = _bytes(_curved(colour) if document.depth == 32 else colour)
+    if alpha is not None:
+        out[..., 3] = _bytes(alpha[..., 0])
+    return out
 
 
-def _nested(records: list[tuple[Layer, int]]) -> tuple[Layer, ...]:
-    """Layers in their groups."""
-    stack: list[list[Layer]] = [[]]
-    for layer, kind in records:
-        if kind == END_OF_GROUP:
-            check_depth(len(stack))
-            stack.append([])
-        elif kind in (OPEN_GROUP, CLOSED_GROUP):
-            inside = stack.pop() if len(stack) > 1 else []
-            stack[-1].append(replace(layer, pixels=None, children=tuple(inside)))
-        else:
-            stack[-1].append(layer)
-    while len(stack) > 1:
-        unclosed = stack.pop()
-        stack[-1] += unclosed
-    return tuple(stack[0])
+def _masks(layer: Any, quota: Quota) -> tuple[LayerMask, ...]:
+    """The mask of a layer, together with its vector mask where the file has both as one."""
+    mask = layer.mask
+    if mask is None or mask.disabled:
+        return ()
+    quota.spend("pixels", max(mask.width, 0) * max(mask.height, 0))
+    values = layer.numpy("mask") if mask.width > 0 < mask.height else None
+    opacities = np.zeros((0, 0), np.uint8) if values is None else _bytes(values[..., 0])
+    density = mask.parameters.user_mask_density if mask.parameters is not None else None
+    found = LayerMask(mask.left, mask.top, opacities, mask.background_color)
+    return (found if density is None else found.thinned(density),)
+
+
+def _bytes(values: FloatArray) -> Opacities:
+    """Values from 0 to 1 as bytes."""
+    return np.asarray(np.round(255.0 * np.clip(np.nan_to_num(values), 0.0, 1.0)), np.uint8)
+
+
+def _curved(light: FloatArray) -> FloatArray:
+    """Linear light as values of sRGB."""
+    light = np.clip(np.nan_to_num(light), 0.0, 1.0)
+    curved = (1.0 + SRGB_OFFSET) * light ** (1.0 / SRGB_POWER) - SRGB_OFFSET
+    return np.where(light <= SRGB_LINEAR, SRGB_SLOPE * light, curved)

@@ -27,7 +27,7 @@ LAYERS = {
 }
 ORDER = {package: layers.split() for package, layers in LAYERS.items()}
 CORE, ADDON = ORDER
-OPTIONAL = {"shapely", "tinycss2", "cssselect2", "PIL", "pyogrio", "matplotlib", "tqdm"}
+OPTIONAL = {"shapely", "tinycss2", "cssselect2", "PIL", "psd_tools", "pyogrio", "matplotlib", "tqdm"}
 
 
 def imported(package: str) -> Iterator[tuple[str, ast.stmt, str]]:

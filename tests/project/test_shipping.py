@@ -74,9 +74,9 @@ def test_the_zips_bring_the_packages_that_the_tests_ran_with(build: ModuleType) 
 def test_wheels_and_actions_are_pinned(build: ModuleType, tmp_path: Path) -> None:
     names = [line.split()[1] for line in build.HASHES.read_text(encoding="utf-8").splitlines()]
     for bundle in build.BUNDLES:
-        tags = f"cp{bundle.python.replace('.', '')}-", "py3-none-any"
+        tags = f"cp{bundle.python.replace('.', '')}-", "py3-none-any", "abi3"
         for package in bundle.packages:
-            fits = [name for name in names if name.startswith(package.replace("==", "-"))]
+            fits = [name for name in names if name.startswith(package.replace("-", "_").replace("==", "-"))]
             assert any(tag in name for name in fits for tag in tags), package
     (wrong := tmp_path / names[0]).write_bytes(b"")
     with pytest.raises(SystemExit):
@@ -120,7 +120,8 @@ def test_staged_extensions_name_their_wheels_and_share_no_blender(build: ModuleT
         assert not taken & zips, "extensions.blender.org takes one zip per version and platform"
         taken |= zips
         licences = (source / "licences.txt").read_text(encoding="utf-8").splitlines()
-        assert licences[-2:] == [f"{bundle.packages[-1].replace('==', ' ')}: MIT", "  in it GEOS: LGPL-2.1"]
+        packages = sorted(f"{package.replace('==', ' ')}: MIT" for package in bundle.packages)
+        assert licences == [line for package in packages for line in (package, "  in it GEOS: LGPL-2.1")]
         assert (source / "manual" / "docs" / "guide" / "README.html").is_file()
         assert not (source / "tests").exists()
     assert reached is None  # every Blender has a zip
@@ -165,7 +166,19 @@ def test_the_manifest_keeps_the_rules_of_the_extensions_site() -> None:
     assert "network" not in MANIFEST["permissions"]
     holders = MANIFEST["copyright"]
     assert all(re.fullmatch(r"\d{4}(-\d{4})? \S.*", holder) for holder in holders)
-    for bundled in ("SciPy", "OpenBLAS", "LAPACK", "libgfortran", "Shapely", "GEOS", "tinycss2", "cssselect2"):
+    for bundled in (
+        "SciPy",
+        "OpenBLAS",
+        "LAPACK",
+        "libgfortran",
+        "Shapely",
+        "GEOS",
+        "tinycss2",
+        "cssselect2",
+        "psd-tools",
+        "attrs",
+        "Pillow",
+    ):
         assert bundled in " ".join(holders), bundled
 
 

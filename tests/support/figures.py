@@ -52,7 +52,7 @@ def random_figure(seed: int) -> Mesh:
 
 
 def solid(name: str, area: shapely.Geometry, *groups: str) -> PuppetPart:
-    return PuppetPart(name, Mesh.of(area), groups, identity=name)
+    return PuppetPart(name, Mesh.of(area), groups)
 
 
 def limb(name: str, *points: tuple[float, float], width: float = 1.0) -> PuppetPart:
