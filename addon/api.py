@@ -50,7 +50,7 @@ def cages(objects: Sequence[Object], levels: Levels = "20%, 8%", **settings: Any
         if not planar.readable(obj):
             raise ValueError(f"'{obj.name}' has no outline, it is of the type {obj.type}")
     text, own = _levels(levels)
-    values: Any = SimpleNamespace(**_values({"levels": text, **settings}))
+    values = values_of(levels=text, **settings)
     if context.mode != "OBJECT":
         raise ValueError("Switch to Object Mode first")
     context.view_layer.update()
@@ -73,16 +73,14 @@ def _tell(kind: request.Kind, text: str) -> None:
         warnings.warn(text, stacklevel=2)
 
 
-def _values(given: dict[str, Any]) -> dict[str, Any]:
-    """All settings, by name. Raises: ValueError for unknown names and values."""
-    rna: Any = NestedCagesUsed.bl_rna
+def values_of(**given: Any) -> Any:
+    """All settings, by name: those given, and the defaults of others. Raises: ValueError for what is unknown."""
+    known: Any = NestedCagesUsed.bl_rna.properties
     unknown = [name for name in given if name not in NAMES]
     if unknown:
         raise ValueError(f"There is no setting '{unknown[0]}'")
-    return {
-        name: _value(rna.properties[name], given[name]) if name in given else rna.properties[name].default
-        for name in NAMES
-    }
+    values = {name: known[name].default for name in NAMES}
+    return SimpleNamespace(**values | {name: _value(known[name], value) for name, value in given.items()})
 
 
 def _value(prop: Any, value: Any) -> Any:

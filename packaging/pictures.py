@@ -303,7 +303,7 @@ def silhouette() -> Steps:
     parts.insert(0, hat())
     only(*parts)
     with override():
-        bpy.ops.object.nested_cages_to_objects("EXEC_DEFAULT", plane="TOP")
+        bpy.ops.object.nested_cages_import("EXEC_DEFAULT", outlines="SELECTED", plane="TOP")
     made = bpy.context.object
     made.location.x = 2.6
     made.color = (0.35, 0.5, 0.65, 1.0)
@@ -350,7 +350,7 @@ def image_dialog() -> Steps:
     yield from sidebar()
     yield 0.5
     with override():
-        bpy.ops.object.nested_cages_import("INVOKE_DEFAULT", outlines="ONE")
+        bpy.ops.object.nested_cages_import("INVOKE_DEFAULT", outlines="SELECTED")
     yield from shoot("image_dialog", (340, 340, 690, 585))
 
 
@@ -413,17 +413,6 @@ def shape() -> Steps:
     with override():
         bpy.ops.object.nested_cages_remove_animation()
     yield from shoot("shape")
-
-
-@picture
-def pieces() -> Steps:
-    yield from sign()
-    generate(levels="30")
-    with override():
-        bpy.ops.object.nested_cages_to_objects(shape="PIECES", pieces=6)
-    for obj in bpy.data.objects:
-        obj.hide_set("Piece" not in obj.name)
-    yield from shoot("pieces", (0, 30, 775, 720))
 
 
 @picture

@@ -72,6 +72,15 @@ def bind(context: Context, cage_set: CageSet, method: str = "AUTO") -> str:
     return _alone(context, steps(context, cage_set, method))
 
 
+def bind_all(context: Context, sets: Iterable[CageSet]) -> Work[list[str]]:
+    """The same for several sets. Raises: the first UserError; others may be bound then."""
+    results = yield from in_step(context, [steps(context, each, "AUTO") for each in sets])
+    for result in results:
+        if isinstance(result, UserError):
+            raise result
+    return [str(result) for result in results]
+
+
 def _alone(context: Context, work: Work[str]) -> str:
     (made,) = drain(in_step(context, [work]))
     if isinstance(made, UserError):

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import pi
 from typing import Any, TypeAlias
 
 import bpy
 import numpy as np
 from bpy.types import Context, Object
-from mathutils import Quaternion, Vector
+from mathutils import Matrix, Vector
 from numpy.typing import NDArray
+
+from ..errors import FloatArray, UserError
 
 # A setting by its part of the view and its name, its default, and what is better.
 Setting: TypeAlias = "tuple[str, str, object, object]"
@@ -25,6 +26,8 @@ NEAR, CLOSEST = 2.5, 0.25
 MARGIN, SENSOR, SMALLEST = 1.3, 72.0, 1e-3
 # Cages in their own colours.
 WIRES: Setting = ("shading", "wireframe_color_type", "THEME", "OBJECT")
+# Directions to the right and upwards, (2, 3), as seen along an axis of the world.
+FRONT, TOP, RIGHT = np.eye(3)[[0, 2]], np.eye(3)[[0, 1]], np.eye(3)[[1, 2]]
 
 
 def show(context: Context, settings: Iterable[Setting]) -> None:
@@ -45,17 +48,30 @@ def _spaces(context: Context) -> list[Any]:
     return [here] if isinstance(here, bpy.types.SpaceView3D) else others
 
 
-def look_at(context: Context, objects: Sequence[Object], *, upright: bool) -> None:
-    """Turns the 3D view to new drawings, from the front or from the top, as near as they fill it; not a camera's."""
+def axes_of(context: Context) -> FloatArray:
+    """Directions to the right and upwards, (2, 3), in the 3D view. Raises: UserError without one."""
+    view = getattr(context, "region_data", None)
+    if view is None:
+        raise UserError("There is no view to look from: call it in a 3D view, or choose another plane")
+    return np.array(view.view_matrix.to_3x3(), dtype=np.float64)[:2]
+
+
+def turned(axes: FloatArray) -> Matrix:
+    """The rotation (4, 4) that gives what lies on the floor these directions (2, 3) of its x and y axes."""
+    return Matrix(np.column_stack([*axes, np.cross(*axes)]).tolist()).to_4x4()
+
+
+def look_at(context: Context, objects: Sequence[Object], axes: FloatArray) -> None:
+    """Turns the 3D view to new drawings, with these axes, as near as they fill it; not a camera's."""
     space = _spaces(context)[:1]
     corners = np.array([obj.matrix_world @ Vector(corner) for obj in objects for corner in obj.bound_box])
     if not space or not len(corners) or space[0].region_3d.view_perspective == "CAMERA":
         return
     area = next(each for each in context.window.screen.areas if each.spaces.active == space[0])
-    width, height = np.ptp(corners, axis=0)[[0, 2 if upright else 1]]
+    width, height = np.ptp(corners @ axes.T, axis=0)
     shown: Any = space[0].region_3d
     shown.view_perspective = "ORTHO"
-    shown.view_rotation = Quaternion((1.0, 0.0, 0.0), pi / 2.0 if upright else 0.0)
+    shown.view_rotation = turned(axes).to_quaternion()
     shown.view_location = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     longer = max(area.width, area.height)
     across = MARGIN * max(width * longer / area.width, height * longer / area.height)

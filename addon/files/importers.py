@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import pi
 from pathlib import Path
 
 import bpy
 import numpy as np
 from bpy.types import Context, Object
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from .. import keys
 from ..blender import mesh_data
 from ..blender.jobs import Progress, Work
+from ..blender.views import turned
 from ..core import blamed, core
 from ..drawing.edge_loops import without_doubles
 from ..drawing.plane import size, united_loops
@@ -24,28 +24,25 @@ SVG, MAPS = (".svg",), (".geojson", ".json")
 
 # Metres per unit: of drawings, whose unit is a pixel, and of files exported from Blender, which keep their size.
 PIXEL, EXPORTED = 0.01, 1.0
-# Whether an SVG becomes an outline of each shape, by the choices of the operator.
-EACH = {"ONE": False, "SEVERAL": True, "PARTS": True, "PUPPET": True, "AUTO": None}
+# Whether an SVG becomes one outline, or one of each shape; by default, several of exported cages.
+EACH = {"ONE": False, "SEVERAL": True}
 
 
 @dataclass(frozen=True)
 class Shape:
-    """A mesh of the core and its name, and by default: whether its y points down, and metres per unit. ``placed``:
-    whether its coordinates mean a place, as those of maps and of exported cages do.
-    """
+    """A mesh of the core and its name, and by default: whether its y points down, and metres per unit."""
 
     name: str
     mesh: core.Mesh
     y_down: bool
     scale: float = PIXEL
-    placed: bool = True
 
 
-def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], tuple[str, ...]]:
-    """The filled area of an SVG, or each feature of a GeoJSON, and notes on what was repaired or left out. Raises:
-    UserError.
+def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], bool, tuple[str, ...]]:
+    """The filled area of an SVG, or each feature of a GeoJSON; whether its coordinates mean a place, as those of maps
+    and of exported cages do; and notes on what was repaired or left out. Raises: UserError.
 
-    outlines: of an SVG, "ONE" of everything, "SEVERAL" of each shape, or "AUTO", several of exported cages.
+    outlines: see `EACH`.
     """
     formats, ending = core.formats, path.suffix.lower()
     if path.exists() and ending not in (*SVG, *MAPS):
@@ -53,9 +50,10 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], tuple[st
     content = content_of(path)
     with blamed(f"'{path.name}' cannot be read"):
         if ending in SVG:
-            drawing = formats.svg_drawing(content, each=EACH[outlines], crop=False)
-            scale, ours = EXPORTED if drawing.written else PIXEL, drawing.written
-            return [Shape(name or path.stem, mesh, True, scale, ours) for name, mesh in drawing.shapes], drawing.notes
+            drawing = formats.svg_drawing(content, each=EACH.get(outlines), crop=False)
+            scale = EXPORTED if drawing.written else PIXEL
+            shapes = [Shape(name or path.stem, mesh, True, scale) for name, mesh in drawing.shapes]
+            return shapes, drawing.written, drawing.notes
         table = formats.read_map(content)
     notes = (*table.refused, *table.notes)
     if not table.features:
@@ -70,7 +68,7 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> tuple[list[Shape], tuple[st
         for feature in table.features
         if "piece" not in feature.properties
     ]
-    return shapes, notes
+    return shapes, True, notes
 
 
 def content_of(path: Path) -> bytes:
@@ -102,18 +100,16 @@ def place(context: Context, shapes: list[Shape], *, scale: float) -> Work[list[O
     return placed
 
 
-def arrange(objects: Sequence[Object], *, upright: bool, centred: bool) -> None:
-    """Puts the middle of new objects, which lie on the floor, at the origin, and stands them up, seen from the front.
-    What is higher in the stack is in front.
+def arrange(objects: Sequence[Object], axes: FloatArray, *, centred: bool = False) -> None:
+    """Turns new objects, which lie on the floor, to the directions (2, 3) of their x and y axes; what is higher in the
+    stack is in front. centred: with the middle of all at the origin.
     """
+    middle = np.zeros(2)
     if centred:
         ends = [mesh_data.points_of(mesh_data.mesh_of(obj)) + np.array(obj.location) for obj in objects]
         middle = middle_of(np.concatenate([np.stack([each.min(axis=0), each.max(axis=0)]) for each in ends])[:, :2])
-        for obj in objects:
-            obj.location -= Vector((*middle.tolist(), 0.0))
-    for obj in objects if upright else ():
-        there = obj.location.copy()
-        obj.location, obj.rotation_euler.x = (there.x, -there.z, there.y), pi / 2.0
+    for obj in objects:
+        obj.matrix_world = turned(axes) @ Matrix.Translation(obj.location - Vector((*middle.tolist(), 0.0)))
 
 
 def middle_of(points: FloatArray) -> FloatArray:

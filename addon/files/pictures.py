@@ -1,4 +1,4 @@
-"""Pictures in the scene: flat meshes that show them, and collision outlines from their alpha channel."""
+"""Pictures in the scene and in files: where they lie, their outlines, and flat meshes that show them."""
 
 from __future__ import annotations
 
@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from .. import keys
 from ..blender import display, mesh_data
 from ..blender.jobs import Progress, Work, mapped
+from ..blender.views import FRONT
 from ..cage_sets import selection
 from ..cage_sets.selection import scene_of
 from ..core import blamed, core, pictures, progress, triangulation
-from ..drawing import placement
+from ..drawing.planar import Drawing
 from ..drawing.plane import PLANARITY, Frame, world_matrix
 from ..errors import FloatArray, UserError
 from ..generate.run import STAGES
@@ -113,17 +114,43 @@ def canvas_of(obj: Object, size: tuple[int, int]) -> Canvas:
     )
 
 
-def side_by_side(sizes: Sequence[tuple[int, int]]) -> list[Canvas]:
-    """Places for pictures of these sizes in pixels: upright in a row from left to right, centred at the origin."""
-    sides = PIXEL * np.array(sizes, dtype=np.float64)
+@dataclass(frozen=True)
+class Part:
+    """A picture, where it lies, and the object that shows it, if one does."""
+
+    image: bpy.types.Image
+    canvas: Canvas
+    shown_by: Object | None = None
+
+    def place(self, context: Context, name: str, data: Mesh) -> Object:
+        """A new object with a mesh in the canvas's frame, in the collection of the object that shows the picture."""
+        obj = bpy.data.objects.new(name, data)
+        home = selection.home_of(scene_of(context), self.shown_by) if self.shown_by is not None else context.collection
+        home.objects.link(obj)
+        obj.matrix_world = Matrix(self.canvas.frame().matrix.tolist())
+        return obj
+
+
+def from_files(paths: Sequence[Path], axes: FloatArray = FRONT, unit: float = PIXEL) -> list[Part]:
+    """The pictures in files, in a row from left to right, centred at the origin. Raises: UserError.
+
+    axes: directions of the row and upwards, (2, 3); unit: metres per pixel.
+    """
+    images = [load(path) for path in paths]
+    sides = unit * np.array(list(map(size_of, images)), dtype=np.float64)
     steps = sides[:, 0] + GAP * sides[:, 0].mean()
     left = np.cumsum(steps) - steps
     left -= 0.5 * (left[-1] + sides[-1, 0])
-    axes = np.eye(3)
     return [
-        Canvas(np.array((x, 0.0, -0.5 * height)), width * axes[0], height * axes[2])
-        for x, (width, height) in zip(left, sides, strict=True)
+        Part(image, Canvas(x * axes[0] - 0.5 * height * axes[1], width * axes[0], height * axes[1]))
+        for image, x, (width, height) in zip(images, left, sides, strict=True)
     ]
+
+
+def on_objects(objects: Sequence[Object]) -> list[Part]:
+    """The pictures that objects show. Raises: UserError."""
+    shown = [(obj, image) for obj in objects if (image := image_on(obj)) is not None]
+    return [Part(image, canvas_of(obj, size_of(image)), obj) for obj, image in shown]
 
 
 def _on_faces(obj: Object, matrix: FloatArray) -> Canvas:
@@ -159,12 +186,15 @@ def textured_mesh(name: str, outline: core.Mesh, canvas: Canvas, image: bpy.type
     return data
 
 
-def place(context: Context, name: str, data: Mesh, frame: Frame, beside: Object | None) -> Object:
-    """A new object with the mesh in its frame, in the collection of the object that showed the picture, if any."""
-    obj = bpy.data.objects.new(name, data)
-    (selection.home_of(scene_of(context), beside) if beside is not None else context.collection).objects.link(obj)
-    obj.matrix_world = Matrix(frame.matrix.tolist())
-    return obj
+def traced(part: Part, vertices: int, *, tile: bool, **options: Any) -> Work[Drawing]:
+    """The outline of the opaque pixels of a picture, in the frame of its canvas. Raises: UserError. See `trace`."""
+    shown, frame = Picture.of(part.image), part.canvas.frame()
+    outline = yield from shown.trace(vertices, tile=tile, **options)
+    points = part.canvas.placed(np.asarray(outline.vertices) / shown.size)
+    name = Path(part.image.name).stem or part.image.name
+    drawing = Drawing(name, frame, tuple(points[loop] for loop in outline.loops))
+    drawing.mesh()
+    return drawing
 
 
 @dataclass(frozen=True)
@@ -219,21 +249,9 @@ class Picture:
         return traced
 
 
-def place_outline(
-    context: Context, picture: Picture, mesh: core.Mesh, target: Object | None = None, *, unit: float = PIXEL
-) -> Object:
-    """A new object with the outline as a wire, over the image that a `target` shows, or with so many units per pixel
-    around the middle of the picture.
-    """
-    offset = (-0.5, -0.5)
-    if target is not None:
-        unit = target.empty_display_size / max(picture.size)
-        offset = (target.empty_image_offset[0], target.empty_image_offset[1])
-    points = (mesh.vertices + np.array(offset) * picture.size) * unit
-    name = f"{picture.name} Outline"
-    obj = bpy.data.objects.new(name, mesh_data.new_mesh(name, points, mesh.edges))
+def place_outline(context: Context, part: Part, drawing: Drawing) -> Object:
+    """A new object with the outline of a picture as a wire, where the picture lies."""
+    mesh, name = drawing.mesh(), f"{drawing.name} Outline"
+    obj = part.place(context, name, mesh_data.new_mesh(name, mesh.vertices, mesh.edges))
     display.apply_display(obj, 1)
-    (selection.home_of(scene_of(context), target) if target is not None else context.collection).objects.link(obj)
-    if target is not None:
-        placement.stand_as(target, obj)
     return obj

@@ -21,36 +21,23 @@ from ..drawing.painted import areas_of
 from ..drawing.plane import Frame, fitted_frame, own_frame, united, world_matrix
 from ..errors import FloatArray, UserError
 
-# Directions of the x and y axes of planes facing a world axis.
-AXES = {
-    "TOP": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
-    "FRONT": ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
-    "RIGHT": ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
-}
 # Largest area of faces seen edge-on, as a fraction of their size squared.
 EDGE_ON = 1e-12
 
 
-def plane_of(context: Context, active: Object, plane: str) -> Frame:
-    """The plane to project onto: "ACTIVE", that of the active object, "VIEW", or a key of `AXES`. Raises: UserError."""
-    if plane == "ACTIVE":
-        if active.type in KINDS:
-            return Painting.of(context, active).frame()
-        points = np.array([corner[:] for corner in active.bound_box], dtype=np.float64)
-        if active.type in READERS:
-            points = lines_of(context, active).vertices.astype(np.float64)
-        if len(points) == 0:
-            raise UserError(f"'{active.name}' is empty: draw something in it, or choose another plane")
-        matrix = world_matrix(active)
-        return own_frame(matrix, points) or fitted_frame(matrix, points)
-    if plane == "VIEW":
-        view = getattr(context, "region_data", None)
-        if view is None:
-            raise UserError("There is no view to look from: call it in a 3D view, or choose another plane")
-        x, y, _ = np.array(view.view_matrix.to_3x3(), dtype=np.float64)
-    else:
-        x, y = map(np.array, AXES[plane])
-    return Frame.through(np.array(active.matrix_world.translation), x, y)
+def plane_of(context: Context, active: Object, axes: FloatArray | None = None) -> Frame:
+    """The plane that an object lies in, or one through its origin with these axes (2, 3). Raises: UserError."""
+    if axes is not None:
+        return Frame.through(np.array(active.matrix_world.translation), *axes)
+    if active.type in KINDS:
+        return Painting.of(context, active).frame()
+    points = np.array([corner[:] for corner in active.bound_box], dtype=np.float64)
+    if active.type in READERS:
+        points = lines_of(context, active).vertices.astype(np.float64)
+    if len(points) == 0:
+        raise UserError(f"'{active.name}' is empty: draw something in it, or choose another plane")
+    matrix = world_matrix(active)
+    return own_frame(matrix, points) or fitted_frame(matrix, points)
 
 
 def painted_loops(

@@ -47,11 +47,12 @@ def make(
     tell: Tell,
     *,
     jump: bool = True,
+    still: bool = False,
 ) -> Work[tuple[list[CageSet], list[UserError]]]:
     """Cages around each drawing, or in common ones; returns their sets, and why some drawings have none.
 
     The first drawing is the active one. own: objects that are levels. A drawing stands for all that share its cages.
-    jump: to the frame of the result. Raises: UserError if nothing can be caged.
+    jump: to the frame of the result; still: without an animation. Raises: UserError if nothing can be caged.
     """
     options, name = options_of(values, scene_of(context)), scene_of(context).name
     groups = selection.with_parts(drawings, inside=values.inside)
@@ -68,11 +69,18 @@ def make(
     problems += generation.problems
     edited, used = changes.edited_since(before), all_values(values)
     results = [replace(result, used=used) for result in generation.results]
-    return _put(scene_again(name), results, values, edited, tell, jump=jump), problems
+    return _put(scene_again(name), results, values, edited, tell, jump=jump, still=still), problems
 
 
 def _put(
-    scene: Scene, results: Sequence[Result], values: GenerationProperties, edited: set[int], tell: Tell, *, jump: bool
+    scene: Scene,
+    results: Sequence[Result],
+    values: GenerationProperties,
+    edited: set[int],
+    tell: Tell,
+    *,
+    jump: bool,
+    still: bool,
 ) -> list[CageSet]:
     """Puts the results into the scene; edited: session IDs of drawings that changed meanwhile. Raises: UserError."""
     gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
@@ -86,7 +94,7 @@ def _put(
     for earlier in filter(None, output.earlier_sets(results)):
         source = earlier.source
         poses[earlier] = {cage_sets.level_of(obj): Pose.of(obj, source) for obj in earlier.members}
-    sets, lost = output.write(scene, results, filled(Timing, values), values.thickness)
+    sets, lost = output.write(scene, results, filled(Timing, values), values.thickness, still=still)
     bound = {cage_set: bind.forget(cage_set) for cage_set in sets}
     if jump:
         scene.frame_set(max(cage_set.record.frames[1] for cage_set in sets))

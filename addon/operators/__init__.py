@@ -6,9 +6,9 @@ import bpy
 
 from ..blender.jobs import end_all
 from ..blender.props import registration
-from . import animation, bind, cutout, files, generate, objects, puppet, verify
+from . import animation, bind, cutout, files, generate, puppet, verify
 
-_MODULES = (generate, verify, bind, puppet, animation, files, objects, cutout)
+_MODULES = (generate, verify, bind, puppet, animation, files, cutout)
 CLASSES = [
     found
     for module in _MODULES

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import bpy
@@ -123,9 +123,9 @@ class JobOperator(Operator):
     exclusive = False
     # Settings of the 3D view that show the result.
     shown_by: tuple[views.Setting, ...] = ()
-    # New drawings that the view turns to, and whether they stand upright.
+    # New drawings that the view turns to, and the directions of their x and y axes.
     framed: tuple[Object, ...] = ()
-    upright = True
+    axes = views.FRONT
 
     _job: Job | None = None
     _timer: Any = None
@@ -178,7 +178,7 @@ class JobOperator(Operator):
         if job.error is not None:
             raise job.error
         views.show(context, self.shown_by)
-        views.look_at(context, self.framed, upright=self.upright)
+        views.look_at(context, self.framed, self.axes)
         return {"FINISHED"}
 
     def cancel(self, context: Context) -> None:
@@ -314,6 +314,13 @@ def _asks_to_cancel(context: Context, event: bpy.types.Event) -> bool:
     areas = [area for area in context.window.screen.areas if area.type == "VIEW_3D"]
     x, y = event.mouse_x, event.mouse_y
     return any(0 <= x - area.x < area.width and 0 <= y - area.y < area.height for area in areas)
+
+
+def hide(objects: Iterable[Object]) -> None:
+    """Hides what new objects show instead."""
+    for obj in objects:
+        obj.hide_set(True)
+        obj.hide_render = True
 
 
 def pose(context: Context, rig: Object) -> None:

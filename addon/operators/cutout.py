@@ -2,38 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 import bpy
-import numpy as np
 from bpy.types import Context, Object
 from bpy_extras.io_utils import ImportHelper
 
-from ..animation.timeline import Timing
-from ..bind import bind, handles
+from ..api import values_of
+from ..bind import bind
 from ..blender.blocks import removed_on_failure
 from ..blender.jobs import Work
 from ..blender.props import choice, flag, text
 from ..blender.views import FLAT_LIGHT, TEXTURES
-from ..cage_sets.selection import scene_of, select
+from ..cage_sets.selection import select
 from ..drawing import grease_pencil
-from ..drawing.planar import Drawing, fine_drawing, read
 from ..errors import UserError, counted
 from ..files import pictures
-from ..files.pictures import Canvas, Picture
-from ..generate import output
-from ..generate.levels import lengths, parse_levels
-from ..generate.methods import Methods
-from ..generate.run import Generation, Options, Request, Result
-from ..generate.settings import filled, settings_of
-from ..keys import found_object
-from ..puppets import one_cage
-from .base import pose
-from .files import FilesOperator, paths_of
-from .pictures import NAMES, PictureProperties, trace_options
+from ..files.pictures import Part, Picture
+from ..generate import request
+from ..generate.groups import SHAPE
+from ..generate.settings import settings_of
+from .base import hide
+from .files import TRACING, FilesOperator, PictureProperties, paths_of
+from .puppet import add_handles, make_one_cage
 
 HANDLES, CAGES, SKELETON, NOTHING = "HANDLES", "CAGES", "SKELETON", "NOTHING"
 MOVER_ITEMS = (
@@ -42,15 +34,6 @@ MOVER_ITEMS = (
     (SKELETON, "Skeleton", "One cage around all, with bones along its limbs"),
     (NOTHING, "Nothing", "A cage for each picture that it does not follow yet"),
 )
-
-
-@dataclass(frozen=True)
-class Part:
-    """A picture, where it lies, and the number of the object that shows it, if one does."""
-
-    image: bpy.types.Image
-    canvas: Canvas
-    shown_by: int | None
 
 
 class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
@@ -71,143 +54,71 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
 
     def draw(self, _context: Context) -> None:
         levels = () if self.moved_by == SKELETON else ("levels",)
-        self.draw_options(*NAMES, "standard", "moved_by", *levels)
+        self.draw_options(*TRACING, "standard", "moved_by", *levels)
 
     def work(self, context: Context) -> Work[None]:
         with removed_on_failure():
-            if not paths_of(self) and not _shown_pictures(context) and _strokes(context):
-                yield from self._cut_layers(context, _strokes(context))
-            else:
-                yield from self._cut_pictures(context)
+            paths, shown, drawn = paths_of(self), _shown_pictures(context), _strokes(context)
+            if drawn and not (paths or shown):
+                made = [part for obj in drawn for part in grease_pencil.separated(context, obj)]
+                self.tell_hidden(context, drawn)
+                yield from self._cage(context, made)
+                hide(drawn)
+                return
+            parts = pictures.from_files(paths) if paths else pictures.on_objects(shown)
+            if not parts:
+                raise UserError(
+                    "Choose a picture file, or select image planes, image empties or Grease Pencil drawings"
+                )
+            yield from self._cut(context, parts)
         self.show_colours(context)
 
-    def _cut_pictures(self, context: Context) -> Work[None]:
+    def _cut(self, context: Context, parts: Sequence[Part]) -> Work[None]:
         """Makes each picture a mesh, in cages. Raises: UserError."""
-        parts, settings = self._parts(context), settings_of(context)
-        levels = parse_levels(self.levels, lengths(scene_of(context)))
-        drawings: list[tuple[Part, Drawing]] = []
-        problems: list[UserError] = []
-        opaque: list[str] = []
+        made, problems = dict[Object, Part](), list[UserError]()
         for part in parts:
             try:
-                frame, shown = part.canvas.frame(), Picture.of(part.image)
-                outline = yield from shown.trace(self.vertices, **trace_options(self))
-                points = part.canvas.placed(np.asarray(outline.vertices) / shown.size)
-                name = Path(part.image.name).stem or part.image.name
-                drawing = Drawing(name, frame, tuple(points[loop] for loop in outline.loops))
-                drawing.mesh()
+                drawing = yield from self.traced(part)
             except UserError as error:
                 problems.append(error)
                 continue
-            drawings.append((part, drawing))
-            if (shown.alpha > self.threshold).all():
-                opaque.append(part.image.name)
-        if not drawings:
-            raise problems[0]
-        results: list[Result] = []
-        if self.moved_by != SKELETON:
-            requests = [Request(drawing) for _, drawing in drawings]
-            generation = Generation(requests, Options(levels=levels, methods=filled(Methods, settings)))
-            yield from generation
-            problems, results = problems + generation.problems, generation.results
-            # Those that have a cage, in the same order.
-            caged = {id(result.drawing) for result in results}
-            drawings = [(part, drawing) for part, drawing in drawings if id(drawing) in caged]
-        made: list[Object] = []
-        for part, drawing in drawings:
             data = pictures.textured_mesh(drawing.name, drawing.mesh(), part.canvas, part.image)
-            made.append(pictures.place(context, drawing.name, data, drawing.frame, found_object(part.shown_by)))
-        context.view_layer.update()
-        yield from self._rig(context, made, results)
+            made[part.place(context, drawing.name, data)] = part
+        if not made:
+            raise problems[0]
+        made = {obj: made[obj] for obj in (yield from self._cage(context, list(made)))}
+        hide(part.shown_by for part in made.values() if part.shown_by is not None)
         self.framed = tuple(made) if paths_of(self) else ()
-        _hide([found_object(part.shown_by) for part, _ in drawings])
         self.tell_skipped(problems, "picture")
-        for name in opaque:
-            self.report(
-                {"WARNING"},
-                f"'{name}' has no transparent pixels, so its outline is a rectangle: erase its background, or raise "
-                "the threshold",
-            )
+        for part in made.values():
+            if (Picture.of(part.image).alpha > self.threshold).all():
+                self.report(
+                    {"WARNING"},
+                    f"'{part.image.name}' has no transparent pixels, so its outline is a rectangle: erase its "
+                    "background, or raise the threshold",
+                )
 
-    def _cut_layers(self, context: Context, drawn: Sequence[Object]) -> Work[None]:
-        """Makes each layer that shows something an object of its own, in cages. Raises: UserError."""
-        levels, methods = parse_levels(self.levels, lengths(scene_of(context))), filled(Methods, settings_of(context))
-        made = [part for obj in drawn for part in grease_pencil.separated(context, obj)]
+    def _cage(self, context: Context, made: Sequence[Object]) -> Work[Sequence[Object]]:
+        """Puts new objects into cages, which move them, or into one that bones along their limbs move; returns those
+        that have one, and removes others.
+        """
         context.view_layer.update()
-        results: list[Result] = []
-        if self.moved_by != SKELETON:
-            requests = [Request(fine_drawing(read(context, part))) for part in made]
-            generation = Generation(requests, Options(levels=levels, methods=methods))
-            yield from generation
-            if generation.problems:
-                raise generation.problems[0]
-            results = generation.results
-        yield from self._rig(context, made, results)
-        self.tell_hidden(context, drawn)
-        _hide(drawn)
-
-    def _rig(self, context: Context, made: list[Object], results: Sequence[Result]) -> Work[None]:
-        """One cage around all new objects, moved by bones along their limbs; or the cages of these results."""
-        noun = "layer" if made[0].type == grease_pencil.KINDS[0] else "picture"
-        if self.moved_by != SKELETON:
-            self._write(context, made, results, noun)
-            return
-        count = len(made)
-        whole, problems = yield from one_cage.united_drawing(context, made, 0.0)
-        armature, bones = one_cage.add_skeleton(context, whole)
-        made.append(armature)
-        yield from one_cage.make(context, whole, armature, 0)
-        pose(context, armature)
-        self.tell_skipped(problems, noun)
-        self.report({"INFO"}, f"{counted(count, noun)} cut out: turn {counted(bones, 'bone')} to pose it")
-
-    def _write(self, context: Context, made: Sequence[Object], results: Sequence[Result], noun: str) -> None:
-        """Cages around the new objects, without animation, and bound."""
-        placed = [
-            replace(result, drawing=replace(result.drawing, identity=obj.session_uid))
-            for obj, result in zip(made, results, strict=True)
-        ]
-        scene = scene_of(context)
-        sets, _ = output.write(scene, placed, filled(Timing, settings_of(context)), still=True)
-        context.view_layer.update()
-        cages: list[Object] = []
-        for cage_set in sets if self.moved_by != NOTHING else ():
-            try:
-                bind.bind(context, cage_set)
-            except UserError as error:
-                self.report({"WARNING"}, f"Not bound: {error}")
-                continue
-            cages.append(cage_set.cages[-1])
-        rig = handles.add(context, cages) if self.moved_by == HANDLES and cages else None
-        if rig is None:
-            select(context, *made)
-        else:
-            pose(context, rig)
-        how = "the vertices of the cage" if rig is None else "the bones"
-        self.report({"INFO"}, f"{counted(len(made), noun)} cut out: move {how} to pose it")
-
-    def _parts(self, context: Context) -> list[Part]:
-        """The requested pictures. Raises: UserError."""
-        if paths := paths_of(self):
-            images = [pictures.load(path) for path in paths]
-            places = pictures.side_by_side(list(map(pictures.size_of, images)))
-            return [Part(image, place, None) for image, place in zip(images, places, strict=True)]
-        shown = _shown_pictures(context)
-        if not shown:
-            raise UserError("Choose a picture file, or select image planes, image empties or Grease Pencil drawings")
-        return [
-            Part(image, pictures.canvas_of(obj, pictures.size_of(image)), obj.session_uid)
-            for obj in shown
-            if (image := pictures.image_on(obj)) is not None
-        ]
-
-
-def _hide(objects: Iterable[Object | None]) -> None:
-    """Hides what new objects show instead."""
-    for obj in objects:
-        if obj is not None:
-            obj.hide_set(True)
-            obj.hide_render = True
+        if self.moved_by == SKELETON:
+            yield from make_one_cage(self, context, made)
+            return made
+        settings = settings_of(context)
+        values = values_of(levels=self.levels, **{name: getattr(settings, name) for name in SHAPE})
+        sets, problems = yield from request.make(context, made, (), values, self.tell, jump=False, still=True)
+        caged = [obj for each in sets for obj in each.parts]
+        bpy.data.batch_remove([obj for obj in made if obj not in caged])
+        self.tell_skipped(problems)
+        select(context, *caged)
+        if self.moved_by == HANDLES:
+            yield from add_handles(self, context, sets)
+        elif self.moved_by == CAGES:
+            yield from bind.bind_all(context, sets)
+            self.report({"INFO"}, f"{counted(len(sets), 'cutout')}: move the vertices of the cages to pose them")
+        return caged
 
 
 def _shown_pictures(context: Context) -> list[Object]:

@@ -1,8 +1,11 @@
-"""Drawings from files, by the menu or dropped into the view, and outlines of images; cages and puppets as files."""
+"""Drawings from files, by the menu or dropped into the view, and outlines of what is selected; cages and puppets as
+files.
+"""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,40 +15,77 @@ from bpy.types import Context, Object
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from .. import cage_sets
+from ..blender import views
 from ..blender.blocks import removed_on_failure
 from ..blender.jobs import Progress, Work
 from ..blender.mesh_data import mesh_of
 from ..blender.props import choice, flag, number, text, whole
-from ..blender.views import FLAT_LIGHT, TEXTURES
+from ..blender.views import FLAT_LIGHT, FRONT, RIGHT, TEXTURES, TOP
 from ..cage_sets import CageSet, selection
 from ..cage_sets.selection import chosen, each_of_chosen, scene_of, select
-from ..core import core, game
+from ..core import game
 from ..drawing import planar
-from ..errors import UserError, counted
-from ..files import exporters, importers, pictures, svg
-from ..files.pictures import Picture, image_on
-from ..keys import found_object
+from ..drawing.painted import paints
+from ..drawing.planar import Drawing
+from ..errors import FloatArray, UserError, counted
+from ..files import exporters, importers, pictures, silhouettes, svg
+from ..files.importers import PIXEL
+from ..files.pictures import Part, image_on
 from ..puppets import armatures, cutouts, exported, imported, repainting
 from ..puppets.moving import Making
-from .base import DialogJobOperator, Operator, Outcome, pose
-from .pictures import NAMES as TRACING
-from .pictures import PictureProperties, trace_options
+from .base import DialogJobOperator, GapProperty, Mixin, Operator, Outcome, pose
 from .puppet import make_puppet
 
+ONE, PUPPET, SELECTED = "ONE", "PUPPET", "SELECTED"
 OUTLINE_ITEMS = (
     ("AUTO", "Automatic", "Parts of drawings with several shapes, one outline of others; exported cages as they were"),
-    ("ONE", "One Outline", "The filled area of everything, overlaps united; of a picture, around its opaque pixels"),
+    (ONE, "One Outline", "The filled area of everything, overlaps united; of a picture, around its opaque pixels"),
     ("SEVERAL", "Several Outlines", "An outline of each shape"),
     ("PARTS", "Parts of a Character", "A filled part of each shape with its colours and strokes, one above the other"),
-    ("PUPPET", "Puppet", "The same with bones, weights and controls, ready to pose"),
+    (PUPPET, "Puppet", "The same with bones, weights and controls, ready to pose"),
+    (
+        SELECTED,
+        "Outline of Selected",
+        "No file: one flat outline of all that is selected, across overlaps and depths, solids too; or of each "
+        "selected image empty",
+    ),
 )
 PLANE_ITEMS = (
-    ("AUTO", "Automatic", "Drawings stand upright; maps and exported cages lie on the floor"),
-    ("XZ", "Standing", "Upright, seen from the front, as Grease Pencil draws"),
-    ("XY", "Lying", "On the floor, seen from the top"),
+    ("AUTO", "Automatic", "Drawings upright, maps and exported cages on the floor, outlines of objects where they lie"),
+    ("FRONT", "Front", "Upright, seen from the front, as Grease Pencil draws"),
+    ("TOP", "Top", "On the floor, seen from the top"),
+    ("RIGHT", "Right", "Upright, seen from the right"),
+    ("VIEW", "View", "As the 3D view looks"),
 )
+AXES = {"FRONT": FRONT, "TOP": TOP, "RIGHT": RIGHT}
 EXTENSIONS = (*importers.SVG, *importers.MAPS, *imported.ENDINGS)
 PICTURE = ".png"
+
+
+class PictureProperties(Mixin):
+    """Properties of operators on pictures: how to outline opaque pixels."""
+
+    vertices: whole("Vertices", "Vertex count of the outline of a picture", default=64, min=3, soft_max=256)
+    padding: number(
+        "Padding",
+        "Distance in pixels between the outline and opaque pixels; 0 if not set and all of the picture is opaque",
+        default=1.0,
+        min=0.0,
+        soft_max=32.0,
+    )
+    threshold: number(
+        "Threshold", "Opacity above which a pixel counts as opaque", default=0.5, min=0.0, max=1.0, subtype="FACTOR"
+    )
+    holes: flag("Holes", "Keep holes open instead of filling them; those of objects are kept if this is not set")
+
+    def traced(self, part: Part) -> Work[Drawing]:
+        """The outline of a picture. Raises: UserError."""
+        is_set, options = self.properties.is_property_set, {name: getattr(self, name) for name in TRACING}
+        return (yield from pictures.traced(part, tile=not is_set("padding"), **options))
+
+
+# Their names, which are those of the core's options.
+TRACING = tuple(PictureProperties.__annotations__)
 
 
 class FilesOperator(DialogJobOperator):
@@ -85,9 +125,9 @@ def paths_of(operator: Any) -> list[Path]:
     return [Path(bpy.path.abspath(path)) for path in given if path]
 
 
-class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
+class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, GapProperty, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
     """Read drawings: the filled area of an SVG, each feature of a GeoJSON, a layered painting as a puppet with bones,
-    or the outline of a picture
+    or the outline of a picture; or make one outline of what is selected
     """
 
     bl_label = "Import Outlines"
@@ -106,7 +146,7 @@ class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelp
         min=0.0,
         soft_max=100.0,
     )
-    outlines: choice("As", "What to make of a drawing", OUTLINE_ITEMS, default="AUTO")
+    outlines: choice("As", "What to make of a drawing", OUTLINE_ITEMS, default="AUTO", options={"SKIP_SAVE"})
     hidden: flag("Hidden Layers", "Include hidden layers of a painting, as hidden parts")
     repaint: flag(
         "Repaint Selected",
@@ -120,131 +160,142 @@ class OBJECT_OT_nested_cages_import(FilesOperator, PictureProperties, ImportHelp
     )
     plane: choice("Plane", "How drawings are put into the scene", PLANE_ITEMS, default="AUTO")
 
+    def prepare(self, context: Context) -> None:
+        FilesOperator.prepare(self, context)
+        if self.outlines == SELECTED and not self.properties.is_property_set("holes"):
+            self.holes = not _image_empties(context)
+
     def ask(self, context: Context, event: bpy.types.Event) -> Any:
-        return super().ask(context, event) if self._shown(context) is not None else self.invoke_popup(context)
+        if self.outlines != SELECTED:
+            return self.invoke_popup(context)
+        return super().ask(context, event) if _image_empties(context) else self.start(context)
 
     def draw(self, context: Context) -> None:
-        if self._shown(context) is not None:
-            self.draw_options(*TRACING)
+        if self.outlines == SELECTED and not _image_empties(context):
+            self.draw_options("plane", "holes", "gap")
             return
-        self.draw_options("outlines", "hidden", "repaint", "replace_weights", "plane", "scale", "standard")
-        if self.outlines == "ONE":
+        if self.outlines != SELECTED:
+            self.draw_options("outlines", "hidden", "repaint", "replace_weights", "plane", "scale", "standard")
+        if self.outlines in (ONE, SELECTED):
             self.draw_options(*TRACING)
-
-    def _shown(self, context: Context) -> Object | None:
-        """The selected image empty whose outline is asked for; None if files are to be read."""
-        active = context.view_layer.objects.active
-        shows = active is not None and active.type == "EMPTY" and image_on(active) is not None and active.select_get()
-        return active if shows and self.outlines == "ONE" and not paths_of(self) else None
 
     def work(self, context: Context) -> Work[None]:
-        shown = self._shown(context)
-        if shown is not None:
-            yield from self._outline_of(context, shown)
-            return
-        paths = paths_of(self)
-        if not paths or (paths[0].is_dir() and not any(paths[0].glob("*.[pP][nN][gG]"))):
-            raise UserError("Choose a file to read")
-        traced = [path for path in paths if self.outlines == "ONE" and path.suffix.lower() == PICTURE]
-        drawings = drawings_in([path for path in paths if path not in traced])
-        rig = armatures.puppet_of(context.selected_objects) if self.repaint else None
-        if self.repaint and (rig is None or len(drawings) != 1):
-            raise UserError("Select the puppet of a painting, and choose one file with the painting as it is now")
+        axes = views.axes_of(context) if self.plane == "VIEW" else AXES.get(self.plane)
         with removed_on_failure():
-            yield from self._read(context, drawings, traced, rig)
+            if self.outlines == SELECTED:
+                yield from self._outline(context, axes)
+                return
+            paths = paths_of(self)
+            if not paths or (paths[0].is_dir() and not any(paths[0].glob("*.[pP][nN][gG]"))):
+                raise UserError("Choose a file to read")
+            yield from self._repaint(context, paths) if self.repaint else self._read(context, paths, axes)
         self.show_colours(context)
 
-    def _read(
-        self, context: Context, drawings: dict[Path, list[str] | None], traced: list[Path], rig: Object | None
-    ) -> Work[None]:
-        """Reads files, and places what is in them or repaints a puppet. Raises: UserError."""
-        shapes: list[importers.Shape] = []
-        layered_files: list[tuple[str, Any]] = []
-        puppets = []
-        for done, (path, names) in enumerate(drawings.items()):
-            yield Progress(0.5 * done / len(drawings), f"reading '{path.name}'")
-            parts, notes = svg.read(path, self.outlines)
-            if rig is not None or names is not None or path.is_dir() or path.suffix.lower() in imported.ENDINGS:
-                painting = imported.painting_in(path, names, hidden=self.hidden)
-                if rig is not None:
-                    self._repaint(context, rig, painting)
-                    return
-                puppets.append(imported.jointed(path, painting))
-                notes = (*painting.notes, *puppets[-1].notes)
-            elif parts:
-                layered_files.append((path.stem, parts))
-            else:
-                of_file, notes = importers.shapes_in(path, self.outlines)
-                shapes += of_file
-            for note in notes:
-                self.report({"WARNING"}, f"'{path.name}': {note}")
-        made = yield from importers.place(context, shapes, scale=self.scale)
-        drawn = [obj for obj, shape in zip(made, shapes, strict=True) if not shape.placed]
-        drawn += yield from self._outlines_of(context, traced)
-        in_parts = []
-        for title, parts in layered_files:
-            in_parts.append((yield from svg.place(context, title, parts, scale=self.scale)))
-        drawn += [obj for own in in_parts for obj in own]
-        placed = [obj for obj in made if obj not in drawn]
-        importers.arrange(placed, upright=self.plane == "XZ", centred=False)
-        importers.arrange(drawn, upright=self.plane != "XY", centred=bool(drawn))
-        made = [*placed, *drawn]
-        for puppet in puppets:
-            made += imported.place(context, puppet, scale=self.scale, is_upright=self.plane != "XY")
-        if self.outlines == "PUPPET" and drawn:
-            context.view_layer.update()
-            for own in in_parts or [drawn]:
-                yield from make_puppet(self, context, own, None, Making())
-            self.shown_by, self.framed = (TEXTURES, FLAT_LIGHT), tuple(drawn)
+    def _outline(self, context: Context, axes: FloatArray | None) -> Work[None]:
+        """One outline of all selected objects, or of each selected image empty."""
+        if empties := _image_empties(context):
+            yield from self._trace(context, pictures.on_objects(empties))
             return
-        self.shown_by = (TEXTURES, FLAT_LIGHT) if puppets or layered_files else ()
-        self.framed, self.upright = tuple(made), not placed if self.plane == "AUTO" else self.plane == "XZ"
+        active = context.view_layer.objects.active
+        objects = sorted(filter(paints, context.selected_objects), key=lambda obj: (obj is not active, obj.name))
+        if not objects:
+            raise UserError("Select meshes, curves, texts, Grease Pencil drawings or image empties")
+        frame = silhouettes.plane_of(context, objects[0], axes)
+        self.tell_hidden(context, objects)
+        filled = self.properties.is_property_set("holes") and not self.holes
+        work = silhouettes.painted_loops(context, objects, frame, fill_holes=filled, gap=self.gap)
+        loops, problems = yield from work
+        made = silhouettes.place_silhouette(context, objects[0], frame, loops, objects)
+        select(context, made)
+        self.tell_skipped(problems, "object")
+        self.report({"INFO"}, f"'{made.name}': {sum(map(len, loops))} vertices in {counted(len(loops), 'loop')}")
+
+    def _trace(self, context: Context, parts: Sequence[Part]) -> Work[list[Object]]:
+        """The outlines of pictures."""
+        made = []
+        for part in parts:
+            made.append(pictures.place_outline(context, part, (yield from self.traced(part))))
         select(context, *made)
-        if puppets and not (placed or drawn):
-            layers = sum(len(each.puppet.draft.parts) for each in puppets)
-            bones = sum(len(each.bones) for each in puppets)
-            self.report({"INFO"}, f"{counted(layers, 'part')}, {counted(bones, 'bone')}")
-            if len(puppets) == 1:
-                pose(context, made[-1])
-            return
-        made = [obj for obj in made if obj.type == "MESH"]
-        count = sum(len(mesh_of(obj).vertices) for obj in made)
-        word = "part" if layered_files and not shapes else "outline"
-        self.report({"INFO"}, f"{counted(len(made), word)}, {count} vertices")
-
-    def _outline_of(self, context: Context, shown: Object) -> Work[None]:
-        """The outline of the picture that an image empty shows, on it."""
-        identity, image = shown.session_uid, image_on(shown)
-        assert image is not None
-        picture = Picture.of(image)
-        mesh = yield from self._trace(picture)
-        select(context, pictures.place_outline(context, picture, mesh, found_object(identity)))
-        self.report({"INFO"}, f"{len(mesh.vertices)} vertices around all opaque pixels of '{picture.name}'")
-
-    def _outlines_of(self, context: Context, paths: list[Path]) -> Work[list[Object]]:
-        """The outlines of picture files, in a row."""
-        made, left, unit = list[Object](), 0.0, self.scale or importers.PIXEL
-        for path in paths:
-            picture = Picture.of(pictures.load(path))
-            made.append(pictures.place_outline(context, picture, (yield from self._trace(picture)), unit=unit))
-            width = unit * picture.size[0]
-            made[-1].location.x, left = left + 0.5 * width, left + (1.0 + pictures.GAP) * width
+        vertices = sum(len(mesh_of(obj).vertices) for obj in made)
+        self.report({"INFO"}, f"{vertices} vertices around all opaque pixels of {counted(len(made), 'picture')}")
         return made
 
-    def _trace(self, picture: Picture) -> Work[core.Mesh]:
-        return (yield from picture.trace(self.vertices, **trace_options(self)))
+    def _read(self, context: Context, paths: list[Path], axes: FloatArray | None) -> Work[None]:
+        """Reads files, and places what is in them. Raises: UserError."""
+        traced = [path for path in paths if self.outlines == ONE and path.suffix.lower() == PICTURE]
+        files = layered_files(path for path in paths if path not in traced)
+        placed, drawn, puppets = list[Object](), list[list[Object]](), list[Object]()
+        for done, (path, names) in enumerate(files.items()):
+            yield Progress(0.5 * done / len(files), f"reading '{path.name}'")
+            if names is not None or path.is_dir() or path.suffix.lower() in imported.ENDINGS:
+                painting = imported.painting_in(path, names, hidden=self.hidden)
+                puppet = imported.jointed(path, painting)
+                puppets += imported.place(context, puppet, scale=self.scale)
+                self._warn(path, (*painting.notes, *puppet.notes))
+                continue
+            parts, notes = svg.read(path, self.outlines)
+            if parts:
+                drawn.append((yield from svg.place(context, path.stem, parts, scale=self.scale)))
+                self.shown_by = (TEXTURES, FLAT_LIGHT)
+            else:
+                shapes, is_placed, notes = importers.shapes_in(path, self.outlines)
+                made = yield from importers.place(context, shapes, scale=self.scale)
+                placed += made if is_placed else []
+                drawn += [] if is_placed else [made]
+            self._warn(path, notes)
+        lone = [obj for own in drawn for obj in own]
+        importers.arrange(placed, TOP if axes is None else axes)
+        self.axes = (TOP if placed else FRONT) if axes is None else axes
+        upright = FRONT if axes is None else axes
+        importers.arrange(lone, upright, centred=bool(lone))
+        importers.arrange([obj for obj in puppets if obj.type == "ARMATURE"], upright)
+        outlined = [*placed, *lone]
+        if traced:
+            outlined += yield from self._trace(context, pictures.from_files(traced, upright, self.scale or PIXEL))
+        self.framed = (*outlined, *puppets)
+        if puppets or self.outlines == PUPPET:
+            self.shown_by = (TEXTURES, FLAT_LIGHT)
+        if self.outlines == PUPPET and lone:
+            context.view_layer.update()
+            for own in drawn:
+                yield from make_puppet(self, context, own, None, Making())
+            return
+        select(context, *self.framed)
+        if puppets and not outlined:
+            rigs = [obj for obj in puppets if obj.type == "ARMATURE"]
+            bones = len([bone for rig in rigs for bone in rig.data.bones if armatures.part_of(bone)])
+            self.report({"INFO"}, f"{counted(len(puppets) - len(rigs), 'layer')}, {counted(bones, 'bone')}")
+            if len(rigs) == 1:
+                pose(context, rigs[0])
+        elif not traced:
+            count = sum(len(mesh_of(obj).vertices) for obj in outlined)
+            self.report({"INFO"}, f"{counted(len(outlined), 'outline')}, {count} vertices")
 
-    def _repaint(self, context: Context, rig: Object, painting: Any) -> None:
-        """Changes a puppet to a painting. Raises: UserError."""
+    def _repaint(self, context: Context, paths: list[Path]) -> Work[None]:
+        """Changes the selected puppet to a painting. Raises: UserError."""
+        files, rig = layered_files(paths), armatures.puppet_of(context.selected_objects)
+        if rig is None or len(files) != 1:
+            raise UserError("Select the puppet of a painting, and choose one file with the painting as it is now")
+        yield Progress(0.0, "reading the painting")
+        ((path, names),) = files.items()
+        painting = imported.painting_in(path, names, hidden=self.hidden)
         made, notes = repainting.repaint(context, rig, painting, replace_weights=self.replace_weights)
-        for note in (*painting.notes, *notes):
-            self.report({"WARNING"}, note)
+        self._warn(path, (*painting.notes, *notes))
         self.shown_by = (TEXTURES, FLAT_LIGHT)
         select(context, *made)
         self.report({"INFO"}, f"'{rig.name}' has {counted(len(made) - 1, 'layer')}, repainted or as before")
 
+    def _warn(self, path: Path, notes: Iterable[str]) -> None:
+        for note in notes:
+            self.report({"WARNING"}, f"'{path.name}': {note}")
 
-def drawings_in(paths: list[Path]) -> dict[Path, list[str] | None]:
+
+def _image_empties(context: Context) -> list[Object]:
+    """The selected empties that show an image."""
+    return [obj for obj in context.selected_objects if obj.type == "EMPTY" and image_on(obj) is not None]
+
+
+def layered_files(paths: Iterable[Path]) -> dict[Path, list[str] | None]:
     """The files and folders to read; of folders whose pictures were chosen, their names."""
     found, pictures = dict[Path, "list[str] | None"](), dict[Path, list[str]]()
     for path in paths:

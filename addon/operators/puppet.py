@@ -17,16 +17,15 @@ from ..blender.blocks import removed_on_failure
 from ..blender.jobs import Progress, Work, drain
 from ..blender.props import choice, flag, text, whole
 from ..blender.views import OUTLINES
-from ..cage_sets import selection
+from ..cage_sets import CageSet, selection
 from ..cage_sets.selection import check_local, chosen, each_of_chosen, scene_of, select, sets_of_chosen
 from ..drawing import grease_pencil
 from ..drawing.painted import paints
 from ..drawing.planar import Drawing
 from ..errors import UserError, counted
 from ..files.pictures import image_on
-from ..keys import found_object
 from ..puppets import armatures, caps, clips, controls, duplicates, moving, one_cage
-from .base import GapProperty, JobOperator, Operator, pose
+from .base import GapProperty, JobOperator, Operator, hide, pose
 
 # Roles of objects that are no drawings of their own.
 OWN_ROLES = (cage_sets.FIELD, cage_sets.PROXY)
@@ -88,69 +87,78 @@ class OBJECT_OT_nested_cages_puppet(JobOperator, GapProperty, bpy.types.Operator
             options = moving.Making(self.limits, self.linear, float(self.reach), self.caps, title)
             yield from make_puppet(self, context, layers or objects, old, options)
         if layers:
-            objects[0].hide_set(True)
-            objects[0].hide_render = True
+            hide(objects)
 
     def _one_cage(self, context: Context) -> Work[None]:
         """A cage around all drawings, with vertices where joints need them, that bones move."""
-        armature = _armature(context)
         complete()
-        groups = selection.with_parts(_drawings(context))
-        parts, identity = [part for group in groups for part in group], armature and armature.session_uid
-        whole, problems = self._united(context, parts)
-        yield Progress(0.0, "uniting painted areas")
-        with removed_on_failure():
-            given = found_object(identity) if identity else None
-            armature = given or one_cage.add_skeleton(context, whole)[0]
-            if (identity and not given) or whole.source is None:
-                raise UserError("The armature or a drawing was deleted meanwhile, so the cage was discarded")
-            cage_set = yield from one_cage.make(context, whole, armature, self.vertices)
-        cage = cage_set.cages[-1]
-        pose(context, armature)
-        self.tell_skipped(problems, "object")
-        self.report(
-            {"INFO"},
-            f"{counted(len(parts), 'drawing')} in a cage of {len(cage.data.vertices)} vertices: "
-            f"pose '{armature.name}', and they follow",
-        )
+        parts = [part for group in selection.with_parts(_drawings(context)) for part in group]
+        yield from make_one_cage(self, context, parts, _armature(context), self.vertices, self.gap)
 
     def _bones(self, context: Context) -> Work[None]:
         """An armature along the limbs of the drawings."""
-        parts = [part.session_uid for part in _drawings(context)]
-        whole, problems = self._united(context, _drawings(context))
+        parts = _drawings(context)
+        whole, problems = _united(self, context, parts, self.gap)
         yield Progress(0.0, "uniting painted areas")
         armature, number = one_cage.add_skeleton(context, whole)
-        select(context, *(obj for part in parts if (obj := found_object(part)) is not None), armature)
+        select(context, *parts, armature)
         self.tell_skipped(problems, "object")
         self.report({"INFO"}, f"{counted(number, 'bone')}: edit them, then make a puppet of one cage")
 
     def _handles(self, context: Context) -> Work[None]:
-        """A bone for each vertex of the coarsest cages, which are bound first."""
+        """A bone for each vertex of the coarsest cages."""
         complete()
         sets = [each for each in sets_of_chosen(context, both=False) if not each.inside]
         if not sets:
             raise UserError("Select a drawing that has cages around it, or one of these cages")
-        cages = [each.cages[-1] for each in sets]
-        for cage in cages:
-            check_local(cage)
-            if handles.handles_of(cage):
-                raise UserError(f"'{cage.name}' has handles already")
-        loose = [bind.steps(context, each, "AUTO") for each in sets if not each.bound]
-        results = yield from bind.in_step(context, loose)
-        failed = next((each for each in results if isinstance(each, UserError)), None)
-        if failed is not None:
-            raise failed
-        pose(context, handles.add(context, cages))
-        number = sum(len(mesh_data.points_of(mesh_data.mesh_of(cage))) for cage in cages)
-        self.report({"INFO"}, f"{counted(number, 'handle')}: move them, and the drawing follows")
+        yield from add_handles(self, context, sets)
 
-    def _united(self, context: Context, parts: Sequence[Object]) -> tuple[Drawing, list[UserError]]:
-        """The parts in their own shapes as one drawing, and why some were left out. Raises: UserError."""
-        if not parts:
-            raise UserError("Select the drawings: meshes, curves, texts or Grease Pencil")
-        self.tell_hidden(context, parts)
-        with field.unposed(map(field.shown_by, parts)):
-            return drain(one_cage.united_drawing(context, parts, self.gap))
+
+def add_handles(operator: Operator, context: Context, sets: Sequence[CageSet]) -> Work[None]:
+    """A bone for each vertex of the coarsest cages of sets, which are bound first. Raises: UserError."""
+    cages = [each.cages[-1] for each in sets]
+    for cage in cages:
+        check_local(cage)
+        if handles.handles_of(cage):
+            raise UserError(f"'{cage.name}' has handles already")
+    yield from bind.bind_all(context, [each for each in sets if not each.bound])
+    pose(context, handles.add(context, cages))
+    number = sum(len(mesh_data.points_of(mesh_data.mesh_of(cage))) for cage in cages)
+    operator.report({"INFO"}, f"{counted(number, 'handle')}: move them, and the drawing follows")
+
+
+def make_one_cage(
+    operator: Operator,
+    context: Context,
+    parts: Sequence[Object],
+    armature: Object | None = None,
+    vertices: int = 0,
+    gap: float = 0.0,
+) -> Work[None]:
+    """One cage around drawings, bound, that an armature moves, or a new one along their limbs. Raises: UserError."""
+    whole, problems = _united(operator, context, parts, gap)
+    yield Progress(0.0, "uniting painted areas")
+    with removed_on_failure():
+        armature = armature or one_cage.add_skeleton(context, whole)[0]
+        cage_set = yield from one_cage.make(context, whole, armature, vertices)
+    pose(context, armature)
+    operator.tell_skipped(problems, "object")
+    operator.report(
+        {"INFO"},
+        f"{counted(len(parts), 'drawing')} in a cage of {len(cage_set.cages[-1].data.vertices)} vertices: "
+        f"pose '{armature.name}', and they follow",
+    )
+
+
+def _united(
+    operator: Operator, context: Context, parts: Sequence[Object], gap: float
+) -> tuple[Drawing, list[UserError]]:
+    """The parts in their own shapes as one drawing, and why some were left out. Raises: UserError."""
+    if not parts:
+        raise UserError("Select the drawings: meshes, curves, texts or Grease Pencil")
+    operator.tell_hidden(context, parts)
+    with field.unposed(map(field.shown_by, parts)):
+        return drain(one_cage.united_drawing(context, parts, gap))
 
 
 def _has_parts(context: Context) -> bool:

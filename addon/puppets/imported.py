@@ -56,8 +56,9 @@ def pixels_of(image: bpy.types.Image) -> NDArray[np.uint8]:
     return whole
 
 
-def place(context: Context, puppet: game.GamePuppet, *, scale: float, is_upright: bool) -> list[Object]:
-    """New objects in a collection of their own, the armature last. Bones blend as in engines: without Preserve Volume.
+def place(context: Context, puppet: game.GamePuppet, *, scale: float) -> list[Object]:
+    """New objects on the floor, in a collection of their own, the armature last. Bones blend as in engines: without
+    Preserve Volume.
 
     scale: metres per pixel, 0 for the default.
     """
@@ -68,8 +69,7 @@ def place(context: Context, puppet: game.GamePuppet, *, scale: float, is_upright
     made = stage(context, home, rig, puppet, unit)
     points = np.concatenate([mesh.points for mesh in puppet.meshes]) * unit
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    rig.location = (-middle[0], 0.0, -middle[1]) if is_upright else (-middle[0], -middle[1], 0.0)
-    rig.rotation_euler.x = np.pi / 2.0 if is_upright else 0.0
+    rig.location = (-middle[0], -middle[1], 0.0)
     return made
 
 

@@ -64,9 +64,9 @@ def drawn(context: Context, objects: Sequence[Object], old: Object | None) -> Wo
     if old is not None:
         frame = armatures.frame_of(old)
     else:
-        frame = turned_as_most(silhouettes.plane_of(context, largest, "ACTIVE"), objects)
+        frame = turned_as_most(silhouettes.plane_of(context, largest), objects)
     normal = np.array(frame.matrix)[:3, 2]
-    grid = SAME_DEPTH * max(float(obj.dimensions.length) for obj in objects)
+    grid = SAME_DEPTH * max(float(obj.dimensions.length) for obj in objects) or 1.0
     depth = {obj.name: round(float(normal @ middle_of_box(obj)) / grid) for obj in objects}
     shapes: dict[str, list[Object]] = {}
     names = _part_names(objects, old)

@@ -56,7 +56,7 @@ def united_drawing(context: Context, objects: Sequence[Object], gap: float) -> W
     if earlier is not None and earlier.source in objects:
         first = next(obj for obj in objects if obj == earlier.source)
     ordered = [first, *(obj for obj in objects if obj != first)]
-    frame = silhouettes.plane_of(context, first, "ACTIVE")
+    frame = silhouettes.plane_of(context, first)
     loops, problems = yield from silhouettes.painted_loops(context, ordered, frame, gap=gap, closed=True)
     longest = LONGEST_EDGE * size(np.concatenate(loops))
     # United again where rounding has closed a gap between new points.

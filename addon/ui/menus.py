@@ -9,6 +9,7 @@ from bpy.types import Context
 
 from ..blender.props import registration
 from ..generate.settings import copy_values, settings_of
+from ..operators.files import SELECTED
 
 # Operators of the menu by their names, with their icons: groups after Generate, and what comes last.
 ENTRIES: tuple[dict[str, Any], ...] = (
@@ -23,6 +24,7 @@ ENTRIES: tuple[dict[str, Any], ...] = (
     },
     {"remove_animation": "X"},
 )
+OUTLINE = "Outline of Selected"
 ON_FILES: dict[str, Any] = {"cutout": "IMAGE_PLANE", "import": "IMPORT", "export": "EXPORT"}
 
 
@@ -38,8 +40,8 @@ class VIEW3D_MT_nested_cages(bpy.types.Menu):
             for name, icon in group.items():
                 layout.operator(f"object.nested_cages_{name}", icon=icon)
             layout.separator()
-        layout.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
-        layout.separator()
+        outline = layout.operator("object.nested_cages_import", text=OUTLINE, icon="OUTLINER_OB_MESH")
+        outline.outlines = SELECTED
         for name, icon in ON_FILES.items():
             layout.operator(f"object.nested_cages_{name}", icon=icon)
 

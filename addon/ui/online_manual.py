@@ -24,7 +24,6 @@ OPERATORS = {
     "cutout": "pictures#cutout",
     **dict.fromkeys(("puppet", "walk", "snap"), "characters#a-puppet"),
     "select_fault": "messages",
-    "to_objects": "silhouette",
 }
 SETTINGS = {
     "level": "levels",

@@ -14,9 +14,11 @@ from ..generate import groups
 from ..generate.settings import copy_values, settings_of
 from ..motion import live
 from ..operators.bind import REST
+from ..operators.files import SELECTED
 from ..operators.puppet import ONE_CAGE
 from ..puppets.controls import reach_of
 from . import data, sentences
+from .menus import OUTLINE
 
 CATEGORY = "Nested Cages"
 
@@ -112,7 +114,8 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
             sentences.draw(layout.column(align=True), context, following.problem or state, icon)
         column = layout.column(align=True)
         column.operator("object.nested_cages_export", icon="EXPORT")
-        _menu(column, "to_objects", "shape", icon="OUTLINER_OB_MESH")
+        outline = column.operator("object.nested_cages_import", text=OUTLINE, icon="OUTLINER_OB_MESH")
+        outline.outlines = SELECTED
 
 
 class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
@@ -214,7 +217,7 @@ class VIEW3D_PT_nested_cages_cutout(SidebarPanel, bpy.types.Panel):
             )
         _button(layout, "cutout", icon="IMAGE_PLANE")
         column = layout.column(align=True)
-        column.operator("object.nested_cages_import", text="Outline of Image", icon="IMAGE_DATA").outlines = "ONE"
+        column.operator("object.nested_cages_import", text=OUTLINE, icon="IMAGE_DATA").outlines = SELECTED
         column.operator("object.nested_cages_export", icon="EXPORT")
 
 

@@ -1,11 +1,11 @@
-"""The add-on's preferences: the tab of its panels, and the width of cages."""
+"""The add-on's preferences: the tab of its panels."""
 
 from __future__ import annotations
 
 import bpy
 from bpy.types import Context
 
-from ..blender.props import number, registration, text
+from ..blender.props import registration, text
 from ..generate import groups
 from . import panels
 
@@ -25,20 +25,11 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
         default=panels.CATEGORY,
         update=_move_panels,
     )
-    line_width: number(
-        "Cage Width",
-        "Width of cages in the 3D view; 0 leaves them as Blender's own wires",
-        default=2.5,
-        min=0.0,
-        max=20.0,
-        subtype="PIXEL",
-    )
 
     def draw(self, _context: Context) -> None:
         layout = self.layout
         layout.use_property_split = True
-        for name in ("category", "line_width"):
-            layout.prop(self, name)
+        layout.prop(self, "category")
 
 
 _register, unregister = registration((NestedCagesPreferences,))

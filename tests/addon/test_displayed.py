@@ -309,5 +309,5 @@ def test_the_silhouette_of_an_instance_leaves_cages_out() -> None:
     for operator in (bpy.ops.object.nested_cages_generate, bpy.ops.object.nested_cages_bind):
         assert operator() == {"FINISHED"}
     bpy.ops.object.collection_instance_add(collection="Home", location=(5.0, 0.0, 0.0))
-    assert bpy.ops.object.nested_cages_to_objects() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_import(outlines="SELECTED") == {"FINISHED"}
     assert len(bpy.context.object.data.vertices) == 60

@@ -280,7 +280,7 @@ def test_in_edit_mode_without_selected_edges_there_is_nothing_to_cage() -> None:
 @pytest.mark.skipif(bpy.app.version >= (4, 3), reason="converted when the file is opened")
 def test_the_older_grease_pencil_is_refused() -> None:
     bpy.ops.object.gpencil_add(type="STROKE")
-    for run in ("generate", "to_objects", "puppet"):
+    for run in ("generate", "puppet"):
         with refused():
             getattr(bpy.ops.object, f"nested_cages_{run}")()
 

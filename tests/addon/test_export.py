@@ -4,13 +4,26 @@ import json
 import re
 from xml.etree import ElementTree as ET
 
+import addon_utils
 import bpy
 import numpy as np
 import pytest
 import shapely
 
 from support.blender import refused
-from support.drawings import choose, circle, evaluated, generate, in_world, poly_curve, solid, star
+from support.drawings import (
+    at_frame,
+    choose,
+    circle,
+    end_of,
+    evaluated,
+    generate,
+    in_world,
+    made,
+    poly_curve,
+    solid,
+    star,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -128,3 +141,48 @@ def test_cages_around_and_inside_are_exported_with_one_drawing(tmp_path) -> None
     places = [written.index(name) for name in ("Drawing Cage 1", "Drawing Fine", "Drawing Inner Cage 1")]
     assert places == sorted(places)
     assert re.findall(r'class="([\w-]+)"', written) == ["level-1", "level-0", "inner-1"]
+
+
+def test_geojson_has_pieces(tmp_path, core) -> None:
+    poly_curve("Drawing", [star(), circle(30, 0.3)])
+    path = tmp_path / "outline.geojson"
+    options = {"filepath": str(path), "kind": "GEOJSON", "scale": 10.0}
+    for asked, most in ((6, 6), (1, 3)):
+        bpy.ops.object.nested_cages_export(**options, pieces=asked)
+        outline, *pieces = core.features_from_geojson(path.read_bytes())
+        assert max(len(each.mesh.vertices) for each in pieces) <= most
+        assert sum(each.mesh.area for each in pieces) == pytest.approx(outline.properties["area"])
+        assert [each.properties["piece"] for each in pieces] == [*range(1, len(pieces) + 1)]
+    assert bpy.ops.object.nested_cages_import(filepath=str(path)) == {"FINISHED"}
+    assert len(bpy.context.selected_objects) == 1
+    bpy.ops.object.nested_cages_export(**options)
+    assert len(core.features_from_geojson(path.read_bytes())) == 1
+
+
+def test_faces_that_blender_fills_play_the_steps_for_other_programs(tmp_path) -> None:
+    """As the guide says: a copy of a playing cage, filled in Edit Mode, and glTF that reads it back."""
+    poly_curve("Drawing", [star(), circle(20, 0.4)])
+    generate("24, 12", frames_per_step=3)
+    cage = made()[2]
+    choose(cage)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.fill()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(cage.data.polygons) > 0
+    cage.animation_data_clear()
+    cage.hide_viewport = cage.hide_render = False
+    expected = {frame: in_world(cage, evaluated(cage, at_frame(frame))) for frame in range(1, end_of(cage), 7)}
+    addon_utils.enable("io_scene_gltf2")
+    bpy.ops.export_scene.gltf(
+        filepath=str(tmp_path / "cages.glb"),
+        use_selection=True,
+        export_animation_mode="ACTIVE_ACTIONS",
+        export_optimize_animation_size=False,
+    )
+    bpy.data.objects.remove(cage)
+    bpy.ops.import_scene.gltf(filepath=str(tmp_path / "cages.glb"))
+    back = bpy.context.object
+    for frame, points in expected.items():
+        gaps = np.linalg.norm(in_world(back, evaluated(back, at_frame(frame)))[:, None] - points[None], axis=2)
+        assert max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) < 1e-4, frame

@@ -30,14 +30,14 @@ def test_no_opaque_pixel_is_outside(holes, padding) -> None:
     empty = image_empty(image)
     empty.empty_display_size = 4.0
     empty.location, empty.rotation_euler, empty.scale = (3.0, 1.0, 0.0), (0.4, 0.3, 0.2), (1.0, 2.0, 1.0)
-    done = bpy.ops.object.nested_cages_import(outlines="ONE", vertices=16, padding=padding, holes=holes)
+    done = bpy.ops.object.nested_cages_import(outlines="SELECTED", vertices=16, padding=padding, holes=holes)
     assert done == {"FINISHED"}
     made = bpy.context.active_object
-    area = solid(made)
-    assert len(made.data.vertices) == 16
-    assert len(getattr(area, "interiors", ())) == int(holes)
     bpy.context.view_layer.update()
-    assert made.matrix_world == empty.matrix_world
+    there = np.array(empty.matrix_world.inverted() @ made.matrix_world)
+    area = shapely.transform(solid(made), lambda xy: xy @ there[:2, :2].T + there[:2, 3])
+    assert len(made.data.vertices) == 16 and np.abs(there[2]).max() == pytest.approx(1.0)
+    assert len(getattr(area, "interiors", ())) == int(holes)
     pixel = 4.0 / (2 * SIDE)
     rows, columns = np.nonzero(opaque)
     low = np.column_stack([columns, rows]) * pixel + (-2.0, -1.0)
@@ -52,7 +52,7 @@ def test_images_without_anything_to_outline_are_refused() -> None:
     image.pixels.foreach_set(np.zeros(8 * 8 * 4, np.float32))
     image_empty(image)
     with refused("'Clear'"):
-        bpy.ops.object.nested_cages_import(outlines="ONE")
+        bpy.ops.object.nested_cages_import(outlines="SELECTED")
 
 
 def test_picture_files_become_upright_outlines(tmp_path) -> None:

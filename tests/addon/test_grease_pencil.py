@@ -94,7 +94,7 @@ def seen(obj: Any) -> Shape:
     """What an object paints, seen from the front: its silhouette."""
     chosen = list(bpy.context.selected_objects)
     choose(obj)
-    found = silhouette(plane="FRONT", fill_holes=False)
+    found = silhouette(plane="FRONT")
     area = faces_of(found, in_world(found, base(found))[:, [0, 2]])
     bpy.data.objects.remove(found)
     choose(*chosen, obj)
@@ -138,7 +138,7 @@ def test_blenders_own_drawings_are_caged_as_they_are_painted(kind: str) -> None:
     for cage in cages:
         assert upright(cage).contains(paint)
     choose(source)
-    assert bpy.ops.object.nested_cages_to_objects(fill_holes=False) == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_import(outlines="SELECTED") == {"FINISHED"}
     assert solid(bpy.context.object).area == pytest.approx(paint.area, rel=0.02)
 
 
@@ -551,7 +551,7 @@ def test_what_is_painted_on_a_later_frame_is_silhouetted_cut_out_and_rigged(fram
     strokes(obj.data.layers[0].frames[1].drawing, np.array([[-1.5, 0.5], [1.0, 0.0]]), cyclic=False)
     bpy.context.scene.frame_set(frame)
     paint = seen(obj)
-    assert bpy.ops.object.nested_cages_to_objects(fill_holes=False) == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_import(outlines="SELECTED") == {"FINISHED"}
     assert apart(solid_now(bpy.context.object), paint) < 1e-4
     bpy.data.objects.remove(bpy.context.object)
     choose(obj)

@@ -26,7 +26,7 @@ def test_shapes_of_any_svg_can_be_read_one_by_one(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("shapes", slow_after(1, [1, 2]))
-@pytest.mark.parametrize(("plane", "up"), [("AUTO", 2), ("XZ", 2), ("XY", 1)])
+@pytest.mark.parametrize(("plane", "up"), [("AUTO", 2), ("FRONT", 2), ("TOP", 1)])
 def test_a_drawing_stands_in_its_middle_and_several_shapes_are_parts(tmp_path, shapes, plane, up) -> None:
     drawn = ('<rect id="low" x="10" width="10" height="40" fill="red"/>', '<circle id="high" cx="30" cy="35" r="5"/>')
     path = tmp_path / "drawing.svg"
@@ -49,7 +49,7 @@ def test_a_drawing_stands_in_its_middle_and_several_shapes_are_parts(tmp_path, s
 def test_drawings_are_read_from_files_and_caged(tmp_path, reports) -> None:
     overlapping = '<svg xmlns="http://www.w3.org/2000/svg"><circle r="50"/><rect width="80" height="80"/></svg>'
     (tmp_path / "logo.svg").write_text(overlapping)
-    lying = {"outlines": "ONE", "plane": "XY"}
+    lying = {"outlines": "ONE", "plane": "TOP"}
     assert bpy.ops.object.nested_cages_import(filepath=str(tmp_path / "logo.svg"), **lying) == {"FINISHED"}
     logo = bpy.context.active_object
     assert logo.name == "logo"

@@ -168,7 +168,7 @@ def image_of(_folder: Any) -> dict[str, Any]:
     opaque = np.hypot(rows - 15.5, columns - 15.5) < 8.0 + 0.3 * next(depths) % 5.0
     image.pixels.foreach_set(np.repeat(opaque.astype(np.float32).ravel(), 4))
     image_empty(image)
-    return {"outlines": "ONE", "vertices": 8}
+    return {"outlines": "SELECTED", "vertices": 8}
 
 
 JOBS = {"verify": bound, "bind": caged, "import": map_of, "import picture": image_of}

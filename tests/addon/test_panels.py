@@ -107,10 +107,9 @@ UNFIT = [
     ("nothing", "generate", {}, ""),
     *(("nothing", name, {}, "") for name in ("puppet", "cutout", "export")),
     ("a camera", "generate", {}, "'Camera'"),
-    ("a camera", "to_objects", {}, ""),
+    ("a camera", "import", {"outlines": "SELECTED"}, ""),
     ("a drawing", "verify", {}, ""),
-    ("a drawing", "to_objects", {"shape": "ANIMATED"}, "'Drawing'"),
-    ("an open line", "to_objects", {"shape": "PIECES"}, "'Open'"),
+    ("an open line", "import", {"outlines": "SELECTED"}, "'Open'"),
 ]
 
 

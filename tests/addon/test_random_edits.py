@@ -51,7 +51,7 @@ def test_transforms_that_are_no_numbers(which: str, name: str, value: float) -> 
     if "Drawing" in which:
         generate("12")
     getattr(bpy.data.objects[which if "Drawing" in which else "Drawing"], name)[0] = value
-    for operator in ("generate", "verify", "bind", "puppet", "bind", "to_objects", "live"):
+    for operator in ("generate", "verify", "bind", "puppet", "bind", "live"):
         bpy.context.view_layer.update()  # what is hidden on this frame is
         before = repr(snapshot())
         found = getattr(bpy.ops.object, f"nested_cages_{operator}")

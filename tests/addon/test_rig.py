@@ -139,7 +139,7 @@ def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
     choose(eye, head)
     for silhouette in (False, True):
         if silhouette:
-            assert bpy.ops.object.nested_cages_to_objects() == {"FINISHED"}
+            assert bpy.ops.object.nested_cages_import(outlines="SELECTED") == {"FINISHED"}
         drawings.generate("8", together=True)
         bind()
         cage = bpy.context.object

@@ -45,7 +45,7 @@ def test_holes_are_kept_filled_or_hidden_by_other_layers() -> None:
     ring, spot = wire("Ring", [circle(48), circle(24, 0.5)]), wire("Spot", [circle(24, 0.2)])
     bpy.context.view_layer.objects.active = ring
     assert apart(filled(silhouette(ring, spot)), (disc(1.0) - disc(0.5, count=24)) | disc(0.2, count=24)) < 1e-6
-    assert apart(filled(silhouette(ring, spot, fill_holes=True)), disc(1.0)) < 1e-6
+    assert apart(filled(silhouette(ring, spot, holes=False)), disc(1.0)) < 1e-6
 
 
 def test_a_solid_seen_from_each_side() -> None:

@@ -21,7 +21,7 @@ STRANGE = [None, 0, -1, 10**9, 1.5, float("nan"), float("inf"), "", "x", "\N{SNO
 
 OTHERS = (
     "generate", "verify", "bind", "puppet", "cancel", "follow", "live",
-    "remove_animation", "to_objects", "select_fault",
+    "remove_animation", "select_fault",
 )  # fmt: skip
 """Operators that need no file."""
 

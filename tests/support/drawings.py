@@ -71,7 +71,7 @@ def silhouette(*objects: Any, **options: Any) -> Any:
     for obj in objects:
         obj.select_set(True)
     bpy.context.view_layer.update()
-    assert bpy.ops.object.nested_cages_to_objects(**options) == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_import(outlines="SELECTED", **options) == {"FINISHED"}
     bpy.context.view_layer.update()
     return bpy.context.object
 
