@@ -17,7 +17,7 @@ import shapely
 from common import DETAILS, Options, table
 from files import fetched
 from nestedcages_core import NestedCagesError, read_png
-from nestedcages_core.game.islands import MARGIN, islands_of
+from nestedcages_core.puppets.engines.hulls import MARGIN, islands_of
 from puppet_engines import corners_of
 
 GAMES = ("ardentryst", "endless-sky-data", "fillets-ng-data")

@@ -22,7 +22,7 @@ import shapely
 
 from common import HERE, ROOT, Options, table
 from nestedcages_core import NestedCagesError, read_png
-from nestedcages_core.game import Animation, GamePuppet, game_puppet, read_painting, write_puppet
+from nestedcages_core.puppets import Animation, GamePuppet, game_puppet, read_painting, write_puppet
 
 SCRIPTS = HERE / "engines"
 PACKAGES = ("@esotericsoftware/spine-core@4.2.100",)

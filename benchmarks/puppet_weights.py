@@ -10,9 +10,9 @@ import scipy
 
 from common import DETAILS, Options, table
 from nestedcages_core import PuppetPart, draft_puppet
-from nestedcages_core.puppet import scores
-from nestedcages_core.puppet.evidence import Evidence
-from nestedcages_core.puppet.words import NAMES as OF_NAMES
+from nestedcages_core.puppets.draft import scores
+from nestedcages_core.puppets.draft.evidence import Evidence
+from nestedcages_core.puppets.draft.names import NAMES as OF_NAMES
 from puppets import CAST, NOT_FITTED, drawing, names_of, wrong
 
 ROOT_PENALTY, LINK_PENALTY, NAME_PENALTY = 0.1, 1.5, 0.3

@@ -26,11 +26,11 @@ from nestedcages_core import (
     puppet_parts,
     with_joints,
 )
-from nestedcages_core.character import Field, Linear, PreserveVolume, field_of, folded, holding, skinned
+from nestedcages_core.coordinates import Field, field_of, folded, holding
 from nestedcages_core.geometry.predicates import winding_number
 from nestedcages_core.geometry.triangulation import Triangulation
-from nestedcages_core.puppet import BendField, Cap, Hold, Link
-from nestedcages_core.puppet.caps import caps_of, joint_radius
+from nestedcages_core.puppets import BendField, Cap, Hold, Linear, Link, PreserveVolume, skinned
+from nestedcages_core.puppets.caps import caps_of, joint_radius
 
 CAST = json.loads((HERE / "cast" / "parents.json").read_text(encoding="utf-8"))
 """Of each character its set, and of each part the one that a rigger would hang it on, None for the root.

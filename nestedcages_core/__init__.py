@@ -21,12 +21,6 @@ if TYPE_CHECKING:
     from .batch import BatchProgress as BatchProgress
     from .batch import Outcome as Outcome
     from .batch import nested_cages_many
-    from .character import Bone as Bone
-    from .character import Character as Character
-    from .character import Skeleton as Skeleton
-    from .character import bone_weights as bone_weights
-    from .character import suggest_bones as suggest_bones
-    from .character import with_joints as with_joints
     from .checker import Verdict as Verdict
     from .checker import check
     from .constraints.axis_aligned import AxisAligned as AxisAligned
@@ -89,7 +83,6 @@ if TYPE_CHECKING:
     from .formats.pictures import boundary_of_pixels as boundary_of_pixels
     from .formats.pictures import collision_outline, read_png
     from .formats.swept import swept
-    from .game.drawn_parts import puppet_parts as puppet_parts
     from .geometry.mesh import Mesh
     from .geometry.symmetry import DetectSymmetry as DetectSymmetry
     from .geometry.symmetry import Mirror as Mirror
@@ -127,13 +120,20 @@ if TYPE_CHECKING:
     from .published import PaperWeights as PaperWeights
     from .published import Repairs as Repairs
     from .published import as_published as as_published
-    from .puppet import PartChoice as PartChoice
-    from .puppet import Puppet as Puppet
-    from .puppet import PuppetDraft as PuppetDraft
-    from .puppet import PuppetPart as PuppetPart
-    from .puppet import draft_puppet as draft_puppet
-    from .puppet import puppet_of as puppet_of
-    from .puppet import walk as walk
+    from .puppets import Bone as Bone
+    from .puppets import Character as Character
+    from .puppets import PartChoice as PartChoice
+    from .puppets import Puppet as Puppet
+    from .puppets import PuppetDraft as PuppetDraft
+    from .puppets import PuppetPart as PuppetPart
+    from .puppets import Skeleton as Skeleton
+    from .puppets import bone_weights as bone_weights
+    from .puppets import draft_puppet as draft_puppet
+    from .puppets import puppet_of as puppet_of
+    from .puppets import puppet_parts as puppet_parts
+    from .puppets import suggest_bones as suggest_bones
+    from .puppets import walk as walk
+    from .puppets import with_joints as with_joints
     from .solver.banded import Rows as Rows
     from .solver.newton import ProjectedNewton as ProjectedNewton
     from .solver.quadratic_program import InteriorPoint as InteriorPoint
@@ -215,7 +215,6 @@ _LATER = {
     "solver.newton": "ProjectedNewton",
     "solver.quadratic_program": "InteriorPoint",
     "batch": "BatchProgress Outcome nested_cages_many",
-    "character": "Bone Character Skeleton bone_weights suggest_bones with_joints",
     "checker": "Verdict check",
     "constraints.axis_aligned": "AxisAligned",
     "constraints.base": "Bound Constraint Terms",
@@ -229,7 +228,6 @@ _LATER = {
         "Coverage Feature Limits convex_pieces coverage_cages features_from_geojson from_geojson from_svg joined "
         "read_geojson read_map read_svg read_svg_drawing svg_drawing to_geojson to_svg write_geojson write_svg"
     ),
-    "game.drawn_parts": "puppet_parts",
     "formats.swept": "swept",
     "formats.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
     "levels.check_constraint": "check_constraint",
@@ -237,7 +235,10 @@ _LATER = {
     "levels.check_energy": "check_energy",
     "levels.excess_by_count": "ExcessByCount excess_by_count",
     "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",
-    "puppet": "PartChoice Puppet PuppetDraft PuppetPart draft_puppet puppet_of walk",
+    "puppets": (
+        "Bone Character PartChoice Puppet PuppetDraft PuppetPart Skeleton bone_weights draft_puppet puppet_of "
+        "puppet_parts suggest_bones walk with_joints"
+    ),
     "published": (
         "AUGMENTED_2022 AUGMENTED_2022_REPAIRED GradientDescent PaperContact PaperFlow PaperWeights Repairs "
         "as_published"

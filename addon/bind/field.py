@@ -47,9 +47,9 @@ def make(cage: Object, space: Object, method: str) -> Object:
     Where weights would be too many, it is the cage's own triangles alone.
     """
     outline, corners = mesh_data.shape_of(cage), mesh_data.points_of(mesh_data.mesh_of(cage))
-    name, sampling = f"{cage.name} Field", None if method == LINEAR else core.character.field.INSIDE
+    name, sampling = f"{cage.name} Field", None if method == LINEAR else core.coordinates.field.INSIDE
     field = remembered(
-        lambda: core.character.field_of(outline, sampling),
+        lambda: core.coordinates.field_of(outline, sampling),
         FIELD_BYTES * len(corners),
         "field", outline.vertices, outline.edges, sampling,
     )  # fmt: skip

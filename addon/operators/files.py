@@ -23,7 +23,7 @@ from ..blender.props import choice, flag, number, text, whole
 from ..blender.views import FLAT_LIGHT, FRONT, RIGHT, TEXTURES, TOP
 from ..cage_sets import CageSet, selection
 from ..cage_sets.selection import chosen, each_of_chosen, scene_of, select
-from ..core import game
+from ..core import core
 from ..drawing import planar
 from ..drawing.painted import paints
 from ..drawing.planar import Drawing
@@ -372,7 +372,7 @@ class OBJECT_OT_nested_cages_export(Operator, ExportHelper, bpy.types.Operator):
     @property
     def filename_ext(self) -> str:
         """The file extension that Blender's helper adds."""
-        return SUFFIXES.get(self.kind) or f".{game.ENGINES[self.kind.lower()].ending.rpartition('.')[2]}"
+        return SUFFIXES.get(self.kind) or f".{core.puppets.ENGINES[self.kind.lower()].ending.rpartition('.')[2]}"
 
     def _puppet(self, context: Context) -> Object | None:
         """The armature of the puppet to write; None if outlines are asked for."""

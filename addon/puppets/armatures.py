@@ -96,7 +96,7 @@ def frame_of(armature: Object) -> Frame:
     return Frame(world_matrix(armature), height, scale_of(armature), own=True)
 
 
-def figure_of(armature: Object) -> core.puppet.Figure:
+def figure_of(armature: Object) -> core.puppets.Figure:
     """What clips need of a puppet, as its bones are now."""
     own = [bone for bone in armature.data.bones if part_of(bone)]
     number = {bone.name: k for k, bone in enumerate(own)}
@@ -106,33 +106,33 @@ def figure_of(armature: Object) -> core.puppet.Figure:
         head, tail = ((end.x, end.y) for end in (bone.head_local, bone.tail_local))
         bones.append(core.Bone(head, tail, number[above.name] if above is not None else None, bone.name))
         limbs.setdefault(bone.get(keys.LIMB, ""), []).append(bone.name)
-    kinds: dict[str, list[tuple[str, ...]]] = {kind: [] for kind in core.puppet.Limbs._fields}
+    kinds: dict[str, list[tuple[str, ...]]] = {kind: [] for kind in core.puppets.Limbs._fields}
     for name, chain in sorted(limbs.items()):
         if name:
             kinds[name.split()[0]].append(tuple(chain))
-    ranges = tuple(core.puppet.JointRange(*bone[keys.PROVED]) for bone in own)
-    found = core.puppet.Limbs(**{kind: tuple(chains) for kind, chains in kinds.items()})
-    return core.puppet.Figure(tuple(bones), ranges, found, float(armature.data.get(keys.AHEAD, 1.0)))
+    ranges = tuple(core.puppets.JointRange(*bone[keys.PROVED]) for bone in own)
+    found = core.puppets.Limbs(**{kind: tuple(chains) for kind, chains in kinds.items()})
+    return core.puppets.Figure(tuple(bones), ranges, found, float(armature.data.get(keys.AHEAD, 1.0)))
 
 
 def choices_in(
     armature: Object,
-    parts: Sequence[core.puppet.PuppetPart],
+    parts: Sequence[core.puppets.PuppetPart],
     drawings: Mapping[str, Object],
     in_parts: Callable[[FloatArray], FloatArray],
-) -> dict[str, core.puppet.PartChoice]:
+) -> dict[str, core.puppets.PartChoice]:
     """What an armature says of parts: on which others they hang, where they turn and by how many bones they bend.
 
     drawings: one of each part that the armature moves, by its name; in_parts: takes points (n, 3) of the armature to
     the parts' coordinates.
     """
     known = {part.name: part for part in parts}
-    choices: dict[str, core.puppet.PartChoice] = {}
+    choices: dict[str, core.puppets.PartChoice] = {}
     chains = chains_of(armature.data.bones)
     for name, obj in drawings.items():
         host = carried_by(obj, armature) if name in known and name not in chains else ""
         if host in known and obj.get(keys.DRAWN, name) == name:  # a copy of a part hangs where it lies now
-            choices[name] = core.puppet.PartChoice(parent=host, hold=core.puppet.Hold.RIDES)
+            choices[name] = core.puppets.PartChoice(parent=host, hold=core.puppets.Hold.RIDES)
     for name, chain in chains.items():
         if name not in known:
             continue
@@ -140,7 +140,7 @@ def choices_in(
         places = tuple((float(x), float(y)) for x, y in in_parts(ends))
         stays = known[name].distance(places[0]) <= OFF_PART * chain[0].length
         inside = all(known[name].distance(place) == 0.0 for place in places[1:-1])
-        here = core.puppet.PartChoice(bones=len(chain), chain=places if stays and inside else None)
+        here = core.puppets.PartChoice(bones=len(chain), chain=places if stays and inside else None)
         above = first = owner_of(chain[0].parent)
         while above is not None and part_of(above) not in known:
             above = owner_of(above.parent)
@@ -150,7 +150,7 @@ def choices_in(
         elif above is None:  # all that it hung on is gone
             choices[name] = replace(here, joint=joint)
         else:
-            choices[name] = replace(here, parent=part_of(above), joint=joint, hold=core.puppet.Hold.JOINT)
+            choices[name] = replace(here, parent=part_of(above), joint=joint, hold=core.puppets.Hold.JOINT)
     return choices
 
 
@@ -198,8 +198,8 @@ def hang_as(armature: Object, objects: Sequence[Object]) -> None:
 
 
 def parents_of(
-    parts: Sequence[core.puppet.PuppetPart], drawings: Sequence[Sequence[Object]]
-) -> dict[str, core.puppet.PartChoice]:
+    parts: Sequence[core.puppets.PuppetPart], drawings: Sequence[Sequence[Object]]
+) -> dict[str, core.puppets.PartChoice]:
     """On which others parts hang by the parents of their drawings; nothing if these all have the same one.
 
     drawings: those of each part.
@@ -209,16 +209,16 @@ def parents_of(
     above = {name: parent for name, parent in above.items() if parent != name}
     if len({*above.values()}) < 2:
         return {}
-    return {name: core.puppet.PartChoice(parent=parent) for name, parent in above.items()}
+    return {name: core.puppets.PartChoice(parent=parent) for name, parent in above.items()}
 
 
 def draw_bones(
     context: Context,
     armature: Object,
     frame: Frame,
-    puppet: core.puppet.Puppet,
-    limits: Sequence[core.puppet.JointRange],
-) -> core.puppet.Puppet:
+    puppet: core.puppets.Puppet,
+    limits: Sequence[core.puppets.JointRange],
+) -> core.puppets.Puppet:
     """Draws the bones of a puppet into an armature in its frame; those that its parts have keep names and poses, and
     bones of others stay. Returns the puppet with the names that they have.
 
@@ -253,7 +253,7 @@ def draw_bones(
     named = tuple(replace(bone, name=name) for bone, name in zip(puppet.bones, names, strict=True))
     puppet = replace(puppet, draft=replace(puppet.draft, bones=named))
     _mark(armature, puppet)
-    allowed = limits or [core.puppet.JointRange()] * len(names)
+    allowed = limits or [core.puppets.JointRange()] * len(names)
     for name, limit in zip(names, allowed, strict=True):
         posed: Any = armature.pose.bones[name]
         posed.rotation_mode = "XYZ" if name in new else posed.rotation_mode
@@ -261,7 +261,7 @@ def draw_bones(
     return puppet
 
 
-def _mark(armature: Object, puppet: core.puppet.Puppet) -> None:
+def _mark(armature: Object, puppet: core.puppets.Puppet) -> None:
     """Notes what the bones are for and what is proved of them, and colours those in doubt."""
     figure, doubtful = puppet.figure, set(puppet.draft.doubtful)
     data: Any = armature.data
@@ -278,10 +278,10 @@ def _mark(armature: Object, puppet: core.puppet.Puppet) -> None:
                 data.bones[name][keys.LIMB] = f"{kind} {number:03}"
 
 
-def _limit(posed: Any, allowed: core.puppet.JointRange) -> None:
+def _limit(posed: Any, allowed: core.puppets.JointRange) -> None:
     """Limits the turn of a bone to a range, or no longer."""
     limit = posed.constraints.get(RANGE)
-    if allowed == core.puppet.JointRange():
+    if allowed == core.puppets.JointRange():
         if limit is not None:
             posed.constraints.remove(limit)
         return

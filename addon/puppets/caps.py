@@ -65,8 +65,8 @@ def draw_caps(
     armature: Object,
     frame: Frame,
     drawings: Sequence[Sequence[Object]],
-    puppet: core.puppet.Puppet,
-    caps: Sequence[core.puppet.Cap],
+    puppet: core.puppets.Puppet,
+    caps: Sequence[core.puppets.Cap],
 ) -> None:
     """Draws caps of a puppet at rest. Parts that show no faces get none.
 
@@ -106,10 +106,10 @@ def _hang(data: bpy.types.Mesh, drawing: Object, armature: Object, bone: str) ->
 
 def _piece_of(
     context: Context,
-    part: core.puppet.PuppetPart,
+    part: core.puppets.PuppetPart,
     drawings: Sequence[Object],
     heights: Sequence[float],
-    cap: core.puppet.Cap,
+    cap: core.puppets.Cap,
     frame: Frame,
 ) -> bpy.types.Mesh | None:
     """What drawings show in a cap, the lowest first, each at its height in the frame, and ink at the last; None if

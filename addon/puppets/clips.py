@@ -25,7 +25,7 @@ def add_walk(context: Context, armature: Object) -> bpy.types.Action:
     figure, scene = armatures.figure_of(armature), scene_of(context)
     step = max(1, round(SECONDS * scene.render.fps / scene.render.fps_base / KEYS))
     with blamed(f"'{armature.name}'"):
-        clip = core.puppet.walk(figure, seconds=SECONDS, frames=KEYS)
+        clip = core.puppets.walk(figure, seconds=SECONDS, frames=KEYS)
     for bone in figure.bones:
         if armature.pose.bones[bone.name].rotation_mode in ("QUATERNION", "AXIS_ANGLE"):
             raise UserError(f"'{bone.name}' is turned by quaternions or an axis: set its mode to XYZ Euler")

@@ -28,7 +28,7 @@ ROOT_LENGTH, LENGTH = 0.1, 0.5
 LEAST = 2
 
 
-def add_controls(context: bpy.types.Context, armature: Object, figure: core.puppet.Figure, reach: float) -> None:
+def add_controls(context: bpy.types.Context, armature: Object, figure: core.puppets.Figure, reach: float) -> None:
     """Adds the controls to the armature of a puppet, or puts them where they belong now.
 
     reach: how much limbs follow new controls, from 0 to 1.
@@ -121,7 +121,7 @@ def _control_name(bone: str) -> str:
     return f"{stem} {REACH}.{side}" if dot and side in ("L", "R") else f"{bone} {REACH}"
 
 
-def _reaching(armature: Object, figure: core.puppet.Figure) -> list[tuple[str, ...]]:
+def _reaching(armature: Object, figure: core.puppets.Figure) -> list[tuple[str, ...]]:
     """The bones of each leg and arm that reach: without hands and feet, if enough are left."""
     found = []
     for limb in (*figure.limbs.legs, *figure.limbs.arms):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..blender import mesh_data
 from ..cage_sets import CageSet
-from ..core import blamed, core, game
+from ..core import blamed, core
 from ..drawing.plane import space_to_space, transform
 from ..errors import FloatArray, UserError
 from ..files.pictures import image_on, size_of
@@ -55,7 +55,7 @@ def write(context: Context, rig: Object, path: Path, engine: str) -> tuple[list[
     return exported.put(path, engine, *cutouts_in_scene(context, rig))
 
 
-def cutouts_in_scene(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str, ...]]:
+def cutouts_in_scene(context: Context, rig: Object) -> tuple[core.puppets.GamePuppet, tuple[str, ...]]:
     """The puppet of the pictures that an armature moves, at rest, with its actions, and notes. Raises: UserError."""
     pictures = moved_by(rig)
     places = [_points_in(rig, obj) for obj, _ in pictures]
@@ -63,22 +63,22 @@ def cutouts_in_scene(context: Context, rig: Object) -> tuple[game.GamePuppet, tu
     corners = [_corner_of(obj, points / unit) for (obj, _), points in zip(pictures, places, strict=True)]
     low = np.min(corners, axis=0)
     high = np.max([at + _pixels_of(obj) for at, (obj, _) in zip(corners, pictures, strict=True)], axis=0)
-    place = game.Placement(*np.ceil(high - low).astype(int).tolist())
+    place = core.puppets.Placement(*np.ceil(high - low).astype(int).tolist())
     shift = np.array((low[0] + 0.5 * place.width, low[1]))
     bones = _bones_of(rig, unit)
-    number, meshes, notes = {bone.name: k for k, bone in enumerate(bones)}, list[game.PartMesh](), list[str]()
+    number, meshes, notes = {bone.name: k for k, bone in enumerate(bones)}, list[core.puppets.PartMesh](), list[str]()
     for (obj, cage_set), points in zip(pictures, places, strict=True):
         weights = _weights(obj, cage_set, number)
-        left_out = 1.0 - np.sort(weights, axis=1)[:, -game.MOST_BONES :].sum(axis=1).min()
+        left_out = 1.0 - np.sort(weights, axis=1)[:, -core.puppets.MOST_BONES :].sum(axis=1).min()
         if left_out > LEFT_OUT:
             notes.append(f"'{obj.name}': engines take four bones for a point, which leaves out up to {left_out:.0%}")
         meshes.append(exported.part_mesh(obj, points / unit - shift, weights, place))
     with blamed(f"'{rig.name}'"):
         there = tuple(replace(bone, head=_moved(bone.head, shift), tail=_moved(bone.tail, shift)) for bone in bones)
         animations = exported.baked(context, rig, bones, unit)
-        ranges = game.proved_ranges(there, meshes)
+        ranges = core.puppets.proved_ranges(there, meshes)
     name = bpy.path.clean_name(pictures[0][0].name)
-    return game.GamePuppet(name, place, there, tuple(meshes), ranges, animations), tuple(notes)
+    return core.puppets.GamePuppet(name, place, there, tuple(meshes), ranges, animations), tuple(notes)
 
 
 def _moved(end: tuple[float, float], shift: FloatArray) -> tuple[float, float]:

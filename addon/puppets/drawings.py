@@ -11,7 +11,7 @@ from bpy.types import Context, Object
 from mathutils import Color
 
 from ..blender import mesh_data
-from ..core import core, game, layers
+from ..core import core
 from ..drawing.painted import areas_of
 from ..drawing.plane import Frame, transform, united, world_matrix
 from ..errors import FloatArray, UserError
@@ -50,12 +50,12 @@ def paints_of(context: Context, obj: Object, frame: Frame) -> list[Paint]:
 
 def pictures_of(
     given: Drawn, shapes: Sequence[Sequence[Paint]], low: FloatArray, scale: float
-) -> list[layers.PicturePart]:
+) -> list[core.puppets.PicturePart]:
     """The picture of each part, from what it paints. low, scale: of `picture_of`."""
     found = []
     for part, paints in zip(given.parts, shapes, strict=True):
-        pictures = [game.picture_of(part.name, (part.name,), [paint], low, scale) for paint in paints]
-        found.append(game.painted_as_one([each for each in pictures if each is not None]))
+        pictures = [core.puppets.picture_of(part.name, (part.name,), [paint], low, scale) for paint in paints]
+        found.append(core.puppets.painted_as_one([each for each in pictures if each is not None]))
     return found
 
 

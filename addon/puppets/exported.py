@@ -17,7 +17,7 @@ from .. import keys
 from ..blender import mesh_data
 from ..blender.jobs import drain
 from ..cage_sets.selection import scene_of
-from ..core import blamed, core, game
+from ..core import blamed, core
 from ..errors import FloatArray, UserError
 from ..files.pictures import image_on
 from . import armatures, drawings, moving
@@ -42,34 +42,36 @@ def write(context: Context, rig: Object, path: Path, engine: str) -> tuple[list[
     return put(path, engine, *(puppet_in_scene(context, rig) if parts_of(rig) else pictured(context, rig)))
 
 
-def put(path: Path, engine: str, puppet: game.GamePuppet, notes: tuple[str, ...]) -> tuple[list[Path], tuple[str, ...]]:
+def put(
+    path: Path, engine: str, puppet: core.puppets.GamePuppet, notes: tuple[str, ...]
+) -> tuple[list[Path], tuple[str, ...]]:
     """Writes the files of a puppet; returns them, and what is to be told. Raises: UserError."""
     with blamed(f"'{path.name}' cannot be written"):
-        files = game.write_puppet(path, puppet, engine)
-        return files, (*notes, *game.undrawn(puppet, engine))
+        files = core.puppets.write_puppet(path, puppet, engine)
+        return files, (*notes, *core.puppets.undrawn(puppet, engine))
 
 
-def puppet_in_scene(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str, ...]]:
+def puppet_in_scene(context: Context, rig: Object) -> tuple[core.puppets.GamePuppet, tuple[str, ...]]:
     """The puppet of an armature as it is at rest, with what is proved of it and its actions. Raises: UserError."""
     puppet, notes = as_it_stands(rig), list[str]()
     for mesh in puppet.meshes:
         with blamed(f"'{mesh.name}'"):
             loop = puppet.place.down(mesh.points[: mesh.hull])
             try:
-                game.certify(loop, mesh.pixels, mesh.left, mesh.top)
+                core.puppets.certify(loop, mesh.pixels, mesh.left, mesh.top)
             except core.NestedCagesError as error:
                 notes.append(f"'{mesh.name}': {error}")
     with blamed(f"'{rig.name}'"):
-        ranges = game.proved_ranges(puppet.bones, puppet.meshes)
+        ranges = core.puppets.proved_ranges(puppet.bones, puppet.meshes)
         animations = baked(context, rig, puppet.bones, rig[keys.CANVAS][2])
     return replace(puppet, ranges=ranges, animations=animations), tuple(notes)
 
 
-def as_it_stands(rig: Object) -> game.GamePuppet:
+def as_it_stands(rig: Object) -> core.puppets.GamePuppet:
     """Bones and layers of a painting's puppet as they are at rest, the lowest first. Raises: UserError."""
     width, height, unit = rig[keys.CANVAS]
-    place, bones = game.Placement(int(width), int(height)), _bones_of(rig, unit)
-    number, meshes = {bone.name: k for k, bone in enumerate(bones)}, list[game.PartMesh]()
+    place, bones = core.puppets.Placement(int(width), int(height)), _bones_of(rig, unit)
+    number, meshes = {bone.name: k for k, bone in enumerate(bones)}, list[core.puppets.PartMesh]()
     for obj in parts_of(rig):
         there = _in_rig(obj)
         points = (mesh_data.points_of(mesh_data.mesh_of(obj)) @ there[:3, :3].T + there[:3, 3])[:, :2] / unit
@@ -78,10 +80,10 @@ def as_it_stands(rig: Object) -> game.GamePuppet:
             raise UserError(f"'{obj.name}' has vertices without weights of bones: paint some, or remove them")
         meshes.append(part_mesh(obj, points, weights, place))
     name = bpy.path.clean_name(rig.data.name)
-    return game.GamePuppet(name, place, bones, tuple(meshes), (core.puppet.JointRange(),) * len(bones))
+    return core.puppets.GamePuppet(name, place, bones, tuple(meshes), (core.puppets.JointRange(),) * len(bones))
 
 
-def pictured(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str, ...]]:
+def pictured(context: Context, rig: Object) -> tuple[core.puppets.GamePuppet, tuple[str, ...]]:
     """The puppet of an armature that moves drawings as one of pictures, with its actions, and notes: its bones, with
     weights that are solved again as engines blend. Raises: UserError."""
     objects = armatures.drawings_of(rig)
@@ -91,7 +93,7 @@ def pictured(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str,
                   for own in given.objects]  # fmt: skip
     corners = np.concatenate([part.outline.vertices for part in given.parts])
     low, high = corners.min(axis=0), corners.max(axis=0)
-    pixel = float((high - low).max()) / game.LONGER_SIDE
+    pixel = float((high - low).max()) / core.puppets.LONGER_SIDE
     width, height = np.maximum(np.ceil((high - low) / pixel), 1.0).astype(int).tolist()
 
     def there(end: tuple[float, float]) -> tuple[float, float]:
@@ -109,7 +111,7 @@ def pictured(context: Context, rig: Object) -> tuple[game.GamePuppet, tuple[str,
         }
         parts = drawings.pictures_of(given, paints, np.array((low[0], -high[1])), 1.0 / pixel)
         name = bpy.path.clean_name(rig.data.name)
-        puppet = game.game_puppet(parts, (width, height), name=name, choices=choices)
+        puppet = core.puppets.game_puppet(parts, (width, height), name=name, choices=choices)
         animations = baked(context, rig, _bones_of(rig, pixel), pixel)
     names = [bone.name for bone in puppet.bones]
     for k, chain in enumerate(map(puppet.puppet.draft.chain, range(len(parts)))):
@@ -145,13 +147,15 @@ def group_weights(obj: Object, number: dict[str, int]) -> FloatArray:
     return weights
 
 
-def part_mesh(obj: Object, places: FloatArray, weights: FloatArray, place: game.Placement) -> game.PartMesh:
+def part_mesh(
+    obj: Object, places: FloatArray, weights: FloatArray, place: core.puppets.Placement
+) -> core.puppets.PartMesh:
     """The mesh of a picture with vertices at places (n, 2) in pixels and weights (n, B), its hull first. Raises:
     UserError.
     """
     data = mesh_data.mesh_of(obj)
     data.calc_loop_triangles()
-    points = game.stored(places)
+    points = core.puppets.stored(places)
     triangles = mesh_data.stored(data.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
     order = _hull_first(obj, triangles, len(points))
     corners = points[triangles]
@@ -162,13 +166,13 @@ def part_mesh(obj: Object, places: FloatArray, weights: FloatArray, place: game.
     back[order] = np.arange(len(order))
     pixels, left, top = _texture(obj, place.down(points))
     ring = int((np.bincount(_rim(triangles).ravel(), minlength=len(points)) > 0).sum())
-    return game.PartMesh(
+    return core.puppets.PartMesh(
         obj.name,
         str(obj.get(keys.LAYER, obj.name)),
         points[order],
         ring,
         back[triangles],
-        game.engine_weights(weights)[order],
+        core.puppets.engine_weights(weights)[order],
         left,
         top,
         pixels,
@@ -222,7 +226,7 @@ def _untextured(obj: Object) -> UserError:
     return UserError(f"'{obj.name}' has no texture: give it the material with its picture again")
 
 
-def baked(context: Context, rig: Object, bones: Sequence[core.Bone], unit: float) -> tuple[game.Animation, ...]:
+def baked(context: Context, rig: Object, bones: Sequence[core.Bone], unit: float) -> tuple[core.puppets.Animation, ...]:
     """The actions of an armature, as seen: with constraints and IK, a key on each frame."""
     scene = scene_of(context)
     rate = scene.render.fps / scene.render.fps_base
@@ -280,7 +284,7 @@ def _matrices(context: Context, rig: Object, bones: Sequence[core.Bone], frame: 
 
 def _keys_of(
     name: str, moved: FloatArray, bones: Sequence[core.Bone], unit: float, times: FloatArray
-) -> game.Animation:
+) -> core.puppets.Animation:
     """Keys from how bones move (K, B, 4, 4) from rest."""
     angle = np.unwrap(np.arctan2(moved[:, :, 1, 0], moved[:, :, 0, 0]), axis=0)
     turned, shifted = {}, {}
@@ -294,4 +298,4 @@ def _keys_of(
         if np.abs(local).max() > NO_SHIFT:
             shifted[bone.name] = local
     turned = {name: keys_ for name, keys_ in turned.items() if np.abs(keys_).max() > NO_TURN}
-    return game.Animation(name, times, turned, shifted)
+    return core.puppets.Animation(name, times, turned, shifted)

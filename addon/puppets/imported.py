@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .. import keys
 from ..blender import display, mesh_data
-from ..core import blamed, game
+from ..core import blamed, core
 from ..drawing.plane import Frame, size
 from ..errors import FloatArray
 from ..files.importers import PIXEL
@@ -28,19 +28,19 @@ DEPTH = 1e-3
 ENDINGS = (".psd", ".psb", ".ora", ".kra")
 
 
-def painting_in(path: Path, names: Sequence[str] | None, *, hidden: bool) -> game.Painting:
+def painting_in(path: Path, names: Sequence[str] | None, *, hidden: bool) -> core.puppets.Painting:
     """The parts of a layered painting, and notes on what was left out. Raises: UserError.
 
     names: of the pictures of a folder that are read; all if None.
     """
     with blamed(f"'{path.name}' cannot be read"):
-        return game.read_painting(path, names, hidden=hidden)
+        return core.puppets.read_painting(path, names, hidden=hidden)
 
 
-def jointed(path: Path, painting: game.Painting) -> game.GamePuppet:
+def jointed(path: Path, painting: core.puppets.Painting) -> core.puppets.GamePuppet:
     """The puppet of a painting. Raises: UserError."""
     with blamed(f"'{path.name}' cannot be read"):
-        return game.game_puppet(painting.parts, painting.size, name=path.stem)
+        return core.puppets.game_puppet(painting.parts, painting.size, name=path.stem)
 
 
 def pixels_of(image: bpy.types.Image) -> NDArray[np.uint8]:
@@ -56,7 +56,7 @@ def pixels_of(image: bpy.types.Image) -> NDArray[np.uint8]:
     return whole
 
 
-def place(context: Context, puppet: game.GamePuppet, *, scale: float) -> list[Object]:
+def place(context: Context, puppet: core.puppets.GamePuppet, *, scale: float) -> list[Object]:
     """New objects on the floor, in a collection of their own, the armature last. Bones blend as in engines: without
     Preserve Volume.
 
@@ -74,7 +74,7 @@ def place(context: Context, puppet: game.GamePuppet, *, scale: float) -> list[Ob
 
 
 def stage(
-    context: Context, home: bpy.types.Collection, rig: Object, puppet: game.GamePuppet, unit: float
+    context: Context, home: bpy.types.Collection, rig: Object, puppet: core.puppets.GamePuppet, unit: float
 ) -> list[Object]:
     """Draws the bones of a puppet into its armature, and gives it a mesh for each layer, each above the one before:
     what is there already goes on. Returns the meshes and the armature.
@@ -103,9 +103,9 @@ def stage(
     return [*made, rig]
 
 
-def _fill(obj: Object, rig: Object, puppet: game.GamePuppet, mesh: game.PartMesh, unit: float) -> None:
+def _fill(obj: Object, rig: Object, puppet: core.puppets.GamePuppet, mesh: core.puppets.PartMesh, unit: float) -> None:
     """Gives an object a mesh with its texture, and the weights of its bones. A mesh of that shape goes on."""
-    texture, left, top = game.texture_of(mesh, puppet.place)
+    texture, left, top = core.puppets.texture_of(mesh, puppet.place)
     old: Any = obj.data
     name, points = old.name, unit * mesh.points
     same = _has_shape(old, points, mesh.triangles)

@@ -41,7 +41,7 @@ class Drawn:
     frame: Frame
     objects: tuple[tuple[Object, ...], ...]
     """Those of each part: the shapes of a layer that have no names of their own are one."""
-    parts: tuple[core.puppet.PuppetPart, ...]
+    parts: tuple[core.puppets.PuppetPart, ...]
     problems: tuple[UserError, ...]
 
     @property
@@ -83,7 +83,7 @@ def drawn(context: Context, objects: Sequence[Object], old: Object | None) -> Wo
         problems += left_out
         kept.append(tuple(own))
         groups = tuple(home.name for home in own[0].users_collection[:1])
-        parts.append(core.puppet.PuppetPart(name, core.Mesh.from_loops(loops), groups))
+        parts.append(core.puppets.PuppetPart(name, core.Mesh.from_loops(loops), groups))
     if not parts:
         raise problems[0]
     return Drawn(frame, tuple(kept), tuple(parts), tuple(problems))
@@ -126,7 +126,7 @@ class Making:
 
 def articulate(
     context: Context, given: Drawn, old: Object | None, options: Making
-) -> Work[tuple[Object, core.puppet.Puppet]]:
+) -> Work[tuple[Object, core.puppets.Puppet]]:
     """An armature that moves the drawings part by part. Raises: UserError, which may leave new objects behind.
 
     old: that of an earlier puppet of theirs, which is drawn as it is changed now.
@@ -138,10 +138,10 @@ def articulate(
             choices = armatures.choices_in(old, given.parts, given.lowest, given.places_in(old))
         else:
             choices = armatures.parents_of(given.parts, given.objects)
-        draft = core.puppet.draft_puppet(given.parts, choices)
+        draft = core.puppets.draft_puppet(given.parts, choices)
         yield Progress(0.4, "cages and weights of parts that bend")
-        blend = core.character.Linear() if options.linear else core.character.PreserveVolume()
-        puppet = core.puppet.puppet_of(draft, blend)
+        blend = core.puppets.Linear() if options.linear else core.puppets.PreserveVolume()
+        puppet = core.puppets.puppet_of(draft, blend)
     yield Progress(0.9, "making bones")
     _check_followers(given, puppet)
     everyone = [obj for own in given.objects for obj in own]
@@ -181,7 +181,7 @@ def articulate(
     return armature, puppet
 
 
-def _check_followers(given: Drawn, puppet: core.puppet.Puppet) -> None:
+def _check_followers(given: Drawn, puppet: core.puppets.Puppet) -> None:
     """Raises: UserError if an object cannot follow."""
     for carrier, objects in zip(puppet.fields, given.objects, strict=True):
         for obj in objects:
@@ -241,7 +241,7 @@ def at_rest(context: Context, objects: Sequence[Object], armature: Object | None
 
 
 def _carrier(
-    context: Context, obj: Object, armature: Object, frame: Frame, puppet: core.puppet.Puppet, number: int
+    context: Context, obj: Object, armature: Object, frame: Frame, puppet: core.puppets.Puppet, number: int
 ) -> Object:
     """A hidden mesh that bones bend, for a part and what rides on it, with its field."""
     bent = puppet.fields[number]
@@ -261,7 +261,7 @@ def _carrier(
         new[keys.PART] = name
     cage_sets.make_helper(still, cage_sets.FIELD, made)
     bones = puppet.bones[bent.first_bone : bent.first_bone + len(bent.bends) + 1]
-    skin(made, armature, bones, bent.weights, keeps_volume=puppet.skin != core.character.Linear())
+    skin(made, armature, bones, bent.weights, keeps_volume=puppet.skin != core.puppets.Linear())
     context.view_layer.update()
     field.pose(made, made)
     return made

@@ -10,13 +10,13 @@ from .. import keys
 from ..blender import mesh_data
 from ..cage_sets import selection
 from ..cage_sets.selection import scene_of
-from ..core import blamed, game
+from ..core import blamed, core
 from ..errors import FloatArray, UserError
 from . import armatures, exported, imported, weights
 
 
 def repaint(
-    context: Context, rig: Object, painting: game.Painting, *, replace_weights: bool
+    context: Context, rig: Object, painting: core.puppets.Painting, *, replace_weights: bool
 ) -> tuple[list[Object], tuple[str, ...]]:
     """Changes a puppet to a painting: its objects, the armature last, and what to look at. Raises: UserError.
 
@@ -30,15 +30,15 @@ def repaint(
     if painted and not replace_weights:
         raise UserError(f"Weights of {painted} were painted by hand: tick 'Replace Painted Weights' to solve them anew")
     unit = rig[keys.CANVAS][2]
-    place = game.Placement(*painting.size)
+    place = core.puppets.Placement(*painting.size)
 
     def in_pixels(ends: FloatArray) -> FloatArray:
         return np.asarray(ends[:, :2] / unit)
 
     with blamed(f"'{rig.name}'"):
-        parts = game.puppet_parts_of(painting.parts, place)
+        parts = core.puppets.puppet_parts_of(painting.parts, place)
         choices = armatures.choices_in(rig, parts, {str(obj[keys.MADE]): obj for obj in drawn}, in_pixels)
-        puppet = game.game_puppet(painting.parts, painting.size, name=rig.data.name, choices=choices)
+        puppet = core.puppets.game_puppet(painting.parts, painting.size, name=rig.data.name, choices=choices)
     if context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     names = {mesh.name for mesh in puppet.meshes}

@@ -65,7 +65,7 @@ def foldings_of(armature: Object) -> list[Folding]:
     return [Folding.of_skin(mesh, shown.get(mesh, mesh)) for mesh in meshes]
 
 
-def by_hand(armature: Object, puppet: core.puppet.Puppet, frame: Frame) -> core.puppet.Puppet:
+def by_hand(armature: Object, puppet: core.puppets.Puppet, frame: Frame) -> core.puppets.Puppet:
     """A puppet with what was painted by hand on the hidden meshes of its armature, and what is proved of that."""
     names = {part: [bone.name for bone in chain] for part, chain in armatures.chains_of(armature.data.bones).items()}
     number = {part.name: k for k, part in enumerate(puppet.draft.parts)}
@@ -80,7 +80,7 @@ def by_hand(armature: Object, puppet: core.puppet.Puppet, frame: Frame) -> core.
             )[0]
             nearest = broad_phase.nearest(bent.grid.vertices, places)[1]
             weights = np.clip(bent.weights + found[nearest], 0.0, 1.0)
-            puppet = core.puppet.reweighted(puppet, number[part], weights / weights.sum(axis=1, keepdims=True))
+            puppet = core.puppets.reweighted(puppet, number[part], weights / weights.sum(axis=1, keepdims=True))
     return puppet
 
 

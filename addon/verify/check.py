@@ -53,7 +53,7 @@ class Folding:
         places = np.column_stack([outline.vertices, np.zeros(len(outline.vertices))])
         shape = outline.moved(transform(space_to_space(shows, inner), places)[:, :2])
         triangles = corners.astype(np.int64)
-        triangles = triangles[core.character.holding(rest[:, :2], triangles, shape)]
+        triangles = triangles[core.coordinates.holding(rest[:, :2], triangles, shape)]
         return cls(cage, inner, shows, rest, _stored_weights(data), *_upright(rest, triangles))
 
     @classmethod
@@ -72,7 +72,7 @@ class Folding:
         if len(corners) != self.weights.shape[1]:
             return None
         posed = self.weights @ transform(space_to_space(shows, cage), corners)
-        folded = core.character.folded(posed[:, :2], self.triangles)
+        folded = core.coordinates.folded(posed[:, :2], self.triangles)
         share = float(self.areas[folded].sum() / self.areas.sum())
         if share < SMALLEST:
             return None

@@ -9,15 +9,10 @@ from pathlib import Path
 
 from ..errors import NestedCagesError
 from ..formats import write_files
-from ..game import (
-    GamePuppet,
-    engine_for,
-    game_puppet,
-    puppet_files,
-    read_painting,
-    undrawn,
-)
-from ..puppet import PartChoice
+from ..puppets.draft.links import PartChoice
+from ..puppets.engines.engines import engine_for, puppet_files, undrawn
+from ..puppets.engines.puppet import GamePuppet, game_puppet
+from ..puppets.layers.paintings import read_painting
 from .options import at_least
 from .printing import sentence_of, tell
 

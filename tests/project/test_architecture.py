@@ -18,7 +18,7 @@ LAYERS = {
     "nestedcages_core": """
         checker_distance checker errors libraries progress parameters lapack geometry decimation energies solver flow
         constraints contact tightening verification tolerance levels motion published coordinates
-        character puppet formats layers game batch command __main__ __init__
+        formats puppets batch command __main__ __init__
     """,
     "addon": """
         errors keys core memory messages blender drawing cage_sets animation transfer bind generate properties files api
@@ -68,6 +68,13 @@ def test_no_files_import_each_other_in_a_circle(package: str) -> None:
         target = modules.get(name) or modules.get(name.rpartition(".")[0])
         graph[path] |= {target} - {path, None}
     graphlib.TopologicalSorter(graph).prepare()  # raises CycleError
+
+
+def test_nothing_but_the_command_imports_puppets() -> None:
+    """Cages and their motion work without the package."""
+    own = f"{CORE}/puppets/"
+    users = {path for path, _, name in imported(CORE) if name.startswith(f"{CORE}.puppets") and own not in path}
+    assert users == {f"{CORE}/__init__.py", f"{CORE}/command/puppet.py"}  # the names of the first are imported later
 
 
 def test_the_core_imports_numpy_scipy_and_optional_libraries_alone() -> None:

@@ -1,0 +1,1 @@
+"""Fields of parts that bend: triangles, weights of bones, how bones blend, and proved ranges of joints."""
