@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.distance import point_edge
+from ...geometry.vectors import norm
 from .interval_proof import POSED_ROUNDING, OneJoint, TwoJoints, apart, safe_part, unfolded
 from .mesh import BendField
 from .skinning import Skin
@@ -81,7 +83,7 @@ def _between(field: BendField, corner: IntArray, k: int, skin: Skin, rounding: f
 def _simple(field: BendField, k: int, ends: FloatArray, skin: Skin, rounding: float) -> tuple[float, float]:
     """The part of a range in which the outline of a field does not touch itself, with the other joints at rest."""
     rim = field.rim
-    point, edge = (each.ravel() for each in np.indices((len(rim), len(rim))))
+    point, edge = _may_touch(field, k, float(np.abs(ends).max()), skin, rounding)
     triple = np.stack((rim[point, 0], rim[edge, 0], rim[edge, 1]), axis=1)
     share = field.shares[triple, k]
     kept = (triple[:, 0] != triple[:, 1]) & (triple[:, 0] != triple[:, 2]) & (np.ptp(share, axis=1) > 0.0)
@@ -90,3 +92,24 @@ def _simple(field: BendField, k: int, ends: FloatArray, skin: Skin, rounding: fl
     parts = [safe_part(apart(triples), int(kept.sum()), np.deg2rad(ends[side : side + 1])) for side in (0, 1)]
     low, high = (np.trunc(ends * parts * STEPS_PER_DEGREE) / STEPS_PER_DEGREE).tolist()
     return low, high
+
+
+def _may_touch(field: BendField, k: int, degrees: float, skin: Skin, rounding: float) -> tuple[IntArray, IntArray]:
+    """Pairs of a point and an edge of the rim, by numbers of edges, whose distances from joint k overlap at some turns.
+
+    A point keeps its distance from the joint, or comes nearer by |m|, which is least at the largest turn; so does an
+    edge whose ends have the same share. Other pairs never meet while the other joints are at rest.
+    """
+    rim, share = field.rim, field.shares[:, k]
+    place = field.grid.vertices - field.bends[k].joint
+    least = np.abs(skin.multiplier(share, np.full(len(share), np.deg2rad(degrees))))
+    farthest = norm(place)
+    nearest = farthest * least
+    one, other = rim.T
+    middle = point_edge(np.zeros_like(place[one]), place[one], place[other]).distance
+    edge_nearest = np.where(share[one] == share[other], middle * least[one], 0.0)
+    edge_farthest = np.maximum(farthest[one], farthest[other])
+    slack = 4.0 * rounding
+    meets = (nearest[one][:, None] <= edge_farthest + slack) & (farthest[one][:, None] >= edge_nearest - slack)
+    point, edge = np.nonzero(meets)
+    return point, edge
