@@ -7,7 +7,7 @@ exactly too. Lengths have roots and turns have cosines: these are held against e
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal
@@ -193,18 +193,41 @@ def turns_around(x: Any, whole: Any, after: Any, loops: list[Any]) -> Any:
 
 
 def overlapping(low: Any, high: Any, other_low: Any, other_high: Any) -> Any:
-    """(2, K) pairs of boxes that share a point, in order."""
-    order, found = other_low[:, 0].argsort(), [np.zeros((2, 0), int)]
-    begins, widest = other_low[order, 0], np.nextafter((other_high - other_low)[:, 0].max(initial=0.0), np.inf)
-    first = begins.searchsorted(np.nextafter(low[:, 0] - widest, -np.inf))
-    count = begins.searchsorted(high[:, 0], "right") - first
-    for part in np.array_split(np.arange(len(low)), 1 + int(count.sum()) // BLOCK):
-        i = np.repeat(part, count[part])
-        j = order[np.arange(len(i)) - np.repeat(np.cumsum(count[part]) - count[part] - first[part], count[part])]
-        shared = ((low[i] <= other_high[j]) & (other_low[j] <= high[i])).all(axis=1)
-        found.append(np.stack([i[shared], j[shared]]))
+    """(2, K) pairs of boxes that share a point, in order: found by the squares of a grid for each size of boxes."""
+    found, boxes, others = [np.zeros((2, 0), int)], (low, high), (other_low, other_high)
+    least = np.abs(np.concatenate([*boxes, *others])).max(initial=0.0) * 2.0**-40
+    size, other = (np.frexp(np.maximum((b - a).max(axis=1), least))[1] for a, b in (boxes, others))
+    for power in np.unique(np.concatenate([size, other])):
+        few, many = np.flatnonzero(other == power), np.flatnonzero(size <= power)
+        found += [np.stack(pair) for pair in _sharing(many, boxes, few, others, power)]
+        few, many = np.flatnonzero(size == power), np.flatnonzero(other < power)
+        found += [np.stack(pair[::-1]) for pair in _sharing(many, others, few, boxes, power)]
     pairs = np.concatenate(found, axis=1)
     return pairs[:, np.lexsort(pairs[::-1])]
+
+
+def _sharing(i: Any, boxes: Any, j: Any, others: Any, power: int) -> Iterator[tuple[Any, Any]]:
+    """Pairs of some boxes and of some others that share a point; all fit in squares of a grid, 2 to a power wide."""
+    (i, squares), (j, other_squares) = _squares(i, boxes, power), _squares(j, others, power)
+    order = other_squares.argsort()
+    first, last = (other_squares[order].searchsorted(squares, side) for side in ("left", "right"))
+    count = last - first
+    for part in np.array_split(np.arange(len(i)), 1 + int(count.sum()) // BLOCK):
+        k = np.repeat(part, count[part])
+        m = order[np.arange(len(k)) - np.repeat(np.cumsum(count[part]) - count[part] - first[part], count[part])]
+        low, high = np.maximum(boxes[0][i[k]], others[0][j[m]]), np.minimum(boxes[1][i[k]], others[1][j[m]])
+        corner = np.floor(np.ldexp(low, -power)) @ [1.0, 1j]  # each pair once: where what both share begins
+        shared = (low <= high).all(axis=1) & (corner == squares[k])
+        yield i[k[shared]], j[m[shared]]
+
+
+def _squares(k: Any, boxes: Any, power: int) -> tuple[Any, Any]:
+    """Some boxes, and each square of a grid that one of them meets, as a complex number."""
+    low, high = (np.floor(np.ldexp(ends[k], -power)) for ends in boxes)
+    corners = [(np.stack([x[:, 0], y[:, 1]], axis=1) @ [1.0, 1j]) for x in (low, high) for y in (low, high)]
+    wide, tall = (high > low).T
+    met = [np.full(len(k), True), tall, wide, wide & tall]
+    return np.concatenate([k[m] for m in met]), np.concatenate([c[m] for c, m in zip(corners, met, strict=True)])
 
 
 class Loops:
@@ -285,11 +308,13 @@ class Loops:
     def too_near(self, clearance: float) -> list[str]:
         """Whether a cage and a fine mesh, which do not meet, are nearer than a clearance above 0."""
         wanted = (Fraction(clearance) * self.factor * (1 - TOLERANCE)) ** 2
-        low, high = np.nextafter(self.x - clearance, -np.inf), np.nextafter(self.x + clearance, np.inf)
-        k, e = overlapping(low, high, self.low, self.high)
-        squared, length = squared_gaps(
-            *(self.whole[i[self.is_fine[k] != self.is_fine[e]]] for i in (k, e, self.after[e]))
-        )
+        low, high, near = np.nextafter(self.x - clearance, -np.inf), np.nextafter(self.x + clearance, np.inf), []
+        for fine in (True, False):
+            k, e = np.flatnonzero(self.is_fine == fine), np.flatnonzero(self.is_fine != fine)
+            i, j = overlapping(low[k], high[k], self.low[e], self.high[e])
+            near.append(np.stack([k[i], e[j]]))
+        k, e = np.concatenate(near, axis=1)
+        squared, length = squared_gaps(*(self.whole[i] for i in (k, e, self.after[e])))
         short = squared * wanted.denominator < length * wanted.numerator
         gaps = [(Decimal(c) / Decimal(d)).sqrt() for c, d in zip(squared[short], length[short], strict=True)]
         return [f"the distance is {min(gaps) / self.factor:.9g}, not {clearance:.9g}"] if gaps else []

@@ -18,6 +18,8 @@ LESS_THAN_TURN = float(np.nextafter(TURN, 0.0))
 LONGEST_EDGE = 270.0
 """Degrees of longitude above which an edge is assumed to cross the meridian instead."""
 
+NO_COAST = 86.0
+"""Latitude above which the edge of a ring that is nearest to the pole runs along it: as of a cage inside Antarctica."""
 
 GEOGRAPHIC = ("CRS84", "4326", "4269", "4258")
 """Substrings of the names of common coordinate reference systems in degrees."""
@@ -57,7 +59,7 @@ def across(polygons: list[Polygon]) -> tuple[list[Polygon], list[str]]:
         if along.sum() == 0 or jumps.sum() == 0:
             mended.append(_shifted(polygon, TURN if along.sum() == 0 else LESS_THAN_TURN))
             notes.append(f"a polygon crosses the 180th meridian at ({x:.6g}, {y:.6g}); shifted beyond it")
-        elif np.abs(along).sum() == 1:
+        elif np.abs(along).sum() == 1 and not _is_along_pole(polygon[0], first):
             mended.append([_around_pole(polygon[0], first), *polygon[1:]])
             notes.append(f"a polygon runs around a pole past ({x:.6g}, {y:.6g}); cut along the 180th meridian")
         else:
@@ -86,6 +88,13 @@ def _shifted(polygon: Polygon, longest: float) -> Polygon:
         turns += east
         rings.append(np.stack((np.where(turns, ring[:, 0] + TURN * turns, ring[:, 0]), ring[:, 1]), axis=1))
     return rings
+
+
+def _is_along_pole(ring: FloatArray, k: int) -> bool:
+    """Whether the edge from a vertex runs from one side of the map to the other, nearer to the pole than all others."""
+    north = ring[:, 1] * np.sign(ring[k, 1])
+    least = min(north[k], north[(k + 1) % len(ring)])
+    return bool(least > NO_COAST and len(np.unique(ring[north >= least], axis=0)) == 2)
 
 
 def _around_pole(ring: FloatArray, k: int) -> FloatArray:

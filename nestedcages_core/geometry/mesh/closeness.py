@@ -22,8 +22,9 @@ def has_gaps(mesh: Mesh, width: float) -> bool:
     lengths = np.array([mesh.edge_lengths[loop].sum() for loop in mesh.loops])
     if (2.0 * np.abs(mesh.loop_areas) < width * lengths)[mesh.loop_signs < 0].any():
         return True
-    first, size = 0, SAMPLE
-    order = np.random.default_rng(0).permutation(len(mesh.vertices))  # crowds show before they make all pairs
+    first, size, order = 0, SAMPLE, np.arange(len(mesh.vertices))
+    if len(order) > size:
+        order = np.random.default_rng(0).permutation(order)  # crowds show before they make all pairs
     while first < len(order):
         if len(close_vertices(mesh, width, np.sort(order[first : first + size]))):
             return True
