@@ -105,10 +105,20 @@ class Tables:
 class CycleSearch:
     """The search around all loops of a mesh."""
 
-    def __init__(self, problem: Problem, loops: Loops, shift: FloatArray, tables: Tables | None = None) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        loops: Loops,
+        shift: FloatArray,
+        tables: Tables | None = None,
+        *,
+        keeps_shift: bool = False,
+    ) -> None:
         """loops: as symmetric as what is kept; shift: (L,) of lines from their loops, in diameters; a clearance is
-        kept from all loops. tables: searches around loops of other outlines, in whose frame this one is."""
+        kept from all loops. tables: searches around loops of other outlines, in whose frame this one is. keeps_shift:
+        whether lines keep the shift from all loops, small ones too."""
         self.problem, self.kept, self.shift, self.tables = problem, problem.kept, shift, tables
+        self.keeps_shift = keeps_shift
         self.frame = NormalFrame.of(loops) if tables is None else tables.frame
         symmetry, total = self.kept.symmetry, problem.total
         self.images = None if symmetry is None else Images.of(loops, symmetry, self.frame)
@@ -258,7 +268,7 @@ class CycleSearch:
         loop = outline.loop_at(lines.place)
         shift = self.shift[which][loop]
         # a little less than the shift from what lines touch
-        distance = np.where(shift > OFFSET, (1.0 - NEGLIGIBLE) * shift, 0.0)
+        distance = np.where((shift > OFFSET) | self.keeps_shift, (1.0 - NEGLIGIBLE) * shift, 0.0)
         longest = REACH * np.minimum(1.0, outline.diameters)[loop]
         reach = np.minimum(longest, FAR * np.maximum(lines.span, mean_edge[loop]))
         free = self.obstacles.free(lines, reach, which[loop], distance)
@@ -268,7 +278,8 @@ class CycleSearch:
             free = np.minimum(free, rule.free(lines, self.frame))
             free = np.minimum(free, rule.reach(outline, lines, float(shift[0])))
         usable = ends & (free > 0.0).all(axis=0)
-        return lines.take(usable), (free + np.where(shift < OFFSET, SLACK, 0.0))[:, usable]
+        slack = np.where((shift < OFFSET) & (distance == 0.0), SLACK, 0.0)
+        return lines.take(usable), (free + slack)[:, usable]
 
     def _search(self, k: int, size: int, lines: Lines, free: FloatArray, found: Turns) -> RingSearch:
         minimum, most = self._minimum(k), self._limit(k)

@@ -179,7 +179,8 @@ def _least_mesh(
         ):
             continue
         try:
-            return _at_shift(problem, loops, shift, tick, tables)
+            search = CycleSearch(problem, loops, shift, tables, keeps_shift=least > 0.0)
+            return _of_least_area(search, loops, tick)
         except NoCyclesError as error:
             failure = error  # the tightening may find the room that is left out here
     raise failure
@@ -196,9 +197,8 @@ def _shifts(problem: Problem, loops: Loops, clearance: float) -> list[FloatArray
     return [*first, *(np.full(len(wanted), offset) for offset in OFFSETS)]
 
 
-def _at_shift(problem: Problem, loops: Loops, shift: FloatArray, tick: Tick, tables: Tables | None) -> Mesh:
+def _of_least_area(search: CycleSearch, loops: Loops, tick: Tick) -> Mesh:
     """The mesh of least area of several ways to clear crossings. Raises NoCyclesError."""
-    search = CycleSearch(problem, loops, shift, tables)
     search.search(tick)
     found: list[tuple[float, Mesh]] = []
     error = NoCyclesError()
@@ -214,17 +214,18 @@ def _at_shift(problem: Problem, loops: Loops, shift: FloatArray, tick: Tick, tab
     if not found:
         raise error
     area, mesh = min(found, key=lambda each: each[0])
-    if problem.kept.preferred is None or problem.per_loop is not None:
+    if search.kept.preferred is None or search.problem.per_loop is not None:
         return mesh
-    return _symmetric(problem, loops, shift, loops.area + (1.0 + MAX_EXCESS_OF_SYMMETRY) * (area - loops.area)) or mesh
+    return _symmetric(search, loops, loops.area + (1.0 + MAX_EXCESS_OF_SYMMETRY) * (area - loops.area)) or mesh
 
 
-def _symmetric(problem: Problem, loops: Loops, shift: FloatArray, most: float) -> Mesh | None:
+def _symmetric(plain: CycleSearch, loops: Loops, most: float) -> Mesh | None:
     """The mesh of the best cycles with the preferred symmetry; None if they cross, or have more than an area."""
-    symmetry = problem.kept.preferred
+    symmetry = plain.kept.preferred
     try:
         alike = symmetrised(loops, symmetry)
-        search = CycleSearch(replace(problem, kept=replace(problem.kept, symmetry=symmetry)), alike, shift)
+        problem = replace(plain.problem, kept=replace(plain.kept, symmetry=symmetry))
+        search = CycleSearch(problem, alike, plain.shift, keeps_shift=plain.keeps_shift)
         search.search()
         area, mesh, rounds = search.best(1.0)
     except NestingError:

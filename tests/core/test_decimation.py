@@ -165,6 +165,15 @@ def test_large_counts_have_no_steps() -> None:
     assert areas == sorted(areas, reverse=True) and areas[0] < 1.0025 and areas[-1] < 1.001
 
 
+def test_large_noisy_drawings_without_steps_are_caged_closely() -> None:
+    turn, noise = 2.0 * np.pi * np.arange(6000) / 6000, np.random.default_rng(0).normal(size=6000)
+    radius = (
+        1.0 + 0.2 * np.cos(5 * turn + 0.3) + 0.1 * np.cos(11 * turn + 1) + 0.05 * np.cos(37 * turn + 2) + 1e-4 * noise
+    )
+    excesses = [nested_cages(radius[:, None] * ring(6000), count, steps=False)[0].excess for count in (60, 160)]
+    assert excesses[1] < 0.25 * excesses[0] < 0.01
+
+
 @pytest.mark.slow
 def test_many_loops_are_enclosed_one_by_one() -> None:
     for side in (9, 10):
