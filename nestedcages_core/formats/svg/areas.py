@@ -154,16 +154,16 @@ class Areas:
         if not pens:
             return
         whole = pieces.of(first[0], first[-1])
-        errors = whole.errors(whole.first[first[:-1] - first[0]])
+        errors = whole.errors(whole.first[first[:-1] - first[0]], np.array([pen.max_turn for pen in pens]))
         chains = whole.chains(np.zeros(len(whole.first) - 1, dtype=np.int64))
-        for pen, (low, high), *error in zip(pens, pairwise(first), *errors, strict=True):
+        for pen, (low, high), error, turn, cusps in zip(pens, pairwise(first), *errors, strict=True):
             found: list[tuple[FloatArray, FloatArray | None]] = []
             if pen.stroke.dashes:
                 found = [*pieces.of(low, high).lines()]
             else:
                 found = [(chain, None) for chain in chains[low - first[0] : high - first[0]]]
             lines = [
-                Polyline(chain, path.closed, least, *map(float, error))
+                Polyline(chain, path.closed, least, float(error), float(turn), cusps)
                 for path, (chain, least) in zip(pen.shape.subpaths, found, strict=True)
             ]
             self.strokes[pen.shape] = pen, lines

@@ -22,8 +22,8 @@ MAX_PIECES = 4096
 MAX_TURN = math.pi / 4.0
 """Largest angle by which a piece of a curve turns."""
 
-HALVINGS = 16
-"""Times that pieces of cubics which turn farther are halved: at cusps."""
+HALVINGS, CUSP = 16, 1.5
+"""Times that pieces of cubics which turn farther are halved, and how much farther."""
 
 NEAR_END = 1e-6
 """Parameter of inflections next to an end, which change nothing that can be told from rounding."""
@@ -125,6 +125,7 @@ class Pieces:
         most = JOINT * self.tolerance[joint]
         least = np.where(side[joint] == 0, -most, 0.25 * self.push[joint])
         goes_on = ((self.starts[joint] - before) * (after - self.starts[joint])).sum(axis=1) > 0.0
+        goes_on &= self.rounded[joint, 0] | (side[joint] != 0)  # given ones may turn
         kept[joint, 0] = ~(goes_on & (depth >= least) & (depth <= most))
         numbers = np.add.reduceat(kept.sum(axis=1), self.first[:-1])
         return np.split(points.reshape(-1, 2)[kept.ravel()], np.cumsum(numbers)[:-1])
@@ -160,20 +161,27 @@ class Pieces:
             )
         return found
 
-    def errors(self, first: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Bounds of the distance of side 0 from the curves, and of the angle between its edges on one curve.
+    def errors(self, first: IntArray, max_turn: FloatArray) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
+        """Bounds of the distance of side 0 from the curves, and of the angle between its edges on one curve; and cusps.
 
-        first: (S,) the first piece of each group of subpaths; the bounds are (S,) too.
+        first: (S,) the first piece of each group of subpaths; max_turn: (S,) radians that pieces may turn. The bounds
+        are (S,) too. Cusps are pieces that turn much farther, which the second bound leaves out: (k, 3) x, y and radius
+        of circles around them for each group.
         """
         starts, stops, corners = self.starts, self.stops, self.corners
         chord = stops - starts
         height = np.abs(cross(corners - starts[:, None], chord[:, None])).max(axis=1) / np.maximum(_norm(chord), TINY)
-        height = np.minimum(height, _norm(corners - starts[:, None]).max(axis=1))
+        extent = _norm(corners - starts[:, None]).max(axis=1)
+        height = np.minimum(height, extent)
         height *= np.where((corners[:, 0] == corners[:, 1]).all(axis=1), MEETING, 1.0)
         turn = angle_between(corners[:, 0] - starts, stops - corners[:, 1])
+        group = np.repeat(np.arange(len(first)), np.diff(np.append(first, len(starts))))
+        turned = np.flatnonzero((self.turns != 0) & (turn > CUSP * max_turn[group]))
+        turn[turned] = 0.0
         bounds = np.where(self.turns != 0, (height + JOINT * self.tolerance, turn), 0.0)
         height, turn = np.maximum.reduceat(bounds, first, axis=1)
-        return height, turn
+        circles = np.column_stack((starts, np.maximum(extent, _norm(chord))))[turned]
+        return height, turn, np.split(circles, np.searchsorted(turned, first[1:]))
 
     @cached_property
     def _normals(self) -> FloatArray:
@@ -325,7 +333,7 @@ def _cubics(
     curve = _between(control[index], s, t)
     found = []
     for _ in range(HALVINGS):
-        far = _turn(curve, HANDLE * PUSH * np.abs(curve).max(axis=(1, 2), initial=0.0)) > 1.5 * max_turn[index]
+        far = _turn(curve, HANDLE * PUSH * np.abs(curve).max(axis=(1, 2), initial=0.0)) > CUSP * max_turn[index]
         found.append((index[~far], t[~far], curve[~far]))
         if not far.any():
             break

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -31,9 +31,8 @@ TIGHT = 1.2
 ROUNDING = 1.0 - 2.0**-38
 """Factor on the size of parts of a stroke that its outline has to cover."""
 
-FLAT = "flat"
-CAPS = {"butt": FLAT, "round": "round", "square": "square"}
-"""GEOS's names of caps."""
+NAMES = {"butt": "flat", "miter": "mitre"}
+"""GEOS's names of caps and joins, where they differ."""
 
 DASH_POINTS = 8
 """Points that a dash counts for, before it is made: as many take as long."""
@@ -74,7 +73,9 @@ class Polyline:
     error: float = 0.0
     """Bound of its distance from the curves."""
     turn: float = 0.0
-    """Largest angle between its edges on one curve, in radians."""
+    """Largest angle between its edges on one curve but at cusps, in radians."""
+    cusps: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    """(k, 3) x, y and radius of circles around the cusps of all lines that have the same error."""
 
 
 def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
@@ -107,7 +108,6 @@ def stroked(lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: 
     radius = 0.5 * stroke.width
     half = math.acos(1.0 / (1.0 + max(tolerance / radius, 1e-9)))
     segments = min(max(math.ceil(math.pi / 4.0 / half), 2), MAX_ARC_SEGMENTS)
-    mitred = stroke.join not in ("round", "bevel")
     found = []
     for line in _dashed(lines, stroke, quota.limits, inside=inside):
         points = _different(line)
@@ -121,38 +121,58 @@ def stroked(lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: 
             curve = shapely.LinearRing(points) if closed else shapely.LineString(points)
         if not curve.is_simple:
             spend([curve], quota, own=True)
-        tips = _tips(points, closed, reach, stroke.miter_limit) if mitred else None
-        join = ("mitre" if tips is None else "bevel") if mitred else stroke.join
-        style = {"cap_style": CAPS.get(stroke.cap, FLAT), "join_style": join, "mitre_limit": 1.01 * stroke.miter_limit}
-        outline = shapely.buffer(curve, reach, quad_segs=segments, **style)
+        join = NAMES.get(stroke.join, stroke.join)
+        tips = _tips(points, closed, reach, stroke.miter_limit, line) if join == "mitre" else None
+        join = "bevel" if tips is not None else join
+        style = {"cap_style": NAMES.get(stroke.cap, stroke.cap), "join_style": join}
+        outline = shapely.buffer(curve, reach, quad_segs=segments, mitre_limit=1.01 * stroke.miter_limit, **style)
         found.append(outline)
-        folds = np.zeros((0, 4, 2)) if inside else _folds(points, closed, reach)
-        if len(folds):
+        for corners in [] if inside else _folds(points, closed, reach, line.turn):
             shapely.prepare(outline)
-            centres = folds.mean(axis=1, keepdims=True)
-            lost = ~shapely.covers(outline, shapely.polygons(centres + ROUNDING * (folds - centres)))
-            found += list(shapely.polygons(folds[lost]))
-        if tips is not None and len(tips):
+            centres = corners.mean(axis=1, keepdims=True)
+            lost = ~shapely.covers(outline, _hulls(centres + ROUNDING * (corners - centres)))
+            found += list(_hulls(corners[lost]))
+        if tips is not None:
             found += list(shapely.polygons(tips))
+        if len(line.cusps) and not inside:
+            centres, radii = shapely.points(line.cusps[:, :2]), line.cusps[:, 2]
+            near = shapely.distance(curve, centres) <= radii + line.error
+            radii = (radius + radii[near]) / math.cos(math.pi / (4.0 * segments))
+            found += list(shapely.buffer(centres[near], radii, quad_segs=segments))
     return [geometry for geometry in found if not geometry.is_empty]
 
 
-def _folds(points: FloatArray, closed: bool, reach: float) -> FloatArray:
-    """(K, 4, 2) quadrilaterals that sweep a line, and the bevels between them, if it has bends tighter than the width:
-    GEOS leaves out what lies on the inner side of such a bend next to a cap."""
+def _folds(points: FloatArray, closed: bool, reach: float, max_turn: float) -> list[FloatArray]:
+    """Corners (K, k, 2) of convex parts of the stroke of a line that has bends tighter than the width.
+
+    GEOS leaves out what lies on the inner side of such a bend next to a cap, and the line does not show how far the
+    ends of its curve's normals swing back. Parts are what edges sweep, and what they do as they turn, all along both
+    edges where these turn by `max_turn` at most, as on curves.
+    """
     around = np.concatenate((points, points[:2])) if closed else points
     steps = np.diff(around, axis=0)
     lengths = np.hypot(*steps.T)
     turns = angle_between(steps[:-1], steps[1:])
-    folds = np.minimum(lengths[:-1], lengths[1:]) < TIGHT * reach * turns
+    tight = TIGHT * reach * turns
+    folds = np.minimum(lengths[:-1], lengths[1:]) < tight
     if not folds.any():
-        return np.zeros((0, 4, 2))
-    normals = reach * np.stack((-steps[:, 1], steps[:, 0]), axis=1) / lengths[:, None]
-    start, end, aside = around[:-1], around[1:], normals
-    at, before, after = around[1:-1][folds], normals[:-1][folds], normals[1:][folds]
-    side = np.where(angle_between(before, steps[1:][folds]) < math.pi / 2.0, -1.0, 1.0)[:, None]
-    bevels = np.stack((at, at + side * before, at + side * after, at), axis=1)
-    return np.concatenate((np.stack((start + aside, start - aside, end - aside, end + aside), axis=1), bevels))
+        return []
+    along = steps / lengths[:, None]
+    aside = reach * np.stack((-along[:, 1], along[:, 0]), axis=1)
+    ends = np.stack((around[:-1], around[1:]), axis=1)[:, :, None]
+    swept = ends + np.stack((aside, -aside), axis=1)[:, None]
+    at = around[1:-1][folds]
+    near = np.where(turns <= max_turn, tight, 0.0)
+    back, ahead = (np.minimum(size, near)[folds, None] for size in (lengths[:-1], lengths[1:]))
+    bend = np.stack((at - back * along[:-1][folds], at, at + ahead * along[1:][folds]), axis=1)[:, :, None]
+    turned = np.stack([sign * each[folds] for each in (aside[:-1], aside[1:]) for sign in (-1.0, 1.0)], axis=1)
+    return [swept.reshape(-1, 4, 2), (bend + turned[:, None]).reshape(-1, 12, 2)]
+
+
+def _hulls(points: FloatArray) -> Any:
+    """Convex hulls of points (K, k, 2)."""
+    count, size = points.shape[:2]
+    return shapely.convex_hull(shapely.multipoints(points.reshape(-1, 2), indices=np.repeat(np.arange(count), size)))
 
 
 def _reach(points: FloatArray, closed: bool, line: Polyline, stroke: Stroke, segments: int, *, inside: bool) -> float:
@@ -183,10 +203,10 @@ def _different(line: Polyline) -> FloatArray:
     return np.asarray(points[:-1] if repeats else points)
 
 
-def _tips(points: FloatArray, closed: bool, radius: float, limit: float) -> FloatArray | None:
-    """(K, 4, 2) quadrilaterals that mitres add to bevels; None if no corner exceeds the limit, so that GEOS can.
+def _tips(points: FloatArray, closed: bool, radius: float, limit: float, line: Polyline) -> FloatArray | None:
+    """(K, 4, 2) quadrilaterals that mitres add to bevels; None if all corners have mitres, so that GEOS can.
 
-    SVG bevels corners beyond the limit, GEOS cuts their mitres off.
+    SVG bevels corners beyond the limit, GEOS cuts their mitres off; cusps are no corners.
     """
     corner = points if closed else points[1:-1]
     before = corner - (np.roll(points, 1, axis=0) if closed else points[:-2])
@@ -196,6 +216,8 @@ def _tips(points: FloatArray, closed: bool, radius: float, limit: float) -> Floa
     turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     squared = np.where(cosine > -1.0, 2.0 / np.maximum(1.0 + cosine, 1e-300), np.inf)  # of mitre length by width
     within = squared <= limit * limit * (1.0 + 1e-9)
+    for *cusp, extent in line.cusps:
+        within &= np.hypot(*(corner - cusp).T) > extent + line.error
     if within.all():
         return None
     bent = within & (turn != 0.0)
