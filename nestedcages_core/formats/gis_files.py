@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import invalid_file
+from ..libraries import needed
 from .files import read_whole
-from .libraries import load_pyogrio
 from .limits import Limits
 
 FILES = (".shp", ".gpkg", ".topojson")
@@ -38,7 +38,8 @@ def map_document(
 
 def _collection(path: Path, limits: Limits, layers: Sequence[str] | None) -> dict[str, Any]:
     """The features of layers of a file."""
-    pyogrio = load_pyogrio(f"Reading {path.name}")
+    with needed("pyogrio", f"Reading {path.name}"):
+        import pyogrio
     from .solids import shapely
 
     try:

@@ -238,7 +238,7 @@ def _meeting_chains(starts: FloatArray, ends: FloatArray) -> tuple[float, int]:
     turns |= (ends[:-1] != starts[1:]).any(axis=1)
     first, last = np.flatnonzero(np.append(True, turns)), np.flatnonzero(np.append(turns, True))
     low, high = np.minimum(starts[first], ends[last]).T.copy(), np.maximum(starts[first], ends[last]).T.copy()
-    chosen = np.random.default_rng(0).permutation(len(first))[:SAMPLE, None]
+    chosen = np.linspace(0, len(first) - 1, min(SAMPLE, len(first))).astype(np.int64)[:, None]
     blocks = np.array_split(chosen, math.ceil(len(chosen) * len(first) / BLOCK))
     found = sum(
         np.count_nonzero(

@@ -23,7 +23,6 @@ def line(style: str, data: str = "M0 0H10") -> str:
     ("style", "data", "expected"),
     [
         ("", "M0 0H10", 10.0),
-        ('stroke-width="2"', "M0 0H10", 20.0),
         ('stroke-width="2" stroke-linecap="square"', "M0 0H10", 24.0),
         ('stroke-width="2" stroke-linecap="round"', "M0 0H10", 20.0 + math.pi),
         ('stroke-width="2"', "M0 0H10V10", 40.0),  # the mitre fills the corner

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import invalid_file
+from ...libraries import needed
 from ..files import read_whole
-from ..libraries import load_pictures
 from ..limits import Limits
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
@@ -52,15 +52,15 @@ def decode_png(data: bytes, *, limits: Limits | None = None) -> Pixels:
     if len(data) >= SIZE.stop:  # before Pillow allocates memory
         width, height = struct.unpack(">II", data[SIZE])
         limits.check("pixels", width * height)
-    pillow = load_pictures()
-    picture = pillow.open
+    with needed("Pillow", "Reading PNG"):
+        from PIL import Image, UnidentifiedImageError
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            picture(io.BytesIO(data), formats=["PNG"]).verify()
-            with picture(io.BytesIO(data), formats=["PNG"]) as image:
+            Image.open(io.BytesIO(data), formats=["PNG"]).verify()
+            with Image.open(io.BytesIO(data), formats=["PNG"]) as image:
                 return _rgba(image)
-    except pillow.UnidentifiedImageError as error:
+    except UnidentifiedImageError as error:
         raise invalid_file("The PNG is damaged (it has no size); save it again.") from error
     except Exception as error:  # Pillow raises what it meets: OSError, SyntaxError, ValueError, zlib.error …
         raise invalid_file(f"The PNG is damaged ({error}); save it again.") from error

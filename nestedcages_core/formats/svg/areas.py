@@ -16,10 +16,10 @@ from ...geometry.mesh.validation import MAX_COORDINATE
 from ..limits import Quota
 from ..solids import Area, Painted, bounds_of, regions, shapely, spend, strip_width, union_of
 from .curves import MAX_TURN, Pieces, cross, pieces_of
-from .fading import visible
-from .nodes import Clip, Shape, units_of
-from .options import SvgOptions
+from .document import SvgOptions
+from .gradients import visible
 from .paints import Paint
+from .shapes import Clip, Shape
 from .strokes import Polyline, Stroke, stroked
 from .transforms import moved
 
@@ -90,12 +90,11 @@ class Areas:
         for clip in clips:
             if not areas:
                 break
-            low, high = bounds_of(areas)
             if clip not in self.kept:
-                inside = self._masked(clip.shapes) if clip.is_mask else self.of(clip.shapes)
-                if len(inside) == 1 and _is_box_around(inside[0], low, high):
-                    continue
-                self.kept[clip] = union_of(inside, self.quota)
+                self.kept[clip] = union_of(
+                    self._masked(clip.shapes) if clip.is_mask else self.of(clip.shapes), self.quota
+                )
+            low, high = bounds_of(areas)
             if not shapely.covers(self.kept[clip], shapely.box(*low, *high)):
                 areas = [self._of_two(shapely.intersection, union_of(areas, self.quota), self.kept[clip])]
         return areas
@@ -202,8 +201,8 @@ class Areas:
         whole = union_of(areas, self.quota)
         if whole.is_empty:
             return []
-        matrix, inside = units_of(shape, paint.gradient), self.options.inside
-        part = visible(paint.gradient, paint.alphas, self.options.faintest, matrix, whole.bounds, inside=inside)
+        matrix, inside = shape.units_of(paint.gradient), self.options.inside
+        part = visible(paint.gradient, paint.opacity, self.options.faintest, matrix, whole.bounds, inside=inside)
         return [self._of_two(shapely.intersection, whole, part)]
 
     def _pen(self, shape: Shape) -> Pen | None:
@@ -256,7 +255,7 @@ class Areas:
                     hidden = self.clipped(drawn(shape, inside=not within), shape.clips)
                     rest, region = (union_of(each, self.quota) for each in (kept, hidden))
                     kept = [self._of_two(shapely.difference, rest, region)]
-        return [union_of(kept, self.quota)]
+        return kept
 
 
 def _with_clips(shapes: Iterable[Shape]) -> Iterator[Shape]:
@@ -331,13 +330,3 @@ def polygonal(region: Any) -> Any:
         return region
     parts = shapely.get_parts(region)
     return shapely.MultiPolygon(list(shapely.get_parts(parts[shapely.get_dimensions(parts) == 2])))
-
-
-def _is_box_around(area: Any, low: FloatArray, high: FloatArray) -> bool:
-    """Whether an area is a rectangle along the axes that covers another one."""
-    if not isinstance(area, Painted) or len(area.loops) != 1:
-        return False
-    (loop,) = area.loops
-    least, most = loop.min(axis=0), loop.max(axis=0)
-    is_rectangle = len(loop) in (4, 5) and all(len(np.unique(loop[:, axis])) == 2 for axis in (0, 1))
-    return is_rectangle and len(np.unique(loop, axis=0)) == 4 and bool((least <= low).all() and (most >= high).all())

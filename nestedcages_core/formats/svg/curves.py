@@ -40,8 +40,8 @@ PUSH = 2.0**-43
 HANDLE = 8.0
 """Length over the push up to which a handle has none."""
 
-JOINT = 0.125
-"""Depth over the tolerance of points between two tangents that are left out."""
+JOINT, SMOOTH = 0.125, 0.01
+"""Depth over the tolerance of points between two tangents that are left out, and their turn in radians on lines."""
 
 TINY = float(np.finfo(float).tiny)
 """Smallest tolerance and length: scaled ones may underflow."""
@@ -124,8 +124,8 @@ class Pieces:
         depth *= np.where(side[joint] < 0, -1, 1)
         most = JOINT * self.tolerance[joint]
         least = np.where(side[joint] == 0, -most, 0.25 * self.push[joint])
-        goes_on = ((self.starts[joint] - before) * (after - self.starts[joint])).sum(axis=1) > 0.0
-        goes_on &= self.rounded[joint, 0] | (side[joint] != 0)  # given ones may turn
+        turn = angle_between(self.starts[joint] - before, after - self.starts[joint])
+        goes_on = turn < np.where(side[joint] == 0, SMOOTH, math.pi / 2.0)
         kept[joint, 0] = ~(goes_on & (depth >= least) & (depth <= most))
         numbers = np.add.reduceat(kept.sum(axis=1), self.first[:-1])
         return np.split(points.reshape(-1, 2)[kept.ravel()], np.cumsum(numbers)[:-1])
@@ -178,7 +178,7 @@ class Pieces:
         group = np.repeat(np.arange(len(first)), np.diff(np.append(first, len(starts))))
         turned = np.flatnonzero((self.turns != 0) & (turn > CUSP * max_turn[group]))
         turn[turned] = 0.0
-        bounds = np.where(self.turns != 0, (height + JOINT * self.tolerance, turn), 0.0)
+        bounds = np.where(self.turns != 0, (height + JOINT * self.tolerance, turn + SMOOTH), 0.0)
         height, turn = np.maximum.reduceat(bounds, first, axis=1)
         circles = np.column_stack((starts, np.maximum(extent, _norm(chord))))[turned]
         return height, turn, np.split(circles, np.searchsorted(turned, first[1:]))

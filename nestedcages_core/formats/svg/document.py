@@ -1,17 +1,18 @@
-"""The document: parsed within limits, with its elements by id and its frame."""
+"""The document: parsed within limits, with its elements by id and its frame; and what to read of it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from ...errors import NestedCagesError, invalid_file
 from ...geometry.arrays import FloatArray
-from ..limits import Limits, Quota
-from .elements import link_of, name_of
-from .faults import Faults, quoted
+from ...parameters import check_positive
+from ..limits import Limits
+from .elements import Faults, name_of, quoted
 from .lengths import Viewport
 from .outlines import OUTLINED
 from .transforms import fitted, read_transform, view_box_of
@@ -19,17 +20,18 @@ from .transforms import fitted, read_transform, view_box_of
 OUTLINES, DECORATION = "data-outlines", "decoration"
 """Attribute of the root of our own documents, whose strokes only mark the edges of filled shapes."""
 
-DRAWN = OUTLINED | {"svg", "g", "a", "use"}
-"""Elements that are drawn with all their children, or with what they refer to."""
-
-MAX_USERS = 64
-"""References within references that are counted: deeper ones are rejected as they are drawn."""
-
 Box = tuple[float, float, float, float]
 """x, y, width and height."""
 
 SAME_PAGE = 1e-6
 """Difference between page and view box, over the longer side, that is the rounding of their decimals."""
+
+FAINTEST = 0.5 / 255.0
+"""Opacity that rounds to 0 with 8 bits per channel."""
+
+DRAWING_LIMITS = Limits(elements=100_000, points=1_000_000)
+"""What is read of a drawing at most by default: elements that are drawn, each copy by `use` counted, and points of
+their outlines, before and after curves become chords."""
 
 
 @dataclass(frozen=True)
@@ -43,22 +45,32 @@ class Frame:
     height: str = ""
     preserve_aspect_ratio: str = ""
 
-    @property
+    @cached_property
+    def size(self) -> FloatArray:
+        """(2,) width and height of the page in user units, 0 where the document does not specify them."""
+        return np.array([Viewport().length(text, "") or 0.0 for text in (self.width, self.height)])
+
+    @cached_property
     def page(self) -> Box | None:
         """x, y, width and height of what viewers show, in user units; None if the document does not specify it.
 
         More than the view box where it is fitted into a page of another shape, less where it is sliced.
         """
-        lengths = (Viewport().length(text, "") for text in (self.width, self.height))
-        found = [length for length in lengths if length is not None]
-        if len(found) != 2 or not min(found) > 0.0:
+        if not (self.size > 0.0).all():
             return self.view_box
+        width, height = self.size.tolist()
         if self.view_box is None:
-            return 0.0, 0.0, found[0], found[1]
-        matrix = fitted(self.view_box, 0.0, 0.0, found[0], found[1], self.preserve_aspect_ratio)
-        (x, y), size = -matrix[:2, 2] / np.diag(matrix)[:2], np.array(found) / np.diag(matrix)[:2]
-        shown = float(x), float(y), float(size[0]), float(size[1])
-        return self.view_box if np.allclose(shown, self.view_box, 0.0, SAME_PAGE * max(shown[2:])) else shown
+            return 0.0, 0.0, width, height
+        matrix = fitted(self.view_box, 0.0, 0.0, width, height, self.preserve_aspect_ratio)
+        x, y, width, height = (np.concatenate((-matrix[:2, 2], self.size)) / np.tile(np.diag(matrix)[:2], 2)).tolist()
+        same = np.allclose((x, y, width, height), self.view_box, 0.0, SAME_PAGE * max(width, height))
+        return self.view_box if same else (x, y, width, height)
+
+    @property
+    def pixel(self) -> float:
+        """User units per pixel of the page, for non-scaling strokes."""
+        scales = self.size / self.view_box[2:] if self.view_box is not None else np.zeros(2)
+        return 1.0 / float(scales[scales > 0.0].min()) if (scales > 0.0).any() else 1.0
 
 
 class Document:
@@ -78,27 +90,17 @@ class Document:
             )
         self.strokes_count = self.root.get(OUTLINES) != DECORATION
         self.by_id: dict[str, ET.Element] = {}
-        room = str(self.root.tag).rpartition("}")[0]
+        namespace = str(self.root.tag).rpartition("}")[0]
         for item in self.root.iter():
-            if isinstance(item.tag, str) and item.tag.rpartition("}")[0] != room:
+            if isinstance(item.tag, str) and item.tag.rpartition("}")[0] != namespace:
                 item.tag = ""  # of another namespace: nobody draws it
             self.by_id.setdefault(item.get("id", ""), item)
-        self._count(Quota(limits))
+        limits.check("elements", sum(name_of(item) in OUTLINED for item in self.root.iter()))
         size = (self.root.get(key, "") for key in ("width", "height", "preserveAspectRatio"))
         self.frame = Frame(view_box_of(self.root), *size)
         units = self.frame.view_box or self.frame.page
         self.faults = Faults()
         self.viewport = Viewport(faults=self.faults).sized(*(units[2:] if units else (None, None)))
-
-    @property
-    def pixel(self) -> float:
-        """User units per pixel of the page, for non-scaling strokes."""
-        box, size = self.frame.view_box, Viewport()
-        if box is None:
-            return 1.0
-        width, height = (size.length(text, "r") or 0.0 for text in (self.frame.width, self.frame.height))
-        scales = [given / whole for given, whole in ((width, box[2]), (height, box[3])) if given > 0.0]
-        return 1.0 / min(scales) if scales else 1.0
 
     def transform(self, text: str, what: str) -> FloatArray:
         """The matrix of a list of transforms; of one that cannot be read the identity, which the faults say."""
@@ -112,17 +114,38 @@ class Document:
         """The element that `#id` names."""
         return self.by_id.get(link[1:]) if len(link) > 1 and link.startswith("#") else None
 
-    def _count(self, quota: Quota) -> None:
-        """Spend what is drawn, each copy by `use` again: a lower bound, but for elements that style sheets hide."""
-        nobody: tuple[ET.Element, ...] = ()
-        waiting = [(child, nobody) for child in self.root]
-        while waiting:
-            item, users = waiting.pop()
-            name = name_of(item)
-            if name not in DRAWN or "display" in item.attrib or "display" in item.get("style", ""):
-                continue
-            quota.spend("elements", 1)
-            if name != "use":
-                waiting += [(child, users) for child in item]
-            elif (target := self.linked(link_of(item))) is not None and target not in users and len(users) < MAX_USERS:
-                waiting.append((target, (*users, target)))
+
+@dataclass(frozen=True)
+class SvgOptions:
+    """Options for reading a drawing."""
+
+    tolerance: float | None = None
+    """Largest distance between a curve and the edges in its place; 1/2000 of the drawing's diagonal if None."""
+    inside: bool = False
+    """Whether these edges are inside of what is painted, for cages inside; by default they are outside."""
+    element: str | None = None
+    """The id of one element to read alone."""
+    layers: tuple[str, ...] = ()
+    """Layers to read, by label or id; all if empty. Groups directly below the root count as layers."""
+    strokes: bool = True
+    """Whether strokes count as painted. Without strokes, closed outlines count as filled if nothing is."""
+    background: bool = True
+    """Whether a shape that covers the whole page below all others counts."""
+    crop: bool = True
+    """Whether to cut off everything outside the page, which viewers do not show."""
+    opacity: float = 0.0
+    """Opacity from 0 to 1 above which paint counts."""
+    specks: float = 0.0
+    """Width in user units below which parts and spikes are left out, holes and gaps closed; by default none are."""
+    limits: Limits = DRAWING_LIMITS
+
+    def __post_init__(self) -> None:
+        if self.tolerance is not None:
+            check_positive(self, "tolerance")
+        if not 0.0 <= self.opacity <= 1.0:
+            raise invalid_file(f"The opacity must be from 0 to 1, not {self.opacity!r}.")
+
+    @property
+    def faintest(self) -> float:
+        """The opacity above which paint counts."""
+        return max(self.opacity, FAINTEST)

@@ -10,20 +10,12 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree as ET
 
-from .elements import name_of
-from .faults import Faults, quoted
+from .elements import Faults, name_of, quoted
 
-UNITS_OF_LENGTH = {
-    "": 1.0,
-    "px": 1.0,
-    "in": 96.0,
-    "cm": 96.0 / 2.54,
-    "mm": 96.0 / 25.4,
-    "q": 96.0 / 101.6,
-    "pt": 96.0 / 72.0,
-    "pc": 16.0,
-}
-"""User units of each unit of length (CSS: 96 px to the inch)."""
+INCH = 96.0
+UNITS_OF_LENGTH = {"": 1.0, "px": 1.0, "in": INCH, "cm": INCH / 2.54, "mm": INCH / 25.4, "q": INCH / 101.6,
+                   "pt": INCH / 72.0, "pc": INCH / 6.0}  # fmt: skip
+"""User units of an inch, and of each unit of length (CSS)."""
 
 ACROSS, DOWN = ("x", "width", "cx", "rx", "x1", "x2"), ("y", "height", "cy", "ry", "y1", "y2")
 """Attributes whose percentages refer to the viewport's width, and to its height; others refer to its diagonal."""

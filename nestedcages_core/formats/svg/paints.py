@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -13,6 +13,7 @@ from ...geometry.arrays import FloatArray
 from .colours import BLACK, CURRENT, Colour, colour_from, parsed_colour
 from .document import Document
 from .elements import link_of, name_of
+from .gradients import Gradient, Stop
 from .lengths import parse_length, share
 from .style import Style, Styles
 
@@ -20,32 +21,6 @@ URL = re.compile(r"url\(\s*['\"]?\s*(#[^'\")\s]*)\s*['\"]?\s*\)\s*(.*)", re.DOTA
 GRADIENTS = ("linearGradient", "radialGradient")
 MAX_LINKS = 16
 """Maximum length of a chain of gradients that refer to each other."""
-
-
-@dataclass(frozen=True)
-class Stop:
-    offset: float
-    colour: Colour
-
-
-@dataclass(frozen=True)
-class Gradient:
-    """Colours along a line or outwards from a focus."""
-
-    radial: bool
-    numbers: tuple[float, ...]
-    """x1, y1, x2, y2; or cx, cy, r, fx, fy."""
-    of_box: bool
-    """Whether lengths are fractions of the painted box."""
-    matrix: FloatArray = field(compare=False)
-    stops: tuple[Stop, ...]
-    spread: str
-    """What is painted beyond the first and last stop: pad, repeat or reflect."""
-
-    def as_light(self) -> Gradient:
-        """The same in a mask: as opaque as it is light."""
-        stops = (replace(stop, colour=Colour(stop.colour.alpha * stop.colour.luminance)) for stop in self.stops)
-        return replace(self, stops=tuple(stops))
 
 
 @dataclass(frozen=True)
@@ -59,16 +34,14 @@ class Paint:
     @property
     def alphas(self) -> FloatArray:
         """Opacities of the stops, or the one of a colour."""
-        stops = self.gradient.stops if self.gradient else ()
-        return self.opacity * np.array([stop.colour.alpha for stop in stops] or [1.0])
+        return self.gradient.alphas(self.opacity) if self.gradient else np.array([self.opacity])
 
     @property
     def rgba(self) -> tuple[float, float, float, float]:
         """Its sRGB and opacity; of a gradient, the mean of its stops."""
-        stops = [stop.colour for stop in self.gradient.stops] if self.gradient else [self.colour]
-        red, green, blue = (sum(stop.rgb[k] for stop in stops) / len(stops) for k in range(3))
-        alpha = sum(stop.alpha for stop in stops) / len(stops) if self.gradient else 1.0
-        return red, green, blue, self.opacity * alpha
+        colours = [stop.colour for stop in self.gradient.stops] if self.gradient else [self.colour]
+        red, green, blue = np.mean([colour.rgb for colour in colours], axis=0).tolist()
+        return red, green, blue, float(self.alphas.mean())
 
 
 def link_in(value: str) -> tuple[str, str]:
@@ -90,9 +63,7 @@ def colour_of(text: str, style: Style) -> Colour | None:
 class Paints:
     """The paints of a document."""
 
-    def __init__(self, document: Document, styles: Styles, *, colours: bool) -> None:
-        """colours: whether they matter, not only what is visible."""
-        self.colours = colours
+    def __init__(self, document: Document, styles: Styles) -> None:
         self.document = document
         self.styles = styles
         self.gradients: dict[ET.Element, Gradient | None] = {}
@@ -125,8 +96,6 @@ class Paints:
             given = [colour_of(style[key], style) for style in styles if style.get(key)]
             found = np.array([colour.rgb for colour in given if colour is not None])
             if len(found):
-                if self.colours:
-                    self.document.faults.add("Patterns become their mean colour")
                 return Paint(opacity, colour_from(found.mean(axis=0)))
         return Paint(opacity)
 

@@ -13,11 +13,11 @@ from ...errors import InvalidMeshError
 from ...geometry.mesh import Mesh
 from ..solids import Area, shapely, union_of
 from .areas import Areas
-from .names import is_automatic
-from .nodes import Shape, units_of
+from .elements import is_automatic, name_of
+from .gradients import Shading
 from .paints import Paint
 from .reading import Reading
-from .shading import Shading
+from .shapes import Shape
 
 Colour = tuple[float, float, float, float]
 """sRGB and opacity, from 0 to 1."""
@@ -52,7 +52,9 @@ def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], t
 
     options: fields of `SvgOptions`. Raises NestedCagesError as `from_svg`.
     """
-    reading = Reading(text, options, colours=True)
+    reading = Reading(text, options)
+    if any(name_of(item) == "pattern" for item in reading.document.root.iter()):
+        reading.document.faults.add("Patterns become their mean colour")
 
     def work(shapes: Sequence[Shape], areas: Areas) -> tuple[SvgPart, ...]:
         found: list[SvgPart] = []
@@ -105,10 +107,10 @@ def _shading(shape: Shape, paint: Paint | None) -> Shading | None:
     """The colours of a gradient of a shape; None for one colour, and for what is flattened to a line."""
     if paint is None or paint.gradient is None:
         return None
-    matrix = units_of(shape, paint.gradient) @ paint.gradient.matrix
+    matrix = shape.units_of(paint.gradient) @ paint.gradient.matrix
     if not abs(np.linalg.det(matrix[:2, :2])) > 0.0:
         return None
-    return Shading(paint, np.asarray(np.linalg.inv(matrix)))
+    return Shading(paint.gradient, paint.opacity, np.asarray(np.linalg.inv(matrix)))
 
 
 def _mesh(found: list[Area], reading: Reading, areas: Areas) -> Mesh | None:

@@ -15,11 +15,10 @@ from ..files import read_whole
 from ..limits import Quota
 from ..solids import ROOM, Area, bounds_of, shapely, solid, union_of
 from .areas import Areas, polygonal
-from .document import Box, Document, Frame
-from .nodes import Shape
-from .options import SvgOptions
+from .document import Box, Document, Frame, SvgOptions
 from .paints import Paint
 from .scene import Scene
+from .shapes import Shape
 from .transforms import moved
 
 DEFAULT_TOLERANCE = 5e-4
@@ -91,10 +90,9 @@ def is_written_svg(text: str | bytes) -> bool:
 class Reading:
     """A document, its tree of what counts, its areas, and the notes."""
 
-    def __init__(self, text: str | bytes, options: Mapping[str, Any], *, colours: bool = False) -> None:
+    def __init__(self, text: str | bytes, options: Mapping[str, Any]) -> None:
         chosen = SvgOptions(**options)
         self.document = Document(text, chosen.limits)
-        self.colours = colours
         self.options = chosen if self.document.strokes_count else replace(chosen, strokes=False)
         self.notes: list[str] = []
 
@@ -104,12 +102,12 @@ class Reading:
     @np.errstate(all="ignore")  # extreme numbers become infinite or nan, which is a fault
     def made(self, work: Callable[[Sequence[Shape], Areas], Made]) -> Made:
         """What is made of the shapes that count and their areas. Raises NestedCagesError with the notes."""
-        shapes = _what_counts(Scene(self.document, self.options, colours=self.colours), self.notes)
+        shapes = _what_counts(Scene(self.document, self.options), self.notes)
         tolerance = self.options.tolerance or DEFAULT_TOLERANCE * _visible_size(shapes, self.page)
         if not tolerance > 0.0:
             raise invalid_file("All points of the drawing coincide; draw closed paths with an inside.")
         try:
-            return work(shapes, Areas(shapes, self.options, tolerance, self.document.pixel))
+            return work(shapes, Areas(shapes, self.options, tolerance, self.document.frame.pixel))
         except InvalidMeshError as error:
             raise InvalidMeshError(error.fault.said(" ".join((str(error), *self.said())))) from error
         except Exception as error:

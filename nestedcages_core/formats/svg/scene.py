@@ -3,38 +3,23 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from ...errors import NestedCagesError
+from ...errors import NestedCagesError, invalid_file
+from ...geometry.arrays import FloatArray
 from ...geometry.mesh.validation import MAX_COORDINATE
 from ..limits import Quota
 from .curves import Subpath, length_of
-from .document import Document
-from .elements import link_of, name_of, title_of
-from .faults import quoted
+from .document import Document, SvgOptions
+from .elements import is_automatic, layer_names, link_of, name_of, quoted, shown_name, title_of
 from .lengths import Viewport, attribute, parse_length, share
-from .names import is_automatic, layer_names, shown_name
-from .nodes import (
-    CLIP,
-    MASK,
-    PAINT,
-    Clip,
-    Context,
-    Shape,
-    check_names,
-    chosen,
-    is_meant,
-    origin_of,
-    rectangular_clip,
-    unit_box,
-)
-from .options import SvgOptions
 from .outlines import OUTLINED, outline
 from .paints import Paint, Paints, link_in
+from .shapes import Clip, Shape, rectangular_clip, unit_box
 from .strokes import stroke_of
 from .style import MARKERS, Style, Styles
 from .transforms import fitted, translation, view_box_of
@@ -48,6 +33,13 @@ MARKED = frozenset(("path", "line", "polyline", "polygon"))
 LEFT_OUT = {"text": "text", "image": "image", "foreignObject": "foreign object"}
 """Visible elements that are not read."""
 
+READ = GROUPS | OUTLINED | {"use", *LEFT_OUT}
+
+PLACES_OF_ORIGIN = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
+
+PAINT, CLIP, MASK = "paint", "clip", "mask"
+"""Purposes of shapes: to be painted, to clip by their outlines, to mask by their luminance."""
+
 BOX = "objectBoundingBox"
 """Units of clip paths and masks: shares of the box around what they belong to."""
 
@@ -55,46 +47,67 @@ MAX_DEPTH = 64
 """Maximum nesting depth of elements."""
 
 
-class Scene:
-    """Walks through a document; `shapes` are those that it draws, the lowest first."""
+@dataclass(frozen=True)
+class Context:
+    """Inherited state of an element."""
 
-    def __init__(self, document: Document, options: SvgOptions, *, colours: bool = False) -> None:
-        """colours: whether colours matter, not only what is visible."""
+    matrix: FloatArray
+    viewport: Viewport
+    style: Style = field(default_factory=dict)
+    opacity: float = 1.0
+    purpose: str = PAINT
+    in_element: bool = True
+    in_layer: bool = True
+    users: tuple[ET.Element, ...] = ()
+    """References that are being followed."""
+    depth: int = 0
+    groups: tuple[str, ...] = ()
+    used_as: str = ""
+    """Name of the reference to the element, which is that of what it shows."""
+
+
+class Scene:
+    """Walks through a document; `shapes` are those that it draws, the lowest first.
+
+    Raises NestedCagesError for an element or a layer that is not in it, and beyond the limits.
+    """
+
+    def __init__(self, document: Document, options: SvgOptions) -> None:
         self.document = document
         self.options = options
         self.styles = Styles(document)
-        self.paints = Paints(document, self.styles, colours=colours)
+        self.paints = Paints(document, self.styles)
         self.left_out: Counter[str] = Counter()
         self.quota = Quota(options.limits)
         self.groups: Counter[tuple[str, ...]] = Counter()
         self.outlines: dict[tuple[ET.Element, Viewport], list[Subpath]] = {}
-        check_names(document, options)
-        self.shapes: list[Shape] = []
+        labels = [name for item in document.root if name_of(item) == "g" for name in layer_names(item)]
+        _check_names("element with the id", [options.element or ""], document.by_id)
+        _check_names("layer", options.layers, labels)
         in_element, in_layer = options.element is None, not options.layers
         whole = Context(np.eye(3), document.viewport, in_element=in_element, in_layer=in_layer)
-        self._add(document.root, whole, self.shapes)
+        self.shapes = self._shapes(document.root, whole)
 
-    def _add(self, item: ET.Element, around: Context, shapes: list[Shape]) -> None:
-        """Add the shapes of an element."""
+    def _shapes(self, item: ET.Element, around: Context) -> list[Shape]:
+        """The shapes of an element."""
         self.quota.spend("elements", 1)
         name = name_of(item)
-        if name not in GROUPS and name not in OUTLINED and name != "use" and name not in LEFT_OUT:
-            return
-        if not is_meant(item) or (around.purpose == CLIP and name in GROUPS):
-            return
-        _check_depth(around)
+        if name not in READ or not _is_meant(item) or (around.purpose == CLIP and name in GROUPS):
+            return []
+        if around.depth > MAX_DEPTH:
+            problem = "The drawing nests its elements too deeply; simplify its groups and references."
+            raise NestedCagesError(problem, code="limit.exceeded")
         style = self.styles.computed(item, around.style)
         opacity = around.opacity * share(style.get("opacity"))
         if style.get("display") == "none" or (around.purpose != CLIP and not opacity > 0.0):
-            return
-        title, matrix = around.used_as or shown_name(item), around.matrix
-        if (around.depth or name != "svg") and style.get("transform", "none") != "none":
-            origin = translation(*origin_of(style, around.viewport, title_of(item), self.document.faults))
-            own = self.document.transform(style.get("transform") or "", title_of(item))
-            matrix = matrix @ origin @ own @ np.linalg.inv(origin)
+            return []
+        title, viewport = around.used_as or shown_name(item), around.viewport
+        if font := self.styles.own(item).get("font-size"):
+            viewport = replace(viewport, em=viewport.length(font, "font-size") or viewport.em)
         context = replace(
             around,
-            matrix=matrix,
+            matrix=around.matrix @ self._transform(item, style, around) if around.depth or name != "svg" else np.eye(3),
+            viewport=viewport,
             style=style,
             opacity=opacity,
             in_element=around.in_element or item.get("id") == self.options.element,
@@ -103,28 +116,45 @@ class Scene:
             groups=self._inside(around.groups, title) if name == "g" else around.groups,
             used_as="",
         )
-        font = self.styles.own(item).get("font-size")
-        if font:
-            em = around.viewport.length(font, "font-size") or around.viewport.em
-            context = replace(context, viewport=replace(context.viewport, em=em))
+        counts = style.get("visibility", "visible") == "visible" and context.in_element and context.in_layer
         if name in LEFT_OUT:
-            if style.get("visibility", "visible") == "visible" and context.in_element and context.in_layer:
-                self.left_out[LEFT_OUT[name]] += 1
-            return
+            self.left_out.update([LEFT_OUT[name]] if counts else [])
+            return []
         if style.get("filter", "none") != "none" and context.purpose != CLIP:
             self.left_out["filter"] += 1
-        first = len(shapes)
         if name == "use":
-            self._add_used(item, title, context, shapes)
+            found = self._used(item, title, context)
         elif name in OUTLINED:
-            self._add_shape(item, title, context, shapes)
+            found = self._outlined(item, title, context) if counts else []
         elif name == "svg" and around.depth:
             x, y = (attribute(item, key, context.viewport) for key in ("x", "y"))
-            self._add_framed(item, context, shapes, x, y, (item.get("width"), item.get("height")))
+            found = self._framed(item, context, x, y, (item.get("width"), item.get("height")))
         else:
-            for child in chosen(item) if name == "switch" else item:
-                self._add(child, context, shapes)
-        clip(shapes, first, self._clips(style, context, shapes[first:]))
+            found = self._all(_chosen(item) if name == "switch" else item, context)
+        return clipped(found, self._clips(style, context, found))
+
+    def _all(self, items: Iterable[ET.Element], context: Context) -> list[Shape]:
+        return [shape for item in items for shape in self._shapes(item, context)]
+
+    def _transform(self, item: ET.Element, style: Style, around: Context) -> FloatArray:
+        """The matrix from the units of an element to those around it."""
+        if style.get("transform", "none") == "none":
+            return np.eye(3)
+        title, words = title_of(item), style.get("transform-origin", "").replace(",", " ").split()
+        own = self.document.transform(style["transform"], title)
+        if not words:
+            return own
+        if style.get("transform-box", "view-box") != "view-box":
+            self.document.faults.add(f"The transform-box of the {title} is not the view box: the origin is at 0 0")
+            return own
+        if words[0] in ("top", "bottom") or words[1:2] in (["left"], ["right"]):
+            words[:2] = [[*words, "center"][1], words[0]]
+        what = f"transform-origin of the {title}"
+        x, y = (
+            parse_length(PLACES_OF_ORIGIN.get(word, word), key, what, around.viewport)
+            for word, key in zip([*words, "center"], "xy", strict=False)
+        )
+        return translation(x, y) @ own @ translation(-x, -y)
 
     def _inside(self, around: tuple[str, ...], title: str) -> tuple[str, ...]:
         """The groups around the content of a group; a later one of the same name in the same group gets a number."""
@@ -135,31 +165,31 @@ class Scene:
         number = self.groups[groups]
         return groups if number == 1 else self._inside(around, f"{title} {number}")
 
-    def _add_used(self, item: ET.Element, title: str, context: Context, shapes: list[Shape]) -> None:
-        """Add the shapes of a `use` element."""
+    def _used(self, item: ET.Element, title: str, context: Context) -> list[Shape]:
+        """The shapes of a `use` element."""
         link = link_of(item)
         target = self.document.linked(link)
         if target is None or any(target is user for user in context.users):
             problem = "not an element of the drawing" if target is None else "used by itself"
             self.document.faults.add(f"Left out: the use of {quoted(link)}, which is {problem}")
-            return
+            return []
         x, y = (attribute(item, key, context.viewport) for key in ("x", "y"))
         context = replace(context, users=(*context.users, target))
         if not title or (is_automatic(title) and not is_automatic(shown_name(target))):
             title = shown_name(target)
         if name_of(target) not in ("symbol", "svg"):
-            self._add(target, replace(context, matrix=context.matrix @ translation(x, y), used_as=title), shapes)
-            return
-        context = replace(context, groups=self._inside(context.groups, title))
-        size = [item.get(key) or target.get(key) for key in ("width", "height")]
+            return self._shapes(target, replace(context, matrix=context.matrix @ translation(x, y), used_as=title))
         style = self.styles.computed(target, context.style)
-        if style.get("display") != "none" or name_of(target) == "symbol":
-            self._add_framed(target, replace(context, style=style), shapes, x, y, size)
+        if style.get("display") == "none" and name_of(target) != "symbol":
+            return []
+        size = [item.get(key) or target.get(key) for key in ("width", "height")]
+        context = replace(context, style=style, groups=self._inside(context.groups, title))
+        return self._framed(target, context, x, y, size)
 
-    def _add_framed(
-        self, item: ET.Element, context: Context, shapes: list[Shape], x: float, y: float, size: Sequence[str | None]
-    ) -> None:
-        """Add the shapes in a nested `svg` or `symbol`, its view box fitted to its size."""
+    def _framed(
+        self, item: ET.Element, context: Context, x: float, y: float, size: Sequence[str | None]
+    ) -> list[Shape]:
+        """The shapes in a nested `svg` or `symbol`, its view box fitted to its size."""
         box, around = view_box_of(item), context.viewport
         whole = (around.width, around.height) if around.width is not None else (box[2:] if box else (None, None))
         if box is None and None in whole and None in size:
@@ -170,55 +200,50 @@ class Scene:
                 for given, key, missing in zip(size, ("width", "height"), whole, strict=True)
             )
             if not (width > 0.0 and height > 0.0):
-                return
+                return []
         inside = fitted(box, x, y, width or 0.0, height or 0.0, item.get("preserveAspectRatio", ""))
         viewport = around.sized(*(box[2:] if box else (width, height)))
-        first, within = len(shapes), replace(context, matrix=context.matrix @ inside, viewport=viewport)
-        for child in item:
-            self._add(child, within, shapes)
-        if width is not None and height is not None and context.style.get("overflow", "hidden") in ("hidden", "scroll"):
-            clip(shapes, first, [rectangular_clip(x, y, width, height, context.matrix, self.quota)])
+        found = self._all(item, replace(context, matrix=context.matrix @ inside, viewport=viewport))
+        if width is None or height is None or context.style.get("overflow", "hidden") not in ("hidden", "scroll"):
+            return found
+        return clipped(found, [rectangular_clip(x, y, width, height, context.matrix, self.quota)])
 
-    def _add_shape(self, item: ET.Element, title: str, context: Context, shapes: list[Shape]) -> None:
-        """Add an element with an outline."""
-        style, purpose = context.style, context.purpose
-        if not (context.in_element and context.in_layer) or style.get("visibility", "visible") != "visible":
-            return
+    def _outlined(self, item: ET.Element, title: str, context: Context) -> list[Shape]:
+        """An element with an outline."""
+        style = context.style
         key = (item, context.viewport)
         if key not in self.outlines:
             self.outlines[key] = outline(self.styles.placed(item), context.viewport, self.quota)
         subpaths, name = self.outlines[key], title_of(item)
         if not subpaths:
-            return
-        if purpose == CLIP:
-            rule = style.get("clip-rule", "nonzero")
-            shape = Shape(name, subpaths, context.matrix, rule == "evenodd", Paint(1.0))
+            return []
+        if context.purpose == CLIP:
+            shape = Shape(name, subpaths, context.matrix, style.get("clip-rule") == "evenodd", Paint(1.0))
         else:
             stroke = stroke_of(style, context.viewport)
             if stroke and stroke.dashes and item.get("pathLength"):
-                told = attribute(item, "pathLength", context.viewport)
-                stroke = stroke.along(length_of(subpaths) / told) if told > 0.0 else stroke
+                length = attribute(item, "pathLength", context.viewport)
+                stroke = stroke.along(length_of(subpaths) / length) if length > 0.0 else stroke
             shape = Shape(
                 name,
                 subpaths,
                 context.matrix,
-                style.get("fill-rule", "nonzero") == "evenodd",
+                style.get("fill-rule") == "evenodd",
                 self._paint("fill", "black", context),
                 stroke,
                 self._paint("stroke", "none", context) if stroke else None,
                 style.get("vector-effect") != "non-scaling-stroke",
                 title,
                 context.groups,
-                item.get("class", ""),
             )
         points = [*(path.points for path in subpaths), *shape.placed]
         if not np.abs(np.concatenate(points)).max() < MAX_COORDINATE:
             self.document.faults.add(f"Left out: the {name}, whose coordinates are not finite, or too large")
-            return
-        shapes.append(shape)
+            return []
         for end in MARKERS if name_of(item) in MARKED else ():
             if self.document.linked(link_in(style.get(end, "none"))[0]) is not None:
                 self.left_out["marker"] += 1
+        return [shape]
 
     def _paint(self, key: str, default: str, context: Context) -> Paint | None:
         style = context.style
@@ -235,13 +260,15 @@ class Scene:
             item = self.document.linked(link)
             if not shapes or item is None or name_of(item) != tag or any(item is user for user in context.users):
                 continue
-            units = item.get("clipPathUnits" if purpose == CLIP else "maskContentUnits", "")
-            placed = self._in_box(context, shapes) if units == BOX else context
             own = self.styles.computed(item, {})
-            if purpose == MASK:
-                purpose = PAINT if own.get("mask-type") == "alpha" else MASK
+            units = item.get("clipPathUnits" if purpose == CLIP else "maskContentUnits", "")
+            placed = self._in_units(units, context, shapes)
+            if purpose == MASK and own.get("mask-type") == "alpha":
+                purpose = PAINT
+            matrix = self.document.transform(own.get("transform") or "", tag) if purpose == CLIP else np.eye(3)
             inner = replace(
                 placed,
+                matrix=placed.matrix @ matrix,
                 style=own,
                 opacity=1.0,
                 purpose=purpose,
@@ -250,22 +277,18 @@ class Scene:
                 depth=context.depth + 1,
                 users=(*context.users, item),
             )
-            _check_depth(inner)
-            matrix = self.document.transform(own.get("transform") or "", tag) if purpose == CLIP else np.eye(3)
-            content: list[Shape] = []
-            for child in item:
-                self._add(child, replace(inner, matrix=placed.matrix @ matrix), content)
-            clip(content, 0, self._clips(own, inner, content))
+            content = self._all(item, inner)
+            content = clipped(content, self._clips(own, replace(inner, matrix=placed.matrix), content))
             found.append(Clip(content, is_mask=purpose == MASK))
             if tag == "mask":
-                units = item.get("maskUnits", BOX)
-                found.append(self._mask_region(item, self._in_box(context, shapes) if units == BOX else context))
+                found.append(self._mask_region(item, self._in_units(item.get("maskUnits", BOX), context, shapes)))
         return found
 
-    def _in_box(self, context: Context, shapes: list[Shape]) -> Context:
-        """A context with the box around shapes as the unit square."""
-        viewport = context.viewport.sized(1.0, 1.0)
-        return replace(context, matrix=unit_box(shapes, context.matrix), viewport=viewport)
+    def _in_units(self, units: str, context: Context, shapes: list[Shape]) -> Context:
+        """A context, for units of the box with the box around shapes as the unit square."""
+        if units != BOX:
+            return context
+        return replace(context, matrix=unit_box(shapes, context.matrix), viewport=context.viewport.sized(1.0, 1.0))
 
     def _mask_region(self, item: ET.Element, context: Context) -> Clip:
         """The rectangle outside which a mask hides everything; by default a tenth wider than what it belongs to."""
@@ -276,14 +299,26 @@ class Scene:
         return rectangular_clip(x, y, width, height, context.matrix, self.quota)
 
 
-def clip(shapes: list[Shape], first: int, clips: Sequence[Clip]) -> None:
-    """Clip shapes from the first on."""
-    if clips:
-        shapes[first:] = [replace(shape, clips=(*shape.clips, *clips)) for shape in shapes[first:]]
+def clipped(shapes: list[Shape], clips: Sequence[Clip]) -> list[Shape]:
+    return [replace(shape, clips=(*shape.clips, *clips)) for shape in shapes] if clips else shapes
 
 
-def _check_depth(context: Context) -> None:
-    """Raises NestedCagesError beyond the depth of nesting that is read."""
-    if context.depth > MAX_DEPTH:
-        problem = "The drawing nests its elements too deeply; simplify its groups and references."
-        raise NestedCagesError(problem, code="limit.exceeded")
+def _check_names(what: str, names: Sequence[str], known: Iterable[str]) -> None:
+    """Raise NestedCagesError if a name that is asked for is not in the drawing."""
+    for name in names:
+        if name and name not in known:
+            others = ", ".join(list(filter(None, known))[:12]) or "none"
+            raise invalid_file(f"The drawing has no {what} {quoted(name)}; there are: {others}.")
+
+
+def _is_meant(item: ET.Element) -> bool:
+    """Whether an element needs no extensions and is for readers of English, if it is for some only."""
+    languages = item.get("systemLanguage")
+    return not item.get("requiredExtensions") and (
+        languages is None or any(part.strip().lower().startswith("en") for part in languages.split(","))
+    )
+
+
+def _chosen(item: ET.Element) -> list[ET.Element]:
+    """The element that a `switch` draws: the first of its children that is meant."""
+    return [child for child in item if name_of(child) not in ("", "foreignObject") and _is_meant(child)][:1]

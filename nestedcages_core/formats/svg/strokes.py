@@ -12,7 +12,7 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ..limits import Limits, Quota
 from ..solids import shapely, spend
-from .curves import angle_between
+from .curves import angle_between, cross
 from .lengths import Viewport, numbers, parse_length
 
 MAX_ARC_SEGMENTS = 64
@@ -112,7 +112,10 @@ def stroked(lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: 
     for line in _dashed(lines, stroke, quota.limits, inside=inside):
         points = _different(line)
         closed = line.closed and len(points) > 2
-        reach = _reach(points, closed, line, stroke, segments, inside=inside)
+        around = np.concatenate((points, points[:2])) if closed else points
+        steps = np.diff(around, axis=0)
+        turns = angle_between(steps[:-1], steps[1:])
+        reach = _reach(steps, turns, line, stroke, segments, inside=inside)
         if not reach > 0.0:
             continue
         if len(points) == 1:
@@ -122,12 +125,12 @@ def stroked(lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: 
         if not curve.is_simple:
             spend([curve], quota, own=True)
         join = NAMES.get(stroke.join, stroke.join)
-        tips = _tips(points, closed, reach, stroke.miter_limit, line) if join == "mitre" else None
+        tips = _tips(around, steps, reach, stroke.miter_limit, line) if join == "mitre" else None
         join = "bevel" if tips is not None else join
         style = {"cap_style": NAMES.get(stroke.cap, stroke.cap), "join_style": join}
         outline = shapely.buffer(curve, reach, quad_segs=segments, mitre_limit=1.01 * stroke.miter_limit, **style)
         found.append(outline)
-        for corners in [] if inside else _folds(points, closed, reach, line.turn):
+        for corners in [] if inside else _folds(around, steps, turns, reach, line.turn):
             shapely.prepare(outline)
             centres = corners.mean(axis=1, keepdims=True)
             lost = ~shapely.covers(outline, _hulls(centres + ROUNDING * (corners - centres)))
@@ -142,17 +145,17 @@ def stroked(lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: 
     return [geometry for geometry in found if not geometry.is_empty]
 
 
-def _folds(points: FloatArray, closed: bool, reach: float, max_turn: float) -> list[FloatArray]:
+def _folds(around: FloatArray, steps: FloatArray, turns: FloatArray, reach: float, max_turn: float) -> list[FloatArray]:
     """Corners (K, k, 2) of convex parts of the stroke of a line that has bends tighter than the width.
 
+    around: (k, 2) points of the line, the first two again if it is closed; steps: from each to the next; turns: between
+    these, farther than `max_turn` at corners.
+
     GEOS leaves out what lies on the inner side of such a bend next to a cap, and the line does not show how far the
-    ends of its curve's normals swing back. Parts are what edges sweep, and what they do as they turn, all along both
-    edges where these turn by `max_turn` at most, as on curves.
+    ends of its curve's normals swing back next to an end or a corner. Parts are what edges sweep, and what they do as
+    they turn, there all along both edges.
     """
-    around = np.concatenate((points, points[:2])) if closed else points
-    steps = np.diff(around, axis=0)
     lengths = np.hypot(*steps.T)
-    turns = angle_between(steps[:-1], steps[1:])
     tight = TIGHT * reach * turns
     folds = np.minimum(lengths[:-1], lengths[1:]) < tight
     if not folds.any():
@@ -162,10 +165,14 @@ def _folds(points: FloatArray, closed: bool, reach: float, max_turn: float) -> l
     ends = np.stack((around[:-1], around[1:]), axis=1)[:, :, None]
     swept = ends + np.stack((aside, -aside), axis=1)[:, None]
     at = around[1:-1][folds]
-    near = np.where(turns <= max_turn, tight, 0.0)
+    closed = len(around) > 3 and bool((around[:2] == around[-2:]).all())
+    beside = np.concatenate((turns[-1:], turns, turns[:1])) if closed else np.pad(turns, 1, constant_values=math.inf)
+    near = np.where((turns <= max_turn) & (np.maximum(beside[:-2], beside[2:]) > max_turn), tight, 0.0)
     back, ahead = (np.minimum(size, near)[folds, None] for size in (lengths[:-1], lengths[1:]))
     bend = np.stack((at - back * along[:-1][folds], at, at + ahead * along[1:][folds]), axis=1)[:, :, None]
     turned = np.stack([sign * each[folds] for each in (aside[:-1], aside[1:]) for sign in (-1.0, 1.0)], axis=1)
+    left = cross(along[:-1], along[1:])[folds, None] > 0.0
+    turned[(near[folds, None] == 0.0) & (left != (True, False, True, False))] = 0.0  # elsewhere only the outer side
     return [swept.reshape(-1, 4, 2), (bend + turned[:, None]).reshape(-1, 12, 2)]
 
 
@@ -175,17 +182,16 @@ def _hulls(points: FloatArray) -> Any:
     return shapely.convex_hull(shapely.multipoints(points.reshape(-1, 2), indices=np.repeat(np.arange(count), size)))
 
 
-def _reach(points: FloatArray, closed: bool, line: Polyline, stroke: Stroke, segments: int, *, inside: bool) -> float:
+def _reach(
+    steps: FloatArray, turns: FloatArray, line: Polyline, stroke: Stroke, segments: int, *, inside: bool
+) -> float:
     """The distance of GEOS's outline from a line that puts it beyond the stroke; inside: within it."""
-    around = np.concatenate((points, points[:2])) if closed else points
-    steps = np.diff(around, axis=0)
-    turns = angle_between(steps[:-1], steps[1:])
     parallel = float(turns.max(initial=0.0, where=turns < PARALLEL))
     chord = line.turn
     if stroke.join == "round":
         quarter = math.pi / (2.0 * segments)
         chord = max(chord, float((turns / np.maximum(np.ceil(turns / quarter - 0.5 - TIE), 1.0)).max(initial=0.0)))
-    if stroke.cap == "round" and not closed:
+    if stroke.cap == "round" and not line.closed:
         chord = max(chord, math.pi / (2.0 * segments))
     lost = min(math.cos(parallel), math.cos(min(chord, math.pi / 3.0) / 2.0))
     radius = 0.5 * stroke.width
@@ -203,17 +209,15 @@ def _different(line: Polyline) -> FloatArray:
     return np.asarray(points[:-1] if repeats else points)
 
 
-def _tips(points: FloatArray, closed: bool, radius: float, limit: float, line: Polyline) -> FloatArray | None:
+def _tips(around: FloatArray, steps: FloatArray, radius: float, limit: float, line: Polyline) -> FloatArray | None:
     """(K, 4, 2) quadrilaterals that mitres add to bevels; None if all corners have mitres, so that GEOS can.
 
     SVG bevels corners beyond the limit, GEOS cuts their mitres off; cusps are no corners.
     """
-    corner = points if closed else points[1:-1]
-    before = corner - (np.roll(points, 1, axis=0) if closed else points[:-2])
-    after = (np.roll(points, -1, axis=0) if closed else points[2:]) - corner
-    before, after = (step / np.hypot(*step.T)[:, None] for step in (before, after))
+    corner, along = around[1:-1], steps / np.hypot(*steps.T)[:, None]
+    before, after = along[:-1], along[1:]
     cosine = (before * after).sum(axis=1)
-    turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    turn = cross(before, after)
     squared = np.where(cosine > -1.0, 2.0 / np.maximum(1.0 + cosine, 1e-300), np.inf)  # of mitre length by width
     within = squared <= limit * limit * (1.0 + 1e-9)
     for *cusp, extent in line.cusps:

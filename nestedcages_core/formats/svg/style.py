@@ -1,24 +1,25 @@
-"""Styles of elements: attributes, style sheets and inheritance (SVG 1.1, section 6; CSS cascade)."""
+"""Styles of elements: attributes, style sheets, found within a budget of work, and inheritance (CSS cascade)."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
+from typing import Any
 from xml.etree import ElementTree as ET
 
 from ...errors import NestedCagesError
 from ...libraries import needed
 from .colours import parsed_colour
 from .document import Document
-from .elements import name_of, title_of
-from .faults import quoted
+from .elements import name_of, quoted, title_of
 from .lengths import Viewport
-from .selectors import is_of_screens, matched
 from .transforms import read_transform
 
 with needed("tinycss2", "Reading SVG"):
     import tinycss2
+with needed("cssselect2", "Reading SVG"):
+    import cssselect2
 
 MARKERS = ("marker", "marker-start", "marker-mid", "marker-end")
 
@@ -84,6 +85,20 @@ MAX_VALUE = 100_000
 
 PATH_DATA = re.compile(r"path\(\s*['\"](.*)['\"]\s*\)", re.DOTALL)
 
+CONDITIONS = ("media", "supports", "layer")
+"""Rules around others; what is asked of the program is taken to be supported."""
+
+MEDIA = ("", "all", "screen")
+"""Conditions of @media that are true."""
+
+MAX_WORK = 40_000_000
+"""Characters of selectors times elements, those that look along siblings by the most children of one: a few seconds."""
+
+LEAST = 20
+"""Characters and elements that every rule counts in addition."""
+
+TOO_DEEP = (RecursionError, SyntaxError, MemoryError)
+"""What Python raises for the expressions that the library makes of selectors nested too deeply."""
 
 Style = Mapping[str, str]
 
@@ -95,25 +110,31 @@ class Styles:
     """The properties of every element of a document."""
 
     def __init__(self, document: Document) -> None:
+        """Raises NestedCagesError for style sheets that nest too deeply or take too much work."""
         self.document = document
-        self.sheets: dict[ET.Element, Sequence[Declaration]] = {}
-        self.known: dict[ET.Element, dict[str, str]] = {}
         texts = [
             "".join(item.itertext())
             for item in document.root.iter()
             if name_of(item) == "style"
             and item.get("type", "text/css").strip().lower() in ("", "text/css")
-            and is_of_screens(item.get("media", ""))
+            and _is_of_screens(item.get("media", ""))
         ]
+        self.sheets: Mapping[ET.Element, Sequence[Declaration]] = {}
         if any(text.strip() for text in texts):
-            self.sheets = matched(document.root, texts, declarations)
+            try:
+                self.sheets = _matched(document.root, texts)
+            except TOO_DEEP as error:
+                problem = "The style sheets nest blocks or selectors too deeply; simplify them."
+                raise NestedCagesError(problem, code="limit.exceeded") from error
+        self.known: dict[ET.Element, dict[str, str]] = {}
+        self.variables: dict[str, str] = {}
         self.variables = {key: value for key, value in self.own(document.root).items() if key.startswith("--")}
 
     def own(self, item: ET.Element) -> dict[str, str]:
         """The element's own properties, variables of the root as their values."""
         if item not in self.known:
             self.known[item] = self._own(item)
-        return _replaced(self.known[item], getattr(self, "variables", {}))
+        return _replaced(self.known[item], self.variables)
 
     def _own(self, item: ET.Element) -> dict[str, str]:
         """In the order of CSS: attributes, sheets, style; important last."""
@@ -220,3 +241,49 @@ def declarations(text: str) -> tuple[Declaration, ...]:
             if name in KNOWN or name.startswith("--"):
                 found.append((name, tinycss2.serialize(node.value).strip(), node.important))
     return tuple(found)
+
+
+def _matched(root: ET.Element, texts: Iterable[str]) -> dict[ET.Element, Sequence[Declaration]]:
+    """Declarations of style sheets for each matching element, the most specific last."""
+    elements = [item for item in root.iter() if isinstance(item.tag, str)]
+    siblings = max(len(item) for item in elements)
+    matcher, work = cssselect2.Matcher(), 0
+    for prelude, content in _rules(node for text in texts for node in tinycss2.parse_stylesheet(text, True, True)):
+        text = tinycss2.serialize(prelude)
+        along = siblings if any(sign in text for sign in "~+:") else 1
+        work += (len(text) + LEAST) * (len(elements) + LEAST) * along
+        if work > MAX_WORK:
+            raise NestedCagesError("The style sheets take too long to match; simplify them.", code="limit.exceeded")
+        payload = declarations(tinycss2.serialize(content))
+        try:
+            selectors = cssselect2.compile_selector_list(prelude) if payload else ()
+        except (cssselect2.SelectorError, NotImplementedError):
+            continue  # as browsers do
+        for selector in selectors:
+            if selector.pseudo_element is None:
+                matcher.add_selector(selector, payload)
+    wrappers = cssselect2.ElementWrapper.from_xml_root(root).iter_subtree()
+    return {
+        wrapper.etree_element: [each for match in matches for each in match[3]]
+        for wrapper in wrappers
+        if (matches := matcher.match(wrapper))
+    }
+
+
+def _is_of_screens(condition: str) -> bool:
+    """Whether a media query holds for a program that draws on screens; queries of sizes do not."""
+    return any(part.strip().lower() in MEDIA for part in condition.split(","))
+
+
+def _rules(nodes: Iterable[Any]) -> Iterator[tuple[Any, Any]]:
+    """Selectors and declarations of rules, including those for screens, as tokens."""
+    for node in nodes:
+        if node.type == "qualified-rule":
+            yield node.prelude, node.content
+        elif (
+            node.type == "at-rule"
+            and node.lower_at_keyword in CONDITIONS
+            and node.content is not None
+            and (node.lower_at_keyword != "media" or _is_of_screens(tinycss2.serialize(node.prelude)))
+        ):
+            yield from _rules(tinycss2.parse_rule_list(node.content, True, True))

@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import invalid_setting
 from ...formats import SvgPart, svg_parts
 from ...formats.pictures.png import Pixels
-from ...formats.svg.shading import Shades, shaded
+from ...formats.svg.gradients import Shades, shaded
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
 from .painting import PicturePart
