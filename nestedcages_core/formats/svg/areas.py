@@ -74,8 +74,10 @@ class Areas:
         everything = list(_with_clips(shapes))
         if not all(np.abs(points).max() < MAX_COORDINATE for shape in everything for points in shape.placed):
             raise invalid_file("The drawing has coordinates that are not finite, or too large; correct them.")
-        fills = [shape for shape in everything if shape.fill and any(path.is_curved for path in shape.subpaths)]
-        self._make_chains(fills, [shape for shape in everything if shape.stroke_paint])
+        if fills := [shape for shape in everything if shape.fill and any(path.is_curved for path in shape.subpaths)]:
+            self._chain_fills(fills)
+        if pens := [pen for shape in everything if shape.stroke_paint and (pen := self._pen(shape)) is not None]:
+            self._chain_strokes(pens)
 
     def of(self, shapes: Sequence[Shape]) -> list[Area]:
         """The areas that shapes paint."""
@@ -111,34 +113,10 @@ class Areas:
             return []
         return self._painted(shape, shape.stroke_paint, self._stroked(shape, inside=self.options.inside))
 
-    def _make_chains(self, fills: Sequence[Shape], strokes: Sequence[Shape]) -> None:
-        """Make chains of edges of the curves of all fills and strokes at once."""
-        pens = [pen for shape in strokes if (pen := self._pen(shape)) is not None]
-        shapes = [*fills, *(pen.shape for pen in pens)]
-        if not shapes:
-            return
-        counts = [len(shape.subpaths) for shape in shapes]
-        pieces = pieces_of(
-            [path for shape in shapes for path in shape.subpaths],
-            [points for shape in fills for points in shape.placed] + [points for pen in pens for points in pen.points],
-            np.repeat([*(self._tolerance(shape) for shape in fills), *(pen.tolerance for pen in pens)], counts),
-            np.repeat([*(MAX_TURN for shape in fills), *(pen.max_turn for pen in pens)], counts),
-            partial(self.quota.spend, "points"),
-        )
-        first = np.append(0, np.cumsum(counts))
-        self._chain_fills(fills, first[: len(fills) + 1], pieces.of(0, first[len(fills)]))
-        self._chain_strokes(pens, first[len(fills) :], pieces)
-
-    def _tolerance(self, shape: Shape) -> float:
-        """Of the edges of a fill: finer for thin ones, unless the tolerance is given."""
-        if self.options.tolerance is not None:
-            return self.tolerance
-        return min(max(SMALL * abs(strip_width(shape.placed)), self.tolerance / MAX_FINER), self.tolerance)
-
-    def _chain_fills(self, shapes: Sequence[Shape], first: IntArray, pieces: Pieces) -> None:
-        """first: the first subpath of each shape, and their number."""
-        if not shapes:
-            return
+    def _chain_fills(self, shapes: Sequence[Shape]) -> None:
+        """Make chains of edges of the curves of all fills at once."""
+        tolerances = [self._tolerance(shape) for shape in shapes]
+        pieces, first = self._pieces(shapes, [shape.placed for shape in shapes], tolerances, [MAX_TURN] * len(shapes))
         ends = np.split(pieces.stops, pieces.first[1:-1])
         own = [slice(*each) for each in pairwise(first)]
         known = [_sides(ends[part], evenodd=shape.evenodd) for shape, part in zip(shapes, own, strict=True)]
@@ -148,24 +126,45 @@ class Areas:
         for k, (shape, part) in enumerate(zip(shapes, own, strict=True)):
             self.fills[shape] = outer[part], inner[part], slivers[bent[k] : bent[k + 1]], known[k][1]
 
-    def _chain_strokes(self, pens: Sequence[Pen], first: IntArray, pieces: Pieces) -> None:
-        """first: the first subpath of each shape, and the number of all subpaths."""
-        if not pens:
-            return
-        whole = pieces.of(first[0], first[-1])
-        errors = whole.errors(whole.first[first[:-1] - first[0]], np.array([pen.max_turn for pen in pens]))
-        chains = whole.chains(np.zeros(len(whole.first) - 1, dtype=np.int64))
+    def _chain_strokes(self, pens: Sequence[Pen]) -> None:
+        """Make lines of the curves of all strokes at once."""
+        turns = [pen.max_turn for pen in pens]
+        tolerances = [pen.tolerance for pen in pens]
+        pieces, first = self._pieces([pen.shape for pen in pens], [pen.points for pen in pens], tolerances, turns)
+        errors = pieces.errors(pieces.first[first[:-1]], np.array(turns))
+        lines = pieces.lines()
         for pen, (low, high), error, turn, cusps in zip(pens, pairwise(first), *errors, strict=True):
-            found: list[tuple[FloatArray, FloatArray | None]] = []
-            if pen.stroke.dashes:
-                found = [*pieces.of(low, high).lines()]
-            else:
-                found = [(chain, None) for chain in chains[low - first[0] : high - first[0]]]
-            lines = [
-                Polyline(chain, path.closed, least, float(error), float(turn), cusps)
-                for path, (chain, least) in zip(pen.shape.subpaths, found, strict=True)
-            ]
-            self.strokes[pen.shape] = pen, lines
+            self.strokes[pen.shape] = (
+                pen,
+                [
+                    Polyline(points, path.closed, least, float(error), float(turn), cusps)
+                    for path, (points, least) in zip(pen.shape.subpaths, lines[low:high], strict=True)
+                ],
+            )
+
+    def _pieces(
+        self,
+        shapes: Sequence[Shape],
+        points: Iterable[Sequence[FloatArray]],
+        tolerances: Sequence[float],
+        max_turns: Sequence[float],
+    ) -> tuple[Pieces, IntArray]:
+        """Pieces of shapes whose control points were moved, the first subpath of each shape, and their number."""
+        counts = [len(shape.subpaths) for shape in shapes]
+        pieces = pieces_of(
+            [path for shape in shapes for path in shape.subpaths],
+            [each for own in points for each in own],
+            np.repeat(tolerances, counts),
+            np.repeat(max_turns, counts),
+            partial(self.quota.spend, "points"),
+        )
+        return pieces, np.append(0, np.cumsum(counts))
+
+    def _tolerance(self, shape: Shape) -> float:
+        """Of the edges of a fill: finer for thin ones, unless the tolerance is given."""
+        if self.options.tolerance is not None:
+            return self.tolerance
+        return min(max(SMALL * abs(strip_width(shape.placed)), self.tolerance / MAX_FINER), self.tolerance)
 
     def _filled(self, shape: Shape, *, inside: bool) -> list[Area]:
         """Areas that cover the inside of a shape, or lie in it.

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -93,18 +92,33 @@ class Pieces:
     push: FloatArray
     """(P,) distance that computed points are moved away from curves."""
 
-    def of(self, low: int, high: int) -> Pieces:
-        """Those of some consecutive subpaths."""
-        first = self.first[low : high + 1]
-        own = slice(first[0], first[-1])
-        arrays = {each.name: getattr(self, each.name)[own] for each in fields(self) if each.name != "first"}
-        return Pieces(**arrays, first=first - first[0])
-
     def chains(self, sides: IntArray) -> list[FloatArray]:
         """For each subpath (k, 2) points of a chain to the right of its curves, side 1, or to their left, -1.
 
         On its side of a bend a chain follows the corners, on the other one the ends. Side 0: always the corners.
         """
+        points, kept = self._candidates(sides)
+        return self._split(points, kept)
+
+    def lines(self) -> list[tuple[FloatArray, FloatArray]]:
+        """For each subpath a chain of side 0, and (k,) lower bounds of the length of its curves up to each point."""
+        points, kept = self._candidates(np.zeros(len(self.first) - 1, dtype=np.int64))
+        chord, around = self.lengths()
+        share = chord / np.maximum(around, TINY)
+        first, last = _norm(self.corners[:, 0] - self.starts), _norm(self.stops - self.corners[:, 1])
+        before = np.cumsum(chord) - chord
+        before -= np.repeat(before[self.first[:-1]], np.diff(self.first))
+        ahead = np.stack((np.zeros(len(chord)), share * first, chord - share * last, chord), axis=1)
+        least = self._split(before[:, None] + ahead, kept)
+        return list(zip(self._split(points, kept), least, strict=True))
+
+    def _split(self, values: FloatArray, kept: BoolArray) -> list[FloatArray]:
+        """Those values (P, 4, …) of each subpath that are kept."""
+        numbers = np.add.reduceat(kept.sum(axis=1), self.first[:-1])
+        return np.split(values[kept], np.cumsum(numbers)[:-1])
+
+    def _candidates(self, sides: IntArray) -> tuple[FloatArray, BoolArray]:
+        """(P, 4, 2) start, corners and stop of pieces, beside the curves, and which of them chains have."""
         side = np.repeat(sides, np.diff(self.first))
         outer = np.where(side == 0, self.turns != 0, self.turns == side)
         shift = (side * self.push)[:, None, None] * self._normals
@@ -127,8 +141,7 @@ class Pieces:
         turn = angle_between(self.starts[joint] - before, after - self.starts[joint])
         goes_on = turn < np.where(side[joint] == 0, SMOOTH, math.pi / 2.0)
         kept[joint, 0] = ~(goes_on & (depth >= least) & (depth <= most))
-        numbers = np.add.reduceat(kept.sum(axis=1), self.first[:-1])
-        return np.split(points.reshape(-1, 2)[kept.ravel()], np.cumsum(numbers)[:-1])
+        return points, kept
 
     def slivers(self) -> FloatArray:
         """(C, 6, 2) hulls of the ends and corners of curved pieces, which contain the pieces with their ends."""
@@ -143,23 +156,6 @@ class Pieces:
         middle = _norm(self.corners[:, 1] - self.corners[:, 0])
         ends = _norm(self.corners[:, 0] - self.starts) + _norm(self.stops - self.corners[:, 1])
         return _norm(self.stops - self.starts), ends + middle
-
-    def lines(self) -> list[tuple[FloatArray, FloatArray]]:
-        """For each subpath (k, 2) all ends and corners in turn, and (k,) lower bounds of the length up to each."""
-        chord, around = self.lengths()
-        share = chord / np.maximum(around, TINY)
-        first, last = _norm(self.corners[:, 0] - self.starts), _norm(self.stops - self.corners[:, 1])
-        ahead = np.stack((share * first, chord - share * last, chord), axis=1)
-        points = np.concatenate((self.corners, self.stops[:, None]), axis=1)
-        kept = np.stack((self.turns != 0, self.turns != 0, np.ones(len(chord), dtype=bool)), axis=1)
-        found = []
-        for low, high in pairwise(self.first):
-            before = np.cumsum(chord[low:high]) - chord[low:high]
-            least = (before[:, None] + ahead[low:high])[kept[low:high]]
-            found.append(
-                (np.concatenate((self.starts[low, None], points[low:high][kept[low:high]])), np.append(0.0, least))
-            )
-        return found
 
     def errors(self, first: IntArray, max_turn: FloatArray) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
         """Bounds of the distance of side 0 from the curves, and of the angle between its edges on one curve; and cusps.

@@ -92,17 +92,12 @@ def rectangle(x: float, y: float, width: float, height: float, rx: float = 0.0, 
     )
 
 
-class _WrongDataError(Exception):
-    """What is missing."""
-
-
 class PathReader:
     """Follows path data command by command."""
 
     def __init__(self, data: str, quota: Quota) -> None:
         self.data = data
         self.quota = quota
-        self.place = 0
         self.fault = ""
         self.subpaths: list[Subpath] = []
         self.points: list[float] = []
@@ -117,43 +112,21 @@ class PathReader:
 
         Raises NestedCagesError for more points than the quota has.
         """
-        try:
-            self._read()
-        except _WrongDataError as error:
-            rest = self.data[self.place : self.place + 20].strip() or "its end"
-            self.fault = f"go wrong at character {self.place} ({rest}): {error} is missing"
-        self._end_subpath(closed=False)
-        return self.subpaths
-
-    def _read(self) -> None:
-        command = ""
-        while (begin := BLANK.match(self.data, self.place).end()) < len(self.data):  # type: ignore[union-attr]
-            letter = self.data[begin]
-            if letter.upper() in ARGUMENTS and letter.isascii():
-                command, self.place = letter, begin + 1
-            elif command in ("", "Z", "z"):
-                raise _WrongDataError("a command")
-            else:
-                self._find_missing(command.upper())
-            kind = command.upper()
-            if kind != "M" and not self.points:
-                raise _WrongDataError("a path that begins with M")
-            text = WHOLE[kind].match(self.data, self.place)[0]  # type: ignore[index]
-            taken = ARC.findall(text) if kind == "A" else NUMBERS.findall(text)
-            values = [float(each) for each in (chain.from_iterable(taken) if kind == "A" else taken)]
-            if not values and kind != "Z":
-                self._find_missing(kind)
+        place = 0
+        while (place := BLANK.match(self.data, place).end()) < len(self.data):  # type: ignore[union-attr]
+            command, kind = self.data[place], self.data[place].upper()
+            known = command.isascii() and kind in ARGUMENTS and bool(self.points or kind == "M")
+            text = WHOLE[kind].match(self.data, place + 1)[0] if known else ""  # type: ignore[index]
+            if not text and not (known and kind == "Z"):
+                self.fault = f"go wrong at character {place} ({self.data[place : place + 20].strip()})"
+                break
+            taken = chain.from_iterable(ARC.findall(text)) if kind == "A" else NUMBERS.findall(text)
+            values = list(map(float, taken))
             self.quota.spend("points", len(values) // len(ARGUMENTS[kind]) if values else 1)
             self._follow(kind, values, relative=command.islower())
-            self.place += len(text)
-
-    def _find_missing(self, kind: str) -> None:
-        """Raise the error for the first argument that is not there."""
-        for number, pattern in enumerate(ARGUMENTS[kind], 1):
-            found = re.compile(pattern).match(self.data, self.place)
-            if not found:
-                raise _WrongDataError(f"argument {number} of {kind}")
-            self.place = found.end()
+            place += 1 + len(text)
+        self._end_subpath(closed=False)
+        return self.subpaths
 
     def _follow(self, kind: str, values: list[float], *, relative: bool) -> None:
         """Add what a command draws, as often as it has arguments."""

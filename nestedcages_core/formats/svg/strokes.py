@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -68,13 +68,13 @@ class Polyline:
     points: FloatArray
     """(k, 2); a closed one ends where it begins."""
     closed: bool
-    least: FloatArray | None = None
-    """(k,) lower bounds of the length of the curves up to each point; None if the line has their length."""
-    error: float = 0.0
+    least: FloatArray
+    """(k,) lower bounds of the length of the curves up to each point."""
+    error: float
     """Bound of its distance from the curves."""
-    turn: float = 0.0
+    turn: float
     """Largest angle between its edges on one curve but at cusps, in radians."""
-    cusps: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    cusps: FloatArray
     """(k, 3) x, y and radius of circles around the cusps of all lines that have the same error."""
 
 
@@ -243,13 +243,12 @@ def _dashed(lines: Sequence[Polyline], stroke: Stroke, limits: Limits, *, inside
         along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
         number = len(stroke.dashes) // 2 * math.ceil(min(along[-1] / period, 1e18))
         limits.check("points", DASH_POINTS * (len(found) + number))
-        least = along if least is None else least
         for low, high in _dashes(stroke, period, along[-1]):
             first, last = (float(np.interp(at, least, along)) for at in (low, high))
             first, last = (first + line.error, high - line.error) if inside else (low - line.error, last + line.error)
             if first <= last:
                 piece = _substring(points, along, max(first, 0.0), min(last, along[-1]))
-                found.append(replace(line, points=piece, closed=False, least=None))
+                found.append(replace(line, points=piece, closed=False))
     return found
 
 
