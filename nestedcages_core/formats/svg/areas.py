@@ -13,9 +13,10 @@ import numpy as np
 from ...errors import invalid_file
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.mesh.validation import MAX_COORDINATE
+from ...geometry.vectors import cross
 from ..limits import Quota
 from ..solids import Area, Painted, bounds_of, regions, shapely, spend, strip_width, union_of
-from .curves import MAX_TURN, Pieces, cross, pieces_of
+from .curves import MAX_TURN, Pieces, pieces_of
 from .document import SvgOptions
 from .gradients import visible
 from .paints import Paint

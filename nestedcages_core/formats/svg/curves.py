@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...geometry.arrays import BoolArray, FloatArray, IntArray
+from ...geometry.vectors import cross, dot, norm, rotated_right
 
 LINE, CONIC, CUBIC = 1, 2, 3
 """Degrees. A conic is a parabola or an arc of an ellipse."""
@@ -105,7 +106,7 @@ class Pieces:
         points, kept = self._candidates(np.zeros(len(self.first) - 1, dtype=np.int64))
         chord, around = self.lengths()
         share = chord / np.maximum(around, TINY)
-        first, last = _norm(self.corners[:, 0] - self.starts), _norm(self.stops - self.corners[:, 1])
+        first, last = norm(self.corners[:, 0] - self.starts), norm(self.stops - self.corners[:, 1])
         before = np.cumsum(chord) - chord
         before -= np.repeat(before[self.first[:-1]], np.diff(self.first))
         ahead = np.stack((np.zeros(len(chord)), share * first, chord - share * last, chord), axis=1)
@@ -134,7 +135,7 @@ class Pieces:
         follows[self.first[:-1]] = False
         joint = np.flatnonzero(follows)  # between two corners, and all but on the line through them
         before, after = self.corners[joint - 1, 1], self.corners[joint, 0]
-        depth = cross(after - before, self.starts[joint] - before) / np.maximum(_norm(after - before), TINY)
+        depth = cross(after - before, self.starts[joint] - before) / np.maximum(norm(after - before), TINY)
         depth *= np.where(side[joint] < 0, -1, 1)
         most = JOINT * self.tolerance[joint]
         least = np.where(side[joint] == 0, -most, 0.25 * self.push[joint])
@@ -153,9 +154,9 @@ class Pieces:
 
     def lengths(self) -> tuple[FloatArray, FloatArray]:
         """(P,) lengths of pieces, along their chords and along their corners: lower and upper bounds."""
-        middle = _norm(self.corners[:, 1] - self.corners[:, 0])
-        ends = _norm(self.corners[:, 0] - self.starts) + _norm(self.stops - self.corners[:, 1])
-        return _norm(self.stops - self.starts), ends + middle
+        middle = norm(self.corners[:, 1] - self.corners[:, 0])
+        ends = norm(self.corners[:, 0] - self.starts) + norm(self.stops - self.corners[:, 1])
+        return norm(self.stops - self.starts), ends + middle
 
     def errors(self, first: IntArray, max_turn: FloatArray) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
         """Bounds of the distance of side 0 from the curves, and of the angle between its edges on one curve; and cusps.
@@ -166,8 +167,8 @@ class Pieces:
         """
         starts, stops, corners = self.starts, self.stops, self.corners
         chord = stops - starts
-        height = np.abs(cross(corners - starts[:, None], chord[:, None])).max(axis=1) / np.maximum(_norm(chord), TINY)
-        extent = _norm(corners - starts[:, None]).max(axis=1)
+        height = np.abs(cross(corners - starts[:, None], chord[:, None])).max(axis=1) / np.maximum(norm(chord), TINY)
+        extent = norm(corners - starts[:, None]).max(axis=1)
         height = np.minimum(height, extent)
         height *= np.where((corners[:, 0] == corners[:, 1]).all(axis=1), MEETING, 1.0)
         turn = angle_between(corners[:, 0] - starts, stops - corners[:, 1])
@@ -176,28 +177,20 @@ class Pieces:
         turn[turned] = 0.0
         bounds = np.where(self.turns != 0, (height + JOINT * self.tolerance, turn + SMOOTH), 0.0)
         height, turn = np.maximum.reduceat(bounds, first, axis=1)
-        circles = np.column_stack((starts, np.maximum(extent, _norm(chord))))[turned]
+        circles = np.column_stack((starts, np.maximum(extent, norm(chord))))[turned]
         return height, turn, np.split(circles, np.searchsorted(turned, first[1:]))
 
     @cached_property
     def _normals(self) -> FloatArray:
         """(P, 2, 2) unit vectors to the right at the ends of pieces; zero where these are given."""
         steps = self.stops - self.starts
-        steps = steps / np.maximum(_norm(steps), TINY)[:, None]
+        steps = steps / np.maximum(norm(steps), TINY)[:, None]
         before, after = np.roll(steps, 1, axis=0), np.roll(steps, -1, axis=0)
         first, last = self.first[:-1], self.first[1:] - 1
         before[first], after[last] = steps[last], steps[first]  # used where a subpath is closed
         along = np.stack((before + steps, steps + after), axis=1)
-        along *= (self.rounded / np.maximum(_norm(along), TINY))[..., None]
-        return np.stack((along[..., 1], -along[..., 0]), axis=-1)
-
-
-def _norm(vectors: FloatArray) -> FloatArray:
-    return np.asarray(np.hypot(vectors[..., 0], vectors[..., 1]))
-
-
-def cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+        along *= (self.rounded / np.maximum(norm(along), TINY))[..., None]
+        return rotated_right(along)
 
 
 def pieces_of(
@@ -239,7 +232,7 @@ def pieces_of(
     starts[np.append(True, is_last[:-1])] = everything[last - degrees]
     chord = stops - starts
     reach = HANDLE * PUSH * np.maximum(np.abs(starts), np.abs(stops)).max(axis=1)
-    short = np.stack((_norm(corners[:, 0] - starts), _norm(corners[:, 1] - stops)), axis=1) <= reach[:, None]
+    short = np.stack((norm(corners[:, 0] - starts), norm(corners[:, 1] - stops)), axis=1) <= reach[:, None]
     alone = short & ~short[:, ::-1]  # the tangents meet in the other one
     corners = np.where(alone[..., None], corners[:, ::-1], corners)
     middle = corners.sum(axis=1) / 2.0 - starts
@@ -247,8 +240,7 @@ def pieces_of(
     first = np.append(0, np.flatnonzero(is_last)[np.cumsum(counts) - 1] + 1)
     rounded = _rounded(is_last, angles, curve, first, starts, stops)
     push = PUSH * np.maximum.reduceat(np.abs(stops).max(axis=1), first[:-1]).repeat(np.diff(first))
-    right = np.stack((chord[:, 1], -chord[:, 0]), axis=1) / np.maximum(_norm(chord), TINY)[:, None]
-    corners += ((turns * push)[:, None] * right)[:, None]
+    corners += ((turns * push / np.maximum(norm(chord), TINY))[:, None] * rotated_right(chord))[:, None]
     return Pieces(starts, stops, corners, turns, rounded, first, fineness[curve], push)
 
 
@@ -288,10 +280,10 @@ def _conics(
     sine, cosine = np.sin(half), np.cos(half)
     across = (last - first) / (2.0 * sine)[:, None]  # the two axes of the ellipse about the middle of the arc
     along = (middle - (first + last) / 2.0) * (cosine / sine**2)[:, None]
-    a, b, c = (along**2).sum(axis=1), (across**2).sum(axis=1), (along * across).sum(axis=1)
+    a, b, c = dot(along, along), dot(across, across), dot(along, across)
     radius = np.sqrt((a + b) / 2.0 + np.hypot((a - b) / 2.0, c))
     arcs = half / np.arccos(np.minimum(1.0 / (1.0 + tolerance / np.maximum(radius, TINY)), 1.0 - 1e-15))
-    bend = np.hypot(*(first - 2.0 * middle + last).T)
+    bend = norm(first - 2.0 * middle + last)
     turn = angle_between(middle - first, last - middle)
     wanted = np.where(is_arc, arcs, np.sqrt(bend / (4.0 * tolerance)))
     index, k, count = _divided(np.maximum(wanted, turn / max_turn), spend)
@@ -320,7 +312,7 @@ def _cubics(
     index, low, high = _convex(control)
     tolerance, turning = tolerance[index], max_turn[index]
     steps = np.diff(_between(control[index], low, high), axis=1)
-    bend = np.hypot(*np.moveaxis(np.diff(steps, axis=1), 2, 0)).max(axis=1)
+    bend = norm(np.diff(steps, axis=1)).max(axis=1)
     turn = angle_between(steps[:, 0], steps[:, 1]) + angle_between(steps[:, 1], steps[:, 2])
     part, k, count = _divided(np.maximum(np.sqrt(0.75 * bend / tolerance), turn / turning), spend)
     index, step = index[part], ((high - low)[part]) / count
@@ -343,10 +335,10 @@ def _cubics(
     index, t, curve = (np.concatenate(each) for each in zip(*found, strict=True))
     steps = np.diff(curve, axis=1)
     ahead, behind, chord = steps[:, 0], steps[:, 2], curve[:, 3] - curve[:, 0]
-    sizes = np.hypot(*np.moveaxis(np.stack((ahead, behind, chord)), 2, 0))
+    sizes = norm(np.stack((ahead, behind, chord)))
     bent = cross(ahead, behind)
     meets = (np.abs(bent) > STRAIGHT * sizes[0] * sizes[1]) & (sizes[:2].min(axis=0) > SHORT * sizes[2])
-    meets &= (ahead * behind).sum(axis=1) > 0.0
+    meets &= dot(ahead, behind) > 0.0
     shares = np.where(meets, cross(chord, behind) / np.where(meets, bent, 1.0), 0.0)
     apex = curve[:, 0] + shares[:, None] * ahead
     corners = np.where(meets[:, None, None], apex[:, None], curve[:, 1:3])
@@ -383,14 +375,14 @@ def _between(control: FloatArray, s: FloatArray, t: FloatArray) -> FloatArray:
 def _turn(control: FloatArray, least: FloatArray) -> FloatArray:
     """(n,) angles between the tangents at the ends of cubics (n, 4, 2); handles no longer than (n,) have no length."""
     steps = np.diff(control, axis=1)
-    has = _norm(steps) > least[:, None]
+    has = norm(steps) > least[:, None]
     ahead, behind = (np.where(has[:, k, None], steps[:, k], steps[:, 1]) for k in (0, 2))
     return angle_between(ahead, behind)
 
 
 def angle_between(a: FloatArray, b: FloatArray) -> FloatArray:
     """Angles from 0 to pi; 0 where one has no length."""
-    return np.asarray(np.abs(np.arctan2(cross(a, b), (a * b).sum(axis=-1))))
+    return np.asarray(np.abs(np.arctan2(cross(a, b), dot(a, b))))
 
 
 def _divided(wanted: FloatArray, spend: Callable[[int], None]) -> tuple[IntArray, IntArray, IntArray]:

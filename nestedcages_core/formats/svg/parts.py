@@ -22,6 +22,8 @@ from .shapes import Shape
 Colour = tuple[float, float, float, float]
 """sRGB and opacity, from 0 to 1."""
 
+UNPAINTED: Colour = (0.0, 0.0, 0.0, 0.0)
+
 
 @dataclass(frozen=True)
 class SvgPart:
@@ -41,10 +43,6 @@ class SvgPart:
     stroke: Mesh | None
     stroke_colour: Colour
     stroke_gradient: Shading | None
-    stroke_width: float
-    """Before transforms; 0 without a stroke."""
-    identity: str = ""
-    """Its own label or id; empty if it has none."""
 
 
 def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], tuple[str, ...]]:
@@ -93,13 +91,11 @@ def _svg_part(shape: Shape, number: int, around: int, fill: Mesh | None, stroke:
         own or f"{kind} {number}",
         (*_given(outer), *inner),
         fill,
-        shape.fill.rgba if shape.fill else (0.0, 0.0, 0.0, 0.0),
+        shape.fill.rgba if shape.fill else UNPAINTED,
         _shading(shape, shape.fill),
         stroke,
-        shape.stroke_paint.rgba if shape.stroke_paint else (0.0, 0.0, 0.0, 0.0),
+        shape.stroke_paint.rgba if shape.stroke_paint else UNPAINTED,
         _shading(shape, shape.stroke_paint),
-        shape.stroke.width if shape.stroke and shape.stroke_paint else 0.0,
-        shape.id,
     )
 
 

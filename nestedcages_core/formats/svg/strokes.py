@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from ...geometry.arrays import FloatArray
+from ...geometry.vectors import cross, norm, rotated_left
 from ..limits import Limits, Quota
 from ..solids import shapely, spend
-from .curves import angle_between, cross
+from .curves import angle_between
 from .lengths import Viewport, numbers, parse_length
 
 MAX_ARC_SEGMENTS = 64
@@ -155,13 +156,13 @@ def _folds(around: FloatArray, steps: FloatArray, turns: FloatArray, reach: floa
     ends of its curve's normals swing back next to an end or a corner. Parts are what edges sweep, and what they do as
     they turn, there all along both edges.
     """
-    lengths = np.hypot(*steps.T)
+    lengths = norm(steps)
     tight = TIGHT * reach * turns
     folds = np.minimum(lengths[:-1], lengths[1:]) < tight
     if not folds.any():
         return []
     along = steps / lengths[:, None]
-    aside = reach * np.stack((-along[:, 1], along[:, 0]), axis=1)
+    aside = reach * rotated_left(along)
     ends = np.stack((around[:-1], around[1:]), axis=1)[:, :, None]
     swept = ends + np.stack((aside, -aside), axis=1)[:, None]
     at = around[1:-1][folds]
@@ -197,7 +198,7 @@ def _reach(
     radius = 0.5 * stroke.width
     if inside:
         return (radius - line.error) * lost * (1.0 - SHALLOW)
-    short = chord > 0.0 or np.hypot(*steps.T).min(initial=math.inf) < SNAP * radius
+    short = chord > 0.0 or norm(steps).min(initial=math.inf) < SNAP * radius
     return (radius + line.error) / lost * (1.0 + SNAP * short)
 
 
@@ -214,19 +215,19 @@ def _tips(around: FloatArray, steps: FloatArray, radius: float, limit: float, li
 
     SVG bevels corners beyond the limit, GEOS cuts their mitres off; cusps are no corners.
     """
-    corner, along = around[1:-1], steps / np.hypot(*steps.T)[:, None]
+    corner, along = around[1:-1], steps / norm(steps)[:, None]
     before, after = along[:-1], along[1:]
     cosine = (before * after).sum(axis=1)
     turn = cross(before, after)
     squared = np.where(cosine > -1.0, 2.0 / np.maximum(1.0 + cosine, 1e-300), np.inf)  # of mitre length by width
     within = squared <= limit * limit * (1.0 + 1e-9)
     for *cusp, extent in line.cusps:
-        within &= np.hypot(*(corner - cusp).T) > extent + line.error
+        within &= norm(corner - cusp) > extent + line.error
     if within.all():
         return None
     bent = within & (turn != 0.0)
     side = -np.sign(turn[bent])[:, None] * radius
-    first, second = (side * np.stack((-step[bent, 1], step[bent, 0]), axis=1) for step in (before, after))
+    first, second = (side * rotated_left(step[bent]) for step in (before, after))
     tip = (first + second) / (1.0 + cosine[bent])[:, None]
     centre = corner[bent]
     return np.asarray(np.stack((centre, centre + first, centre + tip, centre + second), axis=1))
@@ -240,7 +241,7 @@ def _dashed(lines: Sequence[Polyline], stroke: Stroke, limits: Limits, *, inside
     found: list[Polyline] = []
     for line in lines:
         points, least = line.points, line.least
-        along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+        along = np.concatenate(([0.0], np.cumsum(norm(np.diff(points, axis=0)))))
         number = len(stroke.dashes) // 2 * math.ceil(min(along[-1] / period, 1e18))
         limits.check("points", DASH_POINTS * (len(found) + number))
         for low, high in _dashes(stroke, period, along[-1]):
