@@ -13,7 +13,9 @@ import numpy as np
 from ...errors import invalid_file
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.mesh.validation import MAX_COORDINATE
+from ...geometry.predicates import loop_windings
 from ...geometry.vectors import cross
+from ..closing import edges_of
 from ..limits import Quota
 from ..solids import Area, Painted, bounds_of, regions, shapely, spend, strip_width, union_of
 from .curves import MAX_TURN, Pieces, pieces_of
@@ -275,19 +277,15 @@ def _sides(loops: Sequence[FloatArray], *, evenodd: bool) -> tuple[IntArray, boo
 
     It is a guess where loops cross themselves or each other.
     """
-    starts = np.concatenate(loops)
-    ends = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
+    starts, ends = edges_of(loops)
     owner = np.repeat(np.arange(len(loops)), list(map(len, loops)))
     origin = np.array([loop[0] for loop in loops])[owner]
     own = np.where(np.bincount(owner, cross(starts - origin, ends - origin)) < 0.0, -1, 1)
     if len(loops) == 1 or len(loops) * len(starts) > MANY:
         return own, len(loops) == 1
-    x, y = np.array([loop[0] for loop in loops]).T[:, :, None]
-    (x0, y0), (x1, y1) = starts.T, ends.T
-    to_right = x < x0 + (y - y0) / (y1 - y0) * (x1 - x0)
-    crossing = np.where(to_right, ((y0 <= y) & (y < y1)).astype(np.int64) - ((y1 <= y) & (y < y0)), 0)
-    crossing[np.arange(len(loops))[:, None] == owner] = 0
-    around = crossing.sum(axis=1)
+    point, loop, winding = loop_windings(np.array([loop[0] for loop in loops]), starts, ends, owner)
+    others = point != loop
+    around = np.bincount(point[others], winding[others], len(loops)).astype(np.int64)
     beyond, within = (around % 2, (around + 1) % 2) if evenodd else (around, around + own)
     return np.where((beyond != 0) & (within == 0), -own, own), bool(((beyond != 0) != (within != 0)).all())
 
