@@ -134,16 +134,12 @@ class Areas:
         turns = [pen.max_turn for pen in pens]
         tolerances = [pen.tolerance for pen in pens]
         pieces, first = self._pieces([pen.shape for pen in pens], [pen.points for pen in pens], tolerances, turns)
-        errors = pieces.errors(pieces.first[first[:-1]], np.array(turns))
-        lines = pieces.lines()
-        for pen, (low, high), error, turn, cusps in zip(pens, pairwise(first), *errors, strict=True):
-            self.strokes[pen.shape] = (
-                pen,
-                [
-                    Polyline(points, path.closed, least, float(error), float(turn), cusps)
-                    for path, (points, least) in zip(pen.shape.subpaths, lines[low:high], strict=True)
-                ],
-            )
+        *bounds, cusps = pieces.errors(pieces.first[first[:-1]], np.array(turns))
+        found = pieces.lines()
+        for pen, own, error, turn in zip(pens, pairwise(first), *bounds, strict=True):
+            paths = zip(pen.shape.subpaths, range(*own), strict=True)
+            lines = [Polyline(*found[k], path.closed, float(error), float(turn), cusps[k]) for path, k in paths]
+            self.strokes[pen.shape] = pen, lines
 
     def _pieces(
         self,

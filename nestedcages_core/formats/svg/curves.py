@@ -163,7 +163,7 @@ class Pieces:
 
         first: (S,) the first piece of each group of subpaths; max_turn: (S,) radians that pieces may turn. The bounds
         are (S,) too. Cusps are pieces that turn much farther, which the second bound leaves out: (k, 3) x, y and radius
-        of circles around them for each group.
+        of circles around them for each subpath.
         """
         starts, stops, corners = self.starts, self.stops, self.corners
         chord = stops - starts
@@ -178,7 +178,7 @@ class Pieces:
         bounds = np.where(self.turns != 0, (height + JOINT * self.tolerance, turn + SMOOTH), 0.0)
         height, turn = np.maximum.reduceat(bounds, first, axis=1)
         circles = np.column_stack((starts, np.maximum(extent, norm(chord))))[turned]
-        return height, turn, np.split(circles, np.searchsorted(turned, first[1:]))
+        return height, turn, np.split(circles, np.searchsorted(turned, self.first[1:-1]))
 
     @cached_property
     def _normals(self) -> FloatArray:

@@ -68,15 +68,15 @@ class Polyline:
 
     points: FloatArray
     """(k, 2); a closed one ends where it begins."""
-    closed: bool
     least: FloatArray
     """(k,) lower bounds of the length of the curves up to each point."""
+    closed: bool
     error: float
     """Bound of its distance from the curves."""
     turn: float
     """Largest angle between its edges on one curve but at cusps, in radians."""
     cusps: FloatArray
-    """(k, 3) x, y and radius of circles around the cusps of all lines that have the same error."""
+    """(k, 3) x, y and radius of circles around its cusps."""
 
 
 def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
@@ -126,23 +126,24 @@ def stroked(lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: 
         if not curve.is_simple:
             spend([curve], quota, own=True)
         join = NAMES.get(stroke.join, stroke.join)
-        tips = _tips(around, steps, reach, stroke.miter_limit, line) if join == "mitre" else None
+        cusps, sizes = shapely.points(*line.cusps[:, :2].T), line.cusps[:, 2] + line.error
+        tips = _tips(around, steps, reach, stroke.miter_limit, cusps, sizes) if join == "mitre" else None
         join = "bevel" if tips is not None else join
         style = {"cap_style": NAMES.get(stroke.cap, stroke.cap), "join_style": join}
         outline = shapely.buffer(curve, reach, quad_segs=segments, mitre_limit=1.01 * stroke.miter_limit, **style)
         found.append(outline)
         for corners in [] if inside else _folds(around, steps, turns, reach, line.turn):
             shapely.prepare(outline)
-            centres = corners.mean(axis=1, keepdims=True)
-            lost = ~shapely.covers(outline, _hulls(centres + ROUNDING * (corners - centres)))
+            middles = corners.mean(axis=1, keepdims=True)
+            lost = ~shapely.covers(outline, _hulls(middles + ROUNDING * (corners - middles)))
             found += list(_hulls(corners[lost]))
         if tips is not None:
             found += list(shapely.polygons(tips))
-        if len(line.cusps) and not inside:
-            centres, radii = shapely.points(line.cusps[:, :2]), line.cusps[:, 2]
-            near = shapely.distance(curve, centres) <= radii + line.error
-            radii = (radius + radii[near]) / math.cos(math.pi / (4.0 * segments))
-            found += list(shapely.buffer(centres[near], radii, quad_segs=segments))
+        if len(cusps) and not inside:
+            shapely.prepare(curve)
+            near = shapely.dwithin(curve, cusps, sizes)
+            radii = (radius + line.cusps[near, 2]) / math.cos(math.pi / (4.0 * segments))
+            found += list(shapely.buffer(cusps[near], radii, quad_segs=segments))
     return [geometry for geometry in found if not geometry.is_empty]
 
 
@@ -210,10 +211,12 @@ def _different(line: Polyline) -> FloatArray:
     return np.asarray(points[:-1] if repeats else points)
 
 
-def _tips(around: FloatArray, steps: FloatArray, radius: float, limit: float, line: Polyline) -> FloatArray | None:
+def _tips(
+    around: FloatArray, steps: FloatArray, radius: float, limit: float, centres: Any, sizes: FloatArray
+) -> FloatArray | None:
     """(K, 4, 2) quadrilaterals that mitres add to bevels; None if all corners have mitres, so that GEOS can.
 
-    SVG bevels corners beyond the limit, GEOS cuts their mitres off; cusps are no corners.
+    SVG bevels corners beyond the limit, GEOS cuts their mitres off; what is near the centres of cusps is no corner.
     """
     corner, along = around[1:-1], steps / norm(steps)[:, None]
     before, after = along[:-1], along[1:]
@@ -221,8 +224,9 @@ def _tips(around: FloatArray, steps: FloatArray, radius: float, limit: float, li
     turn = cross(before, after)
     squared = np.where(cosine > -1.0, 2.0 / np.maximum(1.0 + cosine, 1e-300), np.inf)  # of mitre length by width
     within = squared <= limit * limit * (1.0 + 1e-9)
-    for *cusp, extent in line.cusps:
-        within &= norm(corner - cusp) > extent + line.error
+    if len(centres):
+        near, _ = shapely.STRtree(centres).query(shapely.points(corner), "dwithin", sizes.max())
+        within[near] = False
     if within.all():
         return None
     bent = within & (turn != 0.0)
