@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import NestedCagesError, NestingError
+from ..errors import NestedCagesError, NestingError, note
 from ..geometry.mesh import Mesh, MeshLike
+from ..geometry.precision import ROUND_OFF
 from ..levels import Progress, Settings, Wanted, in_order, listed_levels, wanted_levels
 from ..levels.settings import type_name
 from ..levels.work import clearances_for
@@ -220,7 +221,11 @@ def stream_cages(
 def _finished(level: LevelMotion, keys: list[Key], seconds: float) -> MovingLevel:
     given = np.flatnonzero([key.given for key in keys])
     certificates = tuple(key.certificate for key in keys)
-    report = MotionReport(certificates, given, level.clearance, seconds, tuple(level.notes))
+    clearance, notes = level.clearance, tuple(level.notes)
+    smallest = (1.0 - ROUND_OFF) * min(certificate.clearance for certificate in certificates)
+    if smallest < (1.0 - ROUND_OFF) * clearance:  # no key has to have the default clearance
+        clearance, notes = smallest, (*notes, note("note.clearance", on="gaps", wanted=clearance, given=smallest))
+    report = MotionReport(certificates, given, clearance, seconds, notes)
     cage = level.topology.moved(keys[0].cage).validated()
     times = np.array([key.time for key in keys])
     return MovingLevel(cage, times, np.stack([k.fine for k in keys]), np.stack([k.cage for k in keys]), report)

@@ -53,6 +53,17 @@ def test_each_level_gets_into_gaps_narrower_than_the_default_clearance() -> None
     assert_certified(outer, inner.cage, inner.cage_steps, 0.0)
 
 
+def test_a_clearance_that_a_key_does_not_have_is_not_reported() -> None:
+    turn, radius = 2.0 * np.pi * np.arange(40) / 40, np.where(np.arange(40) % 8 == 0, 0.5, 0.15)
+    fine = Mesh.from_loops([np.stack([radius * np.cos(turn), radius * np.sin(turn)], axis=1)])  # needles
+    x, y = fine.vertices.T
+    bent = [1.1 * (np.cos(0.1 * y) * x - np.sin(0.1 * y) * y), np.sin(0.1 * y) * x + np.cos(0.1 * y) * y]
+    moving = animated_cages(fine, [fine.vertices, np.stack(bent, axis=1)], [16])
+    assert core.check(fine, moving)
+    reached, (note,) = moving.levels[0].report.clearance.min(), moving.levels[0].report.notes
+    assert note.code == "note.clearance" and reached >= note.data["given"] == moving.levels[0].report.wanted_clearance
+
+
 @pytest.mark.slow
 def test_about_as_tight_as_a_cage_for_the_pose_alone() -> None:
     fine, poses = waving()
