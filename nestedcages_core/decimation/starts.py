@@ -183,13 +183,12 @@ class Outlines:
         return (*others, box) if box is not None and may_win else tuple(others)
 
     def _box(self) -> Start | None:
-        """The box around all, for what nothing else satisfies; None for a triangle."""
-        if self.count < 4:
-            return None
+        """The box around all with its images, for what nothing else satisfies; None where these have more vertices."""
         room = self.clearance + INPUT_ROUND_OFF * self.fine.diagonal
         low, high = self.base.vertices.min(axis=0) - room, self.base.vertices.max(axis=0) + room
         box = Mesh.from_loops([np.array([low, (high[0], low[1]), high, (low[0], high[1])])])
-        return Start(with_images(box, self.kept.symmetry), "box")
+        images = with_images(box, self.kept.symmetry)
+        return Start(images, "box") if len(images.vertices) <= self.count else None
 
 
 def _spread(first: int, last: int, number: int) -> list[int]:

@@ -12,7 +12,7 @@ import nestedcages_core as core
 from nestedcages_core import Mesh, Mirror, NestedCagesError, Rotation, Settings, check, inner_cages, nested_cages
 from support.judging import codes, is_convex, is_symmetric, lies_within, note, rejected
 from support.marks import slow_after
-from support.shapes import letter_a, polygon, ring
+from support.shapes import letter_a, polygon, ring, turned
 
 CLEARANCE, SPACING, DISTANCE = 0.004, 0.02, 0.15
 NEEDS = ("symmetry", "rotation", "grid", "float32", "weights", "convex", "one", "inner", "within", "motion")
@@ -121,6 +121,23 @@ TOGETHER = ["symmetry grid inner", "rotation grid float32", "symmetry grid weigh
 @pytest.mark.parametrize("needs", [*TOGETHER, "symmetry inner within"])
 def test_more_than_two_needs_are_kept(needs: str) -> None:
     assert made(tuple(needs.split()), 1) == ""
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_box_around_a_slanted_mirror_has_no_more_vertices_than_asked_for(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    angle = rng.uniform(0.0, np.pi)
+    half = np.stack([np.sort(rng.uniform(-1.0, 1.0, 4)), rng.uniform(0.1, 1.0, 4)], axis=1)
+    shape = turned(np.concatenate([half, half[::-1] * (1.0, -1.0)]), angle)
+    box = core.Box(tuple(shape.min(axis=0) - 0.01), tuple(shape.max(axis=0) + 0.01))
+    mirror = Mirror((0.0, 0.0), (np.cos(angle), np.sin(angle)))
+    for count in (4, 6, 8):
+        try:
+            level = nested_cages(shape, count, constraints=[box], symmetry=mirror, steps=False)[0]
+        except NestedCagesError as error:
+            assert error.code == "box.left" and count < 8  # the box is not symmetric itself
+        else:
+            assert len(level.vertices) <= count and is_symmetric(level.vertices, mirror)
 
 
 def test_no_square_grid_has_other_symmetries() -> None:
