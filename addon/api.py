@@ -21,6 +21,7 @@ from .errors import UserError
 from .generate import request
 from .generate.levels import OWN, OWN_UNIT
 from .generate.settings import NAMES
+from .generate.write import Kind
 from .properties import NestedCagesUsed
 
 Level: TypeAlias = "str | int | float | core.Within | bpy.types.Object"
@@ -68,7 +69,7 @@ def cages(objects: Sequence[Object], levels: Levels = "20%, 8%", **settings: Any
     return known[:1] if values.together else known
 
 
-def _tell(kind: request.Kind, text: str) -> None:
+def _tell(kind: Kind, text: str) -> None:
     if kind == "WARNING":
         warnings.warn(text, stacklevel=2)
 

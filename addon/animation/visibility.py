@@ -69,6 +69,8 @@ def detach(obj: Object) -> bpy.types.Action | None:
     if len(ours) < len(curves):
         for curve in ours:
             curves.remove(curve)
+        if ours and action.users > 1 and hasattr(data, "action_slot"):
+            shape_keys.own_action(obj, obj.name)
         return None
     data.action = None
     if not len(data.drivers) and not len(data.nla_tracks):

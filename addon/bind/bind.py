@@ -27,7 +27,7 @@ from ..drawing.painted import paints
 from ..drawing.plane import PLANARITY, scale_of, size, space_to_space, transform
 from ..errors import UserError, counted
 from ..messages import BROKEN
-from ..transfer.pose import unshaped
+from ..transfer import unshaped
 from . import bound_meshes, field
 
 # Relative change of a clearance that is more than round-off.

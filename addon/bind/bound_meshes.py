@@ -7,56 +7,57 @@ from contextlib import suppress
 import bpy
 from bpy.types import Object
 
-from .. import cage_sets
+from .. import cage_sets, transfer
 from ..animation import visibility
-from ..blender import display, mesh_data
-from ..blender.shape_keys import discard, remove_mesh
-from ..transfer.rig import Rig
+from ..blender import display, mesh_data, shape_keys
+from ..core import triangulation
 
 
 def park(obj: Object) -> None:
     """Shows a copy of an object's mesh without our steps; its own action keeps playing, but no longer hides it."""
     hidden = (obj.hide_render, obj.hide_viewport, obj.hide_get())
-    mesh, rig = mesh_data.mesh_of(obj), Rig.of(obj)
+    mesh = mesh_data.mesh_of(obj)
     cage_sets.set_before(obj, cage_sets.Before(mesh, obj.matrix_basis, hidden))
     visibility.mute(obj, True)
-    obj.data = mesh_data.new_mesh(mesh.name, mesh_data.points_of(mesh), mesh_data.loop_edges(mesh))
-    rig.give(obj, same_vertices=True)
+    obj.data = mesh.copy()
+    shape_keys.remove_steps(obj)
+    transfer.reshape(obj, mesh_data.points_of(mesh), mesh_data.loop_edges(mesh), numbered=True)
     obj.hide_viewport = False
     obj.hide_set(False)
 
 
 def unpark(objects: list[Object]) -> list[str]:
-    """Gives objects their original meshes back, with the work done on them since; returns what could not be kept."""
-    lost, shown = list[str](), list[bpy.types.Mesh]()
+    """Gives objects their own shapes and steps back, with the work done on them since; returns what could not be
+    kept.
+    """
+    lost = list[str]()
     for obj in objects:
         mesh, matrix, hidden = cage_sets.before(obj)
         if mesh is None or matrix is None:
             continue
-        posed, rig = mesh_data.mesh_of(obj), Rig.of(obj)
-        obj.data = mesh
-        lost += [f"'{obj.name}': {what} could not be kept" for what in rig.give(obj, same_vertices=True)]
-        shown.append(posed)
-        visibility.mute(obj, False)
         cage_sets.set_before(obj, cage_sets.Before())
+        points = transfer.rest_points(mesh)
+        without, _ = transfer.reshape(obj, points, mesh_data.loop_edges(mesh), numbered=True)
+        lost += [f"'{obj.name}': {what} could not be kept" for what in without]
+        shape_keys.copy_steps(mesh, obj)
+        name = mesh.name
+        shape_keys.remove_mesh(mesh)
+        obj.data.name = name
+        visibility.mute(obj, False)
         if obj.matrix_basis != matrix:
             obj.matrix_basis = matrix
         obj.hide_render, obj.hide_viewport, away = hidden
         with suppress(RuntimeError):  # not in this view layer
             obj.hide_set(away)
-    discard((), shown, ())
     return lost
 
 
 def fill(levels: list[Object]) -> None:
     """Gives the cages triangles inside their outlines. Raises: UserError."""
     for cage in levels[1:]:
-        old, shape, rig = mesh_data.mesh_of(cage), mesh_data.shape_of(cage), Rig.of(cage)
-        name = old.name
-        cage.data = mesh_data.filled(name, mesh_data.points_of(old), shape)
-        rig.give(cage, same_vertices=True)
-        remove_mesh(old)
-        cage.data.name = name
+        mesh, shape = mesh_data.mesh_of(cage), mesh_data.shape_of(cage)
+        mesh_data.remove_faces(mesh)
+        mesh_data.add_faces(mesh, triangulation.triangulate(shape).triangles)
         cage.hide_render = True  # as wires they did not show in renders
 
 

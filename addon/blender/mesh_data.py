@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, Literal
 
+import bmesh
 import bpy
 import numpy as np
 from bpy.types import Mesh, Object
@@ -99,6 +100,21 @@ def new_mesh(name: str, points: FloatArray, edges: Any = (), faces: Any = ()) ->
 def filled(name: str, points: FloatArray, mesh: core.Mesh) -> Mesh:
     """A new mesh with the points (n, 3), the outline's edges and then its triangles, which leave holes open."""
     return new_mesh(name, points, mesh.edges, triangulation.triangulate(mesh).triangles)
+
+
+def remove_faces(mesh: Mesh) -> None:
+    """Removes the faces of a mesh, and the edges between them."""
+    if not len(mesh.polygons):
+        return
+    work = bmesh.new()
+    work.from_mesh(mesh)
+    inner = [edge for edge in work.edges if len(edge.link_faces) > 1]
+    for face in list(work.faces):
+        work.faces.remove(face)
+    for edge in inner:
+        work.edges.remove(edge)
+    work.to_mesh(mesh)
+    work.free()
 
 
 def add_faces(data: Mesh, triangles: NDArray[np.int64]) -> None:

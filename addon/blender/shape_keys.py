@@ -23,20 +23,6 @@ STEP = re.compile(r"Level \d+ Step \d+(\.\d+)?")
 # Blender's numbers for the interpolation of a keyframe.
 CONSTANT, LINEAR = 0, 1
 
-# The properties of a keyframe: names, numbers per keyframe and their type.
-KEYFRAME = (
-    ("co", 2, np.float32),
-    ("handle_left", 2, np.float32),
-    ("handle_right", 2, np.float32),
-    ("handle_left_type", 1, np.int32),
-    ("handle_right_type", 1, np.int32),
-    ("interpolation", 1, np.int32),
-    ("easing", 1, np.int32),
-    ("amplitude", 1, np.float32),
-    ("back", 1, np.float32),
-    ("period", 1, np.float32),
-)
-
 
 def new_action(name: str) -> bpy.types.Action | None:
     """An action for several data-blocks; None before Blender 4.4, where each needs its own."""
@@ -101,23 +87,43 @@ def remove_steps(obj: Object) -> None:
     shapes = obj.data.shape_keys
     if shapes is None:
         return
-    action = action_of(shapes)
-    if action is not None:
-        curves = curves_of(shapes)
+    action, curves = action_of(shapes), curves_of(shapes)
+    if action is not None and all(is_step(curve.data_path) for curve in curves):
+        shapes.animation_data.action = None
+        discard((), (), [action])
+    elif action is not None:
+        if is_shared(shapes):
+            own_action(shapes, action.name)
+            curves = curves_of(shapes)
         for curve in [curve for curve in curves if is_step(curve.data_path)]:
             curves.remove(curve)
-        if not len(curves_of(shapes)):
-            shapes.animation_data.action = None
-            if action.users == 0:
-                bpy.data.actions.remove(action)
-    for key in [key for key in shapes.key_blocks if STEP.fullmatch(key.name)]:
-        obj.shape_key_remove(key)
-    if len(shapes.key_blocks) == 1:
+    steps = [key for key in shapes.key_blocks if STEP.fullmatch(key.name)]
+    if len(steps) + 1 < len(shapes.key_blocks):
+        for key in steps:
+            obj.shape_key_remove(key)
+    else:
         remove_animation(shapes)
         home = stored(shapes.reference_key.points, "co", 3)
         obj.shape_key_clear()
         obj.data.vertices.foreach_set("co", home.ravel())
     obj.data.update()
+
+
+def copy_steps(mesh: Mesh, obj: Object) -> None:
+    """Copies the steps in a mesh, and what plays them, to an object with as many vertices."""
+    shapes = mesh.shape_keys
+    steps = [key for key in shapes.key_blocks if STEP.fullmatch(key.name)] if shapes is not None else []
+    if shapes is None or not steps:
+        return
+    add_basis(obj)
+    for key in steps:
+        made = obj.shape_key_add(name=key.name, from_mix=False)
+        made.points.foreach_set("co", stored(key.points, "co", 3).ravel())
+    curves = [curve for curve in curves_of(shapes) if is_step(curve.data_path)]
+    keyframes = [(curve.data_path, stored(curve.keyframe_points, "co", 2).ravel()) for curve in curves]
+    moving = any(point.interpolation == "LINEAR" for curve in curves[:1] for point in curve.keyframe_points)
+    action = action_of(shapes) if hasattr(shapes.animation_data, "action_slot") else None
+    animate(obj.data.shape_keys, keyframes, LINEAR if moving else CONSTANT, f"{obj.name} Steps", action)
 
 
 def _rise_and_fall(frames: FloatArray, first: int, last: int, count: int) -> list[tuple[float, float]]:
@@ -133,7 +139,7 @@ def _rise_and_fall(frames: FloatArray, first: int, last: int, count: int) -> lis
 
 def animate(
     owner: Any,
-    fcurves: Sequence[tuple[str, Sequence[float]]],
+    fcurves: Sequence[tuple[str, Sequence[float] | NDArray[np.float32]]],
     interpolation: int,
     name: str,
     action: bpy.types.Action | None = None,
@@ -249,49 +255,3 @@ def _runs_of_equal(steps: NDArray[np.float32]) -> list[tuple[int, int]]:
     changes = np.flatnonzero((steps[1:] != steps[:-1]).any(axis=(1, 2))) + 1
     firsts = [0, *changes.tolist()]
     return list(zip(firsts, [*(first - 1 for first in firsts[1:]), len(steps) - 1], strict=True))
-
-
-def has_steps(owner: bpy.types.Key | None) -> bool:
-    """Whether the action of shape keys plays steps of our animation."""
-    return any(is_step(curve.data_path) for curve in curves_of(owner))
-
-
-def give_animation(old: bpy.types.Key | None, new: bpy.types.Key, name: str) -> None:
-    """Transfers the animation of the artist's old shape keys to the new ones, whose own steps stay."""
-    if old is None or old.animation_data is None:
-        return
-    curves = curves_of(old)
-    own = [curve for curve in curves if not is_step(curve.data_path)]
-    animation = new.animation_data or new.animation_data_create()
-    if own and animation.action is not None:
-        _merge(new, own)
-    elif own:
-        animation.action = old.animation_data.action
-        if hasattr(animation, "action_slot"):
-            animation.action_slot = old.animation_data.action_slot
-        if len(own) < len(curves):
-            own_action(new, name)
-            curves = curves_of(new)
-            for curve in [curve for curve in curves if is_step(curve.data_path)]:
-                curves.remove(curve)
-    for driver in [driver for driver in animation.drivers if not is_step(driver.data_path)]:
-        animation.drivers.remove(driver)
-    for driver in old.animation_data.drivers:
-        made = animation.drivers.from_existing(src_driver=driver)
-        for target in (target for variable in made.driver.variables for target in variable.targets):
-            if target.id == old:
-                target.id = new
-
-
-def _merge(owner: bpy.types.Key, curves: Iterable[bpy.types.FCurve]) -> None:
-    """Replaces the F-curves of an owner's action, except those of steps, by copies of others."""
-    there = curves_of(owner)
-    for curve in [curve for curve in there if not is_step(curve.data_path)]:
-        there.remove(curve)
-    for curve in curves:
-        made = curve_for(owner, curve.data_path, curve.array_index)
-        made.extrapolation = curve.extrapolation
-        made.keyframe_points.add(len(curve.keyframe_points))
-        for name, width, kind in KEYFRAME:
-            made.keyframe_points.foreach_set(name, stored(curve.keyframe_points, name, width, kind).ravel())
-        made.update()

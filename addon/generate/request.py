@@ -5,9 +5,8 @@ and what was bound or posed before is so again.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Literal, TypeAlias
 
 import bpy
 import numpy as np
@@ -15,8 +14,7 @@ from bpy.types import Context, Object, Scene
 
 from .. import cage_sets
 from ..animation.timeline import Timing
-from ..bind import bind, field
-from ..bind.copies import complete
+from ..bind import field
 from ..blender.jobs import Progress, Work
 from ..cage_sets import CageSet, changes, selection
 from ..cage_sets.selection import scene_again, scene_of
@@ -25,18 +23,13 @@ from ..drawing.evaluated import Lines, lines_of_all
 from ..drawing.grease_pencil import hidden_parts
 from ..errors import UserError, counted
 from ..messages import in_scene, is_told, larger, note
-from ..transfer.pose import Pose, unmoved
-from . import output
 from .rules import Places
 from .run import Generation, Request, Result
 from .settings import GenerationProperties, all_values, filled, options_of
+from .write import Tell, write
 
 # Weight in a vertex group from which on a vertex is pinned.
 PINNED = 0.5
-
-# Says a sentence.
-Kind: TypeAlias = Literal["INFO", "WARNING"]
-Tell: TypeAlias = Callable[[Kind, str], None]
 
 
 def make(
@@ -83,31 +76,12 @@ def _put(
     still: bool,
 ) -> list[CageSet]:
     """Puts the results into the scene; edited: session IDs of drawings that changed meanwhile. Raises: UserError."""
-    gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
-    if gone is not None:
-        raise UserError(f"'{gone}' was deleted meanwhile, so its cages were discarded")
     if bpy.context.mode == "EDIT_MESH":
         # Undo in Edit Mode only covers the edited mesh.
         bpy.ops.object.mode_set(mode="OBJECT")
-    complete()
-    poses = {}
-    for earlier in filter(None, output.earlier_sets(results)):
-        source = earlier.source
-        poses[earlier] = {cage_sets.level_of(obj): Pose.of(obj, source) for obj in earlier.members}
-    sets, lost = output.write(scene, results, filled(Timing, values), values.thickness, still=still)
-    bound = {cage_set: bind.forget(cage_set) for cage_set in sets}
-    if jump:
-        scene.frame_set(max(cage_set.record.frames[1] for cage_set in sets))
-    for cage_set, method in bound.items():
-        _bind_again(cage_set, method, tell)
-        for obj in cage_set.members:
-            pose = poses.get(cage_set, {}).get(cage_sets.level_of(obj))
-            if pose is not None:
-                pose.give(obj, bound=bool(cage_set.bound))
+    sets = write(scene, results, filled(Timing, values), tell, values.thickness, still=still, jump=jump)
     bpy.context.view_layer.update()
     changes.settle(sets, edited)
-    for sentence in lost:
-        tell("WARNING", sentence)
     cages = [level for result in results for level in result.levels]
     scale = results[0].drawing.frame.scale
     for said in dict.fromkeys(said for level in cages for said in level.report.notes):
@@ -120,16 +94,6 @@ def _put(
     kind = "certified inner cage" if results[0].inside else "certified cage"
     tell("INFO", f"{counted(len(cages), kind)}{around}: {shown}")
     return sets
-
-
-def _bind_again(cage_set: CageSet, method: str, tell: Tell) -> None:
-    """Binds again what was bound before, by the same method; if that fails, the cages stay and the user is told."""
-    if method:
-        try:
-            with unmoved(cage_set.members):
-                bind.bind(bpy.context, cage_set, method)
-        except UserError as error:
-            tell("WARNING", f"Not bound again, and poses were lost: {error}")
 
 
 def _requests(

@@ -17,8 +17,9 @@ from ..core import blamed, certify, core
 from ..drawing.planar import Drawing
 from ..drawing.plane import Frame, scale_of
 from ..errors import FloatArray, UserError
-from ..generate import output
 from ..generate.run import Result
+from ..generate.write import Tell
+from ..generate.write import write as write_results
 from .motion import Moving
 
 
@@ -28,27 +29,25 @@ def write(
     thickness: float = 0.0,
     used: dict[str, Any] | None = None,
     edited: Set[int] = frozenset(),
-) -> list[str]:
-    """Writes the output of each drawing; returns sentences on what of earlier output is lost. Raises: UserError.
+    *,
+    tell: Tell,
+) -> None:
+    """Writes the output of each drawing. Raises: UserError.
 
-    edited: session IDs of drawings that have changed meanwhile.
+    edited: session IDs of drawings that have changed meanwhile. tell: what of earlier output is lost.
     """
     for result in results:
         source = result.poses.drawing.source
-        if source is None:
-            raise UserError(f"'{result.poses.drawing.name}' was deleted meanwhile, so its cages were discarded")
-        earlier = CageSet.beside(source)
+        earlier = CageSet.beside(source) if source is not None else None
         if earlier is not None and earlier.bound:
             raise UserError(f"'{earlier.name}' is bound to its cages, which move it: unbind it first")
     start = round(float(results[0].poses.frames[0]))
     timing = Timing(start_frame=start, frames_per_step=1, show_flow=False)
-    sets, lost = output.write(
-        scene, [replace(_standing(result), used=used) for result in results], timing, thickness, still=True
-    )
+    standing = [replace(_standing(result), used=used) for result in results]
+    sets = write_results(scene, standing, timing, tell, thickness, still=True)
     for cage_set, result in zip(sets, results, strict=True):
         _play(cage_set, result)
     changes.settle(sets, edited)
-    return lost
 
 
 def _standing(result: Moving) -> Result:
@@ -114,4 +113,5 @@ def write_still(scene: Scene, result: Result, used: dict[str, Any]) -> None:
     ]
     timing = Timing(start_frame=scene.frame_current, frames_per_step=1, show_flow=False)
     drawing = _in_world(result.drawing, scale_of(source))
-    output.write(scene, [Result(drawing, tuple(levels), result.kinds, used)], timing, still=True)
+    made = Result(drawing, tuple(levels), result.kinds, used)
+    write_results(scene, [made], timing, still=True)

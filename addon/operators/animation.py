@@ -105,8 +105,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
             result = yield from share(work, number, len(read), READING_PART)
             results.append(result)
         edited, used = changes.edited_since(before), all_values(self)
-        for sentence in writing.write(scene_again(name), results, self.thickness, used, edited):
-            self.report({"WARNING"}, sentence)
+        writing.write(scene_again(name), results, self.thickness, used, edited, tell=self.tell)
         cages = [cage for result in results for cage in result.cages]
         said = (
             in_scene(note, result.poses.scale)

@@ -16,7 +16,7 @@ from ..cage_sets import CageSet
 from ..cage_sets.selection import each_of_chosen, scene_of, select, sets_of_chosen
 from ..drawing.grease_pencil import hidden_parts
 from ..errors import UserError, counted, last_fault
-from ..generate import request
+from ..generate.write import Kind
 from ..messages import sentence
 
 Outcome = set[Literal["RUNNING_MODAL", "CANCELLED", "FINISHED", "PASS_THROUGH", "INTERFACE"]]
@@ -96,7 +96,7 @@ class Operator(Named):
         self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
 
-    def tell(self, kind: request.Kind, text: str) -> None:
+    def tell(self, kind: Kind, text: str) -> None:
         """Reports a sentence."""
         self.report({kind}, text)
 

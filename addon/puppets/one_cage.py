@@ -16,7 +16,6 @@ from mathutils import Matrix, Vector
 
 from ..animation.timeline import Timing
 from ..bind import bind, field
-from ..bind.copies import complete
 from ..blender import mesh_data
 from ..blender.jobs import Work
 from ..cage_sets import CageSet
@@ -27,8 +26,8 @@ from ..drawing.planar import Drawing
 from ..drawing.plane import Frame, divided, float32_loop, size, transform, united_loops, world_matrix
 from ..errors import FloatArray, UserError
 from ..files import silhouettes
-from ..generate import output
 from ..generate.run import STORED, Generation, Options, Request, Result
+from ..generate.write import write
 
 # Longest edge of the outline as a fraction of its size: straight limbs bend, and few corners don't limit the cage.
 LONGEST_EDGE = 0.01
@@ -140,10 +139,8 @@ def make(context: Context, drawing: Drawing, armature: Object, vertices: int) ->
     share = CLEARANCE_SHARE if room is None else min(CLEARANCE_SHARE, ROOM_PART * room.clearance / fine.diagonal)
     generation = Generation([Request(drawing)], Options(levels=(count,), clearance_share=share))
     yield from generation
-    complete()
     scene, results = scene_of(context), [_jointed(result, bones) for result in generation.results]
-    (cage_set,), _ = output.write(scene, results, Timing(show_flow=False), still=True)
-    bind.forget(cage_set)
+    (cage_set,) = write(scene, results, Timing(show_flow=False), still=True)
     context.view_layer.update()
     cage = cage_set.cages[-1]
     _weigh(cage, armature, bones)

@@ -132,9 +132,9 @@ def test_an_original_of_which_more_is_shown_than_its_outline_follows(draw) -> No
 
 
 def parts():
-    """Modifiers, visibility and data of all objects but the moving copy, which is made anew."""
+    """Modifiers, visibility and meshes by name of all objects but the moving copy, which is made anew."""
     objects = [obj for obj in bpy.data.objects if "Moving" not in obj.name]
-    return {obj.name: (tuple(m.name for m in obj.modifiers), obj.hide_render, obj.data) for obj in objects}
+    return {obj.name: (tuple(m.name for m in obj.modifiers), obj.hide_render, obj.data.name) for obj in objects}
 
 
 @pytest.mark.parametrize("draw", [poly_curve, wire])

@@ -1,64 +1,134 @@
-"""Results as objects: per drawing a fine mesh and one object per cage, in a collection, in place of earlier ones."""
+"""Results as objects: per drawing a fine mesh and one object per cage, in a collection, or in place of earlier ones."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Literal, TypeAlias
 
 import bpy
 import numpy as np
 from bpy.types import Collection, Object, Scene
 from numpy.typing import NDArray
 
-from .. import cage_sets
+from .. import cage_sets, transfer
 from ..animation import timeline, visibility
 from ..animation.timeline import Phases, Span, Timing
+from ..bind import bind
+from ..bind.copies import complete
 from ..blender import display, shape_keys
+from ..blender.mesh_data import mesh_of, new_mesh
 from ..cage_sets import CageSet, selection
 from ..cage_sets.selection import check_free, colours_of
 from ..core import core
 from ..drawing import placement
-from ..transfer.rig import Rig
-from .replaced import Replaced
+from ..errors import FloatArray, UserError
 from .run import Result
+
+# Says a sentence.
+Kind: TypeAlias = Literal["INFO", "WARNING"]
+Tell: TypeAlias = Callable[[Kind, str], None]
 
 
 def write(
-    scene: Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0, *, still: bool = False
-) -> tuple[list[CageSet], list[str]]:
-    """Writes the cages of each drawing; returns their sets, and sentences about the artist's work on earlier ones that
-    could not be transferred. still: without the animation of its steps. Raises: UserError, before anything is changed,
-    if earlier cages cannot be replaced. Any other fault leaves a scene that is half written, which Blender's undo takes
-    back.
+    scene: Scene,
+    results: Sequence[Result],
+    timing: Timing,
+    tell: Tell = lambda _kind, _sentence: None,
+    thickness: float = 0.0,
+    *,
+    still: bool = False,
+    jump: bool = False,
+) -> list[CageSet]:
+    """Writes the cages of each drawing and returns their sets; what was bound and posed before is so again. tell: what
+    of the artist's work could not be kept.
+
+    still: without the animation of its steps, and not bound; jump: to the frame of the result. Raises: UserError,
+    before anything is changed, if earlier cages cannot be replaced. Any other fault leaves a scene that is half
+    written, which Blender's undo takes back.
     """
-    earlier = earlier_sets(results)
-    for cage_set in filter(None, earlier):
+    gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
+    if gone is not None:
+        raise UserError(f"'{gone}' was deleted meanwhile, so its cages were discarded")
+    replaced = _earlier_sets(results)
+    for cage_set in filter(None, replaced):
         check_free(cage_set.members)
-    visibility.leave(*filter(None, earlier))
-    home = _home(scene, [result for result, before in zip(results, earlier, strict=True) if before is None])
+    complete()
+    earlier = [_Earlier(cage_set, tell) for cage_set in replaced]
+    visibility.leave(*filter(None, replaced))
+    home = _home(scene, [result for result, before in zip(results, replaced, strict=True) if before is None])
     all_played = [timeline.spans(list(map(Phases.of, result.levels)), timing) for result in results]
     # Several play together: one marker, on the last result.
     end = max(played[-1].end for played in all_played)
     marker = (f"{len(results)} Drawings", end) if len(results) > 1 else None
     dropped: list[timeline.Mark] = []
     added: list[timeline.Mark] = []
-    sets, replaced = list[CageSet](), Replaced()
+    sets = list[CageSet]()
     for result, played, before in zip(results, all_played, earlier, strict=True):
-        dropped += timeline.stop_playing(before) if before is not None else []
-        cage_set = _write_one(result, timing, played, before, home, replaced)
+        dropped += timeline.stop_playing(before.cage_set) if before.cage_set is not None else []
+        cage_set = _write_one(result, timing, played, before, home)
         added.append(timeline.play_in(cage_set, played, marker))
         sets.append(cage_set)
     timeline.settle(scene, dropped, added)
     for result, cage_set in zip(results, sets, strict=True):
         _set_thickness(cage_set, result, thickness)
-    for cage_set in sets:
         if not any(scene.objects.get(obj.name) == obj for obj in cage_set.members):  # made in another scene
             drawer = selection.drawer_of(cage_set) or cage_set.finest.users_collection[0]
             selection.home_of(scene, cage_set.source).children.link(drawer)
         visibility.enter(cage_set)
-    replaced.remove()
+    surplus = [obj for each in earlier for obj in each.surplus]
+    shape_keys.discard(surplus, list(map(mesh_of, surplus)), ())
     for cage_set in sets if still else ():
         visibility.end(scene, cage_set)
-    return sets, replaced.lost
+    if jump:
+        scene.frame_set(max(cage_set.record.frames[1] for cage_set in sets))
+    for cage_set, before in zip(sets, earlier, strict=True):
+        before.give(cage_set, bound=not still)
+    return sets
+
+
+class _Earlier:
+    """A set that is to be replaced, if there is one: its objects, released and without our animation, and how they
+    were bound and posed. ``surplus``: objects that are not written again, and go at the end.
+    """
+
+    def __init__(self, cage_set: CageSet | None, tell: Tell) -> None:
+        self.cage_set, self.surplus, self._tell = cage_set, list[Object](), tell
+        self.fine, self.cages = (cage_set.fine, cage_set.cages) if cage_set is not None else (None, [])
+        objects, source = (cage_set.members, cage_set.source) if cage_set is not None else ([], None)
+        self._poses = {obj: transfer.Pose.of(obj, source) for obj in objects}
+        self._offsets = dict[Object, FloatArray]()
+        self._method = bind.forget(cage_set) if cage_set is not None else ""
+        for obj in objects:
+            shape_keys.remove_steps(obj)
+            visibility.always_show(obj)
+
+    def reshape(self, obj: Object, points: FloatArray, edges: NDArray[np.int64]) -> None:
+        """Gives one of the objects another outline."""
+        lost, self._offsets[obj] = transfer.reshape(obj, points, edges)
+        for part in lost:
+            self._tell("WARNING", f"'{obj.name}': {part} could not be kept")
+
+    def leave(self, written: Sequence[Object]) -> None:
+        """Lets go what is not written again; it stays in the scene if an artist worked on it."""
+        for obj in [each for each in self._poses if each not in written]:
+            if not transfer.is_rigged(obj):
+                self.surplus.append(obj)
+                continue
+            for modifier in [modifier for modifier in obj.modifiers if display.is_ours(modifier)]:
+                display.remove_modifier(obj, modifier)
+            cage_sets.remove(obj)
+            self._tell("WARNING", f"'{obj.name}' is no longer a level; it was kept for your work on it")
+
+    def give(self, cage_set: CageSet, *, bound: bool) -> None:
+        """Places as before, and binds by the same method; if that fails, the cages stay and the user is told."""
+        if self._method and bound:
+            try:
+                with transfer.unmoved(cage_set.members):
+                    bind.bind(bpy.context, cage_set, self._method)
+            except UserError as error:
+                self._tell("WARNING", f"Not bound again, and poses were lost: {error}")
+        for obj in [each for each in cage_set.members if each in self._offsets]:
+            self._poses[obj].give(obj, self._offsets[obj], bound=bool(cage_set.bound))
 
 
 def _home(scene: Scene, results: Sequence[Result]) -> Collection:
@@ -83,7 +153,7 @@ def _set_thickness(cage_set: CageSet, result: Result, thickness: float) -> None:
             display.set_thickness(obj, wanted, display.AUTOMATIC_THICKNESS)
 
 
-def earlier_sets(results: Sequence[Result]) -> list[CageSet | None]:
+def _earlier_sets(results: Sequence[Result]) -> list[CageSet | None]:
     """The set that each result will replace, if there is one: its own, or one that its drawings share."""
     earlier: list[CageSet | None] = []
     for result in results:
@@ -93,20 +163,14 @@ def earlier_sets(results: Sequence[Result]) -> list[CageSet | None]:
     return earlier
 
 
-def _write_one(
-    result: Result, timing: Timing, played: Sequence[Span], before: CageSet | None, home: Collection, replaced: Replaced
-) -> CageSet:
+def _write_one(result: Result, timing: Timing, played: Sequence[Span], before: _Earlier, home: Collection) -> CageSet:
     """Writes one set, in place of the one before or into a new collection."""
     source, first = result.drawing.source, result.levels[0]
     name = source.name if source is not None else result.drawing.name
     title = f"{name} {'Inner Cages' if result.inside else 'Cages'}"
-    old_fine, old_cages = (before.fine, before.cages) if before is not None else (None, [])
-    old = [obj for obj in (old_fine, *old_cages) if obj is not None]
-    colours = colours_of(before)
-    for obj in old:
-        replaced.set_aside(obj)
-    if before is not None:
-        _rename(before, name)
+    colours = colours_of(before.cage_set)
+    if before.cage_set is not None:
+        _rename(before.cage_set, name)
         drawers = before.cages[0].users_collection
     else:
         drawer = bpy.data.collections.new(title)
@@ -114,9 +178,18 @@ def _write_one(
         drawers = (drawer,)
 
     def object_of(number: int, what: str, shape: core.Mesh) -> Object:
-        there = old_fine if number == 0 else old_cages[number - 1] if number <= len(old_cages) else None
-        name_of_it = f"{name} {'Inner ' if result.inside else ''}{what}"
-        return _with_mesh(there, name_of_it, shape, result, replaced, drawers, number, colours)
+        there = before.fine if number == 0 else before.cages[number - 1] if number <= len(before.cages) else None
+        points = result.drawing.frame.points(shape.vertices)
+        if there is None:
+            label = f"{name} {'Inner ' if result.inside else ''}{what}"
+            there = bpy.data.objects.new(label, new_mesh(label, points, shape.edges))
+            for drawer in drawers:
+                drawer.objects.link(there)
+            display.apply_display(there, number, colours)
+        else:
+            before.reshape(there, points, shape.edges)
+        placement.place(there, source, result.drawing.frame)
+        return there
 
     action = shape_keys.new_action(title)
     fine = object_of(0, "Fine", first.fine)
@@ -132,8 +205,7 @@ def _write_one(
         cages.append(cage)
     if action is not None and not action.users:  # all have actions of the artist's
         bpy.data.actions.remove(action)
-    for surplus in [obj for obj in old if obj not in (fine, *cages)]:
-        replaced.leave(surplus)
+    before.leave([fine, *cages])
 
     cage_set = CageSet.make(fine, cages)
     for cage, level, span in zip(cages, result.levels, played, strict=True):
@@ -177,36 +249,6 @@ def _key_steps(
     shape_keys.add_steps(obj, shown, frames, f"Level {number}", from_rest=from_rest, action=action)
 
 
-def _with_mesh(
-    obj: Object | None,
-    name: str,
-    shape: core.Mesh,
-    result: Result,
-    replaced: Replaced,
-    drawers: Sequence[Collection],
-    level: int,
-    colours: int,
-) -> Object:
-    """A member with a new mesh, in the drawing's place; an existing one with the artist's work on it."""
-    mesh = bpy.data.meshes.new(name)
-    mesh.vertices.add(len(shape.vertices))
-    mesh.edges.add(len(shape.edges))
-    mesh.vertices.foreach_set("co", result.drawing.frame.points(shape.vertices).astype(np.float32).ravel())
-    mesh.edges.foreach_set("vertices", shape.edges.astype(np.int32).ravel())
-    mesh.update()
-    if obj is None:
-        obj = bpy.data.objects.new(name, mesh)
-        for drawer in drawers:
-            drawer.objects.link(obj)
-        display.apply_display(obj, level, colours)
-    else:
-        rig = Rig.of(obj)
-        obj.data = mesh
-        replaced.lose(obj, rig.give(obj))
-    placement.place(obj, result.drawing.source, result.drawing.frame)
-    return obj
-
-
 def _describe(obj: Object, result: Result, level: core.Level, span: Span) -> None:
     """What is certified of a cage, how it came about and when it plays; lengths in scene units."""
     node, report = cage_sets.new_node(obj), level.report
@@ -219,10 +261,13 @@ def _describe(obj: Object, result: Result, level: core.Level, span: Span) -> Non
 
 
 def _rename(cage_set: CageSet, name: str) -> None:
-    """Renames the objects of a set and their collection if its drawing was renamed; names given by the user stay."""
+    """Renames the objects of a set, their meshes and their collection if its drawing was renamed; names given by the
+    user stay.
+    """
     before, drawer = cage_set.record.title, selection.drawer_of(cage_set)
     if before in ("", name):
         return
-    for block in (*cage_set.members, *([drawer] if drawer is not None else [])):
+    meshes = map(mesh_of, cage_set.members)
+    for block in (*cage_set.members, *meshes, *([drawer] if drawer is not None else [])):
         if block.name.startswith(f"{before} "):
             block.name = name + block.name.removeprefix(before)

@@ -1,1 +1,0 @@
-"""The artist's work on cages and drawings, carried over to new meshes."""
