@@ -50,15 +50,19 @@ def remembered(make: Callable[[], Result], size: int, *parts: object) -> Result:
 def key_of(*parts: object) -> bytes:
     """The key of meshes, arrays, numbers, strings, method objects, and tuples of these, by their values."""
     written = io.BytesIO()
-    _Values(written).dump(parts)
+    _Values(written, core.Mesh).dump(parts)
     return sha256(written.getvalue()).digest()
 
 
 class _Values(pickle.Pickler):
     """Writes what things were made of, without what they have computed since."""
 
+    def __init__(self, written: io.BytesIO, mesh: type[core.Mesh]) -> None:
+        super().__init__(written)
+        self._mesh = mesh
+
     def reducer_override(self, obj: Any) -> Any:
-        if isinstance(obj, core.Mesh):
+        if isinstance(obj, self._mesh):
             return tuple, ((obj.vertices, obj.edges, obj.loop_signs),)
         if is_dataclass(obj) and not isinstance(obj, type):
             return type(obj), tuple(getattr(obj, each.name) for each in fields(obj))

@@ -25,12 +25,6 @@ class NestedCagesNote(bpy.types.PropertyGroup):
     data: text("Data", "The values in it, as JSON")
 
 
-class NestedCagesMarker(bpy.types.PropertyGroup):
-    """A marker of the timeline that belongs to the animation; its name is the item's own."""
-
-    frame: whole("Frame", "Frame of the marker")
-
-
 class NestedCagesReference(bpy.types.PropertyGroup):
     """An object in a list: a drawing of a set, or of a drawing the finest cage of a set."""
 
@@ -65,7 +59,8 @@ class NestedCagesRecord(bpy.types.PropertyGroup):
     playing: flag("Playing", "Whether a moving copy is shown instead of the drawings")
     frames: row(IntVectorProperty, "Frames", "Start, result and end of the animation", size=3)
     animated: flag("Animated", "Whether the frames are those of an animation")
-    markers: several("Markers", "The markers of the animation", NestedCagesMarker)
+    marker: text("Marker", "Name of the marker of the result; empty without one")
+    marker_frame: whole("Marker Frame", "Frame of the marker")
     drawn: text("Drawn", "Digests of the drawings that the cages were certified or verified for")
 
 
@@ -110,7 +105,6 @@ class NestedCagesMember(bpy.types.PropertyGroup):
 CLASSES = (
     NestedCagesSettings,
     NestedCagesNote,
-    NestedCagesMarker,
     NestedCagesReference,
     NestedCagesRange,
     NestedCagesUsed,

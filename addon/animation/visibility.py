@@ -1,12 +1,12 @@
-"""Objects hidden until a frame: keyframes on the properties that hide them, which can be removed again.
+"""The animation of how cages form: objects that are hidden until a frame, by keyframes that can be removed again; the
+marker of the result, and the scene's range.
 
-While the animation plays, a moving copy of the drawing replaces the originals. It follows the fine mesh, filled with
-the drawing's own materials. Whether the animation of how cages form plays, and its removal.
+While it plays, a moving copy of the drawing, which follows the fine mesh and has its material, replaces the originals.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import bpy
@@ -18,8 +18,9 @@ from ..blender.display import add_nodes_modifier
 from ..cage_sets import CageSet
 from ..cage_sets.selection import check_free
 from ..errors import UserError
-from . import timeline
 
+# Name and frame of a marker.
+Mark = tuple[str, int]
 # The properties that hide an object.
 VISIBILITY = ("hide_viewport", "hide_render")
 
@@ -92,7 +93,7 @@ def enter(cage_set: CageSet) -> None:
     """
     if cage_set.record.playing:
         leave(cage_set)
-    frames, fine = timeline.frames_of(cage_set), cage_set.fine
+    frames, fine = frames_of(cage_set), cage_set.fine
     if frames is None or fine is None or cage_set.bound or cage_set.inside:
         return
     first, result, _ = frames
@@ -180,6 +181,66 @@ def _of_strokes(material: bpy.types.Material) -> bpy.types.Material:
     return fill
 
 
+def play_in(cage_set: CageSet, marker: Mark) -> None:
+    """Notes that an output plays, and its marker, which several may share."""
+    noted = cage_set.record
+    noted.animated, (noted.marker, noted.marker_frame) = True, marker
+
+
+def settle(scene: Scene, dropped: Iterable[Mark], added: Iterable[Mark] = ()) -> None:
+    """Removes markers that no output needs any more, adds new ones, and fits the scene's range to what plays."""
+    sets = CageSet.everywhere()
+    needed = {marker_of(each) for each in sets}
+    for marker in list(scene.timeline_markers):
+        if (marker.name, marker.frame) in set(dropped) - needed:
+            scene.timeline_markers.remove(marker)
+    there = {(marker.name, marker.frame) for marker in scene.timeline_markers}
+    for name, frame in set(added) - there:
+        scene.timeline_markers.new(name, frame=frame)
+    _fit_range(scene, sets)
+
+
+def marker_of(cage_set: CageSet) -> Mark:
+    """The marker of an output's animation; one without a name if there is none."""
+    noted = cage_set.record
+    return str(noted.marker), int(noted.marker_frame)
+
+
+def stop_playing(cage_set: CageSet) -> Mark:
+    """Notes that an output does not play any more; returns its marker."""
+    dropped, noted = marker_of(cage_set), cage_set.record
+    noted.marker, noted.animated = "", False
+    return dropped
+
+
+def frames_of(cage_set: CageSet) -> tuple[int, int, int] | None:
+    """First frame of an output's animation, frame of its result, and last frame; None if it has no animation."""
+    noted = cage_set.record
+    return tuple(noted.frames) if noted.animated else None
+
+
+def _fit_range(scene: Scene, sets: Iterable[CageSet]) -> None:
+    """Fits the scene's range to the animations in it; ends that the user has changed since are kept."""
+    now = (scene.frame_start, scene.frame_end)
+    stored = cage_sets.range_of(scene) or (*now, *now)
+    start, end = (before if at == ours else at for before, ours, at in zip(stored[:2], stored[2:], now, strict=True))
+    playing = [(each, frames_of(each)) for each in sets]
+    played = [frames for each, frames in playing if frames is not None and is_in(scene, each)]
+    first = min([start, *(max(frames[0], 0) for frames in played)])
+    last = max([end, *(frames[2] for frames in played)])
+    if (first, last) != now:
+        scene.frame_start, scene.frame_end = first, last
+    if not played:
+        cage_sets.set_range(scene, None)
+    elif (first, last) != (start, end):
+        cage_sets.set_range(scene, (start, end, first, last))
+
+
+def is_in(scene: Scene, cage_set: CageSet) -> bool:
+    """Whether objects of an output are in the scene."""
+    return any(scene.objects.get(obj.name) == obj for obj in cage_set.members)
+
+
 def is_animated(cage_set: CageSet) -> bool:
     """Whether the steps of a set play."""
     meshes = [obj.data for obj in cage_set.members if obj.type == "MESH"]
@@ -203,7 +264,7 @@ def remove(scene: Scene, cage_set: CageSet) -> None:
 def end(scene: Scene, cage_set: CageSet) -> None:
     """Removes what plays of an output, and what its objects say about it."""
     leave(cage_set)
-    timeline.settle(scene, timeline.stop_playing(cage_set))
+    settle(scene, [stop_playing(cage_set)])
     for obj in cage_set.members:
         shape_keys.remove_steps(obj)
         always_show(obj)

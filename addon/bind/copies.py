@@ -22,16 +22,18 @@ def complete() -> None:
     for cage_set in CageSet.everywhere():
         if any(obj.override_library or not obj.is_editable for obj in cage_set.members):
             continue
-        playing, copied = cage_set.record.playing, _own_members(cage_set)
+        noted = cage_set.record
+        playing, copied = noted.playing, _own_members(cage_set)
         for obj in cage_set.members:
             _own_data(obj)
-        for cage in cage_set.cages:
+        for cage in cage_set.cages if noted.bound else ():
             copied |= _own_field(cage_set, cage)
-        left = {obj for obj in cage_sets.objects_in(cage_set.record.parts) if obj not in cage_set.drawings()}
-        cage_sets.drop(cage_set.record.parts, list(left))
+        drawings = cage_set.drawings()
+        left = {obj for obj in cage_sets.objects_in(noted.parts) if obj not in drawings}
         if copied or left:
+            cage_sets.drop(noted.parts, list(left))
             _set_apart(cage_set)
-            if playing and not cage_set.bound:
+            if playing and not noted.bound:
                 visibility.enter(cage_set)
 
 
@@ -87,9 +89,8 @@ def _own_data(obj: Object) -> None:
         mesh = mesh.copy()
         cage_sets.set_before(obj, before._replace(mesh=mesh))
     for owner in (obj, *(each.shape_keys for each in (obj.data, mesh) if each is not None)):
-        action = shape_keys.action_of(owner)
-        if action is not None and shape_keys.is_shared(owner):
-            shape_keys.own_action(owner, action.name)
+        if shape_keys.is_shared(owner):
+            shape_keys.own_action(owner, owner.animation_data.action.name)
 
 
 def _own_field(cage_set: CageSet, cage: Object) -> bool:
@@ -114,7 +115,7 @@ def _own_field(cage_set: CageSet, cage: Object) -> bool:
 def _set_apart(cage_set: CageSet) -> None:
     """Gives a copy colours, and a collection, that are its own."""
     noted = cage_set.record
-    noted.markers.clear()
+    noted.marker = ""
     noted.colours = -1
     noted.colours = selection.colours_of(cage_set)
     noted.title = cage_set.source.name if cage_set.source is not None else noted.title

@@ -6,7 +6,7 @@ import bpy
 from bpy.types import Collection, Object
 
 from .. import cage_sets
-from ..animation import timeline, visibility
+from ..animation import visibility
 from ..blender import display, shape_keys
 from ..cage_sets import CageSet
 from ..drawing import placement
@@ -74,9 +74,9 @@ def _left_of(cage_set: CageSet, drawers: set[Collection]) -> set[Object]:
     if fine is None or cage_sets.node_of(fine).outer != cage_set.finest:
         return set()
     visibility.leave(cage_set)
-    dropped = timeline.stop_playing(cage_set)
+    dropped = visibility.stop_playing(cage_set)
     for scene in bpy.data.scenes:
-        timeline.settle(scene, dropped)
+        visibility.settle(scene, [dropped])
     drawers.update(fine.users_collection)
     roles, owners = (cage_sets.FIELD, cage_sets.LINES, cage_sets.PROXY), (fine, *cage_set.chain(), *cage_set.drawings())
     helpers = [each for obj in owners for each in cage_sets.helpers_of(obj, *roles)]

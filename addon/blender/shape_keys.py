@@ -205,8 +205,11 @@ def own_action(owner: Any, name: str) -> None:
 
 def is_shared(owner: Any) -> bool:
     """Whether what animates a data-block animates another one too."""
+    action = action_of(owner)
+    if action is None or action.users < 2:
+        return False
     slot = getattr(owner.animation_data, "action_slot", None)
-    return bool((owner.animation_data.action.users if slot is None else len(slot.users())) > 1)
+    return slot is None or len(slot.users()) > 1
 
 
 def remove_animation(owner: Any) -> None:

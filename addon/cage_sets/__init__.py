@@ -2,4 +2,4 @@
 
 from .cage_set import *  # noqa: F403 - all of these are the package's face
 from .certificates import *  # noqa: F403 - all of these are the package's face
-from .members import *  # noqa: F403 - all of these are the package's face
+from .helpers import *  # noqa: F403 - all of these are the package's face

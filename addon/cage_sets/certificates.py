@@ -13,8 +13,11 @@ from bpy.types import Object
 
 from ..core import core
 from ..messages import in_scene, sentence
-from .members import CAGE, CHECK, FAULT, HOLDS, TOLERANCE, UNJUDGED, new_node, node_of
 
+CAGE = "CAGE"
+HOLDS, FAULT, UNJUDGED = "HOLDS", "FAULT", "UNJUDGED"
+# Code of notes on a distance or an excess, and the beginning of findings' codes.
+TOLERANCE, CHECK = "note.tolerance", "check."
 # What is said of a cage that is not the certified one any more.
 EDITED = "Edited since it was certified: verify it, or generate it again"
 
@@ -45,7 +48,7 @@ class Certificate:
     @classmethod
     def of(cls, cage: Object, level: int, *, inside: bool) -> Certificate:
         """Of a cage and its level in its set."""
-        node = node_of(cage)
+        node: Any = cage.nested_cages_member  # type: ignore[attr-defined]
         said: dict[str, list[str]] = {"need": [], "finding": [], "other": []}
         for code, data in notes(node):
             kind = "need" if code == TOLERANCE else "finding" if code.startswith(CHECK) else "other"
@@ -115,7 +118,7 @@ def restate(obj: Object, clearance: float, excess: float, given: Iterable[core.F
     """What is certified of a cage that was moved or edited, and noted on it, instead of what was; clearance: in scene
     units. scale: the scene's length of the notes' unit.
     """
-    node = new_node(obj)
+    node: Any = obj.nested_cages_member  # type: ignore[attr-defined]
     node.clearance, node.excess, node.most = clearance, excess, excess
     node.check, node.stamp = "NONE", stamp(obj)
     set_notes(node, given, scale)
@@ -123,13 +126,13 @@ def restate(obj: Object, clearance: float, excess: float, given: Iterable[core.F
 
 def is_edited(obj: Object) -> bool:
     """Whether a cage is not the one that was certified any more."""
-    node = node_of(obj)
+    node: Any = obj.nested_cages_member  # type: ignore[attr-defined]
     return node.role == CAGE and bool(node.stamp) and node.stamp != stamp(obj)
 
 
 def is_judged(obj: Object) -> bool:
     """Whether the last check was of a cage as it is now."""
-    node = node_of(obj)
+    node: Any = obj.nested_cages_member  # type: ignore[attr-defined]
     return node.check in (HOLDS, FAULT) and node.judged == stamp(obj)
 
 
@@ -143,7 +146,7 @@ def stamp(obj: Object) -> str:
 def remove(obj: Object) -> None:
     """Makes an object a plain one."""
     if "nested_cages_member" in obj.bl_rna.properties:
-        new_node(obj).before.mesh = None
+        obj.nested_cages_member.before.mesh = None  # type: ignore[attr-defined]
         obj.property_unset("nested_cages_member")
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import cage_sets, transfer
 from ..animation import timeline, visibility
-from ..animation.timeline import Phases, Span, Timing
+from ..animation.timeline import Span, Timing
 from ..bind import bind
 from ..bind.copies import complete
 from ..blender import display, shape_keys
@@ -38,43 +38,29 @@ def write(
     *,
     still: bool = False,
     jump: bool = False,
+    bound: bool = True,
 ) -> list[CageSet]:
     """Writes the cages of each drawing and returns their sets; what was bound and posed before is so again. tell: what
     of the artist's work could not be kept.
 
-    still: without the animation of its steps, and not bound; jump: to the frame of the result. Raises: UserError,
-    before anything is changed, if earlier cages cannot be replaced. Any other fault leaves a scene that is half
+    still: without the animation of its steps; jump: to the frame of the result. Raises: UserError, before anything is
+    changed, if earlier cages cannot be replaced. Any other fault leaves a scene that is half
     written, which Blender's undo takes back.
     """
-    gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
-    if gone is not None:
-        raise UserError(f"'{gone}' was deleted meanwhile, so its cages were discarded")
-    replaced = _earlier_sets(results)
+    sources = [_source(result) for result in results]
+    replaced = [_earlier_set(result, source) for result, source in zip(results, sources, strict=True)]
     for cage_set in filter(None, replaced):
         check_free(cage_set.members)
     complete()
     earlier = [_Earlier(cage_set, tell) for cage_set in replaced]
     visibility.leave(*filter(None, replaced))
-    home = _home(scene, [result for result, before in zip(results, replaced, strict=True) if before is None])
-    all_played = [timeline.spans(list(map(Phases.of, result.levels)), timing) for result in results]
-    # Several play together: one marker, on the last result.
-    end = max(played[-1].end for played in all_played)
-    marker = (f"{len(results)} Drawings", end) if len(results) > 1 else None
-    dropped: list[timeline.Mark] = []
-    added: list[timeline.Mark] = []
+    dropped = [visibility.stop_playing(cage_set) for cage_set in replaced if cage_set is not None]
+    home = _home(scene, [source for source, before in zip(sources, replaced, strict=True) if before is None])
     sets = list[CageSet]()
-    for result, played, before in zip(results, all_played, earlier, strict=True):
-        dropped += timeline.stop_playing(before.cage_set) if before.cage_set is not None else []
-        cage_set = _write_one(result, timing, played, before, home)
-        added.append(timeline.play_in(cage_set, played, marker))
-        sets.append(cage_set)
-    timeline.settle(scene, dropped, added)
-    for result, cage_set in zip(results, sets, strict=True):
-        _set_thickness(cage_set, result, thickness)
-        if not any(scene.objects.get(obj.name) == obj for obj in cage_set.members):  # made in another scene
-            drawer = selection.drawer_of(cage_set) or cage_set.finest.users_collection[0]
-            selection.home_of(scene, cage_set.source).children.link(drawer)
-        visibility.enter(cage_set)
+    for result, source, before in zip(results, sources, earlier, strict=True):
+        sets.append(_write_one(result, source, timing, before, home))
+        _set_thickness(sets[-1], result, thickness)
+    _play(scene, sets, dropped)
     surplus = [obj for each in earlier for obj in each.surplus]
     shape_keys.discard(surplus, list(map(mesh_of, surplus)), ())
     for cage_set in sets if still else ():
@@ -82,8 +68,30 @@ def write(
     if jump:
         scene.frame_set(max(cage_set.record.frames[1] for cage_set in sets))
     for cage_set, before in zip(sets, earlier, strict=True):
-        before.give(cage_set, bound=not still)
+        before.give(cage_set, bound=bound)
     return sets
+
+
+def _source(result: Result) -> Object:
+    source = result.drawing.source
+    if source is None:
+        raise UserError(f"'{result.drawing.name}' was deleted meanwhile, so its cages were discarded")
+    return source
+
+
+def _play(scene: Scene, sets: Sequence[CageSet], dropped: Sequence[visibility.Mark]) -> None:
+    """Lets new cages play in a scene; several together, with one marker, on the last result."""
+    ends = [cage_set.record.frames[1] for cage_set in sets]
+    shared = (f"{len(sets)} Drawings", max(ends))
+    markers = [shared if len(sets) > 1 else (each.record.title, end) for each, end in zip(sets, ends, strict=True)]
+    for cage_set, marker in zip(sets, markers, strict=True):
+        visibility.play_in(cage_set, marker)
+    visibility.settle(scene, dropped, markers)
+    for cage_set in sets:
+        if not visibility.is_in(scene, cage_set):  # made in another one
+            drawer = selection.drawer_of(cage_set) or cage_set.finest.users_collection[0]
+            selection.home_of(scene, cage_set.source).children.link(drawer)
+        visibility.enter(cage_set)
 
 
 class _Earlier:
@@ -131,13 +139,12 @@ class _Earlier:
             self._poses[obj].give(obj, self._offsets[obj], bound=bool(cage_set.bound))
 
 
-def _home(scene: Scene, results: Sequence[Result]) -> Collection:
+def _home(scene: Scene, sources: Sequence[Object]) -> Collection:
     """The collection for new outputs: that of the first drawing, or for several outputs a new one in it."""
-    source = results[0].drawing.source if results else None
-    own = selection.home_of(scene, source)
-    if len(results) < 2:
+    own = selection.home_of(scene, next(iter(sources), None))
+    if len(sources) < 2:
         return own
-    run = bpy.data.collections.new(f"Cages of {len(results)} Drawings")
+    run = bpy.data.collections.new(f"Cages of {len(sources)} Drawings")
     own.children.link(run)
     return run
 
@@ -153,21 +160,20 @@ def _set_thickness(cage_set: CageSet, result: Result, thickness: float) -> None:
             display.set_thickness(obj, wanted, display.AUTOMATIC_THICKNESS)
 
 
-def _earlier_sets(results: Sequence[Result]) -> list[CageSet | None]:
-    """The set that each result will replace, if there is one: its own, or one that its drawings share."""
-    earlier: list[CageSet | None] = []
-    for result in results:
-        drawings = [each.source for each in (result.drawing, *result.drawing.others) if each.source is not None]
-        sets = [(obj, CageSet.beside(obj, inside=result.inside)) for obj in drawings]
-        earlier.append(next((s for obj, s in sets if s and (obj == drawings[0] or len(s.parts) > 1)), None))
-    return earlier
+def _earlier_set(result: Result, source: Object) -> CageSet | None:
+    """The set that a result will replace, if there is one: its own, or one that its drawings share."""
+    others = [each.source for each in result.drawing.others]
+    for obj in filter(None, (source, *others)):
+        cage_set = CageSet.beside(obj, inside=result.inside)
+        if cage_set is not None and (obj == source or len(cage_set.parts) > 1):
+            return cage_set
+    return None
 
 
-def _write_one(result: Result, timing: Timing, played: Sequence[Span], before: _Earlier, home: Collection) -> CageSet:
+def _write_one(result: Result, source: Object, timing: Timing, before: _Earlier, home: Collection) -> CageSet:
     """Writes one set, in place of the one before or into a new collection."""
-    source, first = result.drawing.source, result.levels[0]
-    name = source.name if source is not None else result.drawing.name
-    title = f"{name} {'Inner Cages' if result.inside else 'Cages'}"
+    inside, frame, levels, name = result.inside, result.drawing.frame, result.levels, source.name
+    title = f"{name} {'Inner Cages' if inside else 'Cages'}"
     colours = colours_of(before.cage_set)
     if before.cage_set is not None:
         _rename(before.cage_set, name)
@@ -179,28 +185,33 @@ def _write_one(result: Result, timing: Timing, played: Sequence[Span], before: _
 
     def object_of(number: int, what: str, shape: core.Mesh) -> Object:
         there = before.fine if number == 0 else before.cages[number - 1] if number <= len(before.cages) else None
-        points = result.drawing.frame.points(shape.vertices)
+        points = frame.points(shape.vertices)
         if there is None:
-            label = f"{name} {'Inner ' if result.inside else ''}{what}"
+            label = f"{name} {'Inner ' if inside else ''}{what}"
             there = bpy.data.objects.new(label, new_mesh(label, points, shape.edges))
             for drawer in drawers:
                 drawer.objects.link(there)
             display.apply_display(there, number, colours)
         else:
             before.reshape(there, points, shape.edges)
-        placement.place(there, source, result.drawing.frame)
+        placement.place(there, source, frame)
         return there
 
-    action = shape_keys.new_action(title)
-    fine = object_of(0, "Fine", first.fine)
-    _key_steps(fine, _fine_steps(first), first, played, timing, 1, action)
+    played, action = timeline.spans(levels, timing), shape_keys.new_action(title)
+
+    def key(obj: Object, steps: NDArray[np.float32], level: int, *, from_rest: bool = False) -> None:
+        frames = played[level].steps
+        shown = steps[len(steps) - len(frames) :]  # the flow may be left out
+        shape_keys.add_steps(obj, shown, frames, f"Level {level + 1}", from_rest=from_rest, action=action)
+
+    fine = object_of(0, "Fine", levels[0].fine)
+    key(fine, _fine_steps(levels[0]), 0)
     cages = []
-    for number, (level, span) in enumerate(zip(result.levels, played, strict=True), 1):
-        cage = object_of(number, f"Cage {number}", level.cage)
-        _key_steps(cage, _cage_steps(level), level, played, timing, number, action)
-        if number < len(result.levels):
-            following = result.levels[number]
-            _key_steps(cage, _fine_steps(following), following, played, timing, number + 1, action, from_rest=True)
+    for number, (level, span) in enumerate(zip(levels, played, strict=True)):
+        cage = object_of(number + 1, f"Cage {number + 1}", level.cage)
+        key(cage, _cage_steps(level), number)
+        if number + 1 < len(levels):
+            key(cage, _fine_steps(levels[number + 1]), number + 1, from_rest=True)
         visibility.hide_until(cage, span.flow, action)
         cages.append(cage)
     if action is not None and not action.users:  # all have actions of the artist's
@@ -208,12 +219,12 @@ def _write_one(result: Result, timing: Timing, played: Sequence[Span], before: _
     before.leave([fine, *cages])
 
     cage_set = CageSet.make(fine, cages)
-    for cage, level, span in zip(cages, result.levels, played, strict=True):
+    for cage, level, span in zip(cages, levels, played, strict=True):
         _describe(cage, result, level, span)
-    drawings = filter(None, (source, *(part.source for part in result.drawing.others)))
-    cage_set.take(drawings, inside=result.inside)
+    cage_set.take([source, *filter(None, (part.source for part in result.drawing.others))], inside=inside)
     noted = cage_set.record
     noted.title, noted.colours, noted.kinds, noted.moving = name, colours, ", ".join(result.kinds), False
+    noted.frames = (played[0].flow, played[-1].end, played[-1].end)
     noted.known = result.used is not None
     if result.used is not None:
         cage_sets.assign(noted.settings, result.used)
@@ -229,24 +240,6 @@ def _cage_steps(level: core.Level) -> NDArray[np.float32]:
     """The same of the cage (S, m, 2), which rests during the flow."""
     resting = np.broadcast_to(level.coarse.vertices, (len(level.flow.steps) - 1, *level.coarse.vertices.shape))
     return np.asarray(np.concatenate([resting, level.reinflation.cage_steps]), np.float32)
-
-
-def _key_steps(
-    obj: Object,
-    steps: NDArray[np.float32],
-    level: core.Level,
-    played: Sequence[Span],
-    timing: Timing,
-    number: int,
-    action: bpy.types.Action | None,
-    *,
-    from_rest: bool = False,
-) -> None:
-    """Animates the steps of a level, given by its number, on one object."""
-    phases = Phases.of(level)
-    shown = steps if timing.show_flow else steps[phases.flow_end :]
-    frames = timeline.step_frames(phases, played[number - 1], timing)
-    shape_keys.add_steps(obj, shown, frames, f"Level {number}", from_rest=from_rest, action=action)
 
 
 def _describe(obj: Object, result: Result, level: core.Level, span: Span) -> None:

@@ -113,6 +113,8 @@ def why_nothing(context: Context) -> str:
 
 def _drawings_of(obj: Object, selected: Sequence[Object]) -> list[Object]:
     """The drawings that an object stands for: those of a bound set, none of a moving copy, else itself."""
+    if not cage_sets.has_node(obj):
+        return [obj]
     if cage_sets.shown(obj, cage_sets.FILL) is not None:
         return []
     cage_set = CageSet.of(obj) if cage_sets.level_of(obj) is not None else None

@@ -140,7 +140,7 @@ def make(context: Context, drawing: Drawing, armature: Object, vertices: int) ->
     generation = Generation([Request(drawing)], Options(levels=(count,), clearance_share=share))
     yield from generation
     scene, results = scene_of(context), [_jointed(result, bones) for result in generation.results]
-    (cage_set,) = write(scene, results, Timing(show_flow=False), still=True)
+    (cage_set,) = write(scene, results, Timing(show_flow=False), still=True, bound=False)
     context.view_layer.update()
     cage = cage_set.cages[-1]
     _weigh(cage, armature, bones)

@@ -1,9 +1,8 @@
-"""What an object is in a set, what helper objects show, and bound objects and the scene's range as they were."""
+"""Helper objects, which show, fill or move another one; bound objects and the scene's range as they were."""
 
 from __future__ import annotations
 
-from collections import namedtuple
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import bpy
@@ -11,81 +10,10 @@ import numpy as np
 from bpy.types import Mesh, Object, Scene
 from mathutils import Matrix
 
-FINE, CAGE = "FINE", "CAGE"
-HOLDS, FAULT, UNJUDGED = "HOLDS", "FAULT", "UNJUDGED"
-# Code of notes on a distance or an excess, and the beginning of findings' codes.
-TOLERANCE, CHECK = "note.tolerance", "check."
+from .cage_set import drop, new_node, node_of, objects_in, refer
+
 # Roles of helpers.
 FIELD, LINES, PROXY, FILL, HANDLES = "FIELD", "LINES", "PROXY", "FILL", "HANDLES"
-
-
-def node_of(obj: Object) -> Any:
-    """What an object is in its set. To read a group of properties of Blender's writes one, so others get no own."""
-    return new_node(obj) if has_node(obj) else NO_NODE
-
-
-def has_node(obj: Object) -> bool:
-    """Whether an object is or was in a set, as a member, helper or drawing; buttons look no further if it was not."""
-    return bool(obj.is_property_set("nested_cages_member"))
-
-
-def new_node(obj: Object) -> Any:
-    """The same as `node_of`, to take an object into a set."""
-    return obj.nested_cages_member  # type: ignore[attr-defined]
-
-
-def _unset(**values: Any) -> Any:
-    """A group of properties that cannot be changed."""
-    return namedtuple("Unset", values)(**values)
-
-
-# What is read of an object without a set.
-NO_RECORD = _unset(
-    parts=(), markers=(), title="", bound="", kinds="", inside=False, playing=False, known=False, moving=False,
-    animated=False, frames=(0, 0, 0), colours=-1, settings=None, drawn="",
-)  # fmt: skip
-NO_NODE = _unset(
-    role="NONE", inner=None, outer=None, sets=(), record=NO_RECORD, helpers=(), shows=None, thickness=0.0, parts=(),
-    before=_unset(mesh=None), stamp="", notes=(), check="NONE",
-)  # fmt: skip
-
-
-def objects_in(items: Any) -> list[Object]:
-    """The objects of a list of references."""
-    return [item.object for item in items if item.object is not None]
-
-
-def refer(items: Any, objects: Iterable[Object]) -> None:
-    """Adds objects to a list of references that are not in it."""
-    known = objects_in(items)
-    for obj in objects:
-        if obj not in known:
-            items.add().object = obj
-
-
-def drop(items: Any, gone: Sequence[Object]) -> None:
-    """Removes objects from a list of references, and what no longer refers to one."""
-    for number in reversed([k for k, item in enumerate(items) if item.object is None or item.object in gone]):
-        items.remove(number)
-
-
-def exists(obj: Object | None) -> bool:
-    """Whether an object is in a collection or a view: deleted ones may still be referred to."""
-    if obj is None or obj.visible_get() or obj.hide_get():
-        return obj is not None
-    # Blender knows at once whether a view shows an object, but goes through all of a collection to find one.
-    if obj.session_uid not in _in_collections:
-        _in_collections[obj.session_uid] = bool(obj.users_collection)
-    return _in_collections[obj.session_uid]
-
-
-# Whether objects that no view shows are in a collection, by session ID, until something changes.
-_in_collections: dict[int, bool] = {}
-
-
-def forget_collections() -> None:
-    """Objects may be in other collections."""
-    _in_collections.clear()
 
 
 def make_helper(obj: Object, role: str, shows: Object, thickness: float = 0.0) -> None:
@@ -110,11 +38,6 @@ def shown(obj: Object, *roles: str) -> Object | None:
 def is_helper(obj: Object, *roles: str) -> bool:
     """Whether an object has one of some roles, whatever became of what it shows."""
     return node_of(obj).role in roles
-
-
-def shown_in(silhouette: Object) -> list[Object]:
-    """The objects that a silhouette shows."""
-    return objects_in(node_of(silhouette).parts)
 
 
 def show_in(silhouette: Object, parts: Sequence[Object]) -> None:
