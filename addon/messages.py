@@ -8,11 +8,6 @@ from typing import Any
 from .core import core, errors
 
 SENTENCES: Mapping[str, str] = {
-    "level.small": "{asked} vertices are too few: {given} are used, 3 for each loop of the cage.",
-    "level.share": "{share:g} % of {total} vertices is too few for a close fit of each loop: {given} are used.",
-    "level.order": (
-        "Cage {level} has {given} vertices, not {asked}: no more than the cage in it. Give the larger number first."
-    ),
     "places.empty": "'{name}' has nothing in a vertex group '{group}', so that was left out.",
     "drawing.hidden": "Left out of '{name}', since not shown: {hidden}.",
     "note.start rest": "The cage does not grow: growing to points of 'Grid', it would meet the drawing.",

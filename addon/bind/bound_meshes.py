@@ -7,7 +7,7 @@ from contextlib import suppress
 import bpy
 from bpy.types import Object
 
-from .. import cage_sets, transfer
+from .. import cage_sets, keys, transfer
 from ..animation import visibility
 from ..blender import display, mesh_data, shape_keys
 from ..core import triangulation
@@ -19,9 +19,13 @@ def park(obj: Object) -> None:
     mesh = mesh_data.mesh_of(obj)
     cage_sets.set_before(obj, cage_sets.Before(mesh, obj.matrix_basis, hidden))
     visibility.mute(obj, True)
-    obj.data = mesh.copy()
-    shape_keys.remove_steps(obj)
-    transfer.reshape(obj, mesh_data.points_of(mesh), mesh_data.loop_edges(mesh), numbered=True)
+    if transfer.artists_keys(mesh.shape_keys):
+        obj.data = mesh.copy()
+        shape_keys.remove_steps(obj)
+        transfer.reshape(obj, mesh_data.points_of(mesh), mesh_data.loop_edges(mesh), numbered=True)
+    else:  # a copy would leave its shape keys in the file
+        obj.data = bpy.data.meshes.new_from_object(obj)
+        keys.store(obj.data, dict(mesh.items()))
     obj.hide_viewport = False
     obj.hide_set(False)
 

@@ -5,7 +5,7 @@ drawing allows; and lengths as people write them in Blender.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import TypeAlias
 
@@ -16,7 +16,6 @@ from .. import keys
 from ..blender.mesh_data import loop_edges, mesh_of
 from ..core import core
 from ..errors import UserError
-from ..messages import note
 
 # Suffixes of lengths, with metres per unit; and the suffix of scene units.
 METRIC = {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0}
@@ -81,14 +80,8 @@ def _text_sizes(identity: int, _body: str, _font: str, resolution: int) -> tuple
 OWN = "*"
 # A vertex count, a percentage, a distance (in units of the scene) or an excess, or `OWN`.
 Level: TypeAlias = "int | core.levels.Share | core.Within | str"
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """A vertex count, own ``Mesh`` or need of a drawing, in its units, and what is to be said about it."""
-
-    level: int | core.Mesh | core.Within
-    notes: tuple[core.Fault, ...] = ()
+# The same as the core takes it.
+Wanted: TypeAlias = "core.levels.Rising | core.levels.Share | core.Within | core.Mesh"
 
 
 def parse_levels(text: str, units: Mapping[str, float]) -> tuple[Level, ...]:
@@ -104,16 +97,6 @@ def parse_levels(text: str, units: Mapping[str, float]) -> tuple[Level, ...]:
         raise UserError(str(error)) from error
 
 
-def wanted_count(level: int | core.levels.Share, sizes: Sequence[int], *, keeps: bool = True) -> Wanted:
-    """The vertex count that a level comes to for loops of these sizes: enough for each where all are kept."""
-    if isinstance(level, int):
-        least = 3 * len(sizes) if keeps else 3
-        return Wanted(level) if level >= least else Wanted(least, (note("level.small", asked=level, given=least),))
-    count, total = level.of(sizes, keeps=keeps), sum(sizes)
-    raised = note("level.share", share=100.0 * level.fraction, total=total, given=count)
-    return Wanted(count, () if count == round(total * level.fraction) else (raised,))
-
-
 def wanted_levels(
     levels: Sequence[Level],
     fine: core.Mesh,
@@ -122,42 +105,35 @@ def wanted_levels(
     scale: float = 1.0,
     *,
     convex: bool = False,
-    keeps: bool = True,
-) -> tuple[Wanted, ...]:
-    """What is to be made for each level of a drawing. Raises: UserError.
+) -> list[Wanted]:
+    """What is to be made for each level of a drawing, in its units; counts that are too small rise to the least that it
+    can have. Raises: UserError.
 
-    scale: the scene's length of its unit. keeps: whether each loop needs vertices of its own.
+    scale: the scene's length of its unit. convex: shares are of the vertices around each part.
     """
     if not levels:
-        return tuple(Wanted(mesh) for mesh in own)
+        return list(own)
     if levels.count(OWN) != len(own):
         raise UserError(
             f"'{name}': {levels.count(OWN)} of the levels should be an object of your own (*), and {len(own)} "
             f"{'is' if len(own) == 1 else 'are'} named: select your objects and then the drawing, and tick 'Selected "
             "as Cages'"
         )
-    sizes = [len(loop) for loop in fine.loops]
-    if convex:  # this many vertices around each part
-        sizes = [sum(sizes) // int((fine.parent_of_loop < 0).sum())]
-    meshes, wanted = iter(own), []
+    meshes, wanted = iter(own), list[Wanted]()
     for level in levels:
         if isinstance(level, str):
-            wanted.append(Wanted(next(meshes)))
+            wanted.append(next(meshes))
         elif isinstance(level, core.Within):
             distance = None if level.distance is None else level.distance / scale
-            wanted.append(Wanted(replace(level, distance=distance)))
+            wanted.append(replace(level, distance=distance))
+        elif isinstance(level, int):
+            wanted.append(level if isinstance(level, core.levels.Rising) else core.levels.Rising(level))
+        elif convex:
+            parts = int((fine.parent_of_loop < 0).sum())
+            wanted.append(core.levels.Rising(level.of([len(fine.vertices) // parts], keeps=False)))
         else:
-            wanted.append(_in_order(wanted_count(level, sizes, keeps=keeps), wanted))
-    return tuple(wanted)
-
-
-def _in_order(wanted: Wanted, before: Sequence[Wanted]) -> Wanted:
-    """A vertex count, lowered to that of the level before: no cage has more vertices than what it is around."""
-    last = before[-1].level if before else None
-    if not (isinstance(last, int) and isinstance(wanted.level, int) and wanted.level > last):
-        return wanted
-    lowered = note("level.order", level=len(before) + 1, asked=wanted.level, given=last)
-    return Wanted(last, (*wanted.notes, lowered))
+            wanted.append(level)
+    return wanted
 
 
 def are_counts(levels: Sequence[Level]) -> bool:

@@ -105,7 +105,7 @@ class Plan:
 
     request: Request
     fine: core.Mesh
-    levels: tuple[Wanted, ...]
+    levels: Sequence[Wanted]
     settings: core.Settings
 
 
@@ -140,7 +140,7 @@ class Generation:
             raise UserError("Enter a number of vertices in 'Cages', such as 64")
         scale, convex = request.fine.frame.scale, options.rules.convex
         keeps = options.inside or options.rules.loops == KEEP
-        wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex, keeps=keeps)
+        wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex)
         try:
             settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
         except core.NestedCagesError as error:
@@ -184,12 +184,11 @@ class Generation:
     def _levels(self, plan: Plan, finished: list[core.Level]) -> Iterator[Progress]:
         """Fills `finished`. Raises: UserError."""
         options, name = self.options, plan.request.fine.name
-        wanted = [each.level for each in plan.levels]
         yield Progress(0.0, f"{name}, cage 1")  # shown before anything is computed
-        key = key_of("levels", plan.fine, *wanted, plan.settings, options.inside, options.shrink)
+        key = key_of("levels", plan.fine, *plan.levels, plan.settings, options.inside, options.shrink)
         levels = known(key)
         if levels is None:
-            run = (core.InnerCagesRun if options.inside else core.NestedCagesRun)(plan.fine, wanted, plan.settings)
+            run = (core.InnerCagesRun if options.inside else core.NestedCagesRun)(plan.fine, plan.levels, plan.settings)
             try:
                 for step in run:
                     yield Progress(step.fraction, f"{name}, cage {step.level + 1}: {STAGES[step.stage]}")
@@ -206,7 +205,7 @@ class Generation:
                 (level.flow.steps, level.reinflation.moving_steps, level.reinflation.cage_steps) for level in levels
             ]
             remember(key, levels, sum(each.nbytes for motion in moved for each in motion))
-        for each, level in zip(plan.levels, levels, strict=True):
-            notes = (*plan.request.places.notes, *each.notes, *level.report.notes)
+        for level in levels:
+            notes = (*plan.request.places.notes, *level.report.notes)
             finished.append(replace(level, report=replace(level.report, notes=tuple(dict.fromkeys(notes)))))
         yield Progress(1.0, f"{name}, cage {len(levels)}")

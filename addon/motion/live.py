@@ -188,7 +188,7 @@ class Live:
         """The distance or excess that each cage keeps, in the drawing's units; None for a number of vertices."""
         levels = [level if isinstance(level, core.Within) else 3 for level in self.options.levels]
         wanted = wanted_levels(levels, fine, (), name, scale) if len(levels) == count else ()
-        return [each.level if isinstance(each.level, core.Within) else None for each in wanted] or [None] * count
+        return [each if isinstance(each, core.Within) else None for each in wanted] or [None] * count
 
     def _again(self, cage_set: CageSet, drawing: Drawing, unit: float) -> Work[None]:
         """Makes cages again, within the same tolerance or with the same vertex counts as far as possible."""

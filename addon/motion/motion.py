@@ -17,9 +17,10 @@ from ..blender.jobs import Progress, Work, mapped
 from ..blender.mesh_data import mesh_of
 from ..cage_sets.selection import scene_of
 from ..core import core, progress
+from ..drawing.edge_loops import SMALLEST_LOOP
 from ..drawing.planar import Drawing, Outline, ReadingOptions, drawing_in, fine_drawing, read
 from ..errors import FloatArray, UserError, counted
-from ..generate.levels import OWN, Level, Wanted, are_counts, wanted_levels
+from ..generate.levels import OWN, Level, are_counts
 from ..generate.run import STORED, Generation, Options, Request, clearance_to_curve
 from ..memory import key_of, known, remember, remembered
 from ..verify.check import same_frame
@@ -114,15 +115,18 @@ class Moving:
     held: bool = False
 
 
-def wanted_cages(levels: Sequence[Level], poses: Poses) -> tuple[Wanted, ...]:
-    """Vertex counts of the cages, with notes. Raises: UserError."""
+def wanted_cages(levels: Sequence[Level], poses: Poses) -> list[core.levels.Rising]:
+    """Vertex counts of the cages. Raises: UserError."""
     if OWN in levels:
         raise UserError("Cages that follow have vertex counts: leave own objects (*) out of 'Cages'")
     if not are_counts(levels):
         raise UserError("Cages that follow have vertex counts: leave distances and areas such as +25% out of 'Cages'")
     if not levels:
         raise UserError("Enter a number of vertices in 'Cages', such as 64")
-    return wanted_levels(levels, poses.drawing.mesh(), (), poses.drawing.name, keeps=False)
+    numbers = [level for level in levels if not isinstance(level, str)]
+    rising = [core.levels.Rising(level) if isinstance(level, int) else level for level in numbers]
+    counts = core.levels.wanted_levels(rising, poses.drawing.mesh(), keeps=False)
+    return [each.raised(SMALLEST_LOOP) for each in counts if isinstance(each, core.levels.Rising)]
 
 
 def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Moving]:
@@ -145,12 +149,11 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
     inner, frames, points = fine, poses.frames, poses.points
     for number, each in enumerate(wanted):
         at = f"{name}, cage {number + 1}"
-        key = key_of("moving", inner, frames, points, each.level, settings, cyclic)
+        key = key_of("moving", inner, frames, points, int(each), settings, cyclic)
         made = known(key)
         if made is None:
-            assert isinstance(each.level, int)
             yield Progress(number / len(wanted), f"{at}: first cage")
-            run = core.AnimatedCagesRun(inner, points, [each.level], settings, times=frames, cyclic=cyclic)
+            run = core.AnimatedCagesRun(inner, points, [int(each)], settings, times=frames, cyclic=cyclic)
             try:
                 for step in run:
                     yield Progress((number + step.fraction) / len(wanted), f"{at}: {step.stage}")
@@ -160,12 +163,12 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
                 run.close()
             (made,) = run.moving.levels
             remember(key, made, made.cage_steps.nbytes + made.fine_steps.nbytes)
-        cages.append(replace(made, report=replace(made.report, notes=(*each.notes, *made.report.notes))))
+        cages.append(replace(made, report=replace(made.report, notes=(*each.notes(), *made.report.notes))))
         inner, frames, points = made.cage, made.times, made.cage_steps
     return Moving(poses, tuple(cages))
 
 
-def _hold(poses: Poses, wanted: Sequence[Wanted], options: Options) -> Work[Moving]:
+def _hold(poses: Poses, wanted: Sequence[core.levels.Rising], options: Options) -> Work[Moving]:
     """Cages around each drawing of a redrawn one, held until the next. Raises: UserError, with the frame."""
     began = perf_counter()
     shapes = yield from redrawn.rings(poses, wanted, options)
@@ -175,7 +178,7 @@ def _hold(poses: Poses, wanted: Sequence[Wanted], options: Options) -> Work[Movi
     cages = []
     for each, inner, outer, (fine, cage) in zip(wanted, shapes, shapes[1:], pairwise(steps), strict=False):
         found = tuple(core.verify(*pair) for pair in zip(outer, inner, strict=True))
-        report = core.motion.MotionReport(found, np.arange(len(found)), 0.0, perf_counter() - began, each.notes)
+        report = core.motion.MotionReport(found, np.arange(len(found)), 0.0, perf_counter() - began, each.notes())
         cages.append(core.motion.MovingLevel(outer[0], times, fine, cage, report))
     ring = replace(poses.drawing, loops=(shapes[0][0].vertices,), united=True)
     return Moving(replace(poses, drawing=ring, frames=times, points=steps[0]), tuple(cages), held=True)
@@ -201,12 +204,11 @@ def stand_still(poses: Poses, options: Options) -> Work[Moving]:
     name, wanted = poses.drawing.name, wanted_cages(options.levels, poses)
     given, poses = poses, redrawn.in_one(poses) if poses.redrawn else poses
     fine = poses.drawing.mesh()
-    counts = tuple(each.level for each in wanted if isinstance(each.level, int))
     yield Progress(0.0, f"{name}: uniting all positions")
     try:
         union = remembered(lambda: core.swept(fine, poses.points), poses.points.nbytes, "swept", fine, poses.points)
         whole = replace(poses.drawing, loops=tuple(union.vertices[loop] for loop in union.loops))
-        generation = Generation([Request(whole)], replace(options, levels=counts))
+        generation = Generation([Request(whole)], replace(options, levels=tuple(wanted)))
         for step in generation:
             yield Progress(0.9 * step.fraction, step.message)
         first, *others = generation.results[0].levels

@@ -18,7 +18,6 @@ from ..drawing.grease_pencil import KINDS
 from ..drawing.planar import Drawing
 from ..drawing.plane import united
 from ..errors import FloatArray, UserError
-from ..generate.levels import Wanted
 from ..generate.rules import Rules
 from ..generate.run import Generation, Options, Request
 
@@ -72,9 +71,9 @@ def certificates(cage: core.Mesh, poses: Poses) -> Iterator[core.Certificate]:
         yield _certificate(cage, poses.redrawn[number].mesh(), f"Frame {poses.frames[number]:g}")
 
 
-def rings(poses: Poses, wanted: Sequence[Wanted], options: Options) -> Work[list[list[core.Mesh]]]:
+def rings(poses: Poses, wanted: Sequence[int], options: Options) -> Work[list[list[core.Mesh]]]:
     """For the ring and each cage, finest first: its shapes around the drawings, of one topology. Raises: UserError."""
-    counts = [each.level for each in wanted if isinstance(each.level, int)]
+    counts = list(wanted)
     largest = max(sum(map(len, drawing.loops)) for drawing in poses.redrawn)
     counts.insert(0, max(min(largest, MOST_OF_A_RING), MULTIPLE * max(counts)))
     asked, numbers = replace(options, levels=tuple(counts), rules=Rules(loops="one")), runs(poses)
