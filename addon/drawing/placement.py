@@ -17,7 +17,6 @@ TRANSFORM = ("rotation_mode", "rotation_axis_angle", *WITH_DELTA, *(f"delta_{nam
 PARENTING = ("parent", "parent_type", "parent_bone", "parent_vertices", "matrix_parent_inverse")
 # The constraint that takes the place of a parent.
 CARRIED = "Nested Cages Drawing"
-# Where another object is, in its space.
 
 
 def place(obj: Object, source: Object | None, frame: Frame) -> None:
@@ -126,15 +125,6 @@ def copy_transform(source: Object, target: Object) -> None:
     """Copies the exact transform of an object to another one."""
     for channel in TRANSFORM:
         setattr(target, channel, getattr(source, channel))
-
-
-def stand_as(source: Object, target: Object) -> None:
-    """Puts a new object where another one is displayed: with its transform, parent and constraints."""
-    copy_transform(source, target)
-    for name in PARENTING:
-        setattr(target, name, getattr(source, name))
-    for constraint in source.constraints:
-        target.constraints.copy(constraint)
 
 
 def _inverse(matrix: Matrix) -> Matrix | None:

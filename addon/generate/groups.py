@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from .rules import ROTATION
+from .options import ROTATION
 from .settings import GenerationProperties
 
 SPACE: tuple[str, ...] = ("clearance", "inside")

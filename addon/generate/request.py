@@ -23,9 +23,9 @@ from ..drawing.evaluated import Lines, lines_of_all
 from ..drawing.grease_pencil import hidden_parts
 from ..errors import UserError, counted
 from ..messages import in_scene, is_told, larger, note
-from .rules import Places
+from .options import Options, Places
 from .run import Generation, Request, Result
-from .settings import GenerationProperties, all_values, filled, options_of
+from .settings import GenerationProperties, all_values, filled
 from .write import Tell, write
 
 # Weight in a vertex group from which on a vertex is pinned.
@@ -47,7 +47,7 @@ def make(
     The first drawing is the active one. own: objects that are levels. A drawing stands for all that share its cages.
     jump: to the frame of the result; still: without an animation. Raises: UserError if nothing can be caged.
     """
-    options, name = options_of(values, scene_of(context)), scene_of(context).name
+    options, name = Options.of(values, scene_of(context)), scene_of(context).name
     groups = selection.with_parts(drawings, inside=values.inside)
     for group in groups:
         if not set(group) <= set(drawings):

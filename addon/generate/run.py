@@ -12,9 +12,8 @@ from ..drawing.planar import Drawing
 from ..errors import UserError
 from ..memory import key_of, known, remember, remembered
 from ..messages import BROKEN
-from .levels import Level, Wanted, are_counts, wanted_levels
-from .methods import Methods
-from .rules import KEEP, Places, Rules
+from .levels import Wanted, are_counts, wanted_levels
+from .options import KEEP, Options, Places
 
 # Size in bytes of a bound, for the memory.
 BOUND_BYTES = 1000
@@ -56,23 +55,6 @@ STAGES = {
     "tightening": "tightening",
     "verification": "checking",
 }
-
-
-@dataclass(frozen=True)
-class Options:
-    """`levels`: vertex counts, shares of the drawing's vertices, distances and excesses, or `OWN`, finest first.
-    `clearance`: a length of the scene, as distances are; if it is 0, a share of the drawing's diagonal; if both are,
-    automatic. `inside`: whether cages lie inside the drawing. `shrink`: whether the drawing shrinks further in the
-    animation than it has to. `rules`: what else cages must be.
-    """
-
-    levels: tuple[Level, ...] = ()
-    clearance: float = 0.0
-    clearance_share: float = 0.0
-    inside: bool = False
-    shrink: bool = False
-    rules: Rules = field(default_factory=Rules)
-    methods: Methods = field(default_factory=Methods)
 
 
 @dataclass(frozen=True)
@@ -138,11 +120,11 @@ class Generation:
         own = tuple(drawing.mesh() for drawing in request.coarse)
         if not own and not options.levels:
             raise UserError("Enter a number of vertices in 'Cages', such as 64")
-        scale, convex = request.fine.frame.scale, options.rules.convex
-        keeps = options.inside or options.rules.loops == KEEP
+        scale, convex = request.fine.frame.scale, options.convex
+        keeps = options.inside or options.loops == KEEP
         wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex)
         try:
-            settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
+            settings = options.settings(fine, scale, request.places)
         except core.NestedCagesError as error:
             raise UserError(self._said(error, request)) from error
         asked = options.clearance / scale or options.clearance_share * fine.diagonal or None
@@ -154,9 +136,9 @@ class Generation:
 
     def _said(self, error: core.NestedCagesError, request: Request) -> str:
         """An error of the core in words of the panel."""
-        methods, kinds = self.options.methods, self.options.rules.kinds(request.places)
-        others = {"inside": self.options.inside, "as published": methods.as_published}
-        others["evenly resampled"] = methods.decimation == "ARC_LENGTH"
+        options, kinds = self.options, self.options.kinds(request.places)
+        others = {"inside": options.inside, "as published": options.as_published}
+        others["evenly resampled"] = options.decimation == "ARC_LENGTH"
         kinds += [name for name, holds in others.items() if holds]
         if error.code in ("setting.conflict", "convex.impossible") and len(kinds) > 1:
             return f"Cages cannot be {', '.join(kinds[:-1])} and {kinds[-1]} at once: leave one of these out"
@@ -175,7 +157,7 @@ class Generation:
             except UserError as error:
                 self.problems.append(error)
             else:
-                kinds = tuple(self.options.rules.kinds(plan.request.places))
+                kinds = tuple(self.options.kinds(plan.request.places))
                 self.results.append(Result(plan.request.fine, tuple(finished), kinds))
             done += len(plan.levels)
         if self.problems and not self.results:
@@ -185,7 +167,7 @@ class Generation:
         """Fills `finished`. Raises: UserError."""
         options, name = self.options, plan.request.fine.name
         yield Progress(0.0, f"{name}, cage 1")  # shown before anything is computed
-        key = key_of("levels", plan.fine, *plan.levels, plan.settings, options.inside, options.shrink)
+        key = key_of("levels", plan.fine, *plan.levels, plan.settings, options.inside, options.show_flow)
         levels = known(key)
         if levels is None:
             run = (core.InnerCagesRun if options.inside else core.NestedCagesRun)(plan.fine, plan.levels, plan.settings)
@@ -199,7 +181,7 @@ class Generation:
             finally:
                 run.close()
             levels = list(run.hierarchy)
-            if options.shrink:  # not a cage, which would cross the drawing in it
+            if options.show_flow:  # not a cage, which would cross the drawing in it
                 levels[0] = steps.shrunk(levels[0])
             moved = [
                 (level.flow.steps, level.reinflation.moving_steps, level.reinflation.cage_steps) for level in levels

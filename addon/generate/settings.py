@@ -9,16 +9,13 @@ from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
 
 import bpy
-from bpy.types import Context, Scene
+from bpy.types import Context
 
 from ..animation.timeline import Timing
 from ..blender.props import choice, flag, length, number, text, whole
 from ..drawing.planar import ReadingOptions
-from .levels import lengths, parse_levels
-from .methods import DECIMATIONS, ENERGIES, Methods, items
-from .rules import AUTO, DIRECTIONS, LOOPS, SYMMETRIES, Rules
-from .rules import NONE as NO_SYMMETRY
-from .run import Options
+from .options import AUTO, DECIMATIONS, DIRECTIONS, ENERGIES, LOOPS, SYMMETRIES, items
+from .options import NONE as NO_SYMMETRY
 
 # Percentages suit every drawing; for a text or an imported icon these are about 60 and 24 vertices.
 DEFAULT_LEVELS = "20%, 8%"
@@ -151,21 +148,7 @@ def copy_values(source: GenerationProperties, target: GenerationProperties | bpy
         setattr(target, name, getattr(source, name))
 
 
-Filled = TypeVar("Filled", ReadingOptions, Timing, Methods, Rules)
-
-
-def options_of(values: GenerationProperties, scene: Scene) -> Options:
-    """Levels and clearance, in units of the scene, and methods. Raises: UserError if the levels cannot be read."""
-    levels = () if values.use_selected_as_levels else parse_levels(values.levels, lengths(scene))
-    return Options(
-        levels=levels,
-        clearance=values.clearance,
-        clearance_share=0.01 * values.clearance_share,
-        inside=values.inside,
-        shrink=values.show_flow,
-        rules=filled(Rules, values),
-        methods=filled(Methods, values),
-    )
+Filled = TypeVar("Filled", ReadingOptions, Timing)
 
 
 def all_values(values: GenerationProperties) -> dict[str, Any]:
@@ -174,6 +157,6 @@ def all_values(values: GenerationProperties) -> dict[str, Any]:
 
 
 def filled(kind: type[Filled], values: GenerationProperties) -> Filled:
-    """How to read objects, when to play steps, the methods, or what cages must be: the fields are named as settings."""
+    """How to read objects, or when to play steps: the fields are named as settings."""
     given: dict[str, Any] = {field.name: getattr(values, field.name) for field in fields(kind)}
     return kind(**given)

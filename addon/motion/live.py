@@ -27,7 +27,8 @@ from ..drawing.planar import Drawing, ReadingOptions
 from ..drawing.plane import scale_of
 from ..errors import UserError
 from ..generate.levels import wanted_levels
-from ..generate.run import STORED, Generation, Options, Request
+from ..generate.options import Options
+from ..generate.run import STORED, Generation, Request
 from ..keys import found_object
 from . import writing
 from .motion import drawing_now
@@ -154,7 +155,7 @@ class Live:
             return False
         if np.array_equal(before.vertices, after.vertices):
             return True
-        settings = replace(self.options.methods.settings(), stored=STORED)
+        settings = replace(self.options.methods(), stored=STORED)
         wanted_of, scale = self._tolerances(drawing.name, after, unit, len(objects) - 1), scale_of(objects[0])
         moved, certificates, met = [after], [], []
         for cage, tolerance in zip(cages, wanted_of, strict=True):
@@ -199,7 +200,7 @@ class Live:
             for tolerance, obj in zip(tolerances, cages, strict=True)
         )
         clearance = self._clearance(fine, unit) if self.options.clearance > 0.0 else 0.0
-        options = replace(self.options, levels=levels, clearance=clearance, shrink=False)
+        options = replace(self.options, levels=levels, clearance=clearance, show_flow=False)
         generation = Generation([Request(drawing)], options)
         yield from generation
         writing.write_still(scene_again(self.scene), generation.results[0], self._used)

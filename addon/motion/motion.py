@@ -21,7 +21,8 @@ from ..drawing.edge_loops import SMALLEST_LOOP
 from ..drawing.planar import Drawing, Outline, ReadingOptions, drawing_in, fine_drawing, read
 from ..errors import FloatArray, UserError, counted
 from ..generate.levels import OWN, Level, are_counts
-from ..generate.run import STORED, Generation, Options, Request, clearance_to_curve
+from ..generate.options import Options
+from ..generate.run import STORED, Generation, Request, clearance_to_curve
 from ..memory import key_of, known, remember, remembered
 from ..verify.check import same_frame
 from . import redrawn
@@ -145,7 +146,7 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
         poses = replace(poses, frames=np.append(frames, closing), points=points)
     asked = options.clearance or options.clearance_share * fine.diagonal or None
     clearance = clearance_to_curve(asked, fine, poses.drawing.deviation)
-    settings, cages = replace(options.methods.settings(), clearance=clearance, stored=STORED), list[core.MovingLevel]()
+    settings, cages = replace(options.methods(), clearance=clearance, stored=STORED), list[core.MovingLevel]()
     inner, frames, points = fine, poses.frames, poses.points
     for number, each in enumerate(wanted):
         at = f"{name}, cage {number + 1}"

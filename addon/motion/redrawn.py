@@ -18,8 +18,8 @@ from ..drawing.grease_pencil import KINDS
 from ..drawing.planar import Drawing
 from ..drawing.plane import united
 from ..errors import FloatArray, UserError
-from ..generate.rules import Rules
-from ..generate.run import Generation, Options, Request
+from ..generate.options import Options
+from ..generate.run import Generation, Request
 
 # Vertices of a ring: those of the drawing, but at most so many, and so many times those of the cages at least.
 MOST_OF_A_RING, MULTIPLE = 256, 3
@@ -76,7 +76,7 @@ def rings(poses: Poses, wanted: Sequence[int], options: Options) -> Work[list[li
     counts = list(wanted)
     largest = max(sum(map(len, drawing.loops)) for drawing in poses.redrawn)
     counts.insert(0, max(min(largest, MOST_OF_A_RING), MULTIPLE * max(counts)))
-    asked, numbers = replace(options, levels=tuple(counts), rules=Rules(loops="one")), runs(poses)
+    asked, numbers = replace(options, levels=tuple(counts), loops="one"), runs(poses)
     shapes: list[list[core.Mesh]] = [[] for _ in counts]
     for done, number in enumerate(numbers):
         drawing = poses.redrawn[number]

@@ -19,7 +19,8 @@ from ..drawing.planar import ReadingOptions
 from ..errors import UserError, counted
 from ..generate import groups
 from ..generate.levels import OWN, are_counts, lengths, parse_levels
-from ..generate.settings import all_values, filled, options_of
+from ..generate.options import Options
+from ..generate.settings import all_values, filled
 from ..messages import in_scene, is_told, larger
 from ..motion import live, motion, writing
 from .base import NOTHING, DialogJobOperator, Operator, SetOperator
@@ -73,10 +74,10 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, DrawingsOperator, bpy.typ
 
     def work(self, context: Context) -> Work[None]:
         scene, reading = scene_of(context), filled(ReadingOptions, self)
-        options = options_of(self, scene)
+        options = Options.of(self, scene)
         if options.inside:
             raise UserError("Cages that follow a motion lie around the drawing: leave 'Cage Inside' off")
-        if options.rules.kinds() or self.weight_group or self.pin_group or self.joint_armature:
+        if options.kinds() or self.weight_group or self.pin_group or self.joint_armature:
             raise UserError(f"Cages that follow a motion do not support '{groups.CONSTRAINTS}': reset its settings")
         name = scene.name
         self._set_range(scene)
@@ -161,7 +162,7 @@ class OBJECT_OT_nested_cages_live(Operator, bpy.types.Operator):
         source = cage_set.source if cage_set is not None else None
         assert cage_set is not None and source is not None
         settings = cage_set.settings
-        options = options_of(settings, scene)
+        options = Options.of(settings, scene)
         if visibility.is_animated(cage_set):
             visibility.remove(scene, cage_set)
             self.report({"INFO"}, "The animation was removed: Generate makes it again")

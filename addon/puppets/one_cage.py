@@ -26,7 +26,8 @@ from ..drawing.planar import Drawing
 from ..drawing.plane import Frame, divided, float32_loop, size, transform, united_loops, world_matrix
 from ..errors import FloatArray, UserError
 from ..files import silhouettes
-from ..generate.run import STORED, Generation, Options, Request, Result
+from ..generate.options import Options
+from ..generate.run import STORED, Generation, Request, Result
 from ..generate.write import write
 
 # Longest edge of the outline as a fraction of its size: straight limbs bend, and few corners don't limit the cage.

@@ -14,7 +14,7 @@ from ..drawing import planar
 from ..errors import UserError, counted
 from ..files.pictures import image_on
 from ..generate.levels import lengths, loop_sizes, meanings, parse_levels
-from ..generate.rules import KEEP
+from ..generate.options import KEEP
 from ..generate.settings import settings_of
 from ..motion import live
 from ..operators.generate import why_nothing
