@@ -32,7 +32,7 @@ else:
 
                 room = nestedcages_core.__name__
                 module = nestedcages_core if self.__name__ == "core" else import_module(f"{room}.{self.__name__}")
-                found = getattr(module, name)
+                return getattr(module, name)
             except ImportError as error:
                 if (error.name or "").partition(".")[0] != "scipy":
                     raise
@@ -40,8 +40,6 @@ else:
                     "Nested Cages needs scipy, which is not bundled with this copy of the extension: "
                     "install the zip for your operating system and Blender version"
                 ) from error
-            setattr(self, name, found)  # Python asks no more
-            return found
 
     core, broad_phase = map(_LazyModule, ("core", "geometry.broad_phase"))
     distance = _LazyModule("geometry.distance")

@@ -190,9 +190,9 @@ def play_in(cage_set: CageSet, marker: Mark) -> None:
 def settle(scene: Scene, dropped: Iterable[Mark], added: Iterable[Mark] = ()) -> None:
     """Removes markers that no output needs any more, adds new ones, and fits the scene's range to what plays."""
     sets = CageSet.everywhere()
-    needed = {marker_of(each) for each in sets}
-    for marker in list(scene.timeline_markers):
-        if (marker.name, marker.frame) in set(dropped) - needed:
+    for name, frame in set(dropped) - {marker_of(each) for each in sets}:
+        marker = next((m for m in scene.timeline_markers if (m.name, m.frame) == (name, frame)), None)
+        if marker is not None:
             scene.timeline_markers.remove(marker)
     there = {(marker.name, marker.frame) for marker in scene.timeline_markers}
     for name, frame in set(added) - there:

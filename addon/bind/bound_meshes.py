@@ -40,13 +40,20 @@ def unpark(objects: list[Object]) -> list[str]:
         if mesh is None or matrix is None:
             continue
         cage_sets.set_before(obj, cage_sets.Before())
-        points = transfer.rest_points(mesh)
-        without, _ = transfer.reshape(obj, points, mesh_data.loop_edges(mesh), numbered=True)
-        lost += [f"'{obj.name}': {what} could not be kept" for what in without]
-        shape_keys.copy_steps(mesh, obj)
-        name = mesh.name
-        shape_keys.remove_mesh(mesh)
-        obj.data.name = name
+        posed, plain = mesh_data.mesh_of(obj), _is_plain(obj)
+        if plain:
+            obj.data = mesh
+        if plain and _is_plain(obj):
+            shape_keys.remove_mesh(posed)
+        else:
+            obj.data = posed
+            points = transfer.rest_points(mesh)
+            without, _ = transfer.reshape(obj, points, mesh_data.loop_edges(mesh), numbered=True)
+            lost += [f"'{obj.name}': {what} could not be kept" for what in without]
+            shape_keys.copy_steps(mesh, obj)
+            name = mesh.name
+            shape_keys.remove_mesh(mesh)
+            obj.data.name = name
         visibility.mute(obj, False)
         if obj.matrix_basis != matrix:
             obj.matrix_basis = matrix
@@ -54,6 +61,13 @@ def unpark(objects: list[Object]) -> list[str]:
         with suppress(RuntimeError):  # not in this view layer
             obj.hide_set(away)
     return lost
+
+
+def _is_plain(obj: Object) -> bool:
+    """Whether nothing of an artist's is in the mesh of an object."""
+    mesh = mesh_data.mesh_of(obj)
+    own = [key for key in mesh.keys() if not key.startswith(keys.PREFIX)]  # noqa: SIM118 - no mapping
+    return not (own or len(mesh.materials) or transfer.is_worked_on(obj))
 
 
 def fill(levels: list[Object]) -> None:

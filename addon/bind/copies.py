@@ -83,14 +83,11 @@ def _own_data(obj: Object) -> None:
     """Meshes and actions that a copy shares with its original become its own."""
     if obj.data.users > 1:
         obj.data = obj.data.copy()
-    before = cage_sets.before(obj)
-    mesh = before.mesh
+    mesh = cage_sets.node_of(obj).before.mesh
     if mesh is not None and mesh.users > 1:
         mesh = mesh.copy()
-        cage_sets.set_before(obj, before._replace(mesh=mesh))
-    for owner in (obj, *(each.shape_keys for each in (obj.data, mesh) if each is not None)):
-        if shape_keys.is_shared(owner):
-            shape_keys.own_action(owner, owner.animation_data.action.name)
+        cage_sets.set_before(obj, cage_sets.before(obj)._replace(mesh=mesh))
+    shape_keys.own_actions([obj, *(each.shape_keys for each in (obj.data, mesh) if each is not None)])
 
 
 def _own_field(cage_set: CageSet, cage: Object) -> bool:

@@ -203,6 +203,13 @@ def own_action(owner: Any, name: str) -> None:
             action.slots.remove(other)
 
 
+def own_actions(owners: Iterable[Any]) -> None:
+    """Gives data-blocks their own copies of actions that animate others too."""
+    for owner in owners:
+        if is_shared(owner):
+            own_action(owner, owner.animation_data.action.name)
+
+
 def is_shared(owner: Any) -> bool:
     """Whether what animates a data-block animates another one too."""
     action = action_of(owner)

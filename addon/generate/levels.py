@@ -81,7 +81,7 @@ OWN = "*"
 # A vertex count, a percentage, a distance (in units of the scene) or an excess, or `OWN`.
 Level: TypeAlias = "int | core.levels.Share | core.Within | str"
 # The same as the core takes it.
-Wanted: TypeAlias = "core.levels.Rising | core.levels.Share | core.Within | core.Mesh"
+Wanted: TypeAlias = "core.levels.Rising | core.Within | core.Mesh"
 
 
 def parse_levels(text: str, units: Mapping[str, float]) -> tuple[Level, ...]:
@@ -89,10 +89,11 @@ def parse_levels(text: str, units: Mapping[str, float]) -> tuple[Level, ...]:
 
     units: what may mark a distance, and its length in units of the scene.
     """
-    words = core.levels.level_words(text, units) or [text]
+    reader = core.levels
+    words = reader.level_words(text, units) or [text]
     try:
-        levels = [OWN if word == OWN else core.levels.parse_level(word, units) for word in words]
-        return tuple(core.levels.in_order(levels))
+        levels = [OWN if word == OWN else reader.parse_level(word, units) for word in words]
+        return tuple(reader.in_order(levels))
     except core.NestedCagesError as error:
         raise UserError(str(error)) from error
 
@@ -105,11 +106,13 @@ def wanted_levels(
     scale: float = 1.0,
     *,
     convex: bool = False,
+    keeps: bool = True,
 ) -> list[Wanted]:
     """What is to be made for each level of a drawing, in its units; counts that are too small rise to the least that it
     can have. Raises: UserError.
 
-    scale: the scene's length of its unit. convex: shares are of the vertices around each part.
+    scale: the scene's length of its unit. convex: shares are of the vertices around each part. keeps: whether each loop
+    needs vertices of its own.
     """
     if not levels:
         return list(own)
@@ -119,20 +122,20 @@ def wanted_levels(
             f"{'is' if len(own) == 1 else 'are'} named: select your objects and then the drawing, and tick 'Selected "
             "as Cages'"
         )
-    meshes, wanted = iter(own), list[Wanted]()
+    sizes = [len(loop) for loop in fine.loops]
+    if convex:
+        sizes = [sum(sizes) // int((fine.parent_of_loop < 0).sum())]
+    meshes, wanted, rising = iter(own), list[Wanted](), core.levels.Rising
     for level in levels:
         if isinstance(level, str):
             wanted.append(next(meshes))
+        elif isinstance(level, int):
+            wanted.append(level if isinstance(level, rising) else rising(level))
         elif isinstance(level, core.Within):
             distance = None if level.distance is None else level.distance / scale
             wanted.append(replace(level, distance=distance))
-        elif isinstance(level, int):
-            wanted.append(level if isinstance(level, core.levels.Rising) else core.levels.Rising(level))
-        elif convex:
-            parts = int((fine.parent_of_loop < 0).sum())
-            wanted.append(core.levels.Rising(level.of([len(fine.vertices) // parts], keeps=False)))
         else:
-            wanted.append(level)
+            wanted.append(rising(level.of(sizes, keeps=keeps), round(level.fraction * sum(sizes))))
     return wanted
 
 

@@ -47,7 +47,8 @@ def make(
     The first drawing is the active one. own: objects that are levels. A drawing stands for all that share its cages.
     jump: to the frame of the result; still: without an animation. Raises: UserError if nothing can be caged.
     """
-    options, name = Options.of(values, scene_of(context)), scene_of(context).name
+    scene = scene_of(context)
+    options, name = Options.of(values, scene), scene.name
     groups = selection.with_parts(drawings, inside=values.inside)
     for group in groups:
         if not set(group) <= set(drawings):

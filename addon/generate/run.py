@@ -122,7 +122,7 @@ class Generation:
             raise UserError("Enter a number of vertices in 'Cages', such as 64")
         scale, convex = request.fine.frame.scale, options.convex
         keeps = options.inside or options.loops == KEEP
-        wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex)
+        wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex, keeps=keeps)
         try:
             settings = options.settings(fine, scale, request.places)
         except core.NestedCagesError as error:
