@@ -104,3 +104,18 @@ def test_every_point_of_a_stroke_lies_in_what_is_read(seed: int) -> None:
         points.append(curves[1][0] + 0.5 * width * np.hstack((np.cos(7.0 * t), np.sin(7.0 * t))))
     where = np.concatenate(points) @ [(a, b), (c, d)] + (e, f)
     assert shapely.distance(found, shapely.points(where)).max() < 1e-11 * max(map(abs, found.bounds))
+
+
+CUSPS = [(6, 6, 4.8, 8.4, 5.04, 7.2), (7, 7, 4.2, 9.1, 5.32, 6.3), (9, 9, 1.8, 9.9, 7.56, 2.7), (0, 6, 8, 10, 8, 10)]
+
+
+@pytest.mark.parametrize("join", ["miter", "round", "bevel"])
+@pytest.mark.parametrize("control", [*CUSPS, (0, 0, 4, 8, 8, 10)])  # two have handles of no length
+def test_strokes_next_to_cusps_have_their_width(join: str, control: tuple[float, ...]) -> None:
+    style = f'fill="none" stroke="red" stroke-width="2" stroke-linecap="round" stroke-linejoin="{join}"'
+    drawing = svg(f'<path {style} d="M0 0C{" ".join(map(str, control))}"/>')
+    covers, within = (solid(from_svg(drawing, inside=inside)) for inside in (False, True))
+    curve = BPoly(np.reshape((0.0, 0.0, *control), (4, 1, 2)), [0.0, 1.0])
+    true = shapely.LineString(curve(np.linspace(0.0, 1.0, 401))).buffer(1.0, quad_segs=16)
+    assert covers.covers(true) and true.buffer(1e-3).covers(within)
+    assert covers.area < 1.01 * true.area < 1.1 * within.area

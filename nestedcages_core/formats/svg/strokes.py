@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...geometry.arrays import FloatArray
+from ...geometry.arrays import BoolArray, FloatArray
 from ...geometry.vectors import cross, norm, rotated_left
 from ..limits import Limits, Quota
 from ..solids import shapely, spend
@@ -159,7 +159,7 @@ def _folds(around: FloatArray, steps: FloatArray, turns: FloatArray, reach: floa
     """
     lengths = norm(steps)
     tight = TIGHT * reach * turns
-    folds = np.minimum(lengths[:-1], lengths[1:]) < tight
+    folds = _tight(lengths, turns, reach)
     if not folds.any():
         return []
     along = steps / lengths[:, None]
@@ -176,6 +176,11 @@ def _folds(around: FloatArray, steps: FloatArray, turns: FloatArray, reach: floa
     left = cross(along[:-1], along[1:])[folds, None] > 0.0
     turned[(near[folds, None] == 0.0) & (left != (True, False, True, False))] = 0.0  # elsewhere only the outer side
     return [swept.reshape(-1, 4, 2), (bend + turned[:, None]).reshape(-1, 12, 2)]
+
+
+def _tight(lengths: FloatArray, turns: FloatArray, reach: float) -> BoolArray:
+    """Whether bends between edges of lengths (n,) are tighter than the width, (n - 1,)."""
+    return np.asarray(np.minimum(lengths[:-1], lengths[1:]) < TIGHT * reach * turns)
 
 
 def _hulls(points: FloatArray) -> Any:
@@ -214,11 +219,13 @@ def _different(line: Polyline) -> FloatArray:
 def _tips(
     around: FloatArray, steps: FloatArray, radius: float, limit: float, centres: Any, sizes: FloatArray
 ) -> FloatArray | None:
-    """(K, 4, 2) quadrilaterals that mitres add to bevels; None if all corners have mitres, so that GEOS can.
+    """(K, 4, 2) quadrilaterals that mitres add to bevels; None if GEOS can, since all corners have mitres.
 
-    SVG bevels corners beyond the limit, GEOS cuts their mitres off; what is near the centres of cusps is no corner.
+    SVG bevels corners beyond the limit, GEOS cuts their mitres off, and takes a tight bend for one corner; what is near
+    the centres of cusps is no corner.
     """
-    corner, along = around[1:-1], steps / norm(steps)[:, None]
+    lengths = norm(steps)
+    corner, along = around[1:-1], steps / lengths[:, None]
     before, after = along[:-1], along[1:]
     cosine = (before * after).sum(axis=1)
     turn = cross(before, after)
@@ -227,7 +234,7 @@ def _tips(
     if len(centres):
         near, _ = shapely.STRtree(centres).query(shapely.points(corner), "dwithin", sizes.max())
         within[near] = False
-    if within.all():
+    if within.all() and not _tight(lengths, angle_between(before, after), radius).any():
         return None
     bent = within & (turn != 0.0)
     side = -np.sign(turn[bent])[:, None] * radius
