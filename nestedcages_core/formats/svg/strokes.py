@@ -126,22 +126,22 @@ def stroked(lines: Sequence[Polyline], stroke: Stroke, tolerance: float, quota: 
         if not curve.is_simple:
             spend([curve], quota, own=True)
         join = NAMES.get(stroke.join, stroke.join)
-        cusps, sizes = shapely.points(*line.cusps[:, :2].T), line.cusps[:, 2] + line.error
-        tips = _tips(around, steps, reach, stroke.miter_limit, cusps, sizes) if join == "mitre" else None
+        tips = _tips(around, steps, reach, stroke.miter_limit, line) if join == "mitre" and len(turns) else None
         join = "bevel" if tips is not None else join
         style = {"cap_style": NAMES.get(stroke.cap, stroke.cap), "join_style": join}
         outline = shapely.buffer(curve, reach, quad_segs=segments, mitre_limit=1.01 * stroke.miter_limit, **style)
         found.append(outline)
-        for corners in [] if inside else _folds(around, steps, turns, reach, line.turn):
+        for corners in _folds(around, steps, turns, reach, line.turn) if len(turns) and not inside else []:
             shapely.prepare(outline)
             middles = corners.mean(axis=1, keepdims=True)
             lost = ~shapely.covers(outline, _hulls(middles + ROUNDING * (corners - middles)))
             found += list(_hulls(corners[lost]))
         if tips is not None:
             found += list(shapely.polygons(tips))
-        if len(cusps) and not inside:
+        if len(line.cusps) and not inside:
             shapely.prepare(curve)
-            near = shapely.dwithin(curve, cusps, sizes)
+            cusps = shapely.points(line.cusps[:, :2])
+            near = shapely.dwithin(curve, cusps, line.cusps[:, 2] + line.error)
             radii = (radius + line.cusps[near, 2]) / math.cos(math.pi / (4.0 * segments))
             found += list(shapely.buffer(cusps[near], radii, quad_segs=segments))
     return [geometry for geometry in found if not geometry.is_empty]
@@ -216,13 +216,11 @@ def _different(line: Polyline) -> FloatArray:
     return np.asarray(points[:-1] if repeats else points)
 
 
-def _tips(
-    around: FloatArray, steps: FloatArray, radius: float, limit: float, centres: Any, sizes: FloatArray
-) -> FloatArray | None:
+def _tips(around: FloatArray, steps: FloatArray, radius: float, limit: float, line: Polyline) -> FloatArray | None:
     """(K, 4, 2) quadrilaterals that mitres add to bevels; None if GEOS can, since all corners have mitres.
 
-    SVG bevels corners beyond the limit, GEOS cuts their mitres off, and takes a tight bend for one corner; what is near
-    the centres of cusps is no corner.
+    SVG bevels corners beyond the limit, GEOS cuts their mitres off, and takes a tight bend for one corner; cusps are no
+    corners.
     """
     lengths = norm(steps)
     corner, along = around[1:-1], steps / lengths[:, None]
@@ -231,8 +229,9 @@ def _tips(
     turn = cross(before, after)
     squared = np.where(cosine > -1.0, 2.0 / np.maximum(1.0 + cosine, 1e-300), np.inf)  # of mitre length by width
     within = squared <= limit * limit * (1.0 + 1e-9)
-    if len(centres):
-        near, _ = shapely.STRtree(centres).query(shapely.points(corner), "dwithin", sizes.max())
+    if len(line.cusps):
+        tree = shapely.STRtree(shapely.points(line.cusps[:, :2]))
+        near, _ = tree.query(shapely.points(corner), "dwithin", line.cusps[:, 2].max() + line.error)
         within[near] = False
     if within.all() and not _tight(lengths, angle_between(before, after), radius).any():
         return None
