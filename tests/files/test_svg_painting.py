@@ -77,7 +77,7 @@ def test_style_sheets_say_what_is_painted(sheet: str) -> None:
 @pytest.mark.parametrize(
     ("body", "bounds"),
     [
-        ("<style>rect{x:10px;y:1em;width:30px;height:6px}</style><rect width='1'/>",
+        ("<style>rect{x:10px;y:1em;width:30px;height:calc(2px * 3)}</style><rect width='1'/>",
          (10, 16, 40, 22)),
         ("""<path d="M0 0h1v1z" style="d:path('M5 5h3v3h-3z')"/>""", (5, 5, 8, 8)),
         ("<style>:root{--c:var(--d)} svg{--d:none} rect{fill:var(--c)} .k{fill:var(--no, red)}</style>"
@@ -87,7 +87,7 @@ def test_style_sheets_say_what_is_painted(sheet: str) -> None:
          (8, 5, 10, 9)),
         ("<rect x='40' width='10' height='4' transform='rotate(180)' transform-origin='bottom right'/>",
          (150, 396, 160, 400)),
-        (f"<o:g xmlns:o='urn:o'>{SQUARE}</o:g><rect x='2' width='5' height='5%'/>", (2, 0, 7, 10)),
+        (f"<o:g xmlns:o='urn:o'>{SQUARE}</o:g><rect x='2' width='5vmin' height='5vmax'/>", (2, 0, 7, 10)),
         ("<style>@supports (fill:red){rect{fill:none}}</style><style type='text/less'>circle{fill:none}</style>"
          f"{SQUARE}<circle cx='20' cy='20' r='2'/>", (18, 18, 22, 22)),
     ],

@@ -124,8 +124,10 @@ def test_per_cent_are_of_the_view_box_or_the_size() -> None:
 
 @pytest.mark.parametrize(
     ("length", "expected"),
-    [("2em", 40.0), ("1.5rem", 24.0), ("2ex", 20.0), ("2,5mm", 2.5 * 96.0 / 25.4), ("10%", 20.0)],
-)
+    [("2em", 40.0), ("1.5rem", 24.0), ("2ex", 20.0), ("2,5mm", 2.5 * 96.0 / 25.4), ("10vw", 20.0), ("10vh", 10.0),
+     ("10%", 20.0), ("calc(1em + 10px)", 30.0), ("calc((10% - 4px) * 2 / 4)", 8.0), ("calc(-1 * -3px)", 3.0),
+     ("calc(2em - 1.5in + calc(110px))", 6.0)],
+)  # fmt: skip
 def test_lengths_by_font_and_view(length: str, expected: float) -> None:
     body = f'<g font-size="10px"><g font-size="2em"><rect width="{length}" height="1"/></g></g>'
     assert area_of(body, 'viewBox="0 0 200 100" width="200" height="100"') == pytest.approx(expected)
@@ -181,7 +183,10 @@ def test_what_is_seen_next_to_the_view_box_stays(page: str, box: tuple[float, ..
         ('<path d="M0 0H4" stroke="red" stroke-dasharray="1 x"/>', 4.0, "1 x"),
         ('<rect width="4" height="3"/><rect width="1e200" height="1" y="9"/>', 12.0, ""),
         ('<rect width="1e-3em" height="3"/>' * 9 + '<rect width="4" height="3"/>', 12.0, None),
-        ('<rect width="calc(1px + 1em)" height="1"/>', 0.0, "calc"),
+        *(
+            (f'<rect width="{length}" height="1"/>', 0.0, "")
+            for length in ("calc(1px", "calc()", "calc(1px 2px)", "calc(1/0)", "calc(" + "(" * 150, "calc(a)")
+        ),
         *(
             (f'<path id="wing" d="{data}"/>', float("V" in data) * 12.0, "wing")  # up to where they go wrong
             for data in ("L1 1 2 2", "M1 1 L2", "M1 1 L2 2 X", "M0 0 A5 5 0 2 1 9 9", "5 5", "M0 0H4V3H0z L2")

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import math
 import re
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree as ET
 
@@ -20,8 +23,22 @@ ACROSS, DOWN = ("x", "width", "cx", "rx", "x1", "x2"), ("y", "height", "cy", "ry
 LENGTH = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|\.\d+)(?:e[+-]?\d+)?)\s*([a-z%]*)", re.IGNORECASE)
 """A number, where people write it so with a decimal comma, and its unit."""
 
+SHARES_OF_VIEW = ("%", "vw", "vh", "vmin", "vmax")
+"""Units that are hundredths of the viewport."""
+VIEW_SIDES = {"vw": "width", "vh": "height"}
+
 FONT_SIZE = 16.0
 """Size of the font where none is given, in user units, as in browsers."""
+
+OPERATORS: dict[type[ast.operator], Callable[[float, float], float]] = {
+    ast.Add: float.__add__,
+    ast.Sub: float.__sub__,
+    ast.Mult: float.__mul__,
+    ast.Div: float.__truediv__,
+}
+
+MAX_CALCULATED = 200
+"""Longest `calc()` that is read, in characters."""
 
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
@@ -50,16 +67,35 @@ class Viewport:
         return self.height if key in DOWN else math.hypot(self.width, self.height) / math.sqrt(2.0)
 
     def length(self, text: str, key: str) -> float | None:
-        """A length in user units; None for anything else."""
-        found = LENGTH.fullmatch(text.strip().lower())
-        if found is None:
-            return None
+        """A length in user units, or a sum or product of some by `calc()`; None for anything else."""
+        text = text.strip().lower()
+        found = LENGTH.fullmatch(text)
+        value = self._scaled(found, key) if found else None
+        if text.startswith("calc(") and len(text) <= MAX_CALCULATED:
+            lengths = LENGTH.sub(lambda found: repr(self._scaled(found, key)), text.replace("calc(", "("))
+            with suppress(KeyError, TypeError, ValueError, SyntaxError, ArithmeticError):
+                value = _calculated(ast.parse(lengths, mode="eval").body)
+        return value if value is not None and math.isfinite(value) else None
+
+    def _scaled(self, found: re.Match[str], key: str) -> float | None:
+        unit = found[2].lower()
         of_font = {"em": self.em, "rem": FONT_SIZE, "ex": self.em / 2.0, "ch": self.em / 2.0}
-        scale = {**UNITS_OF_LENGTH, **of_font}.get(found[2])
-        if found[2] == "%" and (reference := self.reference(key)) is not None:
-            scale = reference / 100.0
-        value = float(found[1].replace(",", ".")) * scale if scale is not None else math.inf
-        return value if math.isfinite(value) else None
+        scale = {**UNITS_OF_LENGTH, **of_font}.get(unit)
+        if unit in SHARES_OF_VIEW:
+            sides = [size for size in (self.width, self.height) if size is not None]
+            extreme = {"vmin": min(sides, default=None), "vmax": max(sides, default=None)}
+            reference = extreme[unit] if unit in extreme else self.reference(VIEW_SIDES.get(unit, key))
+            scale = reference / 100.0 if reference is not None else None
+        return float(found[1].replace(",", ".")) * scale if scale is not None else None
+
+
+def _calculated(term: ast.expr) -> float:
+    """The value of numbers, + - * / and parentheses. Raises an error for anything else."""
+    if isinstance(term, ast.BinOp):
+        return OPERATORS[type(term.op)](_calculated(term.left), _calculated(term.right))
+    if isinstance(term, ast.UnaryOp):
+        return -_calculated(term.operand) if isinstance(term.op, ast.USub) else _calculated(term.operand)
+    return float(ast.literal_eval(term))
 
 
 def numbers(text: str) -> list[float]:

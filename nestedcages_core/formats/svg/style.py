@@ -68,7 +68,7 @@ WORDS = {
 COLOURS = frozenset(("color", "stop-color"))
 PAINTS = frozenset(("fill", "stroke"))
 SHARES = frozenset(("opacity", "fill-opacity", "stroke-opacity", "stop-opacity"))
-SHARE = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?%?", re.IGNORECASE)
+SHARE = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?%?|calc\(.*\)", re.IGNORECASE)
 LENGTHS = {"stroke-width": 0.0, "stroke-dashoffset": -float("inf"), "stroke-miterlimit": 0.0}
 """Least values of those that are lengths or numbers."""
 
