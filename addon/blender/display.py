@@ -233,4 +233,5 @@ def flat_material(name: str, shade: Sequence[float]) -> bpy.types.Material:
     known: Any = made.node_tree.nodes
     known["Emission"].inputs["Color"].default_value = tuple(shade)
     known["Mix Shader"].inputs[0].default_value = shade[3]
+    made.surface_render_method = "DITHERED" if shade[3] >= 1.0 else "BLENDED"
     return made

@@ -89,11 +89,22 @@ def shape_of(obj: Object) -> core.Mesh:
 
 
 def new_mesh(name: str, points: FloatArray, edges: Any = (), faces: Any = ()) -> Mesh:
-    """A new mesh with points (n, 3), or (n, 2) at height 0, edges and faces, arrays or lists."""
+    """A new mesh with points (n, 3), or (n, 2) at height 0, edges (m, 2) and faces, lists of vertices or (t, k)."""
     data = bpy.data.meshes.new(name)
+    data.vertices.add(len(points))
     high = points if points.shape[1] == 3 else np.column_stack([points, np.zeros(len(points))])
-    data.from_pydata(*(each.tolist() if isinstance(each, np.ndarray) else each for each in (high, edges, faces)))
-    data.update()
+    data.vertices.foreach_set("co", high.astype(np.float32).ravel())
+    if len(edges):
+        data.edges.add(len(edges))
+        data.edges.foreach_set("vertices", np.asarray(edges, np.int32).ravel())
+    if len(faces):
+        corners = np.concatenate([np.asarray(face, np.int32) for face in faces])
+        ends = np.cumsum([len(face) for face in faces], dtype=np.int32)
+        data.loops.add(len(corners))
+        data.loops.foreach_set("vertex_index", corners)
+        data.polygons.add(len(faces))
+        data.polygons.foreach_set("loop_start", np.append(np.int32(0), ends[:-1]))
+    data.update(calc_edges=len(faces) > 0, calc_edges_loose=len(edges) > 0)
     return data
 
 
@@ -125,6 +136,18 @@ def add_faces(data: Mesh, triangles: NDArray[np.int64]) -> None:
     data.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
     data.update(calc_edges=True)
     data.validate()
+
+
+def select_vertices(mesh: Mesh, chosen: NDArray[np.bool_]) -> None:
+    """Selects vertices (n,) of a mesh, and nothing else."""
+    # Blender 5.0 may store a selection as one value for all, and crashes when it is written as an array: made again.
+    for name in (".select_vert", ".select_edge", ".select_poly"):
+        layer: Any = mesh.attributes.get(name)
+        if layer is not None:
+            mesh.attributes.remove(layer)
+    layer = mesh.attributes.new(".select_vert", "BOOLEAN", "POINT")
+    layer.data.foreach_set("value", chosen)
+    mesh.update()
 
 
 def add_attribute(data: Mesh, name: str, kind: AttributeType, values: NDArray[Any]) -> None:

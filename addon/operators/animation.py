@@ -14,7 +14,7 @@ from ..blender.jobs import Work, share
 from ..blender.props import flag, whole
 from ..blender.views import redraw
 from ..cage_sets import CageSet, changes, selection
-from ..cage_sets.selection import scene_again, scene_of, set_of_active
+from ..cage_sets.selection import scene_again, scene_of, set_of_active, sets_of_chosen
 from ..drawing.planar import ReadingOptions
 from ..errors import UserError, counted
 from ..generate import groups
@@ -23,7 +23,7 @@ from ..generate.options import Options
 from ..generate.settings import all_values, filled
 from ..messages import in_scene, is_told, larger
 from ..motion import live, motion, writing
-from .base import NOTHING, DialogJobOperator, Operator, SetOperator
+from .base import NOTHING, DialogJobOperator, Operator, why_none
 from .generate import DrawingsOperator, sources
 
 # Approximate fraction of the work for reading the frames.
@@ -170,17 +170,22 @@ class OBJECT_OT_nested_cages_live(Operator, bpy.types.Operator):
         live.start(live.Live(scene, source, options, reading, used, lambda: redraw(bpy.context)))
 
 
-class OBJECT_OT_nested_cages_remove_animation(SetOperator, bpy.types.Operator):
+class OBJECT_OT_nested_cages_remove_animation(Operator, bpy.types.Operator):
     """Remove the steps, their keyframes and markers, and keep the finished cages"""
 
     bl_label = "Remove Animation, Keep Cages"
 
-    @classmethod
-    def unsuitable(cls, cage_set: CageSet) -> str:
-        if cage_set.bound:
-            return "Unbind the drawing from its cages first: its animation is turned off while bound"
-        return "" if visibility.is_animated(cage_set) else "The cages have no animation"
+    unavailable = classmethod(lambda _cls, context: why_none(context, _why_not_still))
 
-    def each(self, context: Context, cage_set: CageSet) -> Work[None]:
-        visibility.remove(scene_of(context), cage_set)
-        yield from ()
+    def run(self, context: Context) -> None:
+        complete()
+        for cage_set in sets_of_chosen(context):
+            if not _why_not_still(cage_set):
+                visibility.remove(scene_of(context), cage_set)
+
+
+def _why_not_still(cage_set: CageSet) -> str:
+    """Why the animation of a set cannot be removed; empty if it can."""
+    if cage_set.bound:
+        return "Unbind the drawing from its cages first: its animation is turned off while bound"
+    return "" if visibility.is_animated(cage_set) else "The cages have no animation"

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import bpy
 from bpy.types import Context, Object
 
-from ..bind.copies import complete
 from ..blender import views
-from ..blender.jobs import SLICE, Job, Work, drain, running, share
+from ..blender.jobs import SLICE, Job, Work, drain, running
 from ..blender.props import flag, length
 from ..cage_sets import CageSet
-from ..cage_sets.selection import each_of_chosen, scene_of, select, sets_of_chosen
+from ..cage_sets.selection import each_of_chosen, scene_of, select
 from ..drawing.grease_pencil import hidden_parts
 from ..errors import UserError, counted, last_fault
 from ..generate.write import Kind
@@ -206,66 +205,11 @@ class GapProperty:
     gap: length("Join Gaps", "Join parts that are closer than this, so that they have one outline and one skeleton")
 
 
-class SetOperator(JobOperator):
-    """Works on the sets of all selected drawings, one after the other. `purpose`: what inner cages cannot be used
-    for, if they cannot. `both`: on cages around a drawing and on those inside.
-    """
-
-    purpose = ""
-    both = False
-
-    @classmethod
-    def unavailable(cls, context: Context) -> str:
-        reasons = map(cls._why_not, each_of_chosen(context, both=cls.both))
-        why = next(reasons, NOTHING)
-        return "" if not why or "" in reasons else why
-
-    @classmethod
-    def _why_not(cls, cage_set: CageSet) -> str:
-        if cls.purpose and cage_set.inside:
-            return f"Inner cages do not contain the drawing, so they cannot {cls.purpose}"
-        return cls.unsuitable(cage_set)
-
-    @classmethod
-    def unsuitable(cls, cage_set: CageSet) -> str:
-        """Why the operator cannot be used on this set; empty if it can."""
-        return ""
-
-    def work(self, context: Context) -> Work[None]:
-        suitable = self.suitable(context, sets_of_chosen(context, both=self.both))
-        complete()
-        results = yield from self.all(context, suitable)
-        problems = [result for result in results if isinstance(result, UserError)]
-        pairs = zip(suitable, results, strict=True)
-        done = [(cage_set, result) for cage_set, result in pairs if not isinstance(result, UserError)]
-        if not done:
-            raise problems[0]
-        self.finish(context, done)
-        self.tell_skipped(problems)
-
-    def suitable(self, context: Context, sets: Sequence[CageSet]) -> list[CageSet]:
-        """The sets to work on. Raises: UserError if there are none."""
-        usable = [cage_set for cage_set in sets if not self._why_not(cage_set)]
-        if not usable:
-            raise UserError(self._why_not(sets[0]) if sets else NOTHING)
-        return usable
-
-    def all(self, context: Context, sets: Sequence[CageSet]) -> Work[list[Any]]:
-        """The results of the work on each set, or why there is none."""
-        results: list[Any] = []
-        for number, cage_set in enumerate(sets):
-            try:
-                results.append((yield from share(self.each(context, cage_set), number, len(sets))))
-            except UserError as error:
-                results.append(error)
-        return results
-
-    def each(self, context: Context, cage_set: CageSet) -> Work[Any]:
-        """The work on one set, if it is not all done at the end. Raises: UserError, with nothing changed."""
-        yield from ()
-
-    def finish(self, context: Context, done: Sequence[tuple[CageSet, Any]]) -> None:
-        """Selects and reports, given the sets and what `each` has returned for them."""
+def why_none(context: Context, why_not: Callable[[CageSet], str], *, both: bool = True) -> str:
+    """Why no set of the selection can be worked on, given why one cannot; empty if one can. both: inner cages too."""
+    reasons = map(why_not, each_of_chosen(context, both=both))
+    why = next(reasons, NOTHING)
+    return "" if not why or "" in reasons else why
 
 
 class DialogJobOperator(JobOperator):

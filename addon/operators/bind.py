@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
 import bpy
 from bpy.types import Context
 
 from ..bind import bind
+from ..bind.copies import complete
 from ..bind.field import HARMONIC, LINEAR, NAMES
 from ..blender.jobs import Work
 from ..blender.props import choice
 from ..blender.views import OUTLINES
 from ..cage_sets import CageSet
-from ..cage_sets.selection import check_free, select
+from ..cage_sets.selection import check_free, select, sets_of_chosen
 from ..errors import UserError
-from .base import SetOperator
+from .base import JobOperator, why_none
 
 BIND, UNBIND, REST = "BIND", "UNBIND", "REST_FROM_POSE"
 ACTION_ITEMS = (
@@ -32,57 +30,65 @@ METHOD_ITEMS = (
 )
 
 
-class OBJECT_OT_nested_cages_bind(SetOperator, bpy.types.Operator):
+class OBJECT_OT_nested_cages_bind(JobOperator, bpy.types.Operator):
     """Make the drawing follow its cages: move, key, sculpt or rig the coarsest one, and edit finer ones for detail; or
     unbind it. The file works without the add-on
     """
 
     bl_label = "Bind to Cages"
-    purpose = "move it: select cages around it"
     exclusive = True
 
     action: choice("Action", "What to do with the selected cages", ACTION_ITEMS, options={"SKIP_SAVE"})
     method: choice("Method", "How each level follows the next coarser one", METHOD_ITEMS, default="AUTO")
 
-    def suitable(self, context: Context, sets: Sequence[CageSet]) -> list[CageSet]:
-        usable = SetOperator.suitable(self, context, sets)
-        loose = [each for each in usable if not each.bound]
-        if self.action in (UNBIND, REST):
-            bound = [each for each in usable if each.bound]
-            if not bound:
-                raise UserError("Nothing is bound to these cages")
-            return bound
-        if next(bind.newcomers(context), None) is not None:
-            return usable
-        if not loose:
-            if self.action == BIND:
-                raise UserError("These cages are already bound")
-            self.action = UNBIND
-        return loose or usable
+    unavailable = classmethod(lambda _cls, context: why_none(context, _why_not, both=False))
 
-    def each(self, context: Context, cage_set: CageSet) -> Work[str]:
-        if self.action == UNBIND:
-            check_free(cage_set.members)
-            return ""
-        if self.action == REST:
-            return (yield from bind.rebind(context, cage_set, self.method))
-        if cage_set.bound:
-            return (yield from bind.take_in(context, cage_set))
-        return (yield from bind.steps(context, cage_set, self.method))
-
-    def all(self, context: Context, sets: Sequence[CageSet]) -> Work[list[Any]]:
-        if self.action == UNBIND:
-            return (yield from SetOperator.all(self, context, sets))
-        self.shown_by = (OUTLINES,)
-        return (yield from bind.in_step(context, [self.each(context, cage_set) for cage_set in sets]))
-
-    def finish(self, context: Context, done: Sequence[tuple[CageSet, str]]) -> None:
-        if self.action == UNBIND:
-            for sentence in bind.unbind(*(cage_set for cage_set, _ in done)):
+    def work(self, context: Context) -> Work[None]:
+        usable = [each for each in sets_of_chosen(context, both=False) if not _why_not(each)]
+        if not usable:
+            raise UserError(self.unavailable(context))
+        bound, loose = ([each for each in usable if bool(each.bound) == is_bound] for is_bound in (True, False))
+        newcomers = list(bind.newcomers(context)) if self.action in ("TOGGLE", BIND) else []
+        if self.action in (UNBIND, REST) and not bound:
+            raise UserError("Nothing is bound to these cages")
+        if self.action == BIND and not (loose or newcomers):
+            raise UserError("These cages are already bound")
+        complete()
+        unbinds = self.action == UNBIND or (self.action == "TOGGLE" and not (loose or newcomers))
+        works = {each: bind.steps(context, each, self.method) for each in loose}
+        if unbinds:
+            works = {each: _freed(each) for each in bound}
+        elif self.action == REST:
+            works = {each: bind.rebind(context, each, self.method) for each in bound}
+        elif newcomers:
+            works |= {each: bind.take_in(context, each) for each in bound}
+        done = yield from bind.in_step(context, list(works.values()))
+        problems = [result for result in done if isinstance(result, UserError)]
+        said = {each: result for each, result in zip(works, done, strict=True) if isinstance(result, str)}
+        if not said:
+            raise problems[0]
+        self.tell_skipped(problems)
+        if unbinds:
+            for sentence in bind.unbind(*said):
                 self.report({"WARNING"}, sentence)
             return
-        cages = [cage_set.cages[-1] for cage_set, _ in done]
+        self.shown_by = (OUTLINES,)
+        cages = [each.cages[-1] for each in said]
         select(context, *cages)
         name = f"'{cages[0].name}'" if len(cages) == 1 else f"the {len(cages)} coarsest cages"
-        said = done[0][1] if len(done) == 1 else f"{len(done)} drawings follow"
-        self.report({"INFO"}, f"Move {name} and the drawing follows. {said}")
+        follow = next(iter(said.values())) if len(said) == 1 else f"{len(said)} drawings follow"
+        self.report({"INFO"}, f"Move {name} and the drawing follows. {follow}")
+
+
+def _freed(cage_set: CageSet) -> Work[str]:
+    """Nothing, for a set that can be changed. Raises: UserError."""
+    check_free(cage_set.members)
+    yield from ()
+    return ""
+
+
+def _why_not(cage_set: CageSet) -> str:
+    """Why nothing can follow a set; empty if something can."""
+    if cage_set.inside:
+        return "Inner cages do not contain the drawing, so they cannot move it: select cages around it"
+    return ""

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import islice
+from typing import Any
 
 import bpy
 import numpy as np
 from bpy.types import Context, Object, Scene
-from mathutils import Vector
 
 from .. import cage_sets
 from ..animation import visibility
 from ..bind.copies import complete
-from ..blender import views
+from ..blender import mesh_data, views
 from ..blender.jobs import Work
 from ..blender.props import flag, text
 from ..cage_sets import CageSet, changes, selection
@@ -220,29 +220,24 @@ def _broken(context: Context) -> list[Object]:
 
 
 def _edit(context: Context, obj: Object, fault: Fault) -> None:
-    """Edit Mode of a drawing, with the points of a fault selected."""
+    """Edit Mode of a drawing, with the vertices or control points closest to the places of a fault selected."""
     if context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     select(context, obj)
-    if obj.type in {"MESH", "CURVE"}:
-        bpy.ops.object.mode_set(mode="EDIT")
-        (bpy.ops.mesh if obj.type == "MESH" else bpy.ops.curve).select_all(action="DESELECT")
-        bpy.ops.object.mode_set(mode="OBJECT")
-        _select_points(obj, fault)
-        if obj.type == "MESH":
-            context.tool_settings.mesh_select_mode = (True, False, False)
-        bpy.ops.object.mode_set(mode="EDIT")
-
-
-def _select_points(obj: Object, fault: Fault) -> None:
-    """Selects the vertices or control points closest to the places of the fault."""
-    if obj.type == "MESH":
-        points = list(obj.data.vertices)
-    else:
+    points: list[Any] = list(obj.data.vertices) if obj.type == "MESH" else []
+    if obj.type == "CURVE":
         points = [point for spline in obj.data.splines for point in (*spline.bezier_points, *spline.points)]
     if not points:
         return
-    there = np.array([(obj.matrix_world @ Vector(point.co[:3]))[:] for point in points])
-    for place in fault.places:
-        chosen = points[np.linalg.norm(there - place, axis=1).argmin()]
-        setattr(chosen, "select_control_point" if hasattr(chosen, "select_control_point") else "select", True)
+    there = transform(np.array(obj.matrix_world), np.array([point.co[:3] for point in points]))
+    closest = [int(np.linalg.norm(there - place, axis=1).argmin()) for place in fault.places]
+    if obj.type == "MESH":
+        mesh_data.select_vertices(mesh_data.mesh_of(obj), np.isin(np.arange(len(points)), closest))
+        context.tool_settings.mesh_select_mode = (True, False, False)
+    for number, point in enumerate(points if obj.type == "CURVE" else ()):
+        chosen = number in closest
+        if isinstance(point, bpy.types.BezierSplinePoint):
+            point.select_control_point = point.select_left_handle = point.select_right_handle = chosen
+        else:
+            point.select = chosen
+    bpy.ops.object.mode_set(mode="EDIT")

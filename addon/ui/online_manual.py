@@ -22,11 +22,21 @@ OPERATORS = {
     "export": "export#to-a-file",
     "import": "export#from-a-file",
     "cutout": "pictures#cutout",
-    **dict.fromkeys(("puppet", "walk", "snap"), "characters#a-puppet"),
+    **dict.fromkeys(("puppet", "clip", "snap"), "characters#a-puppet"),
     "select_fault": "messages",
+    "generate": "cages",
 }
+# The same of settings that are about something else than their operator.
+OWN = {
+    "import.hidden": "godot#in-blender",
+    **dict.fromkeys(("import.repaint", "import.replace_weights"), "godot#if-you-repaint-it"),
+    **dict.fromkeys(("import.vertices", "import.padding", "import.threshold"), "pictures#outline-of-an-image"),
+    **dict.fromkeys(("import.gap", "import.holes"), "silhouette"),
+    **dict.fromkeys(("puppet.gap", "puppet.vertices"), "characters#one-cage"),
+}
+# Settings of cages.
 SETTINGS = {
-    "level": "levels",
+    "levels": "levels",
     "clearance": "levels#gap",
     "inside": "levels#cage-inside",
     "decimation": "levels#coarse-meshes",
@@ -37,14 +47,15 @@ SETTINGS = {
     **dict.fromkeys((*RULES, *PLACES), "shape"),
     **dict.fromkeys((*FRAMES, *ANIMATION), "animation"),
 }
+WITH_SETTINGS = ("nestedcages*", "object_ot_nested_cages_generate", "object_ot_nested_cages_follow")
 # Blender's names of items, in lower case with wildcards, and the page about them. The first match counts.
 PAGES = (
+    *((f"bpy.types.object_ot_nested_cages_{name}*", page) for name, page in OWN.items()),
+    *((f"bpy.types.{kind}.{name}*", page) for name, page in SETTINGS.items() for kind in WITH_SETTINGS),
+    *((f"bpy.types.object_ot_nested_cages_{name}.*", page) for name, page in OPERATORS.items()),
     *((f"bpy.ops.object.nested_cages_{name}*", page) for name, page in OPERATORS.items()),
-    *((f"bpy.types.*nested*cages*.{name}*", page) for name, page in SETTINGS.items()),
     ("bpy.types.nestedcagespreferences*", "install"),
-    ("bpy.ops.*.nested_cages*", "cages"),
-    ("bpy.types.*nested_cages*", "cages"),
-    ("bpy.types.*nestedcages*", "cages"),
+    ("bpy.*nested*cages*", "cages"),
 )
 
 

@@ -326,12 +326,5 @@ def select_points(context: Context, obj: Object, points: NDArray[np.float32]) ->
     chosen = np.array([place.tobytes() in wanted for place in places], dtype=bool)
     if len(chosen) != len(mesh.vertices):
         return 0
-    # Blender 5.0 may store a selection as one value for all, and crashes when it is written as an array: made again.
-    for name in (".select_vert", ".select_edge", ".select_poly"):
-        layer: Any = mesh.attributes.get(name)
-        if layer is not None:
-            mesh.attributes.remove(layer)
-    layer = mesh.attributes.new(".select_vert", "BOOLEAN", "POINT")
-    layer.data.foreach_set("value", chosen)
-    mesh.update()
+    mesh_data.select_vertices(mesh_data.mesh_of(obj), chosen)
     return int(chosen.sum())

@@ -47,14 +47,23 @@ def test_everything_has_a_description(extension) -> None:
 
 
 def test_f1_leads_to_a_heading_of_the_guide_about_each_operator_and_setting() -> None:
-    names = [f"ops.object.{name}" for name in dir(bpy.ops.object) if name.startswith("nested_cages_")]
-    for name in (*names, *(f"types.NestedCagesSettings.{name}" for name in own_settings())):
+    """As Blender names them: operators, their settings in the redo panel, and those of the panel."""
+    settings = own_settings()
+    items = {f"types.NestedCagesSettings.{name}": "" for name in settings}
+    for operator in (name for name in dir(bpy.ops.object) if name.startswith("nested_cages_")):
+        known = getattr(bpy.ops.object, operator).get_rna_type().properties
+        shown = [each for each in known if not each.is_hidden and each.identifier != "rna_type"]
+        own = [each for each in shown if not operator.endswith("follow") or each.identifier not in settings]
+        items |= {f"types.OBJECT_OT_{operator}.{each.identifier}": each.name for each in own}
+        items[f"ops.object.{operator}"] = ""
+    for name, label in items.items():
         page, _, place = DocView._lookup_rna_url(f"bpy.{name}", verbose=False).partition("#")
         assert page.startswith((ROOT / "docs/guide").as_uri())
-        headings = re.findall(
-            r"^#+ (.*)$", Path(unquote(urlsplit(page).path)).read_text(encoding="utf-8"), re.MULTILINE
-        )
-        assert not place or place in {re.sub(r"[^\w\- ]", "", each.lower()).replace(" ", "-") for each in headings}
+        text = Path(unquote(urlsplit(page).path)).read_text(encoding="utf-8")
+        parts = re.split(r"^#+ (.*)$", text, flags=re.MULTILINE)[1:]
+        slugs = [re.sub(r"[^\w\- ]", "", each.lower()).replace(" ", "-") for each in parts[::2]]
+        section = parts[2 * slugs.index(place) + 1] if place else text
+        assert label in " ".join(section.split()), (name, place)
 
 
 def test_all_properties_can_be_overridden() -> None:

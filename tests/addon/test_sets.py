@@ -218,18 +218,6 @@ def test_a_copy_is_a_character_of_its_own(kind: str, how: str, tmp_path) -> None
     assert not {*original.cages[0].users_collection} & {*own.cages[0].users_collection}
 
 
-@pytest.mark.skipif(bpy.app.version < (4, 3), reason="Blender 4.2 tells nothing of imports")
-def test_append_brings_what_was_in_the_file_and_nothing_else(tmp_path) -> None:
-    """No objects of meshes that a binding keeps for later."""
-    caged(bound=True)
-    names, path = sorted(obj.name for obj in bpy.data.objects), save(tmp_path / "character.blend")
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    folder = path + "/Object/"
-    files = [{"name": name} for name in names]
-    bpy.ops.wm.append(filepath=folder + names[0], directory=folder, files=files, instance_object_data=True)
-    assert sorted(obj.name for obj in bpy.data.objects) == names
-
-
 def test_several_drawings_are_rigged_in_three_actions() -> None:
     parts = [drawings.poly_curve(f"Part {k}", [drawings.circle(24, 0.5, (2.0 * k, 0.0))]) for k in range(4)]
     show(*parts)
@@ -284,16 +272,6 @@ def test_what_an_edit_makes_untrue_is_not_said() -> None:
     assert said.excess > 0.3 and not said.edited and not said.need
     assert bpy.ops.object.nested_cages_bind(action="REST_FROM_POSE") == {"FINISHED"}
     assert set_of(source).bound == "LINEAR"
-
-
-def test_generate_after_bind_makes_the_drawings_cages_again() -> None:
-    source, _ = caged()
-    bind(method="LINEAR")
-    coarsest = made()[-1]
-    assert bpy.context.view_layer.objects.active == coarsest and bpy.context.selected_objects == [coarsest]
-    generate("20, 10")
-    assert [len(obj.data.vertices) for obj in made()] == [60, 20, 10]
-    assert len(bpy.data.collections) == 1 and set_of(source).bound == "LINEAR"
 
 
 @pytest.mark.parametrize("how", slow_after(1, ["driven", "keyed"], thorough_after=1))
