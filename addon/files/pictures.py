@@ -186,67 +186,54 @@ def textured_mesh(name: str, outline: core.Mesh, canvas: Canvas, image: bpy.type
     return data
 
 
+def opacity_of(image: bpy.types.Image) -> NDArray[np.float32]:
+    """The opacity (h, w) of an image, the top row first. Raises: UserError if it has none."""
+    width, height = size_of(image)
+    if image.channels not in (2, 4):
+        raise UserError(f"The image '{image.name}' has no alpha channel: save it as RGBA, or choose another image")
+    pixels = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)  # type: ignore[attr-defined]  # a number in the stubs
+    return pixels.reshape(height, width, image.channels)[::-1, :, -1]
+
+
 def traced(part: Part, vertices: int, *, tile: bool, **options: Any) -> Work[Drawing]:
-    """The outline of the opaque pixels of a picture, in the frame of its canvas. Raises: UserError. See `trace`."""
-    shown, frame = Picture.of(part.image), part.canvas.frame()
-    outline = yield from shown.trace(vertices, tile=tile, **options)
-    points = part.canvas.placed(np.asarray(outline.vertices) / shown.size)
+    """The outline of the opaque pixels of a picture, in the frame of its canvas. Raises: UserError.
+
+    tile: whether a picture that is opaque as a whole gets its own edge, without padding. options: padding, threshold
+    and holes of ``picture_cages``.
+    """
+    alpha, frame = opacity_of(part.image), part.canvas.frame()
+    height, width = alpha.shape
+    if tile and bool((alpha > options["threshold"]).all()):
+        outline = core.Mesh.from_loops([[(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]])
+    else:
+        outline = yield from _around(part.image.name, alpha, vertices, options)
+    points = part.canvas.placed(np.asarray(outline.vertices) / (width, height))
     name = Path(part.image.name).stem or part.image.name
     drawing = Drawing(name, frame, tuple(points[loop] for loop in outline.loops))
     drawing.mesh()
     return drawing
 
 
-@dataclass(frozen=True)
-class Picture:
-    """The opacity of an image: name and alpha (H, W), the top row first."""
+def _around(name: str, alpha: NDArray[np.float32], vertices: int, options: dict[str, Any]) -> Work[core.Mesh]:
+    """A mesh around all opaque pixels, in pixels with y upwards from the bottom. Raises: UserError."""
+    key = key_of("picture", alpha, vertices, tuple(sorted(options.items())))
+    outline: core.Mesh | None = known(key)
+    if outline is not None:
+        return outline
 
-    name: str
-    alpha: NDArray[np.float32]
+    def work(report: Callable[[core.Progress], None]) -> core.Hierarchy:
+        return pictures.picture_cages(alpha, [vertices], progress=report, **options)
 
-    @classmethod
-    def of(cls, image: bpy.types.Image) -> Picture:
-        """The opacity of a Blender image. Raises: UserError if it has none."""
-        width, height = size_of(image)
-        if image.channels not in (2, 4):
-            raise UserError(f"The image '{image.name}' has no alpha channel: save it as RGBA, or choose another image")
-        pixels = np.empty(width * height * image.channels, np.float32)
-        image.pixels.foreach_get(pixels)  # type: ignore[attr-defined]  # a number in the stubs
-        return cls(image.name, pixels.reshape(height, width, image.channels)[::-1, :, -1])
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """Width and height in pixels."""
-        height, width = self.alpha.shape
-        return width, height
-
-    def trace(self, vertices: int, *, tile: bool = False, **options: Any) -> Work[core.Mesh]:
-        """A mesh around all opaque pixels, in pixels with y upwards from the bottom. Raises: UserError.
-
-        tile: whether a picture that is opaque as a whole gets its own edge, without padding. options: padding,
-        threshold and holes of ``picture_cages``.
-        """
-        if tile and bool((self.alpha > options["threshold"]).all()):
-            width, height = self.size
-            return core.Mesh.from_loops([[(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]])
-        key = key_of("picture", self.alpha, vertices, tuple(sorted(options.items())))
-        traced: core.Mesh | None = known(key)
-        if traced is not None:
-            return traced
-        yield Progress(0.0, f"'{self.name}': tracing pixels")
-        with blamed(f"'{self.name}'"):
-
-            def work(report: Callable[[core.Progress], None]) -> core.Hierarchy:
-                return pictures.picture_cages(self.alpha, [vertices], progress=report, **options)
-
-            made = yield from mapped(
-                progress.Run(work),
-                lambda step: Progress(step.fraction, f"'{self.name}': {STAGES[step.stage]}"),
-            )
-            cage = made.cages[0]
-            traced = core.Mesh(cage.vertices * (1.0, -1.0) + (0.0, self.size[1]), cage.edges)
-        remember(key, traced, cage.vertices.nbytes)
-        return traced
+    yield Progress(0.0, f"'{name}': tracing pixels")
+    with blamed(f"'{name}'"):
+        made = yield from mapped(
+            progress.Run(work), lambda step: Progress(step.fraction, f"'{name}': {STAGES[step.stage]}")
+        )
+        cage = made.cages[0]
+        outline = core.Mesh(cage.vertices * (1.0, -1.0) + (0.0, len(alpha)), cage.edges)
+    remember(key, outline, cage.vertices.nbytes)
+    return outline
 
 
 def place_outline(context: Context, part: Part, drawing: Drawing) -> Object:

@@ -179,7 +179,7 @@ class OBJECT_OT_nested_cages_remove_animation(Operator, bpy.types.Operator):
 
     def run(self, context: Context) -> None:
         complete()
-        for cage_set in sets_of_chosen(context):
+        for cage_set in sets_of_chosen(context, both=False):
             if not _why_not_still(cage_set):
                 visibility.remove(scene_of(context), cage_set)
 

@@ -205,9 +205,9 @@ class GapProperty:
     gap: length("Join Gaps", "Join parts that are closer than this, so that they have one outline and one skeleton")
 
 
-def why_none(context: Context, why_not: Callable[[CageSet], str], *, both: bool = True) -> str:
-    """Why no set of the selection can be worked on, given why one cannot; empty if one can. both: inner cages too."""
-    reasons = map(why_not, each_of_chosen(context, both=both))
+def why_none(context: Context, why_not: Callable[[CageSet], str]) -> str:
+    """Why no set of the selection can be worked on, given why one cannot; empty if one can."""
+    reasons = map(why_not, each_of_chosen(context, both=False))
     why = next(reasons, NOTHING)
     return "" if not why or "" in reasons else why
 

@@ -41,7 +41,7 @@ class OBJECT_OT_nested_cages_bind(JobOperator, bpy.types.Operator):
     action: choice("Action", "What to do with the selected cages", ACTION_ITEMS, options={"SKIP_SAVE"})
     method: choice("Method", "How each level follows the next coarser one", METHOD_ITEMS, default="AUTO")
 
-    unavailable = classmethod(lambda _cls, context: why_none(context, _why_not, both=False))
+    unavailable = classmethod(lambda _cls, context: why_none(context, _why_not))
 
     def work(self, context: Context) -> Work[None]:
         usable = [each for each in sets_of_chosen(context, both=False) if not _why_not(each)]

@@ -19,7 +19,7 @@ from ..cage_sets.selection import select
 from ..drawing import grease_pencil
 from ..errors import UserError, counted
 from ..files import pictures
-from ..files.pictures import Part, Picture
+from ..files.pictures import Part
 from ..generate import request
 from ..generate.groups import SHAPE
 from ..generate.settings import settings_of
@@ -91,7 +91,7 @@ class OBJECT_OT_nested_cages_cutout(FilesOperator, PictureProperties, ImportHelp
         self.framed = tuple(made) if paths_of(self) else ()
         self.tell_skipped(problems, "picture")
         for part in made.values():
-            if (Picture.of(part.image).alpha > self.threshold).all():
+            if (pictures.opacity_of(part.image) > self.threshold).all():
                 self.report(
                     {"WARNING"},
                     f"'{part.image.name}' has no transparent pixels, so its outline is a rectangle: erase its "
