@@ -316,11 +316,8 @@ class CycleSearch:
         rings = [without_doubles(self.frame.out_of(ring)) for ring in choice.rings]
         if min(map(len, rings)) < 3:
             raise NoCyclesError("A cycle is flat.", total=self.problem.total)
-        loops, problem, importance = (
-            Loops.of(np.concatenate(rings), list(map(len, rings))),
-            self.problem,
-            self.kept.importance,
-        )
+        loops, problem = Loops.of(np.concatenate(rings), list(map(len, rings))), self.problem
+        importance = self.kept.importance
         try:
             if self.kept.symmetry is not None:
                 loops = exact(loops, self.kept.symmetry)
