@@ -14,7 +14,7 @@ from .errors import UserError, told
 
 if TYPE_CHECKING:
     import nestedcages_core as core
-    from nestedcages_core import progress
+    from nestedcages_core import run as runs
     from nestedcages_core.errors import notes as errors
     from nestedcages_core.formats import pictures
     from nestedcages_core.geometry import broad_phase, distance, loops, predicates, triangulation
@@ -45,10 +45,10 @@ else:
     distance = _LazyModule("geometry.distance")
     loops, pictures, predicates = map(_LazyModule, ("geometry.loops", "formats.pictures", "geometry.predicates"))
     errors, certify, steps = map(_LazyModule, ("errors.notes", "levels.certify", "levels.steps"))
-    progress, triangulation = map(_LazyModule, ("progress", "geometry.triangulation"))
+    runs, triangulation = map(_LazyModule, ("run", "geometry.triangulation"))
 
 __all__ = ["blamed", "broad_phase", "certify", "core", "distance", "errors", "loops"]
-__all__ += ["pictures", "predicates", "progress", "steps", "triangulation"]
+__all__ += ["pictures", "predicates", "runs", "steps", "triangulation"]
 
 
 @contextmanager

@@ -36,7 +36,7 @@ LENGTHS: Mapping[str, tuple[str, ...]] = {
 
 # Codes of notes on loops that a cage lacks, and on how a cage was made, which are in the report alone.
 LOOPS = "note.loops"
-ON_METHODS = ("note.start", "note.energy", "note.untightened", "note.text")
+ON_METHODS = ("note.start", "note.energy", "note.text")
 # A size from which on it is told in times.
 MANY_TIMES = 10.0
 

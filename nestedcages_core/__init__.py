@@ -11,7 +11,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .errors import CODES as CODES
 from .errors import Fault as Fault
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
 from .geometry.drawable import Drawable
@@ -57,6 +56,7 @@ if TYPE_CHECKING:
     from .energies.choices import StepDisplacement as StepDisplacement
     from .energies.no_energy import NoEnergy as NoEnergy
     from .energies.weighted_sum import WeightedSum as WeightedSum
+    from .errors.codes import CODES as CODES
     from .flow import FlowResult
     from .flow import TwoSidedFlow as TwoSidedFlow
     from .formats import Coverage as Coverage
@@ -90,7 +90,6 @@ if TYPE_CHECKING:
     from .levels import (
         Hierarchy,
         Level,
-        NestedCagesRun,
         NestingReport,
         Progress,
         Settings,
@@ -98,12 +97,13 @@ if TYPE_CHECKING:
         inner_cages,
         nested_cages,
     )
-    from .levels import InnerCagesRun as InnerCagesRun
-    from .levels.check_constraint import check_constraint as check_constraint
-    from .levels.check_decimation import check_decimation as check_decimation
-    from .levels.check_energy import check_energy as check_energy
+    from .levels.check_methods import check_constraint as check_constraint
+    from .levels.check_methods import check_decimation as check_decimation
+    from .levels.check_methods import check_energy as check_energy
     from .levels.excess_by_count import ExcessByCount as ExcessByCount
     from .levels.excess_by_count import excess_by_count as excess_by_count
+    from .levels.runs import InnerCagesRun as InnerCagesRun
+    from .levels.runs import NestedCagesRun
     from .motion import AnimatedCagesRun as AnimatedCagesRun
     from .motion import Key as Key
     from .motion import MotionReport as MotionReport
@@ -195,9 +195,8 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
 
 _LATER = {
     "geometry.mesh": "Mesh",
-    "levels": (
-        "Hierarchy InnerCagesRun Level NestedCagesRun NestingReport Progress Settings Share inner_cages nested_cages"
-    ),
+    "levels": "Hierarchy Level NestingReport Progress Settings Share inner_cages nested_cages",
+    "levels.runs": "InnerCagesRun NestedCagesRun",
     "flow": "FlowResult TwoSidedFlow",
     "contact": "SequentialQP",
     "contact.reinflation": "Reinflation",
@@ -223,6 +222,7 @@ _LATER = {
     "constraints.half_planes": "HalfPlanes",
     "constraints.loop_clearance": "LoopClearance",
     "constraints.outside": "Outside",
+    "errors.codes": "CODES",
     "coordinates": "Grids Harmonic MeanValue PiecewiseLinear cage_coordinates deform grids",
     "formats": (
         "Coverage Feature Limits convex_pieces coverage_cages features_from_geojson from_geojson from_svg joined "
@@ -230,9 +230,7 @@ _LATER = {
     ),
     "formats.swept": "swept",
     "formats.pictures": "alpha_channel boundary_of_pixels collision_outline read_png",
-    "levels.check_constraint": "check_constraint",
-    "levels.check_decimation": "check_decimation",
-    "levels.check_energy": "check_energy",
+    "levels.check_methods": "check_constraint check_decimation check_energy",
     "levels.excess_by_count": "ExcessByCount excess_by_count",
     "motion": "AnimatedCagesRun Key MotionReport MovingCages MovingLevel animated_cages followed stream_cages",
     "puppets": (

@@ -19,7 +19,7 @@ from ..blender.jobs import Progress, Work, mapped
 from ..blender.views import FRONT
 from ..cage_sets import selection
 from ..cage_sets.selection import scene_of
-from ..core import blamed, core, pictures, progress, triangulation
+from ..core import blamed, core, pictures, runs, triangulation
 from ..drawing.planar import Drawing
 from ..drawing.plane import PLANARITY, Frame, world_matrix
 from ..errors import FloatArray, UserError
@@ -228,7 +228,7 @@ def _around(name: str, alpha: NDArray[np.float32], vertices: int, options: dict[
     yield Progress(0.0, f"'{name}': tracing pixels")
     with blamed(f"'{name}'"):
         made = yield from mapped(
-            progress.Run(work), lambda step: Progress(step.fraction, f"'{name}': {STAGES[step.stage]}")
+            runs.Run(work), lambda step: Progress(step.fraction, f"'{name}': {STAGES[step.stage]}")
         )
         cage = made.cages[0]
         outline = core.Mesh(cage.vertices * (1.0, -1.0) + (0.0, len(alpha)), cage.edges)

@@ -16,7 +16,7 @@ from bpy.types import Context, Object
 from ..blender.jobs import Progress, Work, mapped
 from ..blender.mesh_data import mesh_of
 from ..cage_sets.selection import scene_of
-from ..core import core, progress
+from ..core import core, runs
 from ..drawing.edge_loops import SMALLEST_LOOP
 from ..drawing.planar import Drawing, Outline, ReadingOptions, drawing_in, fine_drawing, read
 from ..errors import FloatArray, UserError, counted
@@ -217,7 +217,7 @@ def stand_still(poses: Poses, options: Options) -> Work[Moving]:
         def work(tick: Callable[[float], None]) -> core.MovingLevel:
             return core.motion.certified_still(first.cage, fine, poses.points, times=poses.frames, tick=tick)
 
-        still = yield from mapped(progress.Run(work), lambda done: Progress(0.9 + 0.1 * done, f"{name}: checking"))
+        still = yield from mapped(runs.Run(work), lambda done: Progress(0.9 + 0.1 * done, f"{name}: checking"))
         cages = [_with_report(still, first)]
     except core.NestedCagesError as error:
         raise UserError(f"'{name}': {_said(error, poses.frames)}") from error

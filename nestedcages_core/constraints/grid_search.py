@@ -15,9 +15,9 @@ from typing import TypeAlias
 import numpy as np
 
 from ..energies.base import EdgeCost
-from ..errors import NestingError
+from ..errors import NestedCagesError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.broad_phase import CACHED_PAIRS, expanded, near_pairs, position_in_group
+from ..geometry.broad_phase import expanded, near_pairs, position_in_group
 from ..geometry.distance import point_edge
 from ..geometry.lattice import Grid
 from ..geometry.mesh import Mesh
@@ -26,7 +26,7 @@ from ..geometry.shortest_cycle import shortest_cycle
 from ..geometry.signed_distance import SignedDistance
 from ..geometry.vectors import cross, norm, rotated_right
 from ..progress import Tick, no_tick
-from .free_edges import FreeEdges, Near, Segments
+from .free_edges import FreeEdges, Near
 
 Allowed: TypeAlias = Callable[[IntArray, FloatArray, FloatArray], BoolArray]
 """(K,) whether the edges from vertices (K,) may run from starts (K, 2) to ends (K, 2)."""
@@ -56,34 +56,33 @@ def put_on_grid(
     clearance: float,
     side: int,
     edge_cost: EdgeCost | None = None,
-    rounds: int = MOST_ROUNDS,
     tick: Tick = no_tick,
 ) -> tuple[FloatArray | None, BoolArray]:
     """(m, 2) grid points for the vertices of a cage around a fine mesh, or inside it; None if none were found. And (m,)
     the vertices at which edges have no place then.
 
     allowed: tells which edges may be; None: all. clearance: smallest distance to keep from the fine mesh, above 0, as
-    in the coordinates of the meshes. edge_cost: what is minimised; None: the area. rounds: of improvements, at most;
-    tick: called with a fraction after each. Raises NestingError if none were found within `MOST_TESTS`.
+    in the coordinates of the meshes. edge_cost: what is minimised; None: the area. tick: called with a fraction after
+    each improvement, which ends where it raises a NestedCagesError. Raises NestingError if no points were found within
+    `MOST_TESTS`.
     """
-    search = _CoordinateDescent(cage, fine, grid, allowed, clearance, side, edge_cost, rounds)
+    search = _CoordinateDescent(cage, fine, grid, allowed, clearance, side, edge_cost)
     found: IntArray | None = None
     reach = np.zeros(len(cage.vertices), np.int64)
     while found is None:
         found, stuck = search.chosen(search.first_layers(np.take(REACHES, reach)))
-        tick(0.25)
         nowhere = stuck.copy()
         stuck &= reach < len(REACHES) - 1
         if found is None and not stuck.any():
             return None, nowhere
         reach += stuck
     reaches = list(AROUND if len(cage.vertices) > FEW else AROUND_FEW)
-    for number in range(rounds):
+    for number in range(MOST_ROUNDS):
         try:
+            tick(1.0 - 1.0 / (1.0 + number))
             better, _ = search.chosen(search.layers_around(found, reaches[0]))
-        except NestingError:
+        except NestedCagesError:  # of the work, or the time, that it may take
             break
-        tick(1.0 - 0.75 / (2.0 + number))
         if better is not None and search.cost(better) < search.cost(found):
             found = better
         elif not (reaches := reaches[1:]):
@@ -111,54 +110,49 @@ class _CoordinateDescent:
     side: int
     """1 for a cage around the fine mesh, -1 for one inside it."""
     edge_cost: EdgeCost | None
-    rounds: int
     free: FreeEdges = field(init=False)
 
     def __post_init__(self) -> None:
-        m = len(self.cage.vertices)
         self.distance = SignedDistance.of(self.fine)
-        self.base = self.grid.places(self.cage.vertices)
         self.origin = self.grid.places(self.cage.vertices.mean(axis=0))
         self.known: dict[tuple[bytes, bytes], FloatArray] = {}
         self.free = FreeEdges(self.cage, self.fine, self.clearance, f"No cage on the grid of {self.grid.spacing:.6g}")
-        self.half = int(MAX_PUSH) + 1 + max(REACHES) + self.rounds * max(REACHES)
-        self.is_known, self.is_free = np.zeros((2, m, 2 * self.half + 1, 2 * self.half + 1), bool)
 
     def cost(self, places: IntArray) -> float:
         """Of a choice (m, 2)."""
-        return float(self._costs(np.arange(len(places)), places, places[self.cage.successor]).sum())
+        ends = places[self.cage.successor]
+        if self.edge_cost is None:
+            return float(self._costs(0, places, ends).sum())
+        return float(sum(self._costs(k, places[k : k + 1], ends[k : k + 1])[0] for k in range(len(places))))
 
-    def _costs(self, edge: IntArray, one: IntArray, other: IntArray) -> FloatArray:
-        """(K,) of edges (K,), ascending, between places (K, 2): shares of the energy, in squared steps, and of the
-        length."""
+    def _costs(self, edge: int, one: IntArray, other: IntArray) -> FloatArray:
+        """(K,) of an edge between places (K, 2): its share of the energy, in squared steps, and of the length."""
+        along = NEGLIGIBLE * norm((other - one).astype(np.float64))
         if self.edge_cost is not None:
-            p, q = self.grid.points(one), self.grid.points(other)
-            begins = np.flatnonzero(np.diff(edge, prepend=-1))
-            parts = zip(edge[begins].tolist(), np.split(p, begins)[1:], np.split(q, begins)[1:], strict=True)
-            shares = np.concatenate([np.zeros(0), *(self.edge_cost(*part) for part in parts)]) / self.grid.spacing**2
-            return np.asarray(shares + NEGLIGIBLE * norm((other - one).astype(np.float64)))
+            share = self.edge_cost(edge, self.grid.points(one), self.grid.points(other)) / self.grid.spacing**2
+            return np.asarray(share + along)
         a, b = (one - self.origin).astype(np.float64), (other - self.origin).astype(np.float64)
-        return np.asarray(0.5 * self.side * cross(a, b) + NEGLIGIBLE * norm(b - a))
+        return np.asarray(0.5 * self.side * cross(a, b) + along)
 
     def first_layers(self, reach: IntArray) -> _Layers:
         """Points within a reach (m,) of each vertex and its path outwards when its edges are shifted by a step."""
         cage, step = self.cage, self.grid.spacing
         along = cage.edge_ends - cage.vertices
         n = self.side * rotated_right(along) / norm(along)[:, None]
-        both = n + n[cage.predecessor]
-        push = 2.0 * both / np.maximum((both**2).sum(axis=1), 1e-12)[:, None]
+        corner = n + n[cage.predecessor]
+        push = 2.0 * corner / np.maximum((corner**2).sum(axis=1), 1e-12)[:, None]
         push *= np.minimum(1.0, MAX_PUSH / np.maximum(norm(push), 1e-12))[:, None] * step
         samples = 1 + np.ceil(2.0 * norm(push) / step).astype(np.int64)
         vertex = np.arange(len(samples)).repeat(samples)
         share = position_in_group(samples) / np.maximum(samples - 1, 1)[vertex]
-        away = self.grid.places(cage.vertices[vertex] + share[:, None] * push[vertex]) - self.base[vertex]
-        square = _square(int(reach.max()))
+        base, square = self.grid.places(cage.vertices), _square(max(reach))
+        away = self.grid.places(cage.vertices[vertex] + share[:, None] * push[vertex]) - base[vertex]
         held = np.abs(square).max(axis=1) <= reach[vertex][:, None]
-        width = 2 * self.half + 1
-        code = (vertex[:, None] * width + away[:, :1] + square[:, 0]) * width + away[:, 1:] + square[:, 1]
-        code = np.unique(code[held] + self.half * (width + 1))
-        vertex, x, y = np.unravel_index(code, self.is_known.shape)
-        near = self.base[vertex] + np.column_stack([x, y]) - self.half
+        half = int(MAX_PUSH) + 1 + max(REACHES)
+        shape = len(base), 2 * half + 1, 2 * half + 1
+        code = (vertex[:, None] * shape[1] + away[:, :1] + square[:, 0] + half) * shape[2] + away[:, 1:] + square[:, 1]
+        vertex, x, y = np.unravel_index(np.unique(code[held] + half), shape)
+        near = base[vertex] + np.column_stack([x, y]) - half
         far = point_edge(self.grid.points(near), cage.vertices[vertex], (cage.vertices + push)[vertex]).distance
         near = near[np.lexsort((far, vertex))]
         layers = np.split(near, np.flatnonzero(np.diff(vertex)) + 1)
@@ -176,13 +170,7 @@ class _CoordinateDescent:
         together = np.concatenate(layers.places)
         points = self.grid.points(together)
         owner = np.repeat(np.arange(len(sizes)), sizes)
-        at = (owner, *(together - self.base[owner] + self.half).T)
-        new = np.flatnonzero(~self.is_known[at])
-        if len(new):
-            places = tuple(each[new] for each in at)
-            self.is_known[places] = True
-            self.is_free[places] = self.side * self.distance.at(points[new]).distance >= self.clearance
-        good = self.is_free[at]
+        good = self.side * self.distance.at(points).distance >= self.clearance
         begins = np.cumsum([0, *sizes])
         away = norm(points - layers.centres[owner])
         far = np.array([part.max(initial=0.0) for part in np.split(away, begins[1:-1])])
@@ -225,32 +213,28 @@ class _CoordinateDescent:
         close."""
         following = [layers.places[vertex] for vertex in self.cage.successor]
         keys = [(one.tobytes(), other.tobytes()) for one, other in zip(layers.places, following, strict=True)]
-        new = np.array([k for k, key in enumerate(keys) if key not in self.known], np.int64)
-        if len(new):
+        if any(key not in self.known for key in keys):
             both = zip(layers.places, layers.centres, strict=True)
             far = np.array([norm(self.grid.points(layer) - centre).max() for layer, centre in both])
             near = self.free.near(layers.centres, far)
-            sizes = np.array([len(layers.places[k]) * len(following[k]) for k in new])
-            for part in np.split(new, np.flatnonzero(np.diff(np.cumsum(sizes) // CACHED_PAIRS)) + 1):
-                for k, costs in zip(part, self._costs_of(part, layers, following, near), strict=True):
-                    self.known[keys[k]] = costs
+            for edge, key in enumerate(keys):
+                if key not in self.known:
+                    self.known[key] = self._costs_between(edge, layers.places[edge], following[edge], near[edge])
         return [self.known[key] for key in keys]
 
-    def _costs_of(self, edges: IntArray, layers: _Layers, following: list[IntArray], near: Near) -> list[FloatArray]:
-        """The same for some edges."""
-        pairs = [np.indices((len(layers.places[k]), len(following[k]))).reshape(2, -1) for k in edges]
-        one = np.concatenate([layers.places[k][i] for k, (i, _) in zip(edges, pairs, strict=True)])
-        other = np.concatenate([following[k][j] for k, (_, j) in zip(edges, pairs, strict=True)])
-        sizes = [len(i) for i, _ in pairs]
-        segments = Segments(edges.repeat(sizes), self.grid.points(one).T.copy(), self.grid.points(other).T.copy())
+    def _costs_between(self, edge: int, here: IntArray, there: IntArray, near: Near) -> FloatArray:
+        """The same for one edge, from places (K, 2) to others (K', 2)."""
+        shape = len(here), len(there)
+        i, j = np.indices(shape).reshape(2, -1)
+        one, other = here[i], there[j]
         kept = np.flatnonzero((one != other).any(axis=1))
+        p, q = self.grid.points(here)[i], self.grid.points(there)[j]
         if self.allowed is not None:
-            kept = kept[self.allowed(segments.edge[kept], segments.start.T[kept], segments.end.T[kept])]
-        kept = self.free.kept(segments, kept, near)
+            kept = kept[self.allowed(np.full(len(kept), edge), p[kept], q[kept])]
+        kept = kept[self.free.are_free(p[kept], q[kept], near)]
         costs = np.full(len(one), np.inf)
-        costs[kept] = self._costs(segments.edge[kept], one[kept], other[kept])
-        shapes = [(len(layers.places[k]), len(following[k])) for k in edges]
-        return [part.reshape(s) for part, s in zip(np.split(costs, np.cumsum(sizes)[:-1]), shapes, strict=True)]
+        costs[kept] = self._costs(edge, one[kept], other[kept])
+        return costs.reshape(shape)
 
 
 def _square(reach: int) -> IntArray:

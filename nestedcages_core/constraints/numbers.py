@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from math import frexp
 
 import numpy as np
@@ -14,13 +12,14 @@ from ..errors import Fault, NestingError
 from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.lattice import Grid, as_stored
 from ..geometry.mesh import Mesh
-from ..geometry.precision import MOST_ROUNDS
 from ..progress import Tick, no_tick
 from .base import Constraint
 from .grid_search import Allowed, put_on_grid
 
-FINER = ("0.5", "0.2", "0.1", "0.05", "0.02", "0.01")
-"""Finer grids that are tried for the error message, relative to one without a cage."""
+ROOMS = (0.8, 64.0)
+"""Spacings added to the clearance where a cage does not fit on the numbers, tried in turn. The nearest point is at most
+0.71 spacings away, so even plain rounding then keeps the clearance; it may still close gaps between parts of the cage.
+"""
 
 FARTHEST_NUMBER = 0.71
 """Upper bound of the distance from a point to the numbers next to it, in spacings."""
@@ -37,8 +36,6 @@ class Numbers(Constraint):
     stored: str | None
     largest: float
     """Largest coordinate of the drawing, which sets the spacing of the numbers of a type."""
-    rounds: int = MOST_ROUNDS
-    """Maximum number of improvements of places on a length."""
 
     @classmethod
     def about(cls, drawing: Mesh, grid: float | None, stored: str | None) -> Numbers:
@@ -81,6 +78,17 @@ class Numbers(Constraint):
         """What rounding takes at most, which all cages have in reserve; those on a grid are searched with it."""
         return FARTHEST_NUMBER * self.spacing if self.lattice is None else 0.0
 
+    @property
+    def rooms(self) -> tuple[float, ...]:
+        """Distances to keep in addition to the clearance until a cage moves onto the numbers, to try in turn.
+
+        A grid has points farther away only where those of the type that stores it are farther apart.
+        """
+        coarse = replace(self, lattice=None).spacing if self.stored else 0.0
+        if self.grid is None or coarse > self.grid:
+            return tuple(room * (coarse or self.spacing) for room in ROOMS)
+        return (ROOMS[0] * self.spacing,)
+
     def exact(self, points: FloatArray) -> FloatArray:
         """The multiples that points (..., 2) are next to."""
         return points if self.lattice is None else self.lattice.points(self.lattice.places(points))
@@ -113,20 +121,9 @@ class Numbers(Constraint):
             clearance=clearance,
             side=side,
             edge_cost=cost,
-            rounds=self.rounds,
             tick=tick,
         )
         return None if found is None else as_stored(found, self.stored), stuck
-
-    def hasty(self) -> Numbers:
-        """The same, on which places are not improved once there are some."""
-        return replace(self, rounds=0)
-
-    def finer(self) -> Iterator[Numbers]:
-        """Finer numbers, by usual factors, tried for the message where a grid has no cage."""
-        if self.lattice is not None:
-            for part in FINER:
-                yield replace(self, lattice=Grid(float(self.lattice.ratio * Fraction(part))))
 
     def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
         """Whether all coordinates are such numbers."""

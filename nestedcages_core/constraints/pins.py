@@ -11,7 +11,7 @@ import scipy
 
 from ..decimation.turns import PIN_REACH
 from ..energies import CageEnergy
-from ..energies.weighted_area import Springs
+from ..energies.springs import Springs
 from ..errors import Fault, NestingError, note
 from ..geometry.arrays import TINY, FloatArray
 from ..geometry.broad_phase import BoxTree
@@ -64,7 +64,7 @@ class Pins(Constraint):
         distance = norm(target[:, None] - coarse.vertices)
         pin, vertex = scipy.optimize.linear_sum_assignment(distance)  # each once, of the least total
         near = distance[pin, vertex] < OUT_OF_REACH
-        return Springs(vertex[near], target[pin[near]], PIN_STIFFNESS)
+        return Springs(vertex[near], target[pin[near]], np.full(int(near.sum()), PIN_STIFFNESS))
 
     def fault(self, cage: Mesh, fine: Mesh) -> Fault | None:
         """A sentence on the pins that the cage misses."""

@@ -1,4 +1,4 @@
-"""The weighted excess, and springs at pins."""
+"""The weighted excess."""
 
 from __future__ import annotations
 
@@ -133,35 +133,3 @@ class FineOutline:
         other = loop != loop[successor]
         swept[other] = 0.5 * cross(point, point[successor])[other]
         return point, swept
-
-
-@dataclass(frozen=True, eq=False)
-class Springs(CageEnergy):
-    """½ k Σ |x - p|² over some vertices x with places p."""
-
-    vertex: IntArray
-    """(P,) indices of vertices."""
-    place: FloatArray
-    """(P, 2)."""
-    stiffness: float
-    """k, without unit."""
-
-    def value(self, vertices: FloatArray, successor: IntArray) -> float:
-        """A length²."""
-        return 0.5 * self.stiffness * float(((vertices[self.vertex] - self.place) ** 2).sum())
-
-    def on_edge(self, vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
-        """(K,) the springs of the edge's first vertex."""
-        pull = start[:, None] - self.place[self.vertex == vertex][None]
-        return np.asarray(0.5 * self.stiffness * (pull**2).sum(axis=(1, 2)))
-
-    def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
-        """(m, 2)."""
-        gradient = np.zeros_like(vertices)
-        gradient[self.vertex] = self.stiffness * (vertices[self.vertex] - self.place)
-        return gradient
-
-    def hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
-        """Constant."""
-        count = len(self.vertex)
-        return Blocks(self.vertex, self.vertex, np.broadcast_to(self.stiffness * np.eye(2), (count, 2, 2)))

@@ -21,7 +21,6 @@ NOTES: Mapping[str, str] = {
     "clearance inside": "The shape is narrow, and leaves {given:.3g} between it and the cage, not {wanted:.3g}.",
     "loops": "The cage has {given}, but the mesh in it has {wanted}{lost}.",
     "energy": "The cage is the coarse mesh, where {energy} is smallest; Area() makes it tighter.",
-    "untightened": "No tightened cage could be certified: the coarse mesh is taken as it is.",
     "symmetry grid": "The symmetry is moved by {difference:.3g} to the grid: {symmetry}.",
     "symmetry none": "The shape has no symmetry within {tolerance_percent:.3g} % of its size, so the cage has none.",
     "symmetry found": "Found {symmetry}, to within {difference:.3g}.",

@@ -11,32 +11,28 @@ that region, so start and solvers push it away from the fine mesh as they do wit
 from __future__ import annotations
 
 import logging
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from itertools import islice
 from math import inf
+from typing import Any, NamedTuple, TypeAlias
 
-from ..decimation import Count, Decimation, LineCycles, Start, Starts
-from ..decimation.base import MIN_PER_LOOP
+from ..decimation import Start
 from ..decimation.cycle_search import OFFSET
-from ..decimation.offset import is_wide, offset_loop_by_loop
-from ..decimation.starts import Outlines, lacks_shapely
 from ..energies import Area
-from ..errors import Fault, FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError, note
-from ..flow.matching import match_loops
+from ..errors import FlowError, NestedCagesError, NestingError, note
+from ..flow import FlowResult
 from ..geometry.mesh import Mesh
-from .draft import OWN, PAPER_PREFERENCE, at_rest, tight_draft
-from .finish import finished
+from .certify import Path, UnsettledError, Verdict, certify, judge, lost_loops
+from .draft import OWN, PAPER_PREFERENCE, Draft, at_rest, flowed, in_input_units, is_at_rest, reinflated, tightened
+from .plan import Plan
 from .progress import OutOfTimeError
-from .report import Level
-from .work import LOOSE_ON_GRID, Draft, Work, methods_for
+from .report import Level, NestingReport
+from .starts import Notes, starts
+from .work import FAILURES, Work
 
 logger = logging.getLogger(__name__)
-
-FAILURES = (FlowError, ReinflationError, NestingError, OutOfTimeError)
-"""Errors after which another way or start is tried, while there is time; any other error ends the run."""
 
 ON_CURVE = "on the curve"
 """What a start with its vertices on the fine mesh is called."""
@@ -44,254 +40,187 @@ ON_CURVE = "on the curve"
 NO_EXCESS = 3e-4
 """Excess up to which the clearance decides: a cage from flow and reinflation is not compared."""
 
-FURTHER_ON_GRID = 2
-"""Further starts along the sequence that are tried where they may be tighter on a grid."""
-
-FEWER, TRIES_WITH_FEWER = 0.8, 8
-"""Factor on the number of vertices where wishes are missed, and how many numbers are tried, the last by bisection."""
-
-Offered = Iterator[tuple[Start, tuple[Fault, ...]]]
-"""Starts, and what is to be said of each."""
-
-Made = tuple[Level, float]
-"""A level, and the loss of its cage before that moved onto certain numbers."""
+LOOSE_ON_GRID, FURTHER_ON_GRID = 0.1, 2
+"""Part of the excess that a grid may add before other starts are tried, and how many further ones along the sequence
+are."""
 
 
-def build_level(work: Work, target: int | Mesh) -> Level:
-    """The level with at most a number of vertices, or from the user's own coarse mesh. Raises NestedCagesError."""
-    work = replace(work, settings=methods_for(work.settings, work.plan))
-    numbers = work.plan.numbers
-    if numbers is None or numbers.grid is None or isinstance(target, Mesh):
-        level = along_starts(work, target)[0]
-        return with_fewer(work, level) if isinstance(target, int) and work.compares else level
-    from .on_grid import tightest_on_grid
+class Candidate(NamedTuple):
+    """A certified level."""
 
-    found = tightest_on_grid(work, target, lambda of, count: along_starts(of, count, most=1))
-    return along_starts(work, target)[0] if found is None else found
+    level: Level
+    excess: float
+    """That of its cage before it moved onto certain numbers, or lost area if inside."""
 
 
-def with_fewer(work: Work, level: Level) -> Level:
-    """A better level with fewer vertices, where there are too many for the wishes."""
-    best, kept, missed = level, 0, len(level.cage.vertices)
-    for _ in range(TRIES_WITH_FEWER if work.misses(level) else 0):
-        count = (kept + missed) // 2 if kept else int(FEWER * missed)
-        if count < max(MIN_PER_LOOP, kept + 1) or work.watch.over is not None:
-            break
-        with suppress(*FAILURES):
-            other = along_starts(work, count)[0]
-            best = min(best, other, key=work.merit)
-            if not work.misses(other):
-                kept = count
-        if kept < count:
-            missed = count
-    return best
+Maker: TypeAlias = Callable[[Work, Any], Candidate]
+"""Makes the level of a target. Raises NestedCagesError."""
 
 
-def along_starts(work: Work, target: int | Mesh, most: int | None = None) -> Made:
-    """The level from the first start, of so many at most, that leads to one, or from a rival of it.
+def build_level(work: Work, target: int | Mesh, most: int | None = None) -> Candidate:
+    """The level of the first start that leads to one, or a better one from a start about as good.
 
-    Raises NestedCagesError.
+    Parameters
+    ----------
+    work : Work
+        What it is made from.
+    target : int or Mesh
+        The largest number of vertices, or the user's own coarse mesh.
+    most : int, optional
+        Number of starts that are tried. Default: all.
+
+    Raises
+    ------
+    NestedCagesError
+        Why there is none from the first start, or that time is over.
     """
-    failures, failed = list[NestedCagesError](), list[Mesh]()
-    others = starts(work, target, failures)
-    try:
-        for start, notes in islice(others, most):
-            try:
-                made = with_room(work, start, notes)
-            except FAILURES as failure:
-                logger.debug("no level from %s: %s", start.source, failure)
-                failures.append(failure)
-                failed.append(start.coarse)
-                if work.watch.over is not None:
-                    break
-            else:
-                return best_of_rivals(work, made, (start, notes), others, failed)
-    except FAILURES as failure:  # there is no start, or no other one
-        failures.append(failure)
-    if work.watch.over is not None:
-        raise work.watch.over
-    raise failures[0] if most else explained(work, target, failures[0])
+    refusals: list[NestedCagesError] = []
+    failed: list[Mesh] = []
+    offered = starts(work, target, refusals)
+    for start, notes in islice(offered, most):
+        try:
+            best = with_room(work, start, notes)
+        except FAILURES as refusal:
+            logger.debug("no level from %s: %s", start.source, refusal)
+            refusals.append(refusal)
+            failed.append(start.coarse)
+            if work.watch.over is not None:
+                break
+        else:
+            with suppress(OutOfTimeError):
+                for rival in rivals(work, start, (other for other, _ in offered), best):
+                    if all(rival.coarse is not mesh for mesh in failed):
+                        with suppress(*FAILURES):
+                            best = min(best, with_room(work, rival, notes), key=lambda each: work.merit(each.level))
+            return best
+    raise work.watch.over or refusals[0]
 
 
-def best_of_rivals(
-    work: Work, made: Made, made_from: tuple[Start, tuple[Fault, ...]], others: Offered, failed: Sequence[Mesh]
-) -> Made:
-    """The best of a level and those from the rivals of its start, without meshes from which none could be made."""
-    start, notes = made_from
-    with suppress(*FAILURES):  # there is no other start
-        for rival in rivals(work, start, others, made[0]):
-            if all(rival.coarse is not mesh for mesh in failed):
-                with suppress(*FAILURES):
-                    made = min(made, with_room(work, rival, notes), key=lambda each: work.merit(each[0]))
-    return made
-
-
-def rivals(work: Work, start: Start, others: Offered, level: Level) -> Iterator[Start]:
+def rivals(work: Work, start: Start, others: Iterator[Start], best: Candidate) -> Iterator[Start]:
     """Starts that may lead to a tighter cage: about as good, and on a grid further ones along the sequence."""
     if not work.compares or work.below < inf or start.source == OWN:
         return
     yield from start.rivals
-    numbers = work.plan.numbers
-    for other, _ in islice(others, FURTHER_ON_GRID if numbers is not None and numbers.grid is not None else 0):
+    for other in islice(others, FURTHER_ON_GRID if work.plan.grid is not None else 0):
         excess = other.coarse.area / work.plan.outline.mesh.area - 1.0
-        if (1.0 + LOOSE_ON_GRID) * excess >= level.excess:
+        if (1.0 + LOOSE_ON_GRID) * excess >= best.level.excess:
             return
         if all(other.coarse is not rival.coarse for rival in start.rivals):
             yield other
 
 
-def with_room(work: Work, start: Start, notes: tuple[Fault, ...]) -> Made:
-    """The level from a start, with more distance where its cage has no place on the numbers. Raises NestingError."""
-    if work.plan.numbers is None:
-        return level_from_start(work, start, notes)
-    from .snap import UnsettledError, rooms
+def with_room(work: Work, start: Start, notes: Notes) -> Candidate:
+    """The level from a start, with more distance where its cage has no place on the numbers.
 
-    unsettled: list[UnsettledError] = []
-    for room in (0.0, *(rooms(work.plan.numbers) if work.below == inf else ())):
+    Raises one of `FAILURES`.
+    """
+    rooms = (0.0,) if work.plan.numbers is None or work.below < inf else (0.0, *work.plan.numbers.rooms)
+    unsettled: list[NestingError] = []
+    for room in rooms:
         try:
             return level_from_start(replace(work, room=room), start, notes)
-        except UnsettledError as error:
-            unsettled.append(error)
-        except NestingError:
-            if not unsettled:
-                raise
-            break
+        except NestingError as refusal:
+            unsettled.append(refusal)
+            if not isinstance(refusal, UnsettledError):
+                break
     raise unsettled[0]
 
 
-def level_from_start(work: Work, start: Start, notes: tuple[Fault, ...]) -> Made:
-    """The paper's way from the mesh on the curve; where that is blocked or looser, the enclosing mesh at rest; where no
-    cage can be certified, that mesh as it is.
+def level_from_start(work: Work, start: Start, notes: Notes) -> Candidate:
+    """The paper's way from the mesh on the curve; where that is blocked or looser, from the enclosing mesh.
 
     Raises one of `FAILURES`.
     """
     start = work.plan.started(start)
-    drafts, failures = list[Draft](), list[NestedCagesError]()
-    for mesh in ways(work, start, drafts):
+    drafts, failures, refusals = list[Draft](), list[NestedCagesError](), list[NestedCagesError]()
+    ways = [start] if start.on_curve is None else [Start(start.on_curve, ON_CURVE)]
+    if start.on_curve is not None and work.settings.fallback is not None:
+        ways.append(start)
+    for way in ways:
+        if drafts and drafts[0].rank <= good_enough(work, start):
+            break
         try:
-            drafts.append(tight_draft(work, mesh))
+            drafts.append(tight_draft(work, way))
         except FAILURES as failure:
-            logger.debug("start from %s failed: %s", mesh.source, failure)
+            logger.debug("start from %s failed: %s", way.source, failure)
             failures.append(failure)
-    refusals = list[NestedCagesError]()
-    through = start.on_curve is None or any(draft.start.source == ON_CURVE for draft in drafts)
-    blocked = [each for each in failures[:1] if not through and not isinstance(each, OutOfTimeError)]
-    stands = work.settings.fallback is not None or start.on_curve is None
-    last = [replace(at_rest(work, start), still=True)] if stands else []
-    for draft in (*sorted(drafts, key=lambda draft: draft.rank), *last):
-        said = notes
-        if blocked and draft.start is start and not draft.still:
-            on = "flow" if isinstance(blocked[0], FlowError) else "reinflation"
-            said = (*notes, note("note.start", on=on, source=start.source, first=ON_CURVE))
+    if drafts and failures and drafts[0].start is start and not isinstance(failures[0], OutOfTimeError):
+        on = "flow" if isinstance(failures[0], FlowError) else "reinflation"
+        notes = (*notes, note("note.start", on=on, source=start.source, first=ON_CURVE))
+    for draft in sorted(drafts, key=lambda draft: draft.rank):
         try:
-            return finished(work, draft, said), draft.excess
+            return Candidate(certified(work, draft, notes), draft.excess)
         except NestingError as refusal:
             refusals.append(refusal)
-    raise (failures or refusals)[0] if not drafts else refusals[0]
+    raise (refusals or failures)[0]
 
 
-def ways(work: Work, start: Start, drafts: Sequence[Draft]) -> Iterator[Start]:
-    """The meshes of a start that are worth trying: that on the curve, and the enclosing one.
-
-    drafts: the cages so far.
-    """
+def good_enough(work: Work, start: Start) -> float:
+    """Rank of a draft from the curve up to which the enclosing mesh cannot be tighter by much."""
+    if not isinstance(work.settings.energy, Area):
+        return inf
     fine = work.plan.outline.mesh
-    if start.on_curve is not None:
-        yield Start(start.on_curve, ON_CURVE)
-        if work.settings.fallback is None:
-            return
-        # lines keep a little away from the fine mesh, beyond the clearance
-        away = max(0.0, OFFSET * fine.diagonal - work.clearances[0]) * float(start.coarse.edge_lengths.sum())
-        enclosing = (start.coarse.area - away) / fine.area - 1.0
-        enough = max((1.0 + PAPER_PREFERENCE) * enclosing, NO_EXCESS) if isinstance(work.settings.energy, Area) else inf
-        if drafts and drafts[0].rank <= enough:
-            return
-    yield start
+    # lines keep a little away from the fine mesh, beyond the clearance
+    away = max(0.0, OFFSET * fine.diagonal - work.clearances[0]) * float(start.coarse.edge_lengths.sum())
+    return max((1.0 + PAPER_PREFERENCE) * ((start.coarse.area - away) / fine.area - 1.0), NO_EXCESS)
 
 
-def starts(work: Work, target: int | Mesh, failures: Sequence[NestedCagesError]) -> Offered:
-    """Coarse meshes to begin with, the best first, and what is to be said of them. Raises NestingError.
-
-    failures: of those handed out so far; the caller adds to them.
-    """
-    plan, settings, fine = work.plan, work.settings, work.plan.outline.mesh
-    tried: Decimation | None = None
-    notes = plan.outline.notes
-    if isinstance(target, Mesh):
-        if plan.side > 0 or plan.verify(target, 0.0):
-            yield Start(target, OWN), notes
-        else:
-            said = "The coarse mesh does not lie strictly inside the fine one, loop by loop"
-            outside = NestingError(f"{said}; move it inside, or give a vertex count.", code="coarse.not_nested")
-            failures = [outside]
-        count = _counts_like(target, fine)
-    else:
-        clearance, tried = work.clearances[0], settings.decimation
-        count, clamped = plan.possible(target, unlimited=work.along and is_wide(fine, target, clearance))
-        notes += clamped
-        if work.along and lacks_shapely(fine, target, clearance):
-            notes += (note("note.library", library="shapely"),)
-        try:
-            for start in decimated(work, tried, count):
-                yield start, notes
-                if settings.fallback is None:
-                    return
-        except NestingError as failure:
-            failures = [*failures, failure]
-    other = settings.fallback
-    if not failures:
-        return
-    if other is None or (isinstance(tried, LineCycles) and isinstance(other, LineCycles)):
-        raise failures[0]
-    for start in decimated(work, other, count):
-        told = (*notes, note("note.start", on="fallback", source=start.source, text=str(failures[0])))
-        numbers = [len(loop) for loop in start.coarse.loops]
-        if not isinstance(count, int) and numbers != list(count):
-            told = (*told, note("note.count", on="loops", asked=count, given=numbers))
-        yield start, told
+def tight_draft(work: Work, start: Start) -> Draft:
+    """Flow, reinflation and tightening from a coarse mesh. Raises FlowError, ReinflationError."""
+    draft = at_rest(work, start)
+    if not is_at_rest(work, start):
+        draft = reinflated(work, flowed(work, draft))
+    return tightened(work, draft, work.clearances[0])
 
 
-def decimated(work: Work, decimation: Decimation, count: Count) -> Iterator[Start]:
-    """The coarse meshes of a decimation, along the sequence of outlines. Raises NestingError."""
-    work.watch.begin("decimation")
-    outline, clearance = work.plan.outline.mesh, work.clearances[0]
-    tick, kept = work.watch.tick("decimation"), work.plan.kept()
-    if isinstance(decimation, LineCycles) and work.along and isinstance(count, int):
-        outlines = Outlines(outline, count, clearance, kept, decimation, tick)
-        yield from outlines.starts(one_loop=work.settings.loops == "one")
-        return
-    if isinstance(decimation, LineCycles):  # at large clearances
-        wide = offset_loop_by_loop(outline, clearance, work.plan.side)
-        with suppress(NestingError, InvalidMeshError):
-            yield from () if wide is None else decimation.outside.starts(wide, count, kept=kept, tick=tick)
-    if isinstance(decimation, Starts):
-        yield from decimation.starts(outline, count, clearance=clearance, kept=kept, tick=tick)
-    else:
-        name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(decimation).__name__).lower()
-        yield Start(decimation.decimate(outline, count, clearance=clearance), name)
+def certified(work: Work, draft: Draft, notes: Notes) -> Level:
+    """The level of a draft, at the largest of the clearances that allows one. Raises NestingError."""
+    plan, watch, wanted = work.plan, work.watch, work.clearances[0]
+    for clearance in work.clearances:
+        if clearance < wanted:
+            draft = tightened(work, draft, clearance)
+        watch.begin("verification")
+        path = in_input_units(work, draft)
+        verdict = judge(plan, path.cage, clearance, whole=plan.numbers is None and plan.outline.inner is None)
+        if not verdict.is_only_too_close:
+            break
+    if not verdict:
+        from .explanations import rejection
+
+        raise NestingError(rejection(verdict, wanted))
+    if clearance < wanted:
+        notes += (note("note.clearance", on="inside" if plan.side < 0 else "gaps", wanted=wanted, given=clearance),)
+    notes += lost_loops(verdict.cage, plan.fine, verdict.certificate)
+    energy = work.settings.energy
+    if not draft.tightening and len(path.reinflation.cage_steps) == 1 and not isinstance(energy, Area):
+        notes += (note("note.energy", energy=type(energy).__name__),)
+    iterations = {"flow": draft.flow.iterations, "reinflation": draft.reinflation.iterations}
+    iterations |= {"tightening": draft.iterations[0], "quadratic programs": draft.iterations[1]}
+    source = "flow" if len(draft.flow.steps) > 1 else draft.start.source
+    if plan.numbers is None:
+        notes += tuple(plan.missed(verdict.cage, must=False))
+    report = NestingReport(False, False, 0.0, clearance, 0.0, source, iterations, {}, notes)
+    if plan.numbers is not None:
+        from .snap import snapped
+
+        if draft.excess >= work.below:
+            raise UnsettledError("The cage is not tighter than another one.")
+        level = snapped(work, path, report)
+        if plan.outline.inner is None:
+            return level
+        path, report = Path.of(level), level.report
+    if plan.outline.inner is not None:
+        verdict, path, report = around_inner(plan.outline.inner, plan, path, report)
+    return certify(verdict, path, report, stored=report.stored, tick=watch.tick("verification"))
 
 
-def explained(work: Work, target: int | Mesh, failure: NestedCagesError) -> NestedCagesError:
-    """An error with what would help: the least number of vertices, or a grid."""
-    if work.plan.numbers is not None:
-        from .snap import UnsettledError, with_finer_grid
-
-        if isinstance(failure, UnsettledError):
-            return with_finer_grid(failure, work.plan, work.settings.energy, work.watch)
-    if isinstance(target, Mesh) or not work.plan.is_free:
-        return failure
-    from .least_count import with_least
-
-    return with_least(failure, work.settings.decimation, work.plan.outline.mesh, work.clearances, work.plan.side)
-
-
-def _counts_like(coarse: Mesh, fine: Mesh) -> Count:
-    """The vertices of each loop of a coarse mesh, in the order of those of the fine one, or their total where its loops
-    are others."""
-    total = max(len(coarse.vertices), 3 * len(fine.loops))
-    if len(coarse.loops) != len(fine.loops):
-        return total
-    try:
-        return [len(coarse.loops[k]) for k in match_loops(fine, coarse).partner]
-    except FlowError:
-        return total
+def around_inner(inner: Mesh, plan: Plan, path: Path, report: NestingReport) -> tuple[Verdict, Path, NestingReport]:
+    """The cage of a mesh that rests in the one that was solved for, and is judged with it."""
+    mended = plan.mended(path.cage)
+    if mended is not None:
+        path, report = Path.at_rest(inner, mended[0]), report.with_count(mended[1])
+    rest = inner.vertices[None]
+    path = Path(path.coarse, FlowResult(rest, 0, "inside"), replace(path.reinflation, moving_steps=rest))
+    verdict = judge(replace(plan, fine=inner), path.cage, report.wanted_clearance)
+    lost = lost_loops(path.cage, inner, verdict.certificate)
+    return verdict, path, replace(report, notes=(*lost, *report.notes))

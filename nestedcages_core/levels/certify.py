@@ -8,20 +8,28 @@ report tells what was measured.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
-from ..errors import Fault, NestingError
+from ..errors import Fault, NestingError, note
 from ..flow import FlowResult
 from ..geometry.mesh import Mesh
 from ..progress import Tick, no_tick
-from ..verification import Certificate
+from ..verification.certificate import Certificate, loops_in_words
 from ..verification.motion import certify_motion
 from .plan import Plan
 from .report import Level, NestingReport
+
+
+class UnsettledError(NestingError):
+    """A cage has no place on the numbers asked for."""
+
+    excess: float = inf
+    """Of the cage before it moved there, or lost area if inside."""
 
 
 class Path(NamedTuple):
@@ -83,29 +91,6 @@ class Verdict:
         found = self.certificate
         return found.strict and found.simple and len(found.problems) == 1 and found.clearance < self.wanted
 
-    def rejection(self, wanted: float) -> Fault:
-        """Why the cage is no level; wanted: the first clearance asked for."""
-        found, inside = self.certificate, self.plan.side < 0
-        if found.holds and self.fault is not None:
-            return self.fault
-        if not self.is_only_too_close:
-            said = "The cage could not be certified: "
-            if inside:
-                said = (
-                    "The inner cage could not be certified; in the words of verify(fine, cage), which takes the fine "
-                    "mesh for the cage: "
-                )
-            return Fault(said + " ".join(found.problems), "certificate.failed", problems=found.problems)
-        from .narrow_places import too_narrow  # for the message
-
-        return (None if inside else too_narrow(self.plan.fine, wanted)) or Fault(
-            f"No {'inner ' * inside}cage with this few vertices was found that keeps the clearance of {wanted:.6g}: "
-            f"the best one comes as close as {found.clearance:.6g}; ask for less clearance or use more vertices.",
-            "clearance.no_room",
-            wanted=wanted,
-            largest=found.clearance,
-        )
-
 
 def judge(plan: Plan, cage: Mesh, wanted: float, *, whole: bool = True, same_loops: bool | None = None) -> Verdict:
     """The verdict on a cage of a plan at a clearance.
@@ -161,6 +146,13 @@ def rerouted(level: Level, path: Path, stored: str | None = None) -> Level:
     verdict = judge(Plan.of(level.fine, side=level.side), level.cage, level.report.wanted_clearance)
     other = certify(verdict, path, level.report, stored=stored)
     return replace(other, report=replace(other.report, grid=level.report.grid))
+
+
+def lost_loops(cage: Mesh, fine: Mesh, certificate: Certificate) -> tuple[Fault, ...]:
+    """What became of loops, where a cage has others than the mesh in it."""
+    if cage.has_loops_like(fine):
+        return ()
+    return (note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(fine), **certificate.lost.note),)
 
 
 def standing(fine: Mesh, cage: Mesh, report: NestingReport, wanted: float, *, side: int = 1) -> Level:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -20,20 +19,8 @@ OUTLINES = 12
 """Maximum number of outlines of the sequence that are looked at."""
 
 
-class ExcessByCount(Mapping[int, float]):
+class ExcessByCount(dict[int, float]):
     """About the excess of the tightest cage for each number of vertices; see `excess_by_count`."""
-
-    def __init__(self, excess: Mapping[int, float]) -> None:
-        self._excess = dict(excess)
-
-    def __getitem__(self, count: int) -> float:
-        return self._excess[count]
-
-    def __iter__(self) -> Iterator[int]:
-        return iter(self._excess)
-
-    def __len__(self) -> int:
-        return len(self._excess)
 
     def __repr__(self) -> str:
         return f"ExcessByCount({', '.join(f'{count}: {excess:.3g}' for count, excess in self.items())})"

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from math import isfinite
-from typing import Any
-
-import numpy as np
 
 from ..errors import NestingError
-from ..geometry.mesh import Mesh
 from ..tolerance.within import Within
-from .targets import Share, Wanted
+from .targets import Share
 
 UNITS: Mapping[str, float] = {"px": 1.0, "u": 1.0}
 """Suffixes of distances with their lengths in input units: pixels and units of a file, which mean the same."""
@@ -67,24 +63,3 @@ def parse_level(word: str, units: Mapping[str, float] = UNITS) -> int | Share | 
         + (named if unit in LENGTHS and unit not in units else ""),
         code="level.invalid",
     )
-
-
-def listed_levels(levels: Wanted | Sequence[Wanted]) -> list[Any]:
-    """The levels as a list, with texts read; a single one needs none. Raises NestedCagesError."""
-    single = int, np.integer, Share, Within, Mesh, Mapping, str
-    is_loop = isinstance(levels, np.ndarray) and levels.ndim == 2
-    if isinstance(levels, single) or hasattr(levels, "__geo_interface__") or is_loop:
-        given: Iterable[Any] = [levels]
-    elif isinstance(levels, Iterable):
-        given = levels
-    else:
-        raise NestingError(
-            f'A level must be a vertex count, a text such as "8%", a Mesh or Within(…), for instance [64, 16], not '
-            f"{levels!r}.",
-            code="level.invalid",
-        )
-    return [read for level in given for read in (_parsed(level) if isinstance(level, str) else [level])]
-
-
-def _parsed(text: str) -> list[int | Share | Within]:
-    return [parse_level(word) for word in level_words(text) or [text]]

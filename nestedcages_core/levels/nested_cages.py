@@ -3,31 +3,30 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from math import inf
 from time import perf_counter
-from typing import TYPE_CHECKING, NamedTuple, Unpack
+from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
 import numpy as np
 
 from ..decimation.base import MIN_PER_LOOP
 from ..errors import NestedCagesError, NestingError, note
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like, outer_and_inner
-from ..progress import Run, listened
+from ..progress import listened
 from ..tightening import Tightening
 from ..tolerance.within import Within
 from ..verification import verify
-from .build import build_level
+from .build import Maker, build_level
 from .constraints import Asked, constraints_of
-from .level_text import listed_levels
 from .plan import Plan
 from .progress import OutOfTimeError, Progress, Watch
 from .report import Hierarchy, Level
 from .settings import Settings
-from .targets import Rising, Share, Wanted, in_order, wanted_levels
-from .work import Work, clearances_for
+from .targets import Rising, Share, Wanted, in_order, is_count, wanted_levels
+from .work import Work, clearances_for, methods_for
 
 if TYPE_CHECKING:
     from .keywords import SettingsKeywords
@@ -39,6 +38,9 @@ MOST_STEPS, STEPS_OF_A_LOOP = 10_000, 50
 
 ROOM_OF_A_LEVEL = 2.5
 """Distance between loops, in clearances, that leaves room for those of a further level: 2 fit exactly."""
+
+Target = int | Mesh | Within
+"""A level that was checked."""
 
 
 def nested_cages(
@@ -61,7 +63,7 @@ def nested_cages(
     Exact predicates certify every returned cage. Raises a NestedCagesError when a level cannot be made; its ``partial``
     is the Hierarchy of the finished ones.
     """
-    return listened(NestedCagesRun.work(fine, levels, settings, **options), progress)
+    return listened(making(fine, levels, 1, settings, **options), progress)
 
 
 def inner_cages(
@@ -79,66 +81,62 @@ def inner_cages(
     out, with a note. The settings `flow` and `contact` are not used, nor is a decimation other than `LineCycles`.
     Errors are those of `nested_cages`.
     """
-    return listened(InnerCagesRun.work(fine, levels, settings, **options), progress)
+    return listened(making(fine, levels, -1, settings, **options), progress)
 
 
-class NestedCagesRun(Run[Progress, Hierarchy]):
-    """The work of :func:`nested_cages` as an iterator over its progress; dropping it cancels the work."""
-
-    side = 1
-    """1 for cages around the mesh, -1 for cages inside it."""
-
-    def __init__(
-        self,
-        fine: MeshLike,
-        levels: Wanted | Sequence[Wanted],
-        settings: Settings | None = None,
-        **options: Unpack[SettingsKeywords],
-    ) -> None:
-        super().__init__(self.work(fine, levels, settings, **options))
-
-    @classmethod
-    def work(
-        cls,
-        fine: MeshLike,
-        levels: Wanted | Sequence[Wanted],
-        settings: Settings | None = None,
-        **options: Unpack[SettingsKeywords],
-    ) -> Callable[[Callable[[Progress], None]], Hierarchy]:
-        """The work of a run as a function of what it reports to."""
-        return partial(_hierarchy, fine, listed_levels(levels), Settings.of(settings, **options), cls.side)
-
-    @property
-    def hierarchy(self) -> Hierarchy:
-        """The result; RuntimeError before the run is over."""
-        return self.result
+def making(
+    fine: MeshLike,
+    levels: Wanted | Sequence[Wanted],
+    side: int,
+    settings: Settings | None = None,
+    **options: Unpack[SettingsKeywords],
+) -> Callable[[Callable[[Progress], None]], Hierarchy]:
+    """What makes cages around a mesh (side 1) or inside it (-1), as a function of what it reports to."""
+    return partial(_hierarchy, fine, listed_levels(levels), side, Settings.of(settings, **options))
 
 
-class InnerCagesRun(NestedCagesRun):
-    """The work of :func:`inner_cages` as an iterator over its progress; dropping it cancels the work."""
+def listed_levels(levels: Wanted | Sequence[Wanted]) -> list[Any]:
+    """The levels as a list, with texts read; a single one needs none. Raises NestedCagesError."""
+    single = int, np.integer, Share, Within, Mesh, Mapping, str
+    is_loop = isinstance(levels, np.ndarray) and levels.ndim == 2
+    if isinstance(levels, single) or hasattr(levels, "__geo_interface__") or is_loop:
+        given: Iterable[Any] = [levels]
+    elif isinstance(levels, Iterable):
+        given = levels
+    else:
+        raise NestingError(
+            f'A level must be a vertex count, a text such as "8%", a Mesh or Within(…), for instance [64, 16], not '
+            f"{levels!r}.",
+            code="level.invalid",
+        )
+    return [read for level in given for read in (_parsed(level) if isinstance(level, str) else [level])]
 
-    side = -1
+
+def _parsed(text: str) -> list[int | Share | Within]:
+    from .level_text import level_words, parse_level
+
+    return [parse_level(word) for word in level_words(text) or [text]]
 
 
 def _hierarchy(
-    fine: MeshLike, levels: Sequence[Wanted], settings: Settings, side: int, report: Callable[[Progress], None]
+    fine: MeshLike, levels: Sequence[Wanted], side: int, settings: Settings, report: Callable[[Progress], None]
 ) -> Hierarchy:
     """All levels; where one finds no room, all are made again, with room between their loops."""
     deadline = perf_counter() + (inf if settings.seconds is None else settings.seconds)
     if side < 0 and settings.loops == "one":
         raise NestingError('Inner cages keep all loops; leave out loops="one".', code="setting.conflict")
     keeps = side < 0 or settings.loops == "keep"
-    fine, wanted = _checked(fine, levels, side, convex=settings.convex, keeps=keeps)
+    fine, targets = _checked(fine, levels, side, convex=settings.convex, keeps=keeps)
     about = _about(settings, fine, side)
     asked, clearances = constraints_of(settings, about, side), clearances_for(settings, fine)
-    every = _Levels(about, asked, settings, len(wanted), clearances, keeps, side, deadline, report)
+    every = _Levels(about, asked, settings, len(targets), clearances, keeps, side, deadline, report)
     failure: NestedCagesError | None = None
     for room in (0.0, ROOM_OF_A_LEVEL):
         made: list[Level] = []
         try:
-            for index, target in enumerate(wanted):
+            for index, target in enumerate(targets):
                 inner = made[-1].cage if made else fine
-                made.append(every.level(index, target, inner, apart=room * (len(wanted) - 1 - index)))
+                made.append(every.level(index, target, inner, apart=room * (len(targets) - 1 - index)))
                 logger.debug("level %d: %s", index, made[-1].report)
             return Hierarchy(fine, tuple(made))
         except NestedCagesError as error:
@@ -167,45 +165,49 @@ class _Levels(NamedTuple):
     deadline: float
     report: Callable[[Progress], None]
 
-    def level(self, index: int, target: int | Mesh | Within, inner: Mesh, *, apart: float) -> Level:
+    def level(self, index: int, target: Target, inner: Mesh, *, apart: float) -> Level:
         """One level, with more vertices where its number may rise; apart: see `Tightening`."""
-        settings = self.settings
+        settings, most = self.settings, MOST_STEPS + STEPS_OF_A_LOOP * len(inner.loops)
         if apart > 0.0:
             settings = replace(settings, tightening=replace(settings.tightening, apart=apart))
-        watch = Watch(
-            index,
-            self.number,
-            self.report,
-            seconds=settings.seconds,
-            deadline=self.deadline,
-            most=MOST_STEPS + STEPS_OF_A_LOOP * len(inner.loops),
-        )
+        watch = Watch(index, self.number, self.report, settings.seconds, self.deadline, most)
         plan = Plan.of(inner, self.asked.constraints, self.asked.importance, side=self.side)
         along = isinstance(target, int) and not self.keeps and not settings.convex
-        work = Work(plan, settings, self.clearances, watch, along)
+        work = Work(plan, methods_for(settings, plan), self.clearances, watch, along)
         while True:
             try:
-                if isinstance(target, Within):
-                    from .fewest import fewest
-
-                    level = fewest(target, self.about, work)
-                else:
-                    level = build_level(work, target)
+                level = self._makes(work, target)(work, target).level
                 break
             except OutOfTimeError:
                 raise
             except NestedCagesError as error:
-                if not isinstance(target, Rising):
-                    raise
-                target = target.after(error)  # more vertices each time, and at most those of the mesh
-        notes = (*self.asked.notes, *level.report.notes, *(target.notes() if isinstance(target, Rising) else ()))
-        count = len(level.cage.vertices)
-        asked = (
-            len(target.vertices) if isinstance(target, Mesh) else count if isinstance(target, Within) else int(target)
-        )
-        if count < asked and not any(each.code == "note.count" for each in notes):
-            notes += (note("note.count", on="fewer", asked=asked, given=count),)
-        return replace(level, report=replace(level.report, notes=(*notes, *watch.note)))
+                from .explanations import explained
+
+                refusal = explained(work, error) if isinstance(target, int) else error
+                least = refusal.data.get("least", 0) if refusal.code == "count.too_small" else 0
+                if not isinstance(target, Rising) or least <= target:
+                    raise refusal from error.__cause__
+                target = target.raised(int(least))  # at most the number of the mesh
+        given, notes = len(level.cage.vertices), (*self.asked.notes, *level.report.notes)
+        notes += target.notes() if isinstance(target, Rising) else ()
+        asked = int(target) if isinstance(target, int) else len(target.vertices) if isinstance(target, Mesh) else given
+        if given < asked and not any(each.code == "note.count" for each in notes):
+            notes += (note("note.count", on="fewer", asked=asked, given=given),)
+        watch.stop_clock()
+        report = replace(level.report, seconds=dict(watch.seconds), notes=(*notes, *watch.note))
+        return replace(level, report=report)
+
+    def _makes(self, work: Work, target: int | Mesh | Within) -> Maker:
+        """What makes the level of a target."""
+        if isinstance(target, Within):
+            from .fewest import fewest
+
+            return partial(fewest, self.about, self._makes)
+        if isinstance(target, Mesh) or not (work.plan.grid or (work.plan.has_wishes and work.compares)):
+            return build_level
+        from .fewer import tightest_on_grid, with_wishes
+
+        return with_wishes if work.plan.grid is None else tightest_on_grid
 
 
 def _about(settings: Settings, fine: Mesh, side: int) -> Mesh:
@@ -224,7 +226,7 @@ def _about(settings: Settings, fine: Mesh, side: int) -> Mesh:
 
 def _checked(
     fine: MeshLike, levels: Sequence[Wanted], side: int, *, convex: bool, keeps: bool
-) -> tuple[Mesh, list[int | Mesh | Within]]:
+) -> tuple[Mesh, list[Target]]:
     """The fine mesh and the levels, all meshes validated.
 
     NestingError for levels that no cage can have, InvalidMeshError for moved meshes that are not valid any more.
@@ -232,36 +234,37 @@ def _checked(
     if not is_mesh_like(fine):
         raise NestingError(f"The fine mesh must be {MESH_LIKE}, not {type(fine).__name__}.", code="mesh.unreadable")
     fine = Mesh.of(fine, inside=side < 0).validated()
-    checked: list[int | Mesh | Within] = []
+    checked: list[Target] = []
     loops = len(fine.loops) if keeps and not convex else 1  # convex cages have this many vertices around each part
-    for number, asked in enumerate(in_order(levels, len(fine.vertices)), start=1):
-        (level,) = wanted_levels([asked], fine, keeps=keeps) if isinstance(asked, Share) else [asked]
+    ordered = in_order(levels, len(fine.vertices))
+    for number, level in enumerate(wanted_levels(ordered, fine, keeps=keeps), start=1):
+        least = MIN_PER_LOOP * loops
         if isinstance(level, Within):
             checked.append(level)
+        elif isinstance(level, Rising):
+            checked.append(level.raised(least))
         elif is_mesh_like(level):
             if convex:
                 raise NestingError(
                     "A convex cage needs a number of vertices, not a coarse mesh.", code="setting.conflict"
                 )
-            mesh = Mesh.of(level).validated()
+            checked.append(mesh := Mesh.of(level).validated())
             loops = len(mesh.loops) if keeps else 1
-            checked.append(mesh)
-        elif isinstance(level, (int, np.integer)) and not isinstance(level, bool):
-            count = level.raised(MIN_PER_LOOP * loops) if isinstance(level, Rising) else int(level)
-            if count < MIN_PER_LOOP * loops:
-                raise NestingError(
-                    f"Level {number} asks for {count} vertices, but {loops} loop{'s need' if loops > 1 else ' needs'} "
-                    f"at least {MIN_PER_LOOP * loops}{f', {MIN_PER_LOOP} each' if loops > 1 else ''}.",
-                    code="count.too_small",
-                    total=count,
-                    least=MIN_PER_LOOP * loops,
-                )
-            checked.append(count)
-        else:
+        elif not is_count(level):
             raise NestingError(
                 f"Level {number} must be a number of vertices, a Mesh or Within(…), not {level!r}.",
                 code="setting.invalid",
             )
+        elif int(level) < least:
+            raise NestingError(
+                f"Level {number} asks for {level} vertices, but {loops} loop{'s need' if loops > 1 else ' needs'} "
+                f"at least {least}{f', {MIN_PER_LOOP} each' if loops > 1 else ''}.",
+                code="count.too_small",
+                total=int(level),
+                least=least,
+            )
+        else:
+            checked.append(int(level))
     if not checked:
         raise NestingError("There are no levels: give at least one vertex count or coarse mesh.", code="level.invalid")
     return fine, checked

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -70,10 +70,15 @@ class Plan:
         """What coordinates may be; None: all doubles."""
         return cast("Numbers | None", next((each for each in self.constraints if each.settles), None))
 
-    def on(self, numbers: Numbers) -> Plan:
-        """The plan with other numbers."""
-        kept = (numbers if each.settles else each.rounded(numbers) for each in self.constraints)
-        return replace(self, constraints=tuple(kept))
+    @property
+    def grid(self) -> float | None:
+        """Length of which coordinates are multiples."""
+        return None if self.numbers is None else self.numbers.grid
+
+    @property
+    def has_wishes(self) -> bool:
+        """Whether there are constraints that may be missed."""
+        return not all(each.must for each in self.constraints)
 
     def kept(self) -> Kept:
         """What is kept as far as lines show it; a symmetry of the outline is preferred where nothing is."""
@@ -160,17 +165,17 @@ class Plan:
         of_loops = np.array([units.clearance(length) for length in np.max(every, axis=0).tolist()])
         return np.asarray(of_loops[self.fine.loop_of_vertex])
 
-    def energy(self, energy: CageEnergy, coarse: Mesh, units: SolverUnits) -> tuple[CageEnergy, bool]:
-        """The energy with what matters and the terms of constraints, and whether there are any.
+    def energy(self, energy: CageEnergy, coarse: Mesh, units: SolverUnits) -> CageEnergy:
+        """The energy with what matters and the terms of constraints.
 
         coarse: in the units of the solvers.
         """
         if self.side < 0:
-            from ..energies.area import LostArea
+            from ..energies.lost_area import LostArea
 
             energy = energy.with_area(LostArea(units.from_input(self.fine).area))
         if self.is_free:
-            return energy, False
+            return energy
         importance, outline = self.importance, units.from_input(self.outline.mesh)
         if importance is not None and importance.weights is not None:
             from ..energies.weighted_area import weighted
@@ -185,7 +190,7 @@ class Plan:
             from ..energies.weighted_sum import WeightedSum
 
             energy = WeightedSum(tuple((1.0, term) for term in (energy, *terms)))
-        return energy, importance is not None
+        return energy
 
     def missed(self, cage: Mesh, *, must: bool = True, whole: bool = True) -> Iterator[Fault]:
         """What a cage does not keep: promises, or wishes. whole: also of what only finished cages have."""
@@ -199,7 +204,3 @@ class Plan:
         """See `Constraint.mended`."""
         every = (found for each in self.constraints if (found := each.mended(cage)) is not None)
         return next((found for found in every if len(found[0].vertices) < len(cage.vertices)), None)
-
-    def notes(self, cage: Mesh) -> tuple[Fault, ...]:
-        """A sentence for each wish that a cage misses."""
-        return tuple(self.missed(cage, must=False))

@@ -43,7 +43,6 @@ class Watch:
         level: int,
         levels: int,
         report: Callable[[Progress], None],
-        *,
         seconds: float | None = None,
         deadline: float = inf,
         most: float = inf,

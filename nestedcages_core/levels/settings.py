@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, Unpack
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -17,8 +17,9 @@ from ..flow import FlowMethod, TwoSidedFlow
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
-from ..parameters import check_flag, has_method
+from ..parameters import check_flag, check_not_negative, check_part, check_positive, has_method
 from ..tightening import Tightening
+from .targets import is_count
 
 if TYPE_CHECKING:
     from ..constraints.base import Constraint
@@ -42,13 +43,6 @@ LOOPS = ("auto", "keep", "one")
 
 STORED_TYPES = ("float32", "float16")
 """Types that can hold coordinates, other than doubles."""
-
-POSITIVE = {
-    "grid": ("The grid must be a finite length", "leave it out for none"),
-    "seconds": ("seconds must be a finite time", "leave it out for no limit"),
-    "min_edge": ("min_edge must be a finite length", "leave it out for none"),
-}
-"""Settings that are numbers above 0: what they must be, and what to do otherwise."""
 
 
 @dataclass(frozen=True)
@@ -124,91 +118,67 @@ class Settings:
             raise NestingError(
                 f"The settings must be Settings(…), not {type(settings).__name__}.", code="setting.invalid"
             )
-        unknown = [name for name in options if name not in cls.__dataclass_fields__]
-        if unknown:
-            from difflib import get_close_matches
-
-            meant = get_close_matches(unknown[0], cls.__dataclass_fields__, 1)
-            hint = f"did you mean {meant[0]!r}?" if meant else "see help(Settings) for those there are."
-            raise TypeError(f"There is no setting {unknown[0]!r}; {hint}")
         return replace(settings, **options) if settings is not None else cls(**options)
 
     def __post_init__(self) -> None:
-        self._check_methods()
+        check_not_negative(self, *(["clearance"] if self.clearance is not None else []))
+        check_positive(self, *(name for name in ("grid", "seconds", "min_edge") if getattr(self, name) is not None))
+        check_flag(self, "convex", "steps")
+        for name, (method, example) in METHODS.items():
+            if name != "fallback" or self.fallback is not None:
+                check_part(self, name, method, example)
+        contacts = self.contact if isinstance(self.contact, Sequence) else [self.contact]
+        if self.contact is not None and not (contacts and all(has_method(each, "reinflate") for each in contacts)):
+            raise invalid_setting(
+                f"The contact must be an object such as IPC(), or several of them in a list, not {self.contact!r}; "
+                "leave it out for the default."
+            )
         if self.loops not in LOOPS:
             raise invalid_setting(f"loops must be one of {', '.join(map(repr, LOOPS))}, not {self.loops!r}.")
-        of_loops = self.has_priorities or self.has_limits or self.symmetry is not None or self.convex
-        if self.loops == "one" and of_loops:
+        stored = type_name(self.stored)
+        if stored not in (*STORED_TYPES, None):
+            raise invalid_setting(f"stored must be float64, {' or '.join(STORED_TYPES)}, not {self.stored!r}.")
+        if not isinstance(self.about, Mesh | None):
+            raise invalid_setting(f"about must be a Mesh, not {type(self.about).__name__}.")
+        if not (self.symmetry is None or has_method(self.symmetry, "of") or has_method(self.symmetry, "image")):
+            raise invalid_setting(
+                "The symmetry must be an object such as Mirror(point, direction), Rotation(centre, order) or "
+                f"DetectSymmetry(), not {self.symmetry!r}."
+            )
+        if self.min_angle is not None:
+            from ..constraints.edges_and_angles import LeastAngle
+
+            LeastAngle(self.min_angle)  # checks it
+        as_tuples = {
+            "stored": stored,  # a name: settings are told apart by value
+            "weights": _weights(self.weights),
+            "pins": tuple(
+                int(pin) if is_count(pin) else _place(pin, "A pin must be the number of a vertex or a place (x, y)")
+                for pin in _listed(self.pins, "pins")
+            ),
+            "joints": tuple(
+                _place(joint, "A joint must be a place (x, y)") for joint in _listed(self.joints, "joints")
+            ),
+            "constraints": tuple(map(_constraint, _listed(self.constraints, "constraints"))),
+        }
+        for name, value in as_tuples.items():
+            object.__setattr__(self, name, value)
+        has_limits = self.min_edge is not None or self.min_angle is not None
+        if self.loops == "one" and (self.has_priorities or has_limits or self.symmetry is not None or self.convex):
             raise NestedCagesError(
                 'loops="one" does not go with convex, symmetry, weights, pins, joints or limits; leave out one.',
                 code="setting.conflict",
                 names=("loops",),
             )
-        for name, (wanted, otherwise) in POSITIVE.items():
-            value = getattr(self, name)
-            if value is not None and not (is_length(value) and value > 0.0):
-                raise invalid_setting(f"{wanted} above 0, not {value!r}; {otherwise}.")
-        if self.stored is not None and type_name(self.stored) not in (*STORED_TYPES, None):
-            raise invalid_setting(f"stored must be float64, {' or '.join(STORED_TYPES)}, not {self.stored!r}.")
-        object.__setattr__(self, "stored", type_name(self.stored))  # a name: settings are told apart by value
-        check_flag(self, "convex", "steps")
-        if not isinstance(self.about, Mesh | None):
-            raise invalid_setting(f"about must be a Mesh, not {type(self.about).__name__}.")
-        constraints = tuple(_listed(self.constraints, "constraints"))
-        if constraints:
-            from ..constraints.base import Constraint
-
-            for constraint in constraints:
-                if not isinstance(constraint, Constraint):
-                    raise invalid_setting(
-                        "A constraint must be an object such as Box(low, high), of a class derived from Constraint, "
-                        f"not {constraint!r}."
-                    )
-        object.__setattr__(self, "constraints", constraints)
-        _check_priorities(self)
-        symmetry: object = self.symmetry
-        if not (symmetry is None or has_method(symmetry, "of") or has_method(symmetry, "image")):
-            raise invalid_setting(
-                "The symmetry must be an object such as Mirror(point, direction), Rotation(centre, order) or "
-                f"DetectSymmetry(), not {symmetry!r}."
-            )
-        if self.convex and (self.pins or self.joints or self.has_limits):
+        if self.convex and (self.pins or self.joints or has_limits):
             raise NestedCagesError(
                 "Convex cages have no pins, joints or limits; leave these out or convex.", code="setting.conflict"
-            )
-
-    def _check_methods(self) -> None:
-        if self.clearance is not None and not is_length(self.clearance):
-            raise NestedCagesError(
-                f"The clearance must be a finite length of at least 0, not {self.clearance!r}; leave it out for the "
-                f"default.",
-                code="setting.invalid",
-            )
-        for name, (method, example) in METHODS.items():
-            chosen = getattr(self, name)
-            if not has_method(chosen, method) and not (chosen is None and name == "fallback"):
-                what = name.replace("_", " ")
-                raise NestedCagesError(
-                    f"The {what} must be an object such as {example}, not {chosen!r}.", code="setting.invalid"
-                )
-        contact: object = self.contact
-        several = contact if isinstance(contact, Sequence) and not isinstance(contact, str) else [contact]
-        if contact is not None and not (several and all(has_method(each, "reinflate") for each in several)):
-            raise NestedCagesError(
-                f"The contact must be an object such as IPC(), or several of them in a list, not {contact!r}; leave it "
-                "out for the default.",
-                code="setting.invalid",
             )
 
     @property
     def has_priorities(self) -> bool:
         """Whether weights, pins or joints are given."""
         return self.weights is not None or bool(self.pins or self.joints)
-
-    @property
-    def has_limits(self) -> bool:
-        """Whether a least edge or angle is given."""
-        return self.min_edge is not None or self.min_angle is not None
 
 
 def type_name(value: object) -> str | None:
@@ -220,48 +190,49 @@ def type_name(value: object) -> str | None:
     return None if name == "float64" else name
 
 
-def _check_priorities(settings: Settings) -> None:
-    """Check where it matters, and make weights, pins and joints tuples. Raises NestedCagesError."""
-    if settings.weights is not None:
-        weights = _numbers(settings.weights, 1, "The weights must be a list of finite numbers, one per fine vertex")
-        if (weights < 0.0).any() or not (weights > 0.0).any():
-            raise invalid_setting("The weights must be numbers of at least 0, and some of them above 0.")
-        object.__setattr__(settings, "weights", tuple(weights.tolist()))
-    pins: list[int | tuple[float, ...]] = []
-    for pin in _listed(settings.pins, "pins"):
-        if isinstance(pin, int | np.integer) and not isinstance(pin, bool):
-            pins.append(int(pin))
-        else:
-            pins.append(tuple(_numbers(pin, 1, "A pin must be the number of a vertex or a place (x, y)", 2).tolist()))
-    object.__setattr__(settings, "pins", tuple(pins))
-    joints = [tuple(_numbers(place, 1, "A joint must be a place (x, y)", 2).tolist())
-              for place in _listed(settings.joints, "joints")]  # fmt: skip
-    object.__setattr__(settings, "joints", tuple(joints))
-    if settings.min_angle is not None and not (is_length(settings.min_angle) and 0.0 < settings.min_angle < 60.0):
-        raise invalid_setting(f"min_angle must be above 0 and below 60 degrees, not {settings.min_angle!r}.")
+def _weights(weights: ArrayLike | None) -> tuple[float, ...] | None:
+    """Weights as a tuple. Raises NestedCagesError."""
+    if weights is None:
+        return None
+    numbers = _numbers(weights, "The weights must be a list of finite numbers, one per fine vertex")
+    if (numbers < 0.0).any() or not (numbers > 0.0).any():
+        raise invalid_setting("The weights must be numbers of at least 0, and some of them above 0.")
+    return tuple(numbers.tolist())
 
 
-def _listed(values: object, name: str) -> list[object]:
+def _place(place: object, rule: str) -> tuple[float, ...]:
+    """A place (x, y). Raises NestedCagesError with the rule."""
+    numbers = _numbers(place, rule)
+    if len(numbers) != 2:
+        raise invalid_setting(f"{rule}, not {place!r}.")
+    return tuple(numbers.tolist())
+
+
+def _numbers(values: object, rule: str) -> FloatArray:
+    """(K,) finite numbers. Raises NestedCagesError with the rule."""
+    try:
+        numbers = np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        numbers = np.array(np.nan)
+    if numbers.ndim != 1 or not np.isfinite(numbers).all():
+        raise invalid_setting(f"{rule}, not {values!r}.")
+    return numbers
+
+
+def _listed(values: object, name: str) -> list[Any]:
     try:
         return list(values)  # type: ignore[call-overload, no-any-return]
     except TypeError:
         raise invalid_setting(f"The {name} must be a list, not {values!r}.") from None
 
 
-def _numbers(values: object, dimensions: int, rule: str, size: int | None = None) -> FloatArray:
-    """Finite numbers as an array. Raises NestedCagesError."""
-    try:
-        numbers = np.asarray(values, np.float64)
-    except (TypeError, ValueError):
-        numbers = np.array(np.nan)
-    if numbers.ndim != dimensions or (size is not None and len(numbers) != size) or not np.isfinite(numbers).all():
-        raise invalid_setting(f"{rule}, not {values!r}.")
-    return numbers
+def _constraint(constraint: object) -> object:
+    """What was given, if it is a constraint. Raises NestedCagesError."""
+    from ..constraints.base import Constraint
 
-
-def is_length(value: object) -> bool:
-    """Whether a value is a finite number of at least 0."""
-    try:
-        return isinstance(value, int | float | np.number) and 0.0 <= float(value) < np.inf
-    except OverflowError:
-        return False
+    if isinstance(constraint, Constraint):
+        return constraint
+    raise invalid_setting(
+        "A constraint must be an object such as Box(low, high), of a class derived from Constraint, not "
+        f"{constraint!r}."
+    )

@@ -1,32 +1,29 @@
-"""What a level is made from, a cage on its way, and the methods that a level works with."""
+"""What a level is made from, and the methods and clearances that it is made with."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
 
 from ..contact import Contact, SequentialQP
-from ..contact.reinflation import Reinflation
-from ..decimation import LineCycles, Start, Starts
-from ..energies import Area, CageEnergy
-from ..errors import NestingError
-from ..flow import FlowResult
-from ..geometry.arrays import FloatArray
+from ..decimation import LineCycles, Starts
+from ..energies import Area
+from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
 from ..geometry.mesh import Mesh
 from ..geometry.precision import INPUT_ROUND_OFF
 from .plan import Plan
-from .progress import Watch
+from .progress import OutOfTimeError, Watch
 from .report import Level
 from .settings import DEFAULT_CLEARANCE, Settings
 from .units import SolverUnits
 
+FAILURES: tuple[type[NestedCagesError], ...] = (FlowError, ReinflationError, NestingError, OutOfTimeError)
+"""Errors after which another way or start is tried, while there is time; any other error ends the run."""
+
 CLEARANCE_REDUCTION = 0.1
 """Factor on the default clearance where the gaps of the fine mesh are too narrow for it."""
-
-LOOSE_ON_GRID = 0.1
-"""Part of the excess that a grid may add before other starts are tried."""
 
 MAX_CLEARANCE = 1e6
 """Upper bound of a clearance in diagonals: beyond it, floating-point numbers cannot represent the shape."""
@@ -45,8 +42,10 @@ class Work:
     """Whether starts go along the sequence of outlines, so that the cage need not have all loops."""
     room: float = 0.0
     """Kept in addition to the clearance until the cage is put on certain numbers, which takes it."""
+    within: Callable[[Mesh], bool] | None = None
+    """Whether a cage stays within a tolerance, where tightening ends early if not."""
     below: float = inf
-    """Loss from which on a cage is not worth moving onto certain numbers."""
+    """Excess from which on a cage is not worth moving onto certain numbers."""
 
     @cached_property
     def units(self) -> SolverUnits:
@@ -69,44 +68,14 @@ class Work:
         free = self.settings.fallback is not None and self.plan.importance is None
         return free and isinstance(self.settings.energy, Area)
 
-    def loss(self, level: Level) -> float:
-        """The excess of a cage, or the part of the area that one inside loses."""
-        return self.plan.side * level.excess
-
     def misses(self, level: Level) -> bool:
         """Whether a cage misses a wish."""
         return any(self.plan.missed(level.cage, must=False))
 
     def merit(self, level: Level) -> float:
-        """Smaller is better: what a cage loses; a wish that it misses is worth the area of the drawing."""
-        return self.loss(level) + self.misses(level)
-
-
-@dataclass(frozen=True, eq=False)
-class Draft:
-    """A cage before its certificate, in the units of the solvers."""
-
-    start: Start
-    """With its coarse mesh in input units."""
-    unit_coarse: Mesh
-    flow: FlowResult
-    reinflation: Reinflation
-    energy: CageEnergy
-    tightening: Sequence[FloatArray] = ()
-    """The cages (m, 2) of the tightening."""
-    iterations: tuple[int, int] = (0, 0)
-    """Steps and quadratic programs of the tightening."""
-    excess: float = inf
-    """That of the cage, or lost area if inside."""
-    still: bool = False
-    """Whether it stays as it is, untightened."""
-    rank: float = inf
-    """Smaller is better: the excess, or the energy where that is no area."""
-
-    @property
-    def cage(self) -> FloatArray:
-        """(m, 2)."""
-        return self.tightening[-1] if len(self.tightening) else self.reinflation.cage_steps[-1]
+        """Smaller is better: the excess, or the part of the area that a cage inside loses; a wish that it misses is
+        worth the area of the drawing."""
+        return self.plan.side * level.excess + self.misses(level)
 
 
 def methods_for(settings: Settings, plan: Plan) -> Settings:
@@ -115,14 +84,14 @@ def methods_for(settings: Settings, plan: Plan) -> Settings:
     Convex cages are made around hulls: from lines outside, and of least area. Cages inside start from lines inside.
     """
     decimation = settings.decimation
-    if isinstance(decimation, LineCycles) and not settings.steps:
-        settings = replace(settings, decimation=decimation.outside)
+    lines = decimation if isinstance(decimation, LineCycles) else LineCycles(on_curve=False)
+    if lines is decimation and not settings.steps:
+        settings = replace(settings, decimation=lines.outside)
     if plan.outline.per_loop:
-        decimation = decimation.outside if isinstance(decimation, LineCycles) else LineCycles(on_curve=False)
-        settings = replace(settings, decimation=decimation, fallback=None, energy=Area())
+        settings = replace(settings, decimation=lines.outside, fallback=None, energy=Area())
     if plan.side < 0:
-        inside = decimation.inside if isinstance(decimation, LineCycles) else LineCycles(on_curve=False, side=-1)
-        return replace(settings, decimation=inside, fallback=None if settings.fallback is None else inside)
+        fallback = None if settings.fallback is None else lines.inside
+        return replace(settings, decimation=lines.inside, fallback=fallback)
     if plan.group is None:
         return settings
     if not all(isinstance(each, SequentialQP) for each in contacts_for(settings)):

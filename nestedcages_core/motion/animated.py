@@ -17,7 +17,8 @@ from ..geometry.precision import ROUND_OFF
 from ..levels import Progress, Settings, Wanted, in_order, listed_levels, wanted_levels
 from ..levels.settings import type_name
 from ..levels.work import clearances_for
-from ..progress import Run, Tick, listened, no_tick
+from ..progress import Tick, listened, no_tick
+from ..run import Run
 from ..verification import verify, verify_motion
 from .gate import Key
 from .level import Allowance, LevelMotion

@@ -148,7 +148,7 @@ class Follower:
         if not self.promises.settings.has_priorities:
             return self.energy
         plan = self.promises.plan_at(self._pose(fine))
-        return plan.energy(self.energy, self.topology.moved(cage), self.units)[0]
+        return plan.energy(self.energy, self.topology.moved(cage), self.units)
 
     def _on_grid(self, cage: FloatArray, fine: FloatArray) -> list[FloatArray]:
         """The first cage (m, 2) searched on the grid that keeps the clearance; where there is none, rounding does."""

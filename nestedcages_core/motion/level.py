@@ -12,7 +12,7 @@ from ..errors import Fault, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..levels import Settings, Within
-from ..levels.finish import lost_loops
+from ..levels.certify import lost_loops
 from ..levels.settings import type_name
 from ..levels.units import SolverUnits
 from ..levels.work import clearances_for

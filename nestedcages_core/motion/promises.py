@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..constraints.numbers import ROOMS
 from ..errors import Fault
 from ..geometry.broad_phase import ClosestEdge
 from ..geometry.mesh import Mesh
 from ..levels import Settings
 from ..levels.constraints import constraints_of
 from ..levels.plan import Plan
-from ..levels.snap import ROOMS
 
 
 @dataclass(frozen=True, eq=False)

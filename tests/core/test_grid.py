@@ -137,13 +137,9 @@ def test_slits_narrower_than_the_grid_are_filled() -> None:
     assert level.report.wanted_clearance == nested_cages(fine, 16)[0].report.wanted_clearance
 
 
-@pytest.mark.slow
-def test_where_there_is_no_cage_a_grid_is_named_that_works() -> None:
-    with pytest.raises(NestingError) as caught:
+def test_where_there_is_no_cage_on_a_grid_the_error_says_so() -> None:
+    with rejected("numbers.no_room", NestingError, spacing=0.5, count=12):
         nested_cages(annulus(40, 0.2), 12, grid=0.5, loops="keep")
-    data = caught.value.data
-    assert caught.value.code == "numbers.no_room" and data["spacing"] == 0.5 > data["finer"]
-    assert_on_grid(nested_cages(annulus(40, 0.2), 12, grid=data["finer"], loops="keep")[0], data["finer"])
 
 
 def test_grids_that_no_cage_can_be_on_are_refused() -> None:
@@ -162,7 +158,7 @@ def test_needles_on_a_coarse_grid_end_in_an_error() -> None:
     try:
         assert is_on_grid(nested_cages(fine, 6, convex=True, grid=5.0)[0].cage, 5.0)
     except NestingError as error:
-        assert error.code == "numbers.no_room" and error.data["finer"] < 5.0
+        assert error.code == "numbers.no_room"
 
 
 @pytest.mark.parametrize("seed", slow_after(0, range(30), thorough_after=2))

@@ -16,8 +16,8 @@ from support.sources import ROOT, nodes, sources
 # Each package or module imports only from those before it.
 LAYERS = {
     "nestedcages_core": """
-        checker_distance checker errors libraries progress parameters lapack geometry decimation energies solver flow
-        constraints contact tightening verification tolerance levels motion published coordinates
+        checker_distance checker errors libraries run progress parameters lapack geometry decimation energies solver
+        flow constraints contact tightening verification tolerance levels motion published coordinates
         formats puppets batch command __main__ __init__
     """,
     "addon": """

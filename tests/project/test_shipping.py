@@ -149,7 +149,7 @@ def test_the_zip_has_what_the_addon_needs_and_no_more(build: ModuleType, tmp_pat
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) and not node.level else []
             used = processes & {name.partition(".")[0] for name in names}
-            assert path.name in ("memory.py", "progress.py") or not used, path.name
+            assert path.name in ("memory.py", "run.py") or not used, path.name
     assert [path.name for path in whole.rglob("*.blend") if not Path(f"{path}.license").is_file()] == []
     cage = "import nestedcages_core as core; print(core.nested_cages([(0, 0), (2, 0), (2, 2), (1, 3), (0, 2)], 4)[0])"
     made = subprocess.run(

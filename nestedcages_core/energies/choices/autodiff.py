@@ -182,27 +182,21 @@ def _value_of(u: Any) -> Any:
     return u.value if isinstance(u, Jet) else u
 
 
+DERIVATIVES: dict[np.ufunc, Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]] = {
+    np.reciprocal: lambda x, y: (-(y**2), 2.0 * y**3),
+    np.sqrt: lambda x, y: (0.5 / y, -0.25 / (y * x)),
+    np.exp: lambda x, y: (y, y),
+    np.log: lambda x, y: (1.0 / x, -((1.0 / x) ** 2)),
+    np.sin: lambda x, y: (np.cos(x), -y),
+    np.cos: lambda x, y: (-np.sin(x), -y),
+    np.arctan: lambda x, y: (1.0 / (1.0 + x**2), -2.0 * x * (1.0 / (1.0 + x**2)) ** 2),
+}
+"""The first two derivatives of functions y(x) of one variable."""
+
+
 def _through(ufunc: np.ufunc, u: Jet) -> Jet:
     value = ufunc(u.value)
-    return u.through(value, *_derivatives(ufunc, u.value, value))
-
-
-def _derivatives(ufunc: np.ufunc, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The first two derivatives of y(x)."""
-    if ufunc is np.reciprocal:
-        return -(y**2), 2.0 * y**3
-    if ufunc is np.sqrt:
-        return 0.5 / y, -0.25 / (y * x)
-    if ufunc is np.exp:
-        return y, y
-    if ufunc is np.log:
-        return 1.0 / x, -((1.0 / x) ** 2)
-    if ufunc is np.sin:
-        return np.cos(x), -y
-    if ufunc is np.cos:
-        return -np.sin(x), -y
-    inverse = 1.0 / (1.0 + x**2)  # of the arctangent
-    return inverse, -2.0 * x * inverse**2
+    return u.through(value, *DERIVATIVES[ufunc](u.value, value))
 
 
 def _sign(u: Jet) -> FloatArray:
@@ -224,9 +218,7 @@ RULES: dict[np.ufunc, Callable[..., Jet]] = {
     np.absolute: lambda u: _multiply(u, _sign(u)),
     np.maximum: lambda u, v: _choose(_value_of(u) >= _value_of(v), u, v),
     np.minimum: lambda u, v: _choose(_value_of(u) <= _value_of(v), u, v),
-    **{
-        ufunc: partial(_through, ufunc) for ufunc in (np.reciprocal, np.sqrt, np.exp, np.log, np.sin, np.cos, np.arctan)
-    },
+    **{ufunc: partial(_through, ufunc) for ufunc in DERIVATIVES},
 }
 """Derivative rules by numpy function."""
 

@@ -6,10 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
-from ...geometry.vectors import inner
-from ..base import Blocks, CageEnergy
+from ..springs import Springs
 
 
 @dataclass(frozen=True)
@@ -19,52 +18,30 @@ class InitialDisplacement:
     At a displacement of L the force per boundary length equals the pressure of the area.
     """
 
-    def at(self, coarse: Mesh) -> Displacement:
+    def at(self, coarse: Mesh) -> Springs:
         """The displacement from the coarse mesh."""
-        return Displacement.of(coarse, follows_steps=False)
+        return Springs(np.arange(len(coarse.vertices)), coarse.vertices, _weights(coarse))
 
 
 @dataclass(frozen=True)
 class StepDisplacement:
     """½ Σ w |c - c₀|² / L from the cage c₀ at the start of the step: the cage moves no more than it must."""
 
-    def at(self, coarse: Mesh) -> Displacement:
+    def at(self, coarse: Mesh) -> FollowingSprings:
         """The displacement from the coarse mesh, until a step starts elsewhere."""
-        return Displacement.of(coarse, follows_steps=True)
+        return FollowingSprings(np.arange(len(coarse.vertices)), coarse.vertices, _weights(coarse))
 
 
-@dataclass(frozen=True, eq=False)
-class Displacement(CageEnergy):
-    """½ Σ w |c - c₀|²: a quadratic energy with a diagonal Hessian."""
+class FollowingSprings(Springs):
+    """Springs to where the vertices are at the start of each step."""
 
-    origin: FloatArray
-    """(m, 2) c₀."""
-    weight: FloatArray
-    """(m,) w: boundary length of each vertex over the mean edge length."""
-    follows_steps: bool
-    """Whether c₀ is the cage at the start of each step."""
+    def after(self, cage: FloatArray) -> FollowingSprings:
+        """The displacement from the start of the next step."""
+        return replace(self, place=cage)
 
-    @classmethod
-    def of(cls, coarse: Mesh, *, follows_steps: bool) -> Displacement:
-        """The displacement from a coarse mesh."""
-        lengths = coarse.edge_lengths
-        weight = 0.5 * (lengths + lengths[coarse.predecessor]) / float(lengths.mean())
-        return cls(coarse.vertices, weight, follows_steps)
 
-    def after(self, cage: FloatArray) -> Displacement:
-        """The displacement from the start of the next step, if c₀ follows the steps."""
-        return replace(self, origin=cage) if self.follows_steps else self
-
-    def value(self, vertices: FloatArray, successor: IntArray) -> float:
-        """Unit: length²."""
-        away = vertices - self.origin
-        return 0.5 * inner(self.weight, (away * away).sum(axis=1))
-
-    def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
-        """(m, 2)."""
-        return self.weight[:, None] * (vertices - self.origin)
-
-    def hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
-        """Constant: w on the diagonal."""
-        vertex = np.arange(len(self.weight))
-        return Blocks(vertex, vertex, self.weight[:, None, None] * np.eye(2))
+def _weights(coarse: Mesh) -> FloatArray:
+    """(m,) boundary length of each vertex over the mean edge length."""
+    lengths = coarse.edge_lengths
+    weights: FloatArray = 0.5 * (lengths + lengths[coarse.predecessor]) / float(lengths.mean())
+    return weights
