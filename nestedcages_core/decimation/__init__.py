@@ -6,10 +6,18 @@
 - `OwnDecimation`: a function of the user's own.
 """
 
-from .arc_length import ArcLength
+from typing import TYPE_CHECKING
+
+from ..libraries import imported_later
 from .base import Count, Decimation, Start, Starts
 from .line_cycles import LineCycles
-from .on_curve import OnCurve
-from .own_decimation import OwnDecimation
 
-__all__ = ["ArcLength", "Count", "Decimation", "LineCycles", "OnCurve", "OwnDecimation", "Start", "Starts"]
+if TYPE_CHECKING:
+    from .arc_length import ArcLength as ArcLength
+    from .on_curve import OnCurve as OnCurve
+    from .own_decimation import OwnDecimation as OwnDecimation
+else:
+    names = {"arc_length": "ArcLength", "on_curve": "OnCurve", "own_decimation": "OwnDecimation"}
+    __getattr__ = imported_later(__name__, names)
+
+__all__ = ["Count", "Decimation", "LineCycles", "Start", "Starts"]

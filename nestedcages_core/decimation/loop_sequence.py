@@ -14,7 +14,6 @@ import numpy as np
 
 from ..geometry.convex_hull import convex_hull
 from ..geometry.mesh import Mesh
-from ..geometry.solids import mesh_of
 from ..libraries import has_shapely, load_shapely
 
 MAX_PARTS = 1000
@@ -67,6 +66,8 @@ class LoopSequence:
 
     def _joined(self, patches: list[Any]) -> Mesh:
         """The mesh with patches, and the gaps that these close filled."""
+        from ..geometry.solids import mesh_of
+
         shapely = load_shapely("Joining parts")
         parts = shapely.geometry.shape(self.fine.__geo_interface__).geoms
         holes = shapely.STRtree([shapely.Polygon(ring) for part in parts for ring in part.interiors])

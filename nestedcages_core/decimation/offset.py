@@ -10,7 +10,6 @@ import numpy as np
 from ..errors import InvalidMeshError
 from ..geometry.mesh import Mesh
 from ..geometry.precision import NEGLIGIBLE
-from ..geometry.solids import mesh_of
 from ..libraries import has_shapely, load_shapely
 from .base import MIN_PER_LOOP
 from .line_cycles import is_narrow
@@ -46,6 +45,8 @@ def rounded_offset(fine: Mesh, distance: float) -> Mesh:
 
     Raises NestedCagesError where shapely is missing.
     """
+    from ..geometry.solids import mesh_of  # which needs shapely
+
     wide = _buffered(fine, distance, ARC)
     smooth = wide.simplify(SMOOTH * distance).buffer((SMOOTH + NEGLIGIBLE) * distance, join_style="mitre")
     return mesh_of(smooth)
@@ -56,6 +57,8 @@ def offset_loop_by_loop(fine: Mesh, distance: float, side: int) -> Mesh | None:
     more; None where some vanish or meet, for small distances, and without shapely."""
     if distance <= WIDE * fine.diagonal or not has_shapely():
         return None
+    from ..geometry.solids import mesh_of
+
     try:
         mesh = mesh_of(_buffered(fine, side * distance, FINE_ARC))
     except InvalidMeshError:

@@ -18,7 +18,6 @@ from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry, orbits_of
 from ..geometry.mesh import Mesh
 from ..geometry.precision import INPUT_ROUND_OFF
-from ..geometry.solids import overlay
 from ..libraries import has_shapely
 from ..progress import Tick, no_tick
 from .base import MIN_PER_LOOP, NOTHING_KEPT, Kept, Start
@@ -200,4 +199,6 @@ def with_images(mesh: Mesh, symmetry: Symmetry | None) -> Mesh:
     """A mesh with its images under a symmetry. Raises InvalidMeshError."""
     if symmetry is None or orbits_of(mesh, symmetry) is not None:
         return mesh
+    from ..geometry.solids import overlay  # which needs shapely
+
     return overlay([mesh.moved(symmetry.image(mesh.vertices, k)).validated() for k in range(symmetry.order)])
