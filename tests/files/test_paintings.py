@@ -186,15 +186,59 @@ def test_masks_groups_and_clipping_are_applied(tmp_path: Path) -> None:
     ("left", "width", "is_left_out"), slow_after(1, [(-3, 20, True), (0, 10, True), (0, 9, False), (4, 10, False)])
 )
 def test_a_background_is_no_part(left: int, width: int, is_left_out: bool, tmp_path: Path) -> None:
-    """What Photoshop and Krita begin a painting with; alone, or above a part, it is one."""
-    paper = {"name": "Background", "pixels": np.full((12, width, 4), 255, np.uint8), "left": left, "top": -1}
+    """What Photoshop and Krita begin a painting with; alone, or above a part, it is one, unless its name says so."""
+    paper = {"name": "sheet", "pixels": np.full((12, width, 4), 255, np.uint8), "left": left, "top": -1}
     arm = {"name": "arm", "pixels": np.full((4, 4, 4), 255, np.uint8), "left": 3, "top": 3}
-    psd_of(tmp_path / "a.psd", (10, 10), [paper, arm])
-    names = [part.name for part in rig_of(tmp_path / "a.psd")[0].parts]
-    assert names == ["Background", "arm"][is_left_out:]
-    for layers in ([paper], [arm, paper]):
+    for name, layers, names in (
+        ("sheet", [paper, arm], ["sheet", "arm"][is_left_out:]), ("sheet", [paper], ["sheet"]),
+        ("sheet", [arm, paper], ["arm", "sheet"]), ("Hintergrund", [arm, paper], ["arm"]),
+    ):  # fmt: skip
+        paper["name"] = name
         psd_of(tmp_path / "a.psd", (10, 10), layers)
-        assert "Background" in {part.name for part in rig_of(tmp_path / "a.psd")[0].parts}
+        assert [part.name for part in rig_of(tmp_path / "a.psd")[0].parts] == names
+
+
+def test_layers_of_one_limb_are_one_part_that_has_the_name_of_its_group(tmp_path: Path) -> None:
+    """Lines around a colour, what lies between, a part that a group names, tags, and joints that the artist drew."""
+    y, x = np.mgrid[:60, :60]
+    disc, within = np.hypot(x - 30, y - 30) < 24, np.hypot(x - 30, y - 30) < 21
+    kinds = {"colour": disc, "shade": within & (x > 40), "line": disc & ~within, "1": disc & (y < 30), "dot": within}
+    drawn = {name: np.dstack([np.full((60, 60), 90), x * 3, y * 3, shown * 255]).astype(np.uint8)
+             for name, shown in kinds.items()}  # fmt: skip
+    groups = {
+        "head [bone:x]": ("colour", "shade", "line"),
+        "Arm": ("1",),
+        "joints": ("dot",),
+        "[ignore] old": ("line",),
+    }
+    stack = "".join(
+        f'<stack name="{group}">' + "".join(f'<layer name="{n}" src="{n}.png"/>' for n in names[::-1]) + "</stack>"
+        for group, names in reversed(groups.items())
+    )
+    files = {f"{name}.png": png_of(pixels) for name, pixels in drawn.items()}
+    (tmp_path / "a.ora").write_bytes(
+        archive({"stack.xml": f'<image w="200" h="60"><stack>{stack}</stack></image>', **files})
+    )
+    rig, notes = rig_of(tmp_path / "a.ora")
+    assert [part.name for part in rig.parts] == ["head", "Arm"]
+    head = shown(rig, "head", (200, 60))[:, :60]
+    seen = np.array(
+        Image.alpha_composite(Image.fromarray(drawn["colour"], "RGBA"), Image.fromarray(drawn["line"], "RGBA"))
+    )
+    np.testing.assert_allclose(head[disc & (x <= 40)], seen[disc & (x <= 40)], atol=1)
+    assert all(name in notes for name in ("head", "dot", "line"))
+
+
+def test_names_without_unicode_are_read_as_they_were_written(tmp_path: Path) -> None:
+    """Pascal strings alone, in UTF-8, Shift-JIS and Mac Roman."""
+    for name, encoding in (("胴体", "cp932"), ("tête", "utf-8"), ("tête", "macroman")):
+        psd_of(tmp_path / "a.psd", (9, 9), [{"name": "x" * len(name.encode(encoding)), "pixels": picture(0, 9, 9)}])
+        data = (tmp_path / "a.psd").read_bytes().replace(b"luni", b"lunx")
+        written = name.encode(encoding)
+        (tmp_path / "a.psd").write_bytes(
+            data.replace(bytes([len(written)]) + b"x" * len(written), bytes([len(written)]) + written)
+        )
+        assert rig_of(tmp_path / "a.psd")[0].parts[0].name == name
 
 
 @pytest.mark.slow

@@ -21,6 +21,9 @@ MARGIN, MOST_ISLANDS = 1, 64
 """Least distance of a hull from opaque pixels, in pixels: what filtered textures blend in. Islands whose margins meet
 are one, and those farther apart where there are more than this many."""
 
+LEAST_PAINT = 0.99
+"""Paint of an island, in opaque pixels: less is a speck."""
+
 SQUARE = np.ones((3, 3))
 """A pixel and all of its neighbours."""
 
@@ -61,7 +64,7 @@ def islands_of(pixels: Pixels, left: int, top: int, vertices: int) -> list[Islan
     if vertices < LEAST_VERTICES:
         raise invalid_setting(f"A hull has at least {LEAST_VERTICES} vertices, not {vertices}.")
     pixels = np.pad(pixels, ((MARGIN, MARGIN), (MARGIN, MARGIN), (0, 0)))
-    opaque = pixels[..., 3] > 0
+    opaque = _without_specks(pixels)
     labels, solid = _labelled(opaque)
     boxes = sorted(enumerate(scipy.ndimage.find_objects(labels), 1), key=lambda each: -_extent(each[1]))
     found = []
@@ -81,6 +84,16 @@ def islands_of(pixels: Pixels, left: int, top: int, vertices: int) -> list[Islan
         island = np.where(seen[cut][..., None], pixels[box][cut], 0)
         found.append(Island(x, y, island, stored(hull.vertices[hull.loops[0]]) + at))
     return found
+
+
+def _without_specks(pixels: Pixels) -> BoolArray:
+    """(h, w) what is painted, without dots that nobody sees next to the rest."""
+    opaque = pixels[..., 3] > 0
+    labels, count = scipy.ndimage.label(opaque, SQUARE)
+    paint = scipy.ndimage.sum_labels(pixels[..., 3] / 255.0, labels, np.arange(count + 1))
+    seen = paint >= min(LEAST_PAINT, float(paint.max()))
+    seen[0] = False
+    return np.asarray(seen[labels])
 
 
 def _labelled(opaque: BoolArray) -> tuple[IntArray, BoolArray]:

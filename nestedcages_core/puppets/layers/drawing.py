@@ -14,6 +14,8 @@ from ...formats.pictures.png import Pixels
 from ...formats.svg.gradients import Shades, shaded
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
+from .grouping import without_aids
+from .layer import Notes
 from .painting import PicturePart
 
 ROWS_PER_PIXEL = 8
@@ -49,10 +51,11 @@ def parts_of_svg(
     scale = pixels / float((high - low).max())
     width, height = np.maximum(np.ceil((high - low) * scale).astype(int), 1).tolist()
     drawn = (picture_of(s.name, s.groups, _paints_of(s), low, scale) for s in shapes)
-    found = [part for part in drawn if part is not None]
+    said = Notes()
+    found = without_aids([part for part in drawn if part is not None], said)
     if len({part.groups for part in found if part.groups}) >= LEAST_GROUPS:
         found = [painted_as_one(list(own)) for _, own in groupby(found, key=lambda part: part.groups or part.name)]
-    return tuple(found), (width, height), notes
+    return tuple(found), (width, height), (*notes, *said.sentences)
 
 
 def painted_as_one(parts: Sequence[PicturePart]) -> PicturePart:

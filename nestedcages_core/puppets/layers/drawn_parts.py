@@ -8,6 +8,8 @@ from ...formats.solids import Painted, solid
 from ...formats.svg.parts import SvgPart, svg_parts
 from ...geometry.mesh import Mesh
 from ..part import PuppetPart
+from .grouping import without_aids
+from .layer import Notes
 
 
 def puppet_parts(text: str | bytes, **options: Any) -> tuple[tuple[PuppetPart, ...], tuple[str, ...]]:
@@ -16,7 +18,9 @@ def puppet_parts(text: str | bytes, **options: Any) -> tuple[tuple[PuppetPart, .
     options: fields of `SvgOptions`. Raises NestedCagesError as `from_svg`.
     """
     parts, notes = svg_parts(text, **options)
-    return tuple(PuppetPart(part.name, _outline(part), part.groups) for part in parts), notes
+    said = Notes()
+    found = tuple(PuppetPart(part.name, _outline(part), part.groups) for part in without_aids(parts, said))
+    return found, (*notes, *said.sentences)
 
 
 def _outline(part: SvgPart) -> Mesh:

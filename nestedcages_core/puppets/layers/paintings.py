@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 from ...formats import Limits, read_whole
 from .drawing import LONGER_SIDE, parts_of_svg
+from .grouping import as_things, without_aids
+from .layer import Notes
 from .painting import PicturePart, parts_of
 from .reading import ENDINGS, read_layers
 
@@ -43,4 +45,6 @@ def read_painting(
         return Painting(*parts_of_svg(read_whole(path, Limits()), pixels, background=False))
     picture = read_layers(path, names)
     parts, notes = parts_of(picture, hidden=hidden)
-    return Painting(parts, (picture.width, picture.height), notes)
+    said = Notes()
+    things = as_things(without_aids(parts, said), said)
+    return Painting(tuple(things), (picture.width, picture.height), (*notes, *said.sentences))
