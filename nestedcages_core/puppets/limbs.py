@@ -48,8 +48,8 @@ class Figure:
 
 
 def limbs_of(draft: PuppetDraft) -> Limbs:
-    """The limbs on the trunk: legs reach the ground, arms are named so or are left and right, a tail bends, and the
-    head carries details.
+    """The limbs on the trunk: legs reach the ground in pairs or are named so, arms are named so or are left and right, a
+    tail bends, and the head carries details.
     """
     nouns = tuple(words_of(part.name).noun for part in draft.parts)
     bottoms = [float(part.outline.vertices[:, 1].min()) for part in draft.parts]
@@ -62,7 +62,8 @@ def limbs_of(draft: PuppetDraft) -> Limbs:
         parts = _outwards(draft, part)
         bones = tuple(draft.bones[bone].name for k in parts for bone in draft.chain(k))
         riders = sum(draft.links[k].hold is Hold.RIDES for own in parts for k in draft.children(own))
-        may_be_leg = not nouns[part] or nouns[part] in LEGS
+        is_paired = not nouns[part] and bool(draft.sides[part].side) and not draft.parts[part].is_round
+        may_be_leg = is_paired or nouns[part] in LEGS
         reaches = may_be_leg and min(bottoms[k] for k in parts) < ground + ON_GROUND * (top - ground)
         if nouns[part] == "tail":
             kind = "tails"
@@ -72,7 +73,7 @@ def limbs_of(draft: PuppetDraft) -> Limbs:
             kind = "arms"
         elif {"head", "neck", "skull"} & {nouns[k] for k in parts} or (riders > 1 and not nouns[part]):
             kind = "heads"
-        elif draft.sides[part].side and not nouns[part]:
+        elif is_paired:
             kind = "arms"
         elif len(draft.chain(part)) > 1:
             kind = "tails"

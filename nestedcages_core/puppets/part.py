@@ -22,6 +22,9 @@ DISC_TOLERANCE = 0.01
 STUBBY = 1.4
 """Slenderness below which a part has no ends."""
 
+ROUND_HULL = 0.93
+"""A part is round if its hull is this much of the circle around it."""
+
 AT_END = 0.12
 """An overlap this near an end of the part, in lengths of the part, is a joint there."""
 
@@ -41,6 +44,18 @@ class PuppetPart:
     def solid(self) -> Any:
         """The outline as a polygon of shapely."""
         return load_shapely(NEEDED_FOR).geometry.shape(self.outline.__geo_interface__)
+
+    @cached_property
+    def filled(self) -> Any:
+        """The polygon without its holes."""
+        shapely = load_shapely(NEEDED_FOR)
+        return shapely.union_all([shapely.Polygon(each.exterior) for each in shapely.get_parts(self.solid)])
+
+    @property
+    def is_round(self) -> bool:
+        """Whether it is a disc, a ring or a star."""
+        circle = float(load_shapely(NEEDED_FOR).minimum_bounding_radius(self.solid))
+        return bool(self.solid.convex_hull.area > ROUND_HULL * np.pi * circle**2)
 
     @cached_property
     def disc(self) -> tuple[FloatArray, float]:

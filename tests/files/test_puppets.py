@@ -325,3 +325,47 @@ def test_legs_of_a_walk_take_turns_and_a_walk_needs_legs() -> None:
     assert np.ptp(left) > 30.0 and np.allclose(left, np.roll(right, len(frames) // 2))
     puppet = puppet_of(draft_puppet([ball("body", 0.0, 0.0, 2.0)]))
     refusal(walk, puppet)
+
+
+# What artists' files are
+
+
+def test_what_a_hand_holds_and_bars_and_frames_are_rigid() -> None:
+    window = shapely.box(0.0, 0.0, 9.0, 2.0) - shapely.box(0.3, 0.3, 8.7, 1.7)
+    for part, parent in (
+        (limb("thing", (0.0, 0.0), (9.0, 4.0), width=0.8), ball("hand", 0.0, 0.0, 0.8)),
+        (solid("girder", shapely.box(0.0, -0.4, 9.0, 0.4)), ball("body", 0.0, 0.0, 2.0)),
+        (solid("window", window), ball("body", 0.0, 1.0, 2.0)),
+    ):
+        made = draft_puppet([part, parent], {parent.name: PartChoice(parent="")})
+        assert len(made.chain(0)) <= 1, part.name
+    tail = limb("tail", (0.0, 0.0), (9.0, 4.0), width=0.8)
+    assert len(draft_puppet([tail, ball("body", 0.0, 0.0, 2.0)]).chain(0)) > 1
+
+
+def test_wheels_turn_about_their_hubs_and_are_no_legs() -> None:
+    wheels = [ball(f"path{k}", x, 0.0, 1.0) for k, x in enumerate((-3.0, 3.0))]
+    made = draft_puppet([solid("frame", shapely.box(-5.0, 0.3, 5.0, 2.0)), *wheels])
+    for k, x in ((1, -3.0), (2, 3.0)):
+        assert made.links[k].joint == pytest.approx((x, 0.0), abs=0.02) and parents(made)[f"path{k - 1}"] == "frame"
+    refusal(walk, puppet_of(made))
+
+
+def test_alternatives_ride_on_one_part_and_covers_on_what_they_cover() -> None:
+    head = ball("head", 0.0, 0.0, 4.0)
+    mouths = [solid(f"mouth {k}", shapely.box(-1.0, -2.0, 1.0, -1.0 - 0.2 * k), "mouth") for k in range(3)]
+    made = draft_puppet([ball("body", 0.0, -6.0, 4.0), head, *mouths])
+    assert {parents(made)[mouth.name] for mouth in mouths} == {"head"}
+    assert len({made.bone_of[k] for k in (2, 3, 4)}) == 1
+    shin, greave = (limb(name, (0.0, -5.0), (0.0, -12.0), width=w) for name, w in (("path1", 1.0), ("path2", 1.2)))
+    foot = ball("path3", 0.3, -12.2, 0.8)
+    made = draft_puppet([shin, greave, foot, ball("path4", 0.0, -2.0, 4.0)])
+    assert parents(made)["path2"] == "path1" == parents(made)["path3"]
+
+
+def test_names_tell_sides_in_other_languages() -> None:
+    body = solid("Туловище", shapely.box(-2.0, 0.0, 2.0, 6.0))
+    for left, right in (("Левая рука", "Правая рука"), ("左腕", "右腕"), ("bras gauche", "bras droit")):
+        arms = [limb(name, (x, 5.0), (2.5 * x, 1.0), width=0.9) for name, x in ((left, -2.0), (right, 2.0))]
+        made = draft_puppet([*arms, body])
+        assert [side.side for side in made.sides] == ["L", "R", ""]

@@ -12,8 +12,8 @@ from ...errors import invalid_setting
 from ...geometry.arrays import FloatArray
 from ..part import PuppetPart, with_unique_names
 from ..skeleton.bone import Bone
-from ..skeleton.chains import MOST_BONES, chain_of, nearest_bone
-from .lexicon import RIGID
+from ..skeleton.chains import MOST_BONES, bar_like, chain_of, nearest_bone, stiff
+from .lexicon import HOLDING, RIGID
 from .links import Hold, Link, PartChoice
 from .names import words_of
 from .sides import Side, sides_of
@@ -145,7 +145,7 @@ def _bones(
                 parts[part],
                 None if link.parent is None else link.joint,
                 carries=bool(limbs),
-                bones=choice.bones or (1 if words_of(parts[part].name).noun in RIGID else None),
+                bones=choice.bones or (1 if _is_rigid(parts, links, sides, part) else None),
                 most=most.get(parts[part].name, MOST_BONES),
             )
             if len(chain) == 2 and len(limbs) == 1 and link.parent is not None:
@@ -158,6 +158,17 @@ def _bones(
             bones.append(Bone((head[0], head[1]), (tail[0], tail[1]), above, name))
             above = len(bones) - 1
     return tuple(bones), tuple(first[part] for part in range(len(parts)))
+
+
+def _is_rigid(parts: Sequence[PuppetPart], links: Sequence[Link], sides: Sequence[Side], part: int) -> bool:
+    """Whether a part is rigid by its name or its shape; or has no known name, and a hand holds it or it is a bar that
+    has no twin."""
+    noun, parent = words_of(parts[part].name).noun, links[part].parent
+    if noun:
+        return noun in RIGID
+    is_held = parent is not None and words_of(parts[parent].name).noun in HOLDING
+    is_bar = not sides[part].side and bar_like(parts[part], is_root=parent is None)
+    return is_held or is_bar or stiff(parts[part])
 
 
 def _from_the_root(links: Sequence[Link]) -> list[int]:

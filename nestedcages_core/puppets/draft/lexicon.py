@@ -4,8 +4,14 @@ from __future__ import annotations
 
 from itertools import product
 
-SIDES = {"l": "L", "left": "L", "r": "R", "right": "R"}
-"""Words for sides."""
+_SIDES = {
+    "L": "l left links linke linker linkes gauche izquierdo izquierda izq esquerdo esquerda sinistro sinistra lewy lewa "
+    "lewe левый левая левое лев 左 왼",
+    "R": "r right rechts rechte rechter rechtes droit droite derecho derecha der direito direita destro destra "
+    "prawy prawa prawe правый правая правое прав 右 오른",
+}
+SIDES = {word: side for side, words in _SIDES.items() for word in words.split()}
+"""Words for sides, in a dozen languages."""
 
 DEPTHS = {"near": "near", "far": "far", "behind": "far"}
 """Words for what lies nearer to who looks at it."""

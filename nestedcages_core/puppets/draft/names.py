@@ -55,8 +55,8 @@ class Words:
 
 def name_words(name: str) -> list[str]:
     """The words of a name, split at signs, at capitals and around numbers, and after a word for a place."""
-    words = re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+", name)
-    return [half for word in words for half in _halves(word)]
+    spread = re.sub(r"(?<=[^\W\d_A-ZА-Я])(?=[A-ZА-Я])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=[左右])|(?=[左右])", " ", name)
+    return [half for word in re.findall(r"[^\W\d_]+|\d+", spread) for half in _halves(word)]
 
 
 def name_without(name: str, dropped: Iterable[str]) -> str:
@@ -72,7 +72,8 @@ def side_of(name: str) -> str:
     sides = [
         SIDES[word] for k, word in enumerate(words) if word in SIDES and (len(word) > 1 or k in (0, len(words) - 1))
     ]
-    has_more = any(word.isalpha() and len(word) > 1 and word not in SIDES for word in words)
+    others = [word for word in words if word.isalpha() and word not in SIDES]
+    has_more = any(len(word) > 1 or not word.isascii() for word in others)
     return sides[-1] if sides and has_more else ""
 
 

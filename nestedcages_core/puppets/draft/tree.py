@@ -12,10 +12,14 @@ from ...geometry.arrays import FloatArray, IntArray
 from ...libraries import load_shapely
 from ..part import NEEDED_FOR, STUBBY, PuppetPart
 from .arborescence import best_parents
+from .covers import alternatives_of, covers_of, wheels_of
 from .evidence import CONTAINED, MOSTLY
 from .lexicon import TURNING
 from .links import Hold, Link, PartChoice, depth_of, hangs_on
 from .scores import Scores
+
+NEVER = -1e3
+"""Logarithm of the odds of what is not to be."""
 
 ROOTS = 4
 """Parts that are tried as the root, the most likely ones."""
@@ -49,6 +53,15 @@ class _Tree:
         self.choices = {number[name]: choice for name, choice in choices.items()}
         self.chosen = {k: number[choice.parent] for k, choice in self.choices.items() if choice.parent}
         self._check_circles()
+        self.sets = [own for own in alternatives_of(parts) if not {*own} & {*self.choices}]
+        shown_in_turn = {k for own in self.sets for k in own}
+        self.covered = {
+            high: low
+            for high, low in covers_of(parts).items()
+            if not {high, low} & shown_in_turn and high not in self.choices
+        }
+        """The limb under each cover, which is drawn with it as one thing."""
+        self.wheels = [k for k in wheels_of(parts) if k not in self.choices]
 
     def _check_circles(self) -> None:
         for start in self.chosen:
@@ -79,6 +92,10 @@ class _Tree:
         for part, link in found.items():
             if link.hold is Hold.JOINT and self.evidence.share(part, link.parent or 0) >= MOSTLY:
                 found[part] = replace(link, joint=self._upper_end(part, found))
+        for part in self.wheels:
+            hub = self.parts[part].solid.convex_hull.centroid
+            hold = found[part].hold if part == root else Hold.JOINT
+            found[part] = replace(found[part], joint=(float(hub.x), float(hub.y)), hold=hold)
         for (part, parent), pin in pins.items():
             if found[part].parent == parent and found[part].hold is Hold.JOINT:
                 found[part] = replace(found[part], joint=_as_place(self.parts[pin].disc[0]))
@@ -91,16 +108,43 @@ class _Tree:
         """The root, (n,) parents and (n, n) logarithms of probabilities of the most likely tree."""
         found = []
         for root in self._roots():
-            likely = self.scores.of_links(root)
+            likely = self._as_things(self.scores.of_links(root))
             gain = likely.copy()
             for part, parent in self.chosen.items():
                 gain[part] = -np.inf
                 gain[part, parent] = 0.0
             parents = best_parents(gain, root)
+            for own in self.sets:
+                parents[own] = parents[own[0]]
             rest = np.arange(len(parents)) != root
             found.append((self.scores.of_root[root] + gain[rest, parents[rest]].sum(), root, parents, likely))
         _, root, parents, likely = max(found, key=lambda each: float(each[0]))
         return root, parents, likely
+
+    def _as_things(self, likely: FloatArray) -> FloatArray:
+        """Probabilities where all hangs on a limb instead of its cover, nothing on a wheel but what lies in it, and
+        alternatives on what the likeliest of them hangs on."""
+        likely = likely.copy()
+        for high, low in self.covered.items():
+            others = self._beside(high, low)
+            likely[others, low] = np.maximum(likely[others, low], likely[others, high])
+            likely[others, high] = NEVER
+            likely[high] = NEVER
+            likely[high, low] = 0.0
+        for wheel in self.wheels:
+            likely[self._beside(wheel), wheel] = NEVER
+        for first, *others in self.sets:
+            likely[first] = likely[[first, *others]].max(axis=0)
+            likely[:, others] = NEVER
+            likely[others] = NEVER
+            likely[others, first] = 0.0
+            likely[first, first] = NEVER
+        return likely
+
+    def _beside(self, part: int, *apart: int) -> list[int]:
+        """The other parts that do not lie in one."""
+        others = (k for k in range(len(self.parts)) if k not in (part, *apart))
+        return [k for k in others if self.evidence.share(k, part) < CONTAINED]
 
     def _roots(self) -> list[int]:
         """The chosen root, else the most likely ones."""
@@ -108,7 +152,9 @@ class _Tree:
         if len(roots) > 1:
             names = " and ".join(repr(self.parts[part].name) for part in roots)
             raise invalid_setting(f"{names} can't both be the root; choose one.")
-        free = [part for part in range(len(self.parts)) if part not in self.chosen]
+        things = {*self.chosen, *self.covered, *self.wheels, *(k for _, *others in self.sets for k in others)}
+        free = [part for part in range(len(self.parts)) if part not in things]
+        free = free or [part for part in range(len(self.parts)) if part not in self.chosen]
         if not free:
             raise invalid_setting("Every part has a chosen parent; leave one of them without, as the root.")
         return roots or sorted(free, key=lambda part: -float(self.scores.of_root[part]))[:ROOTS]
@@ -167,6 +213,8 @@ class _Tree:
         if wanted is not None:
             return wanted is Hold.RIDES
         parent = found[part].parent or 0
+        if self.covered.get(part) == parent or any(part in own for own in self.sets):
+            return True
         if self.evidence.words[part].noun in TURNING:
             return False
         if any(other.parent == part and other.hold is Hold.JOINT for other in found.values()):

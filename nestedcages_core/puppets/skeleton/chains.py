@@ -40,6 +40,13 @@ KNEE, KNEE_PLACE = 0.35, (0.4, 0.6)
 the length."""
 
 
+FRAME = 0.6
+"""A frame, such as a window, is less than this much of its filled outline."""
+
+BAR, BAR_ROOT, BAR_FILL = 6.0, 4.0, 0.75
+"""A bar: at least this slender, as a root that, and this much of its box."""
+
+
 class Midline(NamedTuple):
     """The path along the middle of a part."""
 
@@ -78,6 +85,17 @@ def chain_of(
         if shapely.contains_xy(solid, chain[1:-1]).all():  # not where the way to another component lies
             return chain
     return _straight(part, joint) if joint is None else points[[0, -1]]
+
+
+def stiff(part: PuppetPart) -> bool:
+    """Whether a part is round or a frame."""
+    return part.is_round or bool(part.solid.area < FRAME * part.filled.area)
+
+
+def bar_like(part: PuppetPart, *, is_root: bool) -> bool:
+    """Whether a part is long, straight and of even width."""
+    box = float(norm(part.box[1] - part.box[0]) * norm(part.box[3] - part.box[0]))
+    return part.slenderness > (BAR_ROOT if is_root else BAR) and part.solid.area > BAR_FILL * box
 
 
 def _places(middle: Midline, along: FloatArray, count: int) -> FloatArray:
