@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from math import radians
 from typing import Any
 
@@ -141,6 +142,8 @@ def choices_in(
         stays = known[name].distance(places[0]) <= OFF_PART * chain[0].length
         inside = all(known[name].distance(place) == 0.0 for place in places[1:-1])
         here = core.puppets.PartChoice(bones=len(chain), chain=places if stays and inside else None)
+        if any(owner_of(bone.parent) != before for before, bone in pairwise(chain)):
+            here = core.puppets.PartChoice()  # it forks
         above = first = owner_of(chain[0].parent)
         while above is not None and part_of(above) not in known:
             above = owner_of(above.parent)

@@ -48,8 +48,8 @@ class Figure:
 
 
 def limbs_of(draft: PuppetDraft) -> Limbs:
-    """The limbs on the trunk: legs reach the ground in pairs or are named so, arms are named so or are left and right, a
-    tail bends, and the head carries details.
+    """The limbs on the trunk: legs reach the ground and are named so or are one of a pair, arms are named so or are
+    left and right, a tail bends, and the head carries details.
     """
     nouns = tuple(words_of(part.name).noun for part in draft.parts)
     bottoms = [float(part.outline.vertices[:, 1].min()) for part in draft.parts]

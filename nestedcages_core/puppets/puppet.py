@@ -16,11 +16,12 @@ from .draft.draft import PuppetDraft, stiffened
 from .draft.evidence import CONTAINED
 from .draft.links import Hold, PartChoice
 from .field.bone_weights import skinned
-from .field.mesh import DENSITIES, FINEST_WEIGHT, BendField, bend_field
-from .field.ranges import FREE, UNPROVED, JointRange, ranges_of
+from .field.mesh import BendField, bend_field
+from .field.ranges import FREE, JointRange, first_that_turns, least_turn, ranges_of
 from .field.skinning import PreserveVolume, Skin
 from .limbs import Figure, forwards, limbs_of
 from .skeleton.bone import Bone, by_number, ends_of
+from .skeleton.bone_tree import BoneTree
 
 Made = TypeVar("Made")
 
@@ -152,12 +153,13 @@ def bent(
         draft = stiffer
 
 
-def limb_of(draft: PuppetDraft, part: int) -> tuple[FloatArray, float]:
-    """(K + 2, 2) the heads of a part's bones and the tip of the last, and the radius around its own joint that no bend
-    reaches, so that no paint opens there."""
-    chain, link = draft.chain(part), draft.links[part]
-    places = np.array([draft.bones[chain[0]].head, *(draft.bones[bone].tail for bone in chain)])
-    return places, 0.0 if link.parent is None else link.radius
+def limb_of(draft: PuppetDraft, part: int) -> tuple[BoneTree, float]:
+    """A part's bones, and the radius around its own joint that no bend reaches, so that no paint opens there."""
+    own, link = draft.chain(part), draft.links[part]
+    bones = [draft.bones[bone] for bone in own]
+    parents = [-1, *((bone.parent or 0) - own[0] for bone in bones[1:])]
+    tree = BoneTree(np.array([bone.head for bone in bones]), np.array([bone.tail for bone in bones]), tuple(parents))
+    return tree, 0.0 if link.parent is None else link.radius
 
 
 def reweighted(puppet: Puppet, part: int, weights: FloatArray) -> Puppet:
@@ -167,35 +169,18 @@ def reweighted(puppet: Puppet, part: int, weights: FloatArray) -> Puppet:
     old = puppet.fields[part]
     if old is None:
         raise invalid_setting(f"{puppet.draft.parts[part].name} does not bend, so it has no weights.")
-    shares = np.cumsum(weights[:, :0:-1], axis=1)[:, ::-1]
-    new = replace(old, shares=np.round(shares / FINEST_WEIGHT) * FINEST_WEIGHT)
-    on = new.weights > 0.0
-    is_even = (on.sum(axis=1) <= 2) & ((on.sum(axis=1) == 1) | (on[:, :-1] & on[:, 1:]).any(axis=1))
-    first = old.first_bone + 1
+    new, first = old.with_weights(weights), old.first_bone + 1
     ranges = list(puppet.ranges)
-    ranges[first : first + len(old.bends)] = (
-        ranges_of(new, puppet.skin) if is_even.all() else [UNPROVED] * len(old.bends)
-    )
+    ranges[first : first + len(old.bends)] = ranges_of(new, puppet.skin)
     fields = tuple(new if each is old else each for each in puppet.fields)
     return replace(puppet, fields=fields, ranges=tuple(ranges))
 
 
 def _best_field(draft: PuppetDraft, part: int, skin: Skin) -> tuple[BendField, list[JointRange]]:
     """The field of a part and the ranges of its joints, with denser triangles where these are too narrow."""
-    places, kept = limb_of(draft, part)
+    bones, kept = limb_of(draft, part)
     solids = [draft.parts[k].solid for k in (part, *riders_on(draft, part))]
-    found: list[tuple[BendField, list[JointRange]]] = []
-    for density in DENSITIES:
-        own = bend_field(solids, places, draft.bone_of[part], kept, skin, density)
-        found.append((own, ranges_of(own, skin)))
-        if least_turn(found[-1][1]) >= LEAST_TURN:
-            break
-    return max(found, key=lambda each: least_turn(each[1]))
-
-
-def least_turn(ranges: list[JointRange]) -> float:
-    """The least angle that any of some joints turns without a fold, either way."""
-    return min(min(-each.low, each.high) for each in ranges)
+    return first_that_turns(bend_field(solids, bones, draft.bone_of[part], kept, skin), skin, LEAST_TURN)
 
 
 def riders_on(draft: PuppetDraft, part: int) -> list[int]:

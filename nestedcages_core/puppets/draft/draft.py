@@ -12,7 +12,8 @@ from ...errors import invalid_setting
 from ...geometry.arrays import FloatArray
 from ..part import PuppetPart, with_unique_names
 from ..skeleton.bone import Bone
-from ..skeleton.chains import MOST_BONES, bar_like, chain_of, nearest_bone, stiff
+from ..skeleton.bone_tree import BoneTree
+from ..skeleton.chains import MOST_BONES, bar_like, bones_of, stiff
 from .lexicon import HOLDING, RIGID
 from .links import Hold, Link, PartChoice
 from .names import words_of
@@ -124,39 +125,38 @@ def _bones(
     """Bones from the root outwards, and the bone of each part."""
     bones: list[Bone] = []
     first: dict[int, int] = {}
-    chains: dict[int, FloatArray] = {}
+    trees: dict[int, BoneTree] = {}
     taken: Counter[str] = Counter()
 
     def carrier(part: int, place: tuple[float, float]) -> int:
         """The bone of a part that moves a place on it."""
-        return first[part] + (nearest_bone(chains[part], place) if part in chains else 0)
+        return first[part] + (trees[part].nearest(np.array(place)) if part in trees else 0)
 
     for part in _from_the_root(links):
         link = links[part]
         if link.hold is Hold.RIDES and link.parent is not None:
             first[part] = carrier(link.parent, link.joint)
             continue
-        limbs = [k for k, other in enumerate(links) if other.parent == part and other.hold is Hold.JOINT]
+        limbs = [other.joint for other in links if other.parent == part and other.hold is Hold.JOINT]
         choice = choices.get(parts[part].name, PartChoice())
         if choice.chain is not None:
-            chain = np.array(choice.chain)
+            tree = BoneTree.chain(np.array(choice.chain))
         else:
-            chain = chain_of(
+            tree = bones_of(
                 parts[part],
                 None if link.parent is None else link.joint,
-                carries=bool(limbs),
+                limbs,
                 bones=choice.bones or (1 if _is_rigid(parts, links, sides, part) else None),
                 most=most.get(parts[part].name, MOST_BONES),
             )
-            if len(chain) == 2 and len(limbs) == 1 and link.parent is not None:
-                chain = _towards(chain, np.array(links[limbs[0]].joint))
+            if len(tree) == 1 and len(limbs) == 1 and link.parent is not None:
+                tree = BoneTree.chain(_towards(np.stack((tree.heads[0], tree.tails[0])), np.array(limbs[0])))
         above = None if link.parent is None else carrier(link.parent, link.joint)
-        first[part], chains[part] = len(bones), chain
-        for k in range(len(chain) - 1):
+        first[part], trees[part] = len(bones), tree
+        for head, tail, on in zip(tree.heads.tolist(), tree.tails.tolist(), tree.parents, strict=True):
+            parent = above if on < 0 else first[part] + on
             name = _bone_name(sides[part], taken)
-            head, tail = chain[k].tolist(), chain[k + 1].tolist()
-            bones.append(Bone((head[0], head[1]), (tail[0], tail[1]), above, name))
-            above = len(bones) - 1
+            bones.append(Bone((head[0], head[1]), (tail[0], tail[1]), parent, name))
     return tuple(bones), tuple(first[part] for part in range(len(parts)))
 
 

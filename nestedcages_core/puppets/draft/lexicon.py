@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import product
 
 _SIDES = {
-    "L": "l left links linke linker linkes gauche izquierdo izquierda izq esquerdo esquerda sinistro sinistra lewy lewa "
-    "lewe левый левая левое лев 左 왼",
+    "L": "l left links linke linker linkes gauche izquierdo izquierda izq esquerdo esquerda sinistro sinistra lewy "
+    "lewa lewe левый левая левое лев 左 왼",
     "R": "r right rechts rechte rechter rechtes droit droite derecho derecha der direito direita destro destra "
     "prawy prawa prawe правый правая правое прав 右 오른",
 }

@@ -13,11 +13,11 @@ from ...geometry.mesh import Mesh
 from ...geometry.triangulation import Triangulation, constrained_delaunay
 from ...libraries import load_shapely
 from ..field.mesh import BendField
-from ..field.ranges import FREE, JointRange, ranges_of
+from ..field.ranges import FREE, JointRange, first_that_turns
 from ..field.skinning import Linear
-from ..field.weights import Bend, bends_of, shares_of
-from ..puppet import LEAST_TURN, least_turn
-from ..skeleton.chains import nearest_bone
+from ..field.weights import Bend, Limb
+from ..puppet import LEAST_TURN
+from ..skeleton.bone_tree import BoneTree
 from .hulls import stored
 
 NEEDED_FOR = "Meshes of parts that bend"
@@ -60,43 +60,31 @@ SPREADS = tuple(Spread(around, ring, phase) for around, ring, phase in product(A
 """What is tried."""
 
 
-@dataclass(frozen=True, eq=False)
-class Limb:
-    """What bends a part, and all that rides on it."""
-
-    area: Mesh | None
-    """The hull of the painted island that has all joints; None if there is none, and nothing bends."""
-    chain: FloatArray
-    """(K + 2, 2) heads of the bones, and the tip of the last."""
-    bends: tuple[Bend, ...]
-
-    @classmethod
-    def of(cls, hulls: Sequence[FloatArray], chain: FloatArray, kept: float) -> Limb:
-        """A limb in one of some hulls; kept: radius around the chain's start that stays rigid."""
-        shapely = load_shapely(NEEDED_FOR)
-        for hull in hulls:
-            if shapely.contains_xy(shapely.Polygon(hull), chain[1:-1]).all():
-                area = Mesh.from_loops([hull])
-                return cls(area, chain, tuple(bends_of(area, chain, kept)))
-        return cls(None, chain, tuple(Bend(joint, 0.0, 0.0, np.stack((joint, joint))) for joint in chain[1:-1]))
+def limb_in(hulls: Sequence[FloatArray], bones: BoneTree, kept: float) -> Limb | None:
+    """The limb in the first of some hulls that has all joints; None if none has, and nothing bends. kept: of `Limb`."""
+    shapely = load_shapely(NEEDED_FOR)
+    for hull in hulls:
+        if shapely.contains_xy(shapely.Polygon(hull), bones.heads[1:]).all():
+            return Limb.of(Mesh.from_loops([hull]), bones, kept)
+    return None
 
 
-def best_field(loop: FloatArray, limb: Limb, first_bone: int) -> tuple[BendField, list[JointRange]]:
-    """The mesh in a hull, and the ranges of the limb's joints: of several spreads of points the first whose joints turn
-    far enough, else the one that turns farthest. What lies next to the limb follows its nearest bone."""
-    if limb.area is None or not _is_on(loop, limb.area):
-        grid = meshed_loop(counter_clockwise(loop))
-        x, y = loop.mean(axis=0).tolist()
-        shares = (np.arange(len(limb.bends)) < nearest_bone(limb.chain, (x, y))).astype(np.float64)
-        still = BendField(Mesh.from_loops([loop]), grid, first_bone, limb.bends, np.tile(shares, (len(loop), 1)))
-        return still, [FREE] * len(limb.bends)
-    found: list[tuple[BendField, list[JointRange]]] = []
-    for spread in SPREADS:
-        made = _mesh_field(loop, limb, limb.area, first_bone, spread)
-        found.append((made, ranges_of(made, SKIN)))
-        if least_turn(found[-1][1]) >= LEAST_TURN:
-            break
-    return max(found, key=lambda each: least_turn(each[1]))
+def best_field(
+    loop: FloatArray, limb: Limb | None, bones: BoneTree, first_bone: int
+) -> tuple[BendField, list[JointRange]]:
+    """The mesh in a hull, and the ranges of the limb's joints, by the first spread of points whose joints turn far
+    enough. What lies next to the limb follows its nearest bone."""
+    if limb is None or not _is_on(loop, limb.area):
+        beyond = bones.beyond[bones.nearest(loop.mean(axis=0)), 1:].astype(np.float64)
+        bends = tuple(Bend(joint, 0.0, 0.0, np.stack((joint, joint))) for joint in bones.heads[1:])
+        grid, shares = meshed_loop(counter_clockwise(loop)), np.tile(beyond, (len(loop), 1))
+        still = BendField(Mesh.from_loops([loop]), grid, first_bone, bones.parents, bends, shares)
+        return still, [FREE] * len(bends)
+    hull = counter_clockwise(_with_vertices_at_joints(loop, limb))
+    grids = (meshed_loop(hull, _inner_points(hull, limb, spread)) for spread in SPREADS)
+    cage = Mesh.from_loops([hull])
+    fields = (BendField.of(cage, grid, first_bone, limb, SKIN, FINEST_WEIGHT) for grid in grids)
+    return first_that_turns(fields, SKIN, LEAST_TURN)
 
 
 def _is_on(loop: FloatArray, area: Mesh) -> bool:
@@ -104,17 +92,6 @@ def _is_on(loop: FloatArray, area: Mesh) -> bool:
     solid = shapely.Polygon(loop)
     shared = shapely.intersection(solid, shapely.geometry.shape(area.__geo_interface__))
     return bool(shared.area >= ON_LIMB * solid.area)
-
-
-def _mesh_field(loop: FloatArray, limb: Limb, area: Mesh, first_bone: int, spread: Spread) -> BendField:
-    """The mesh within the hull (n, 2) of a limb, or of what rides on it, and its weights; the hull comes first."""
-    hull = counter_clockwise(_with_vertices_at_joints(loop, limb))
-    grid = meshed_loop(hull, _inner_points(hull, limb, spread))
-    shares = shares_of(grid, limb.chain, limb.bends, area)
-    blended = (shares > 0.0) & (shares < 1.0)
-    shares = np.where(blended, SKIN.weight(shares), shares)
-    shares = np.round(shares / FINEST_WEIGHT) * FINEST_WEIGHT
-    return BendField(Mesh.from_loops([hull]), grid, first_bone, limb.bends, shares)
 
 
 def meshed_loop(loop: FloatArray, inner: FloatArray | None = None) -> Triangulation:
@@ -131,7 +108,7 @@ def _with_vertices_at_joints(loop: FloatArray, limb: Limb) -> FloatArray:
     reach = float(np.hypot(*np.ptp(loop, axis=0)))
     kept = [tuple(point) for point in loop.tolist()]
     for k, bend in enumerate(limb.bends):
-        for place, along in _crossings(bend, limb.chain[k : k + 3]):
+        for place, along in _crossings(bend, (limb.bones.before(k + 1), limb.bones.tails[k + 1])):
             spot = shapely.Point(place)
             if not solid.contains(spot):  # of what only rides on the limb
                 continue
@@ -146,14 +123,14 @@ def _with_vertices_at_joints(loop: FloatArray, limb: Limb) -> FloatArray:
     return np.array(sorted(kept, key=lambda point: float(ring.project(shapely.Point(point)))))
 
 
-def _crossings(bend: Bend, chain: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
+def _crossings(bend: Bend, ends: Sequence[FloatArray]) -> list[tuple[FloatArray, FloatArray]]:
     """Places on the bones around a joint where the hull gets vertices on both sides, and the directions there.
 
-    chain: (3, 2) head before the joint, the joint, and the tail after it.
+    ends: of the bones before and after the joint.
     """
     across = bend.chord[1] - bend.chord[0]
     found = [(bend.joint, np.array([across[1], -across[0]]) / np.hypot(*across))]
-    for end in (chain[0], chain[2]):
+    for end in ends:
         length = float(np.hypot(*(end - bend.joint)))
         along = (end - bend.joint) / length
         found.append((bend.joint + min(BESIDE_JOINT * bend.width, MOST_OF_BONE * length) * along, along))
@@ -172,7 +149,7 @@ def _inner_points(hull: FloatArray, limb: Limb, spread: Spread) -> FloatArray:
             ring = bend.joint + spread.ring * bend.width * np.array([np.cos(angle), np.sin(angle)])
             wanted.append((ring, bend.width))
     narrowest = min(bend.width for bend in limb.bends)
-    wanted += [(0.5 * (head + tail), narrowest) for head, tail in zip(limb.chain, limb.chain[1:], strict=False)]
+    wanted += [(0.5 * (head + tail), narrowest) for head, tail in zip(limb.bones.heads, limb.bones.tails, strict=True)]
     kept: list[FloatArray] = []
     for place, width in wanted:
         point = stored(place)

@@ -23,7 +23,7 @@ from ..part import PuppetPart, with_unique_names
 from ..puppet import Puppet, bent, limb_of, riders_on
 from ..skeleton.bone import Bone, by_number
 from .animation import Animation
-from .bending import SKIN, Limb, best_field, counter_clockwise, meshed_loop
+from .bending import SKIN, best_field, counter_clockwise, limb_in, meshed_loop
 from .hulls import Island, certify, islands_of
 from .proved import narrower, proved_ranges
 from .textured_mesh import PartMesh, Placement
@@ -164,11 +164,11 @@ def _fields_of(
 ) -> tuple[dict[tuple[int, int], BendField], list[JointRange]]:
     """The fields of a part that bends and of what rides on it, by numbers of part and island, and the ranges of its
     joints."""
-    chain, kept = limb_of(draft, part)
-    limb = Limb.of(hulls[part], chain, kept)
-    fields, turns = {}, [FREE] * len(limb.bends)
+    bones, kept = limb_of(draft, part)
+    limb = limb_in(hulls[part], bones, kept)
+    fields, turns = {}, [FREE] * (len(bones) - 1)
     for k in (part, *riders_on(draft, part)):
         for number, hull in enumerate(hulls[k]):
-            fields[k, number], own = best_field(hull, limb, draft.bone_of[part])
+            fields[k, number], own = best_field(hull, limb, bones, draft.bone_of[part])
             turns = [narrower(*both) for both in zip(turns, own, strict=True)]
     return fields, turns

@@ -91,13 +91,15 @@ class TwoJoints:
     """(T, 3) whether that joint is the second one."""
     skin: Skin
     rounding: float
+    with_first: float = 1.0
+    """1 if the bone from which they are seen turns with the first joint, 0 if it carries both."""
 
     def moved(self, item: IntArray, low: FloatArray, high: FloatArray) -> tuple[Complex, FloatArray]:
         """Where the triples are in the middle of boxes (M, 2), and how far they may be from there in them."""
         place, weight, second = self.place[item], self.weight[item], self.of_second[item]
         low, high = (np.where(second, ends[:, 1:], ends[:, :1]) for ends in (low, high))
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        rate = np.where(second, 0.0, 1.0)  # the bone between turns with the first joint
+        rate = np.where(second, 0.0, self.with_first)
         turned = self.skin.multiplier(weight, middle) * np.exp(-1j * rate * middle)
         reach = half * self.skin.speed(weight, rate, low, high) * np.abs(place)
         return self.joint[item] + place * turned, reach + self.rounding

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -18,9 +18,10 @@ from ...geometry.triangulation.solid import sample
 from ...levels import nested_cages
 from ...libraries import load_shapely
 from ..part import NEEDED_FOR
-from ..skeleton.chains import largest_component
+from ..skeleton.bone_tree import BoneTree
+from ..skeleton.midline import largest_component
 from .skinning import Skin
-from .weights import Bend, bends_of, shares_of
+from .weights import Bend, Limb, shares_of
 
 CLEARANCE = 0.01
 """Of a part's cage, in diagonals of the part."""
@@ -58,18 +59,41 @@ class BendField:
     """Vertices (N, 2), first those on the cage; float32 has them exactly. Triangles (T, 3), counter-clockwise."""
     first_bone: int
     """Number of the part's first bone; the others follow it."""
+    parents: tuple[int, ...]
+    """Of each bone in the part, -1 for the first one."""
     bends: tuple[Bend, ...]
     """The joints within the part."""
     shares: FloatArray
     """(N, K) how much each vertex follows the bone after each of the K joints: 1 beyond it, 0 before it. In a row at
     most one is neither 0 nor 1."""
 
+    @classmethod
+    def of(
+        cls, cage: Mesh, grid: Triangulation, first_bone: int, limb: Limb, skin: Skin, finest: float = FINEST_WEIGHT
+    ) -> BendField:
+        """The field on a grid in a cage, with circular weights of a limb, in multiples of the finest."""
+        shares = shares_of(grid.vertices, limb)
+        shares = np.where((shares > 0.0) & (shares < 1.0), skin.weight(shares), shares)
+        shares = np.round(shares / finest) * finest
+        return cls(cage, grid, first_bone, limb.bones.parents, limb.bends, shares)
+
+    def with_weights(self, weights: FloatArray) -> BendField:
+        """The field with other weights (N, K + 1), rows of sum 1."""
+        shares = BoneTree.of(self.parents).shares(weights)
+        return replace(self, shares=np.round(shares / FINEST_WEIGHT) * FINEST_WEIGHT)
+
     @property
     def weights(self) -> FloatArray:
-        """(N, K + 1) weights of the part's bones, rows of sum 1; at most two in a row are not 0."""
-        count = len(self.shares)
-        whole = np.concatenate((np.ones((count, 1)), self.shares, np.zeros((count, 1))), axis=1)
-        return whole[:, :-1] - whole[:, 1:]
+        """(N, K + 1) weights of the part's bones, rows of sum 1; as made by `of`, at most two in a row are not 0."""
+        return BoneTree.of(self.parents).weights(self.shares)
+
+    @property
+    def is_even(self) -> bool:
+        """Whether each vertex follows one bone, or one and its parent."""
+        on = self.weights > 0.0
+        count = on.sum(axis=1)
+        together = np.any([on[:, bone] & on[:, self.parents[bone]] for bone in range(1, len(self.parents))], axis=0)
+        return bool(((count == 1) | ((count == 2) & together)).all())
 
     @cached_property
     def rim(self) -> IntArray:
@@ -83,27 +107,18 @@ class BendField:
         return np.asarray(self.grid.interpolation(points) @ self.weights)
 
 
-def bend_field(
-    solids: Sequence[Any], chain: FloatArray, first_bone: int, kept: float, skin: Skin, density: float
-) -> BendField:
-    """The field of a part and what rides on it.
+def bend_field(solids: Sequence[Any], bones: BoneTree, first_bone: int, kept: float, skin: Skin) -> Iterator[BendField]:
+    """Fields of a part and what rides on it, denser and denser ones.
 
-    solids: polygons of shapely, of the part first; chain: (K + 2, 2) heads of its bones, and the tip of the last; kept:
-    radius around the part's own joint that no bend reaches, so that no paint opens there. Raises NestedCagesError as
-    `nested_cages`.
+    solids: polygons of shapely, of the part first; kept: radius around the part's own joint that no bend reaches, so
+    that no paint opens there. Raises NestedCagesError as `nested_cages`.
     """
     shape = _united(solids)
-    joints = len(chain) - 2
-    wanted = CAGE_VERTICES + VERTICES_PER_JOINT * joints
+    wanted = CAGE_VERTICES + VERTICES_PER_JOINT * (len(bones) - 1)
     (level,) = nested_cages(shape, wanted, clearance=CLEARANCE * shape.diagonal, loops="one")
-    cage = level.cage
-    bends = bends_of(cage, chain, kept)
-    grid = _grid(cage, bends, density)
-    shares = shares_of(grid, chain, bends, cage)
-    blended = (shares > 0.0) & (shares < 1.0)
-    shares = np.where(blended, skin.weight(shares), shares)
-    shares = np.round(shares / FINEST_WEIGHT) * FINEST_WEIGHT
-    return BendField(cage, grid, first_bone, tuple(bends), shares)
+    limb = Limb.of(level.cage, bones, kept)
+    for density in DENSITIES:
+        yield BendField.of(level.cage, _grid(level.cage, limb.bends, density), first_bone, limb, skin)
 
 
 def _united(solids: Sequence[Any]) -> Mesh:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,9 +44,26 @@ UNPROVED = JointRange(0.0, 0.0, 0.0, 0.0)
 """Range of a joint of which nothing is proved."""
 
 
+def least_turn(ranges: Sequence[JointRange]) -> float:
+    """The least angle that any of some joints turns without a fold, either way."""
+    return min(min(-each.low, each.high) for each in ranges)
+
+
+def first_that_turns(fields: Iterable[BendField], skin: Skin, least: float) -> tuple[BendField, list[JointRange]]:
+    """The first of some fields whose joints turn at least by an angle, else the one that turns farthest, and ranges."""
+    found: list[tuple[BendField, list[JointRange]]] = []
+    for field in fields:
+        found.append((field, ranges_of(field, skin)))
+        if least_turn(found[-1][1]) >= least:
+            break
+    return max(found, key=lambda each: least_turn(each[1]))
+
+
 def ranges_of(field: BendField, skin: Skin) -> list[JointRange]:
-    """The range of each joint within a part."""
+    """The range of each joint within a part: no angle where a vertex follows more bones than one and its parent."""
     count = len(field.bends)
+    if not field.is_even:
+        return [UNPROVED] * count
     place = np.asarray(field.grid.vertices @ (1.0, 1j))
     corner = field.grid.triangles
     shares = field.shares[corner]  # (T, 3, K)
@@ -57,27 +75,41 @@ def ranges_of(field: BendField, skin: Skin) -> list[JointRange]:
         triples = OneJoint(place[corner[own]] - complex(*bend.joint), shares[own][:, :, k], skin, rounding)
         for side in (0, 1):
             ends[k, side] *= safe_part(unfolded(triples), int(own.sum()), np.deg2rad(ends[k, side : side + 1]))
-    for k in range(count - 1):
-        both = moved_by[:, k] & moved_by[:, k + 1] & (moved_by.sum(axis=1) == 2)
-        pair = _between(field, corner[both], k, skin, rounding)
+    proved = moved_by.sum(axis=1) < 2
+    for first, second, are_beside in _neighbours(field.parents):
+        both = moved_by[:, first] & moved_by[:, second] & (moved_by.sum(axis=1) == 2)
+        proved |= both
+        pair = _between(field, corner[both], first, second, are_beside, skin, rounding)
         for sides in ((0, 0), (0, 1), (1, 0), (1, 1)):
-            extent = np.deg2rad(ends[[k, k + 1], sides])
-            ends[[k, k + 1], sides] *= safe_part(unfolded(pair), int(both.sum()), extent)
-    crowded = moved_by[moved_by.sum(axis=1) > 2].any(axis=0)
-    ends[crowded] = 0.0
+            extent = np.deg2rad(ends[[first, second], sides])
+            ends[[first, second], sides] *= safe_part(unfolded(pair), int(both.sum()), extent)
+    ends[moved_by[~proved].any(axis=0)] = 0.0
     ends = np.trunc(ends * STEPS_PER_DEGREE) / STEPS_PER_DEGREE
     simple = [_simple(field, k, ends[k], skin, rounding) for k in range(count)]
     return [JointRange(float(low), float(high), *narrow) for (low, high), narrow in zip(ends, simple, strict=True)]
 
 
-def _between(field: BendField, corner: IntArray, k: int, skin: Skin, rounding: float) -> TwoJoints:
-    """Triangles (T, 3) that joints k and k + 1 move."""
+def _neighbours(parents: Sequence[int]) -> Iterator[tuple[int, int, bool]]:
+    """Pairs of joints around one bone, by number of the joint, and whether the bone carries both; else the first is its
+    own joint."""
+    for second in range(1, len(parents)):
+        if parents[second] > 0:
+            yield parents[second] - 1, second - 1, False
+        for first in range(1, second):
+            if parents[first] == parents[second]:
+                yield first - 1, second - 1, True
+
+
+def _between(
+    field: BendField, corner: IntArray, first: int, second: int, are_beside: bool, skin: Skin, rounding: float
+) -> TwoJoints:
+    """Triangles (T, 3) that two joints move, seen from the bone between them, or that carries both."""
     place = np.asarray(field.grid.vertices @ (1.0, 1j))[corner]
-    first, second = (np.asarray(field.bends[j].joint @ (1.0, 1j)) for j in (k, k + 1))
-    of_second = field.shares[corner, k] == 1.0
-    joint = np.where(of_second, second, first)
-    weight = np.where(of_second, field.shares[corner, k + 1], field.shares[corner, k])
-    return TwoJoints(place - joint, joint, weight, of_second, skin, rounding)
+    one, other = (complex(*field.bends[k].joint) for k in (first, second))
+    of_second = field.shares[corner, second] > 0.0 if are_beside else field.shares[corner, first] == 1.0
+    joint = np.where(of_second, other, one)
+    weight = np.where(of_second, field.shares[corner, second], field.shares[corner, first])
+    return TwoJoints(place - joint, joint, weight, of_second, skin, rounding, 0.0 if are_beside else 1.0)
 
 
 def _simple(field: BendField, k: int, ends: FloatArray, skin: Skin, rounding: float) -> tuple[float, float]:

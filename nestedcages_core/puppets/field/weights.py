@@ -7,18 +7,16 @@ the turn is even: a straight limb then bends until 180°, if weights are even th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.mesh import Mesh
-from ...geometry.triangulation import Triangulation
 from ...geometry.vectors import norm
 from ...libraries import load_shapely
 from ..part import NEEDED_FOR
+from ..skeleton.bone_tree import BoneTree
 
 MEETING = 0.5
 """Two blends along a bone share it at its middle."""
@@ -44,47 +42,63 @@ class Bend:
     """(2, 2) ends of that chord."""
 
 
-def bends_of(cage: Mesh, chain: FloatArray, kept: float) -> list[Bend]:
-    """The joints of a chain (K + 1, 2) within its cage; kept: radius around the chain's start that stays rigid."""
+@dataclass(frozen=True, eq=False)
+class Limb:
+    """What bends a part, and all that rides on it."""
+
+    area: Mesh
+    """What has all joints."""
+    bones: BoneTree
+    bends: tuple[Bend, ...]
+
+    @classmethod
+    def of(cls, area: Mesh, bones: BoneTree, kept: float) -> Limb:
+        """A limb in an area; kept: radius around the head of its first bone that stays rigid."""
+        return cls(area, bones, tuple(_bends_of(area, bones, kept)))
+
+
+def _bends_of(cage: Mesh, bones: BoneTree, kept: float) -> list[Bend]:
+    """The joints within a part, of its bones but the first."""
     shapely = load_shapely(NEEDED_FOR)
     solid = shapely.geometry.shape(cage.__geo_interface__)
     found = []
-    last = len(chain) - 2
-    for k in range(1, last + 1):
-        joint = chain[k]
-        across = _chord_direction(chain, k)
+    for k in range(1, len(bones)):
+        joint, behind, ahead = bones.heads[k], bones.before(k), bones.tails[k]
+        across = _chord_direction(behind, joint, ahead)
         line = shapely.linestrings([joint - cage.diagonal * across, joint + cage.diagonal * across])
         chords = shapely.get_parts(shapely.intersection(line, solid))
         chord = min(chords, key=lambda piece: float(shapely.distance(piece, shapely.points(joint))))
         ends = shapely.get_coordinates(chord)[[0, -1]]
         width = float(norm(ends - joint).max())
-        before, after = float(norm(chain[k - 1] - joint)), float(norm(chain[k + 1] - joint))
+        before, after = float(norm(behind - joint)), float(norm(ahead - joint))
+        is_first = bones.parents[k] == 0 and bones.parents.count(0) == 1
         room = min(
-            before - min(kept, (1.0 - MEETING) * before) if k == 1 else MEETING * before,
-            after if k == last else MEETING * after,
+            before - min(kept, (1.0 - MEETING) * before) if is_first else MEETING * before,
+            after if bones.is_last(k) else MEETING * after,
         )
         found.append(Bend(joint, width, float(np.clip(room, LEAST_REACH * width, MOST_REACH * width)), ends))
     return found
 
 
-def _chord_direction(chain: FloatArray, k: int) -> FloatArray:
-    """(2,) direction of the chord through joint k: along the bisector of its bones."""
-    before, after = chain[k - 1] - chain[k], chain[k + 1] - chain[k]
+def _chord_direction(behind: FloatArray, joint: FloatArray, ahead: FloatArray) -> FloatArray:
+    """(2,) direction of the chord through a joint: along the bisector of its bones."""
+    before, after = behind - joint, ahead - joint
     along = after / norm(after) - before / norm(before)
     return np.array([-along[1], along[0]]) / norm(along)
 
 
-def shares_of(grid: Triangulation, chain: FloatArray, bends: Sequence[Bend], cage: Mesh) -> FloatArray:
-    """(N, K) how much the vertices of a grid follow the bone after each of K joints."""
-    points = grid.vertices
-    piece = _pieces(points, chain, bends, cage)
-    shares = (piece[:, None] > np.arange(len(bends))[None]).astype(np.float64)
+def shares_of(points: FloatArray, limb: Limb) -> FloatArray:
+    """(N, B - 1) how much points (N, 2) follow each bone but the first, with all beyond it."""
+    bones, bends = limb.bones, limb.bends
+    piece = _pieces(points, limb)
+    shares = bones.beyond[piece][:, 1:].astype(np.float64)
     reaches = np.array([bend.reach for bend in bends])
     joints = np.array([bend.joint for bend in bends])
     nearest = (norm(points[:, None] - joints[None]) / reaches).argmin(axis=1)
     for k, bend in enumerate(bends):
-        blended = (norm(points - bend.joint) < bend.reach) & np.isin(piece, (k, k + 1)) & (nearest == k)
-        shares[blended, k] = _share(points[blended], piece[blended] == k + 1, bend, chain[k], chain[k + 2])
+        own, parent = k + 1, bones.parents[k + 1]
+        blended = (norm(points - bend.joint) < bend.reach) & np.isin(piece, (parent, own)) & (nearest == k)
+        shares[blended, k] = _share(points[blended], piece[blended] == own, bend, bones.before(own), bones.tails[own])
     return shares
 
 
@@ -102,16 +116,16 @@ def _share(points: FloatArray, is_after: FloatArray, bend: Bend, before: FloatAr
     return np.asarray(np.where(away <= bend.width, turn, faded))
 
 
-def _pieces(points: FloatArray, chain: FloatArray, bends: Sequence[Bend], cage: Mesh) -> IntArray:
-    """(P,) the bone in whose piece of the cage each point lies; chords through the joints cut it."""
+def _pieces(points: FloatArray, limb: Limb) -> IntArray:
+    """(P,) the bone in whose piece of the area each point lies; chords through the joints cut it."""
     shapely = load_shapely(NEEDED_FOR)
-    solid = shapely.geometry.shape(cage.__geo_interface__)
-    cuts = [shapely.linestrings(bend.joint + (1.0 + 1e-6) * (bend.chord - bend.joint)) for bend in bends]
+    solid = shapely.geometry.shape(limb.area.__geo_interface__)
+    cuts = [shapely.linestrings(bend.joint + (1.0 + 1e-6) * (bend.chord - bend.joint)) for bend in limb.bends]
     lines = shapely.union_all([shapely.boundary(solid), *cuts])
     faces = [
         face for face in shapely.get_parts(shapely.polygonize([lines])) if solid.contains(face.representative_point())
     ]
-    middles = shapely.points([0.5 * (head + tail) for head, tail in pairwise(chain)])
+    middles = shapely.points(0.5 * (limb.bones.heads + limb.bones.tails))
     bone_of = np.array([int(shapely.distance(face, middles).argmin()) for face in faces])
     tree = shapely.STRtree(faces)
     return np.asarray(bone_of[tree.nearest(shapely.points(points))])

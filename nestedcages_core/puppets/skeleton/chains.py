@@ -1,20 +1,19 @@
-"""Which parts bend, and the places of their joints along the middle."""
+"""Which parts bend, and their bones: a chain from a joint to a tip, two from a fork or from where limbs hang."""
 
 from __future__ import annotations
 
-from itertools import pairwise
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-import scipy
 
-from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
-from ...geometry.mesh import Mesh
 from ...geometry.vectors import norm, rotated_left
 from ...libraries import load_shapely
 from ..part import NEEDED_FOR, PuppetPart
-from .skeleton import MedialAxis, along_path, medial_axis, pruned, trimmed
+from .bone_tree import BoneTree
+from .midline import Midline, PartAxis, largest_component
+from .skeleton import along_path
 
 LEAF_BENDS, CARRIER_BENDS = 4.4, 9.0
 """A part bends if it is at least this long, in radii, from its joint to its tip; one that carries limbs is stiffer."""
@@ -29,62 +28,128 @@ BONE_LENGTH, MOST_BONES = 4.0, 6
 """Length of a bone in a part that bends, in radii: room for the blends around both of its joints; and the most bones
 that a draft gives a part."""
 
-PROTRUDES = 0.9
-"""Branches of the middle that reach less than this beyond their fork, in radii, are none."""
-
-TIP_REACH, TIP_POINTS = 0.8, 4
-"""How far the last bone goes on towards the tip, in radii there, and the points that tell its direction."""
-
 KNEE, KNEE_PLACE = 0.35, (0.4, 0.6)
 """Two bones meet where the middle is farthest from straight, if that is this far, in radii, and within these parts of
 the length."""
 
-
-FRAME = 0.6
-"""A frame, such as a window, is less than this much of its filled outline."""
+FRAME, BLOB, ROOT_BLOB, BOX_FILL = 0.6, 1.5, 2.2, 0.5
+"""What does not bend: a frame, which is less than this much of its filled outline; a part less slender than this, or
+than that if it is the root, that fills this much of its box."""
 
 BAR, BAR_ROOT, BAR_FILL = 6.0, 4.0, 0.75
 """A bar: at least this slender, as a root that, and this much of its box."""
 
+BY_ITS_END = 0.7
+"""A part bends if it hangs by its end: what lies beyond its joint is at least this much of its whole length."""
 
-class Midline(NamedTuple):
-    """The path along the middle of a part."""
-
-    points: FloatArray
-    """(P, 2)."""
-    radii: FloatArray
-    """(P,) of the largest discs in the part there."""
-    median: float
-    """Of the radii."""
+FORKED_HULL, SPREAD = 0.93, 0.6
+"""A part that forks fills less than this of its convex hull; two ways from a root are a fork, as legs of trousers, if
+their tips are nearer than this, in lengths of both."""
 
 
-def chain_of(
-    part: PuppetPart, joint: tuple[float, float] | None, *, carries: bool, bones: int | None, most: int
-) -> FloatArray:
-    """(K + 1, 2) the heads of K bones along a part, and the tip of the last one.
+def bones_of(
+    part: PuppetPart,
+    joint: tuple[float, float] | None,
+    limbs: Sequence[tuple[float, float]],
+    *,
+    bones: int | None,
+    most: int,
+) -> BoneTree:
+    """The bones of a part.
 
-    joint: where the part turns; None for a root, whose chain runs from tip to tip. carries: whether limbs hang on it.
-    bones: number of bones, if a user chose it; most: the maximum otherwise.
+    joint: where the part turns; None for a root. limbs: joints of what turns on it. bones: number of bones in a chain,
+    if a user chose it; most: the maximum otherwise.
     """
-    middle = _middle(part, joint)
-    if middle is None:
-        return _straight(part, joint)
-    points, radius = middle.points, middle.median
-    along = along_path(points)
+    one = BoneTree.chain(_straight(part, joint))
+    axis = None if bones == 1 or (bones is None and (most == 1 or stiff(part))) else PartAxis.of(part)
+    if axis is None:
+        return one
+    solid = load_shapely(NEEDED_FOR).geometry.shape(largest_component(part.outline).__geo_interface__)
+    if bones is None and most > 2:
+        forked = _forked(part, axis, joint, limbs, most, solid)
+        if forked is not None:
+            return forked
+    if joint is None:
+        way = axis.midline(axis.longest, from_tip=True)
+    else:
+        way = axis.midline(axis.way(axis.nearest(joint)), np.array(joint))
+    if way is None:
+        return one
     if bones is None:
-        bends = along[-1] >= (CARRIER_BENDS if carries else LEAF_BENDS) * radius
-        bones = int(np.clip(along[-1] / (BONE_LENGTH * radius), 2, MOST_BONES)) if bends else 1
-        bones = min(bones, most)
-    shapely = load_shapely(NEEDED_FOR)
-    solid = shapely.geometry.shape(largest_component(part.outline).__geo_interface__)
+        hangs_by_its_end = joint is None or way.length >= BY_ITS_END * along_path(axis.points[axis.longest])[-1]
+        if way.slenderness < _least(limbs) or _is_blob(part, is_root=joint is None) or not hangs_by_its_end:
+            return one if joint is None else BoneTree.chain(way.points[[0, -1]])
+        bones = min(_count(way), most)
+    return BoneTree.chain(_chain(way, bones, solid)) if bones > 1 else one
+
+
+def _least(limbs: Sequence[tuple[float, float]]) -> float:
+    return CARRIER_BENDS if limbs else LEAF_BENDS
+
+
+def _count(way: Midline) -> int:
+    return int(np.clip(way.slenderness / BONE_LENGTH, 2, MOST_BONES))
+
+
+def _forked(
+    part: PuppetPart,
+    axis: PartAxis,
+    joint: tuple[float, float] | None,
+    limbs: Sequence[tuple[float, float]],
+    most: int,
+    solid: Any,
+) -> BoneTree | None:
+    """Two chains on a bone of a part that forks; or both ways along a root, from the middle of where its limbs hang."""
+    may_fork = part.solid.area < FORKED_HULL * part.solid.convex_hull.area
+    trunk: FloatArray | None = None
+    if joint is not None:
+        way = axis.way(axis.nearest(joint))
+        fork = axis.fork(way) if may_fork else None
+        if fork is None:
+            return None
+        at, other = fork
+        ways = [axis.midline(axis.branch(at, tip)) for tip in (way[-1], other)]
+        trunk = np.stack((np.array(joint), axis.points[at]))
+        if norm(trunk[1] - trunk[0]) <= 0.5 * axis.radii[at]:
+            return None
+        least = _least(limbs)
+    else:
+        along = along_path(axis.points[axis.longest])
+        hung = [along[int(norm(axis.points[axis.longest] - np.array(place)).argmin())] for place in limbs]
+        at = axis.longest[int(np.abs(along - (np.median(hung) if hung else 0.5 * along[-1])).argmin())]
+        tips = axis.longest[-1], axis.longest[0]
+        ways = [axis.midline(axis.way(at, tip), axis.points[at]) for tip in tips]
+        least = 0.5 * LEAF_BENDS
+        ahead = np.array([way.points[-1] - axis.points[at] for way in ways if way is not None])
+        lengths = sum(way.length for way in ways if way is not None)
+        if may_fork and len(ahead) == 2 and norm(ahead[0] - ahead[1]) <= SPREAD * lengths:
+            back = -ahead.sum(axis=0) / norm(ahead.sum(axis=0))
+            trunk = axis.points[at] + axis.radii[at] * np.stack((0.0 * back, back))
+            ways = [axis.midline(axis.branch(at, tip)) for tip in tips]
+        elif sum(way.slenderness for way in ways if way is not None) < _least(limbs) or _is_blob(part, is_root=True):
+            return None
+    found = [way for way in ways if way is not None and way.slenderness >= least]
+    if len(found) < 2:
+        return None
+    each = max(1, (most - (trunk is not None)) // 2)
+    chains = [_chain(way, min(_count(way), each), solid) for way in sorted(found, key=lambda way: -way.slenderness)]
+    tree = BoneTree.chain(chains.pop(0) if trunk is None else trunk)
+    for chain in chains:
+        tree = tree.with_chain(chain)
+    return tree
+
+
+def _chain(way: Midline, bones: int, solid: Any) -> FloatArray:
+    """(K + 1, 2) places of at most so many bones along a way, all in a solid."""
+    along = along_path(way.points)
     for count in range(bones, 1, -1):
-        places = _places(middle, along, count)
+        places = _places(way, along, count)
         if count == 2:
-            places[1] = _knee(points, along, radius, places[1])
-        chain = np.stack([np.interp(places, along, points[:, axis]) for axis in (0, 1)], axis=1)
-        if shapely.contains_xy(solid, chain[1:-1]).all():  # not where the way to another component lies
+            places[1] = _knee(way, along, places[1])
+        chain = np.stack([np.interp(places, along, way.points[:, axis]) for axis in (0, 1)], axis=1)
+        if load_shapely(NEEDED_FOR).contains_xy(solid, chain[1:-1]).all():
             return chain
-    return _straight(part, joint) if joint is None else points[[0, -1]]
+    return way.points[[0, -1]]
 
 
 def stiff(part: PuppetPart) -> bool:
@@ -94,13 +159,22 @@ def stiff(part: PuppetPart) -> bool:
 
 def bar_like(part: PuppetPart, *, is_root: bool) -> bool:
     """Whether a part is long, straight and of even width."""
-    box = float(norm(part.box[1] - part.box[0]) * norm(part.box[3] - part.box[0]))
-    return part.slenderness > (BAR_ROOT if is_root else BAR) and part.solid.area > BAR_FILL * box
+    return part.slenderness > (BAR_ROOT if is_root else BAR) and _box_share(part) > BAR_FILL
 
 
-def _places(middle: Midline, along: FloatArray, count: int) -> FloatArray:
-    """(count + 1,) where bones begin and end, along the middle of a part."""
-    length = np.maximum(middle.radii, THINNEST * middle.median) ** -THICK
+def _is_blob(part: PuppetPart, *, is_root: bool) -> bool:
+    """Whether a part is about as wide as long."""
+    return part.slenderness < (ROOT_BLOB if is_root else BLOB) and _box_share(part) > BOX_FILL
+
+
+def _box_share(part: PuppetPart) -> float:
+    """How much of its box a part fills."""
+    return float(part.solid.area / (norm(part.box[1] - part.box[0]) * norm(part.box[3] - part.box[0])))
+
+
+def _places(way: Midline, along: FloatArray, count: int) -> FloatArray:
+    """(count + 1,) where bones begin and end, along a way."""
+    length = np.maximum(way.radii, THINNEST * way.median) ** -THICK
     bones = np.concatenate(([0.0], np.cumsum(0.5 * (length[1:] + length[:-1]) * np.diff(along))))
     each = np.ones(count)
     each[[0, -1]] = END_BONE
@@ -108,14 +182,14 @@ def _places(middle: Midline, along: FloatArray, count: int) -> FloatArray:
     return np.interp(ends * bones[-1], bones, along)
 
 
-def _knee(points: FloatArray, along: FloatArray, radius: float, otherwise: float) -> float:
-    """Where along a path of two bones their joint is: where it is bent, or at another place."""
-    across = rotated_left(points[-1] - points[0]) / norm(points[-1] - points[0])
-    off = np.abs((points - points[0]) @ across)
+def _knee(way: Midline, along: FloatArray, otherwise: float) -> float:
+    """Where along a way of two bones their joint is: where it is bent, or at another place."""
+    ends = way.points[-1] - way.points[0]
+    off = np.abs((way.points - way.points[0]) @ (rotated_left(ends) / norm(ends)))
     low, high = (part * along[-1] for part in KNEE_PLACE)
     off = np.where((along >= low) & (along <= high), off, 0.0)
     farthest = int(off.argmax())
-    return float(along[farthest] if off[farthest] > KNEE * radius else otherwise)
+    return float(along[farthest] if off[farthest] > KNEE * way.median else otherwise)
 
 
 def _straight(part: PuppetPart, joint: tuple[float, float] | None) -> FloatArray:
@@ -130,70 +204,3 @@ def _straight(part: PuppetPart, joint: tuple[float, float] | None) -> FloatArray
         ends = ends[::-1]
     inset = min(0.5 * part.slenderness**-1.0, 0.4) * (ends[1] - ends[0])
     return np.stack((ends[0] + inset, ends[1] - inset))
-
-
-def _middle(part: PuppetPart, joint: tuple[float, float] | None) -> Midline | None:
-    """The path along the middle of the part's largest component, from the joint to the farthest tip; None where the
-    part is too round to have one."""
-    try:
-        axis = pruned(medial_axis(largest_component(part.outline)), PROTRUDES)
-    except (NestedCagesError, scipy.spatial.QhullError):
-        return None
-    if len(axis.links) < 2:
-        return None
-    nodes = np.array(list(axis.links))
-    if joint is None:
-        ends = _farthest(axis, nodes, _farthest(axis, nodes, int(nodes[0]))[-1])
-        ends = trimmed(axis, trimmed(axis, ends)[::-1])
-    else:
-        start = int(nodes[scipy.spatial.cKDTree(axis.points[nodes]).query(joint)[1]])
-        ends = trimmed(axis, _farthest(axis, nodes, start))
-    if len(ends) < TIP_POINTS:
-        return None
-    points, radii = axis.points[ends], axis.radii[ends]
-    median = float(np.median(radii))
-    points, radii = np.concatenate((points, [_tip(points, radii)])), np.append(radii, radii[-1])
-    first = 0
-    if joint is not None:
-        ahead = norm(points - joint) > radii.min()
-        first = int(ahead.argmax()) if ahead.any() else 0
-    begin = np.array(joint) if joint is not None else _tip(points[-2::-1], radii[-2::-1])
-    return Midline(np.concatenate(([begin], points[first:])), np.append(radii[first], radii[first:]), median)
-
-
-def _tip(points: FloatArray, radii: FloatArray) -> FloatArray:
-    """(2,) the end of the last bone: a little beyond the middle's last point."""
-    ahead = points[len(radii) - 1] - points[len(radii) - TIP_POINTS]
-    return np.asarray(points[len(radii) - 1] + TIP_REACH * radii[-1] * ahead / (float(norm(ahead)) or 1.0))
-
-
-def _farthest(axis: MedialAxis, nodes: FloatArray, start: int) -> list[int]:
-    """The shortest path from a point of the axis to the one at the greatest distance along it."""
-    number = {int(node): k for k, node in enumerate(nodes)}
-    pairs = np.array([(number[i], number[j]) for i, others in axis.links.items() for j in others]).T
-    lengths = norm(axis.points[nodes[pairs[0]]] - axis.points[nodes[pairs[1]]]) + np.finfo(float).tiny
-    graph = scipy.sparse.csr_array((lengths, tuple(pairs)), shape=(len(nodes),) * 2)
-    distance, before = scipy.sparse.csgraph.dijkstra(graph, indices=number[start], return_predecessors=True)
-    path = [int(np.where(np.isfinite(distance), distance, -1.0).argmax())]
-    while before[path[-1]] >= 0:
-        path.append(int(before[path[-1]]))
-    return [int(nodes[k]) for k in path[::-1]]
-
-
-def largest_component(mesh: Mesh) -> Mesh:
-    """The largest outer loop of a mesh with its holes."""
-    component = mesh.component_of_loop
-    areas = np.bincount(component, mesh.loop_areas)
-    if len(areas) == 1:
-        return mesh
-    return Mesh.from_loops([ring for ring, owner in zip(mesh.rings, component, strict=True) if owner == areas.argmax()])
-
-
-def nearest_bone(chain: FloatArray, place: tuple[float, float]) -> int:
-    """The bone of a chain (K + 1, 2) nearest to a place."""
-    gaps = []
-    for head, tail in pairwise(chain):
-        along = tail - head
-        part = np.clip((place - head) @ along / (along @ along), 0.0, 1.0)
-        gaps.append(float(norm(head + part * along - place)))
-    return int(np.argmin(gaps))
