@@ -13,6 +13,7 @@ from ..errors import invalid_setting
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..libraries import load_shapely
+from .naming import Names
 
 NEEDED_FOR = "A puppet of parts that overlap"
 
@@ -103,16 +104,8 @@ def largest_disc(area: Any) -> tuple[FloatArray, float]:
 
 def with_unique_names(parts: Iterable[PuppetPart]) -> tuple[PuppetPart, ...]:
     """The parts with a number after names that repeat. Raises NestedCagesError if there are none."""
-    found: list[PuppetPart] = []
-    taken: set[str] = set()
-    for part in parts:
-        stem, count = part.name or "part", 0
-        name = stem
-        while name in taken:
-            count += 1
-            name = f"{stem}.{count:03d}"
-        taken.add(name)
-        found.append(part if name == part.name else replace(part, name=name))
+    names = Names()
+    found = tuple(replace(part, name=names.new(part.name or "part")) for part in parts)
     if not found:
         raise invalid_setting("There are no parts; give at least one.")
-    return tuple(found)
+    return found

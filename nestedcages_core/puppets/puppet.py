@@ -25,8 +25,8 @@ from .skeleton.bone_tree import BoneTree
 
 Made = TypeVar("Made")
 
-LEAST_TURN = 90.0
-"""Angle in degrees that every joint of a draft turns at least, either way, without a fold."""
+LEAST_TURN, LEAST_OF_FORK = 90.0, 45.0
+"""Degrees that each joint of a draft turns at least, either way, without a fold; and each one of a part that forks."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +145,8 @@ def bent(
                 known[part, count] = make(draft, part)
             name = draft.parts[part].name
             is_free = draft.choices.get(name, PartChoice()).bones is None
-            if is_free and least_turn(known[part, count][1]) < LEAST_TURN:
+            forks = len({draft.bones[bone].parent for bone in draft.chain(part)}) < count
+            if is_free and least_turn(known[part, count][1]) < (LEAST_OF_FORK if forks else LEAST_TURN):
                 most[name] = count - 1
         stiffer = stiffened(draft, most)
         if len(stiffer.bones) == len(draft.bones):

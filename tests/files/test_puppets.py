@@ -369,3 +369,28 @@ def test_names_tell_sides_in_other_languages() -> None:
         arms = [limb(name, (x, 5.0), (2.5 * x, 1.0), width=0.9) for name, x in ((left, -2.0), (right, 2.0))]
         made = draft_puppet([*arms, body])
         assert [side.side for side in made.sides] == ["L", "R", ""]
+
+
+def test_trousers_fork_and_long_bodies_bend_both_ways_from_where_limbs_hang() -> None:
+    legs = [shapely.LineString([(0.0, 0.0), (x, -8.0)]).buffer(0.9) for x in (-2.4, 2.4)]
+    trousers = solid("trousers", shapely.union_all([*legs, shapely.box(-1.2, -0.5, 1.2, 1.5)]))
+    body = [(float(x), 0.0) for x in np.linspace(-12.0, 12.0, 9)]
+    hung = [limb(f"path{k}", (x, 0.0), (x, -4.0), width=0.8) for k, x in enumerate((-1.5, 1.5))]
+    for parts, root, ends in (
+        ([trousers, solid("torso", shapely.box(-1.2, 1.0, 1.2, 6.0))], "trousers", ((-2.4, -8.0), (2.4, -8.0))),
+        ([limb("body", *body, width=2.0), *hung], "body", ((-12.0, 0.0), (12.0, 0.0))),
+    ):
+        puppet = puppet_of(draft_puppet(parts, {root: PartChoice(parent="")}))
+        made = puppet.draft
+        bones = [made.bones[k] for k in made.chain(made.number(root))]
+        assert all(min(np.hypot(*np.subtract(bone.tail, end)) for bone in bones) < 1.5 for end in ends)
+        turns = [puppet.ranges[k] for k in made.chain(made.number(root))[1:]]
+        assert min(min(-each.low, each.high) for each in turns) > 40.0
+        rng, field = np.random.default_rng(3), puppet.fields[made.number(root)]
+        assert field is not None
+        places, corners = field.grid.vertices, field.grid.triangles
+        for _ in range(20):
+            pose = {puppet.bones[k].name: rng.uniform(puppet.ranges[k].low, puppet.ranges[k].high)
+                    for k in made.chain(made.number(root))[1:]}  # fmt: skip
+            a, b, c = puppet.moved(made.number(root), places, pose)[corners].transpose(1, 2, 0)
+            assert ((b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0])).all()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from ...errors import invalid_setting
 from ...geometry.arrays import FloatArray
+from ..naming import Names
 from ..part import PuppetPart, with_unique_names
 from ..skeleton.bone import Bone
 from ..skeleton.bone_tree import BoneTree
@@ -126,7 +126,7 @@ def _bones(
     bones: list[Bone] = []
     first: dict[int, int] = {}
     trees: dict[int, BoneTree] = {}
-    taken: Counter[str] = Counter()
+    names = Names()
 
     def carrier(part: int, place: tuple[float, float]) -> int:
         """The bone of a part that moves a place on it."""
@@ -155,7 +155,7 @@ def _bones(
         first[part], trees[part] = len(bones), tree
         for head, tail, on in zip(tree.heads.tolist(), tree.tails.tolist(), tree.parents, strict=True):
             parent = above if on < 0 else first[part] + on
-            name = _bone_name(sides[part], taken)
+            name = names.new(sides[part].stem, f".{sides[part].side}" if sides[part].side else "")
             bones.append(Bone((head[0], head[1]), (tail[0], tail[1]), parent, name))
     return tuple(bones), tuple(first[part] for part in range(len(parts)))
 
@@ -182,12 +182,3 @@ def _from_the_root(links: Sequence[Link]) -> list[int]:
 def _towards(chain: FloatArray, joint: FloatArray) -> FloatArray:
     far = np.hypot(*(joint - chain[0])) > TOWARDS * np.hypot(*(chain[1] - chain[0]))
     return np.stack((chain[0], joint)) if far else chain
-
-
-def _bone_name(side: Side, taken: Counter[str]) -> str:
-    """The next free name of a stem and a side: tail, tail.001; leg.L, leg.001.L."""
-    ending = f".{side.side}" if side.side else ""
-    key = side.stem + ending
-    count = taken[key]
-    taken[key] += 1
-    return f"{side.stem}{f'.{count:03d}' if count else ''}{ending}"

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...geometry.arrays import FloatArray
+from ..naming import Names
 from ..skeleton.bone import Bone, ends_of
 
 DECIMALS = 6
@@ -69,19 +70,9 @@ def turned_by(points: FloatArray, angle: float) -> FloatArray:
 
 def unique_names(names: Iterable[str], forbidden: str, taken: Iterable[str] = ()) -> list[str]:
     """The names with _ for characters that are forbidden, and numbers after those that repeat."""
-    used, found = set(taken), []
-    for name in names:
-        stem = "".join(
-            "_" if character in forbidden or not character.isprintable() else character for character in name
-        )
-        stem, count = stem.strip() or "part", 1
-        made = stem
-        while made in used:
-            count += 1
-            made = f"{stem}_{count}"
-        used.add(made)
-        found.append(made)
-    return found
+    given = Names(taken, "_")
+    clean = ("".join("_" if sign in forbidden or not sign.isprintable() else sign for sign in name) for name in names)
+    return [given.new(name.strip() or "part") for name in clean]
 
 
 def few_decimals(values: ArrayLike) -> list[float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -13,6 +12,7 @@ from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
 from ...geometry.signed_distance import SignedDistance
 from ...geometry.vectors import cross, norm, rotated_left
+from ..naming import Names
 
 JOINT_REACH = 1.0
 """Distance of the vertices before and after a joint from it, in radii of the limb. Of 1, 1.25 and 1.5, on 36 random
@@ -137,14 +137,11 @@ def named(bones: Sequence[Bone]) -> list[Bone]:
         names[start] = (number, "" if other is None else ".L" if tips[start][0] > middle else ".R")
         if other is not None:
             names[other] = (number, ".R" if tips[start][0] > middle else ".L")
-    counted: Counter[str] = Counter()
-    named = []
-    for k, bone in enumerate(bones):
-        stem, side = names[limb_of[k]] if k in limb_of else (bone.name, "")
-        counted[stem + side] += 1
-        count = counted[stem + side]
-        named.append(replace(bone, name=f"{stem}{f'.{count:03d}' if count > 1 else ''}{side}"))
-    return named
+    given = Names()
+    return [
+        replace(bone, name=given.new(*(names[limb_of[k]] if k in limb_of else (bone.name, ""))))
+        for k, bone in enumerate(bones)
+    ]
 
 
 def _begins_limb(bones: Sequence[Bone], k: int) -> bool:

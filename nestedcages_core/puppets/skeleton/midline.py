@@ -24,7 +24,7 @@ TIP_REACH, TIP_POINTS = 0.8, 4
 FORKED = 0.6
 """A fork: the shorter of two branches is at least this long, in lengths of the longer one."""
 
-LEAVES_FORK = 0.9
+LEAVES_FORK = 2.0
 """A branch begins where it leaves the disc of its fork, in radii of that."""
 
 
