@@ -1,4 +1,4 @@
-"""Fits the weights of `nestedcages_core/puppet/scores.py`, and leaves out each character in turn."""
+"""Fits the weights of `nestedcages_core/puppets/draft/scores.py`, and leaves out each character in turn."""
 
 from __future__ import annotations
 

@@ -9,10 +9,7 @@ from pathlib import Path
 
 from ..errors import NestedCagesError
 from ..formats import write_files
-from ..puppets.draft.links import PartChoice
-from ..puppets.engines.engines import engine_for, puppet_files, undrawn
-from ..puppets.engines.puppet import GamePuppet, game_puppet
-from ..puppets.layers.paintings import read_painting
+from ..puppets import GamePuppet, PartChoice, engine_for, game_puppet, puppet_files, read_painting, undrawn
 from .options import at_least
 from .printing import sentence_of, tell
 

@@ -34,7 +34,7 @@ from .field.skinning import Linear, PreserveVolume, Skin
 from .layers.drawing import LONGER_SIDE, painted_as_one, picture_of
 from .layers.drawn_parts import puppet_parts
 from .layers.painting import PicturePart
-from .layers.paintings import PAINTINGS, Painting, read_painting
+from .layers.reading import PAINTINGS, Painting, read_painting
 from .limbs import Figure, Limbs
 from .part import PuppetPart
 from .puppet import Puppet, puppet_of, reweighted

@@ -1,4 +1,4 @@
-"""What names say by `vocabulary`: which part of a body hangs on which, and that left does not hang on right."""
+"""What names say by `lexicon`: which part of a body hangs on which, and that left does not hang on right."""
 
 from __future__ import annotations
 

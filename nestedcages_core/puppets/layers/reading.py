@@ -1,42 +1,66 @@
-"""Layered pictures by what their files hold."""
+"""Paintings from files: the parts of whatever holds layers."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Collection
 from pathlib import Path
+from typing import NamedTuple
 
 from ...errors import NestedCagesError, invalid_file
-from ...formats.files import read_whole
-from ...formats.limits import Limits, Quota
+from ...formats import Limits, read_whole
+from ...formats.limits import Quota
 from .archive import Archive
+from .drawing import LONGER_SIDE, parts_of_svg
 from .folder import read_folder
+from .grouping import as_things, without_aids
 from .krita import DOCUMENT, read_krita
-from .layer import LAYERED_LIMITS, LayeredPicture
+from .layer import LAYERED_LIMITS, LayeredPicture, Notes
 from .openraster import STACK, read_openraster
+from .painting import PicturePart, parts_of
 from .psd import SIGNATURE, read_psd
 
-ENDINGS = (".psd", ".psb", ".ora", ".kra")
-"""Names of files end like this."""
+PAINTINGS = (".psd", ".psb", ".ora", ".kra", ".svg")
+"""Names of files end like this; folders hold .png."""
 
 
-def read_layers(
+class Painting(NamedTuple):
+    """A painting in parts."""
+
+    parts: tuple[PicturePart, ...]
+    """The lowest first."""
+    size: tuple[int, int]
+    """Width and height of the canvas."""
+    notes: tuple[str, ...]
+    """Sentences about what was left out or merged."""
+
+
+def read_painting(
     path: str | os.PathLike[str],
     names: Collection[str] | None = None,
     *,
-    limits: Limits = LAYERED_LIMITS,
-) -> LayeredPicture:
-    """The layers of a PSD, PSB, OpenRaster or Krita file, or of a folder of PNG pictures by the order of their names.
+    hidden: bool = False,
+    pixels: int = LONGER_SIDE,
+) -> Painting:
+    """The parts of a layered file, an SVG, or a folder of PNG pictures by the order of their names.
 
-    names: of the pictures of a folder that are read, all if None. Raises NestedCagesError, OSError.
+    names: of the pictures of a folder that are read, all if None; hidden: whether hidden layers become hidden parts;
+    pixels: of the longer side of an SVG. Raises NestedCagesError, OSError.
     """
     place = Path(path)
+    if place.suffix.lower() == ".svg":
+        return Painting(*parts_of_svg(read_whole(path, Limits()), pixels, background=False))
     if place.is_dir():
-        return read_folder(place, limits, names)
-    return layers_of(read_whole(place, limits), limits)
+        picture = read_folder(place, LAYERED_LIMITS, names)
+    else:
+        picture = _layers_of(read_whole(place, LAYERED_LIMITS), LAYERED_LIMITS)
+    parts, notes = parts_of(picture, hidden=hidden)
+    said = Notes()
+    things = as_things(without_aids(parts, said), said)
+    return Painting(tuple(things), (picture.width, picture.height), (*notes, *said.sentences))
 
 
-def layers_of(data: bytes, limits: Limits = LAYERED_LIMITS) -> LayeredPicture:
+def _layers_of(data: bytes, limits: Limits) -> LayeredPicture:
     """The layers in the contents of a file. Raises NestedCagesError."""
     try:
         if data.startswith(SIGNATURE):
