@@ -353,7 +353,10 @@ def test_wheels_turn_about_their_hubs_and_are_no_legs() -> None:
 
 def test_alternatives_ride_on_one_part_and_covers_on_what_they_cover() -> None:
     head = ball("head", 0.0, 0.0, 4.0)
-    mouths = [solid(f"mouth {k}", shapely.box(-1.0, -2.0, 1.0, -1.0 - 0.2 * k), "mouth") for k in range(3)]
+    mouths = [
+        solid(f"mouth {shape}", shapely.box(-1.0, -2.0, 1.0, -1.0 - 0.2 * k), "mouth")
+        for k, shape in enumerate(("open", "closed", "wide"))
+    ]
     made = draft_puppet([ball("body", 0.0, -6.0, 4.0), head, *mouths])
     assert {parents(made)[mouth.name] for mouth in mouths} == {"head"}
     assert len({made.bone_of[k] for k in (2, 3, 4)}) == 1

@@ -33,14 +33,17 @@ def covers_of(parts: Sequence[PuppetPart]) -> dict[int, int]:
 
 
 def alternatives_of(parts: Sequence[PuppetPart]) -> list[list[int]]:
-    """Sets of parts that are shown in turn: those of a group that all have its name and lie at the same place."""
+    """Sets of parts that are shown in turn: all in a group that have its name and another word, and lie at the same
+    place. A number alone is what programs add to shapes without names."""
     groups: dict[tuple[str, ...], list[int]] = {}
     for k, part in enumerate(parts):
         groups.setdefault(part.groups, []).append(k)
     found = []
     for path, own in groups.items():
         stem = _lower_words(path[-1]) if path else []
-        if not stem or len(own) < 2 or any(_lower_words(parts[k].name)[: len(stem)] != stem for k in own):
+        names = [_lower_words(parts[k].name) for k in own]
+        are_named = all(name[: len(stem)] == stem and any(map(str.isalpha, name[len(stem) :])) for name in names)
+        if not stem or len(own) < 2 or not are_named:
             continue
         solids = [parts[k].filled for k in own]
         together = {

@@ -114,8 +114,8 @@ class _Tree:
                 gain[part] = -np.inf
                 gain[part, parent] = 0.0
             parents = best_parents(gain, root)
-            for own in self.sets:
-                parents[own] = parents[own[0]]
+            for first, *others in self.sets:
+                parents[others] = parents[first] if first != root else root
             rest = np.arange(len(parents)) != root
             found.append((self.scores.of_root[root] + gain[rest, parents[rest]].sum(), root, parents, likely))
         _, root, parents, likely = max(found, key=lambda each: float(each[0]))
@@ -152,7 +152,7 @@ class _Tree:
         if len(roots) > 1:
             names = " and ".join(repr(self.parts[part].name) for part in roots)
             raise invalid_setting(f"{names} can't both be the root; choose one.")
-        things = {*self.chosen, *self.covered, *self.wheels, *(k for _, *others in self.sets for k in others)}
+        things = {*self.chosen, *self.covered, *self.wheels, *(k for own in self.sets for k in own)}
         free = [part for part in range(len(self.parts)) if part not in things]
         free = free or [part for part in range(len(self.parts)) if part not in self.chosen]
         if not free:
