@@ -357,7 +357,7 @@ def test_alternatives_ride_on_one_part_and_covers_on_what_they_cover() -> None:
         solid(f"mouth {shape}", shapely.box(-1.0, -2.0, 1.0, -1.0 - 0.2 * k), "mouth")
         for k, shape in enumerate(("open", "closed", "wide"))
     ]
-    made = draft_puppet([ball("body", 0.0, -6.0, 4.0), head, *mouths])
+    made = draft_puppet([ball("body", 0.0, -7.5, 4.0), head, *mouths])
     assert {parents(made)[mouth.name] for mouth in mouths} == {"head"}
     assert len({made.bone_of[k] for k in (2, 3, 4)}) == 1
     shin, greave = (limb(name, (0.0, -5.0), (0.0, -12.0), width=w) for name, w in (("path1", 1.0), ("path2", 1.2)))
