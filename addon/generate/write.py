@@ -48,7 +48,10 @@ def write(
     written, which Blender's undo takes back.
     """
     sources = [_source(result) for result in results]
-    replaced = [_earlier_set(result, source) for result, source in zip(results, sources, strict=True)]
+    replaced = list[CageSet | None]()
+    for result, source in zip(results, sources, strict=True):
+        earlier_set = _earlier_set(result, source)
+        replaced.append(None if earlier_set in replaced else earlier_set)  # drawings may be cages of one set
     for cage_set in filter(None, replaced):
         check_free(cage_set.members)
     complete()
