@@ -124,11 +124,6 @@ class CageSet(Cages):
     @classmethod
     def all_of(cls, obj: Object) -> list[CageSet]:
         """The sets of a drawing, a member, or what moves one: around the drawing first, those named after it first."""
-        return list(cls.each_of(obj))
-
-    @classmethod
-    def each_of(cls, obj: Object) -> Iterator[CageSet]:
-        """The same, one by one."""
         node = node_of(obj)
         if node.role in {FINE, CAGE}:
             finest = _finest(obj)
@@ -145,19 +140,19 @@ class CageSet(Cages):
         found = [each for each in dict.fromkeys(found) if each.counts]
         if len(found) > 1:
             found.sort(key=lambda each: (each.inside, objects_in(each.record.parts)[:1] != [obj]))
-        yield from found
         if not found and obj.type in MOVERS:
-            yield from (each for each in cls.everywhere() if obj in each.movers)
+            return [each for each in cls.everywhere() if obj in each.movers]
+        return found
 
     @classmethod
     def of(cls, obj: Object) -> CageSet | None:
         """The set of a member, or the one around a drawing."""
-        return next(cls.each_of(obj), None)
+        return next(iter(cls.all_of(obj)), None)
 
     @classmethod
     def beside(cls, obj: Object, *, inside: bool = False) -> CageSet | None:
         """The set around a drawing, or the one inside."""
-        return next((each for each in cls.each_of(obj) if each.inside == inside), None)
+        return next((each for each in cls.all_of(obj) if each.inside == inside), None)
 
     @classmethod
     def everywhere(cls) -> list[CageSet]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from itertools import islice
 
 import bpy
 from bpy.types import Collection, Context, Object, Scene
@@ -114,7 +113,7 @@ def each_of_chosen(context: Context, *, both: bool = True) -> Iterator[CageSet]:
     for obj in chosen(context):
         if not (has_node(obj) or obj.type in MOVERS or obj.library is not None):
             continue
-        for each in islice(CageSet.each_of(obj), None if both or obj.type in MOVERS else 1):
+        for each in CageSet.all_of(obj)[: None if both or obj.type in MOVERS else 1]:
             if each not in seen:
                 seen.add(each)
                 yield each

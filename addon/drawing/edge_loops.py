@@ -59,8 +59,3 @@ def without_doubles(points: NDArray[np.float32], extent: float) -> NDArray[np.fl
     gaps = np.linalg.norm(points.astype(float) - np.roll(points, 1, axis=0).astype(float), axis=1)
     kept = gaps > DOUBLED * extent
     return points if kept.all() else points[kept]
-
-
-def extent_of(loops: list[NDArray[np.float32]]) -> float:
-    """Diagonal of the bounding box of all loops (k, 3)."""
-    return float(np.linalg.norm(np.ptp(np.concatenate(loops).astype(float), axis=0))) if loops else 0.0

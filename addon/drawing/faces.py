@@ -67,11 +67,6 @@ def shown_in(evaluated: Object, matrix: FloatArray, frame: Frame) -> Shown:
     return Shown(shapes[_areas(shapes) > EDGE_ON * spread**2], loops)
 
 
-def faces_in(evaluated: Object, matrix: FloatArray, frame: Frame) -> Iterator[core.formats.Painted]:
-    """The areas of what an evaluated object with a matrix shows in a frame."""
-    return shown_in(evaluated, matrix, frame).areas()
-
-
 def seen(frame: Frame, points: FloatArray) -> FloatArray:
     """Points (n, 3) of the world in a frame, (n, 2), as float32 values."""
     return frame.from_world(points)[0].astype(np.float32).astype(np.float64)

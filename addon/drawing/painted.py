@@ -15,7 +15,7 @@ from ..core import broad_phase, core
 from ..errors import FloatArray, UserError
 from . import grease_pencil
 from .evaluated import has_nodes, realized, temporary
-from .faces import faces_in, seen
+from .faces import seen, shown_in
 from .planar import read, readable
 from .plane import Frame, transform, world_matrix
 
@@ -33,12 +33,12 @@ def areas_of(context: Context, obj: Object, frame: Frame, *, closed: bool = Fals
     else:
         areas, depsgraph = list[core.formats.Painted](), context.evaluated_depsgraph_get()
         if obj.type in SOLID:  # faces, those of instances included, and the inside of closed lines
-            areas += faces_in(obj.evaluated_get(depsgraph), world_matrix(obj), frame)
+            areas += shown_in(obj.evaluated_get(depsgraph), world_matrix(obj), frame).areas()
             if has_nodes(obj):
                 with temporary() as blocks:
                     shape = realized(context, obj, blocks)
                     depsgraph = context.evaluated_depsgraph_get()
-                    areas += faces_in(shape.evaluated_get(depsgraph), world_matrix(obj), frame)
+                    areas += shown_in(shape.evaluated_get(depsgraph), world_matrix(obj), frame).areas()
         areas += _instances(context, obj, frame)
         if obj.type in {"FONT", "CURVES"}:  # hair, and texts, whose faces may omit overlaps
             outline = read(context, obj)
@@ -68,7 +68,8 @@ def _instances(context: Context, obj: Object, frame: Frame) -> Iterator[core.for
             shown = instance.object
             # Wires, such as cages, are no part of what a collection paints.
             if shown is not None and shown.type in SOLID and shown.display_type not in {"WIRE", "BOUNDS"}:
-                yield from faces_in(shown, np.array(instance.matrix_world, dtype=np.float64), frame)
+                matrix = np.array(instance.matrix_world, dtype=np.float64)
+                yield from shown_in(shown, matrix, frame).areas()
 
 
 def painted(

@@ -13,7 +13,7 @@ from .. import keys
 from ..core import broad_phase, core, distance
 from ..core import loops as loops_of
 from ..errors import Fault, FloatArray, UserError
-from .edge_loops import SMALLEST_LOOP, chains, extent_of, without_doubles
+from .edge_loops import SMALLEST_LOOP, chains, without_doubles
 from .evaluated import READERS, Lines, has_nodes, lines_of, render_resolution, shown_at, temporary
 from .faces import is_thick, may_show_more, seen, shown_in, tile
 from .grease_pencil import KINDS, Counts, Painting
@@ -223,10 +223,8 @@ def _placed(matrix: FloatArray, frame: Frame, loops: Sequence[FloatArray]) -> tu
 
 def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
     """The outline in its own plane: the object's frame if possible, else a fitted one. Raises: UserError."""
-    frame = own_frame(outline.matrix, outline.points)
-    if frame is None:
-        return drawing_in(fitted_frame(outline.matrix, outline.points), outline, options)
-    return _drawing(outline, frame, [loop[:, :2].astype(np.float64) for loop in outline.loops])
+    matrix, points = outline.matrix, outline.points
+    return drawing_in(own_frame(matrix, points) or fitted_frame(matrix, points), outline, options)
 
 
 def drawing_in(
@@ -251,7 +249,10 @@ def drawing_in(
     extent = size(np.concatenate(loops)) * frame.scale
     if off > PLANARITY * extent and not options.project:
         raise _not_flat(outline.name, off)
-    return _drawing(outline, frame, loops)
+    # letters that overlap or touch are united
+    kept = united_loops(outline.name, loops) if outline.letters else tuple(loops)
+    deviation = _deviation(outline, frame, loops)
+    return Drawing(outline.name, frame, kept, outline.identity, filled=outline.filled, deviation=deviation)
 
 
 def _not_flat(name: str, off: float) -> UserError:
@@ -259,13 +260,6 @@ def _not_flat(name: str, off: float) -> UserError:
         f"'{name}' does not lie in one plane with the drawing: it is up to {off:.3g} off it; flatten it, or tick "
         "'Project Anyway'"
     )
-
-
-def _drawing(outline: Outline, frame: Frame, loops: Sequence[FloatArray]) -> Drawing:
-    """Letters that overlap or touch are united."""
-    kept = united_loops(outline.name, loops) if outline.letters else tuple(loops)
-    deviation = _deviation(outline, frame, loops)
-    return Drawing(outline.name, frame, kept, outline.identity, filled=outline.filled, deviation=deviation)
 
 
 def _deviation(outline: Outline, frame: Frame, loops: Sequence[FloatArray]) -> float:
@@ -319,7 +313,7 @@ def _closed_loops(
         raise UserError(f"'{obj.name}' is a text without letters: write some (Tab)")
     if not loops:
         raise UserError(f"'{obj.name}' has no outline: draw a closed line, or select a flat drawing")
-    extent = extent_of(loops)
+    extent = size(np.concatenate(loops).astype(float))
     for number, loop in enumerate(loops):
         loops[number] = without_doubles(loop, extent)
         if len(loops[number]) < SMALLEST_LOOP:
