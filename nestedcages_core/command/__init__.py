@@ -15,7 +15,7 @@ from .printing import STANDARD_OUTPUT, drop, sentence_of, tell
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 """Exit statuses; the last is that of a program ended by Ctrl-C. Wrong use ends with 2, by argparse."""
 
-OPTIONS = {"cages": ".options", "check": ".check_options", "puppet": ".puppet_options"}
+OPTIONS = {"cages": ".options", "check": ".check", "puppet": ".puppet_options"}
 """Modules with the options of each command."""
 
 

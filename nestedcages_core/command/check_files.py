@@ -18,29 +18,34 @@ from ..geometry.mesh import Mesh
 from ..levels import Share, Within
 from .printing import sentence_of, tell
 from .results import Levels, Results, look_of, read_picture, read_results
-from .sources import DOWN, Shape, Source, read
+from .sources import DOWN, Shape, Source, limits_of, read
 
 MOST_SAID = 20
 """Maximum number of problems that are printed."""
+
+PER_POINT, PER_LOOP_AND_POINT, PER_PAIR = 3e-5, 5e-8, 3e-7
+"""Seconds that checking takes (measured): for each point, loop times points, and with distances two points."""
 
 
 def files_fail(given: argparse.Namespace) -> bool:
     """Check a result; whether something does not hold, or cannot be read."""
     *given.drawing, given.result = given.drawing
-    kind, lost, summary = "error", list[str](), ""
+    kind, lost, summary, path = "error", list[str](), "", given.result
     try:
-        results = read_results(given.result)
+        results = read_results(given.result, limits_of(given))
         given.inside |= all(level <= 0 for levels in results.shapes for level in levels)
+        path = ", ".join(given.drawing)
         drawings = _drawings(given)
+        path = given.result
         if results.picture:
             read_picture(results.picture, drawings)
             results = results._replace(crs=drawings.crs, pixels=drawings.pixels)
+        _allow(given, drawings, results)
         kind, summary = "wrong", _summary(results)
         problems = list(_problems(given, drawings, results, lost))
-    except OSError as error:
-        problems = [sentence_of(error, given.result)]
-    except (NestedCagesError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
-        problems = [f"the files cannot be read as outlines: {error}"]
+    except (OSError, NestedCagesError) as error:
+        kind, said = "error", sentence_of(error, path)
+        problems = [said if said.startswith(path) else f"{path}: {said}"]
     for problem in problems[:MOST_SAID]:
         tell(f"{kind}: {problem}", sys.stderr)
     if len(problems) > MOST_SAID:
@@ -75,6 +80,23 @@ def _drawing(path: str, given: argparse.Namespace) -> Source:
     return source
 
 
+def _allow(given: argparse.Namespace, drawings: Source, results: Results) -> None:
+    """Raise NestedCagesError if checking takes longer than the limit for seconds."""
+    fines = [shape.content for shape in drawings.shapes if isinstance(shape.content, Mesh)]
+    meshes = [*fines, *(mesh for levels in results.shapes for mesh in levels.values())]
+    points, loops = np.array([(len(mesh.vertices), len(mesh.loops)) for mesh in meshes] or [(0, 0)], float).T
+    far = given.distance is not None or any(isinstance(level, Within) for level in given.levels)
+    each = PER_POINT * points + PER_LOOP_AND_POINT * loops * points + far * PER_PAIR * points**2
+    seconds, allowed = int(each.sum()), limits_of(given).seconds
+    if seconds > allowed:
+        raise NestedCagesError(
+            f"Checking {loops.sum():,.0f} loops with {points.sum():,.0f} points takes about {seconds:,} s, more than "
+            f"the {allowed:,} s allowed; raise the limit by --limit seconds={seconds + 1}.",
+            code="limit.exceeded",
+            what="seconds",
+        )
+
+
 def _problems(given: argparse.Namespace, drawings: Source, results: Results, lost: list[str]) -> Iterator[str]:
     """What is wrong; lost: gets what is said of loops that have none of their own."""
     drawn, count = ", ".join(given.drawing), len(drawings.shapes)
@@ -95,7 +117,11 @@ def _problems(given: argparse.Namespace, drawings: Source, results: Results, los
             yield f"{of_shape}{given.result} shows another drawing, time or style than {drawn} has"
             continue
         fines.append(fine)
-        for inside, cages in _sides(levels, given.inside):
+        for side in (1, -1):
+            cages = [levels[level] for level in sorted(levels, key=abs) if side * level > 0]
+            if not cages and (side < 0 or any(levels)):
+                continue
+            inside = side < 0 or given.inside
             may_differ = given.any_loops or fine is not shape.content  # holes of pictures are closed
             more = map(_has_more, (fine, *cages), cages)
             verdict = check(
@@ -113,7 +139,7 @@ def _problems(given: argparse.Namespace, drawings: Source, results: Results, los
     times = [shape.properties.get("time") for shape in drawings.shapes]
     numbers = [time for time in times if isinstance(time, int | float)]
     if len(given.drawing) == 1 < count == len(fines) and sorted({*numbers}) == times and _correspond(fines):
-        yield from _faults_between([levels[1] for levels in results.shapes], fines)
+        yield from _faults_between([levels[1] for levels in results.shapes if 1 in levels], fines)
 
 
 def _placed(drawings: Source, results: Results) -> list[Levels] | None:
@@ -127,7 +153,7 @@ def _placed(drawings: Source, results: Results) -> list[Levels] | None:
         return None
     if drawings.y_up == (results.pixels["y"] == "up"):
         return results.shapes
-    height = float(results.pixels.get("height") or 0.0)
+    height = float(drawings.pixels.get("height") or 0.0)
     return [{level: turned_over(mesh, height) for level, mesh in each.items()} for each in results.shapes]
 
 
@@ -137,14 +163,6 @@ def _outlines(shape: Shape, given: argparse.Namespace) -> list[Mesh]:
         return [shape.drawn or shape.content]
     threshold = HALF if given.threshold is None else given.threshold
     return boundaries_of_picture(alpha_channel(shape.content) > threshold, given.clearance or 0.0)
-
-
-def _sides(levels: Levels, inside: bool) -> Iterator[tuple[bool, list[Mesh]]]:
-    """The cages of a shape from the finest on, those outside and those inside; without any, none outside."""
-    for side in (1, -1):
-        cages = [levels[level] for level in sorted(levels, key=abs) if side * level > 0]
-        if cages or (side > 0 and not any(levels)):
-            yield inside or side < 0, cages
 
 
 def _has_more(inner: Mesh, outer: Mesh) -> bool:
@@ -196,7 +214,7 @@ def _correspond(frames: Sequence[Mesh]) -> bool:
 
 def _faults_between(cages: Sequence[Mesh], drawings: Sequence[Mesh]) -> list[str]:
     """Contacts on the straight lines from each frame to the next."""
-    if not _correspond(cages):
+    if len(cages) < len(drawings) or not _correspond(cages):
         return ["cages differ in their numbers of vertices, so the motion between them is not known"]
     steps = [np.stack([frame.vertices for frame in frames]) for frames in (cages, drawings)]
     return faults_of_motion(cages[0].edges, drawings[0].edges, steps[0], steps[1], range(len(cages) - 1))

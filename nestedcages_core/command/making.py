@@ -15,12 +15,11 @@ import numpy as np
 
 from ..batch import nested_cages_many
 from ..errors import NestedCagesError, invalid_file
-from ..formats import Limits
 from ..formats.lonlat import POLE, TURN
 from ..formats.pictures import HALF, picture_cages
 from ..geometry.mesh import Mesh
-from ..levels import Hierarchy, Level, Settings, Share, inner_cages, nested_cages
-from .sources import Made, Shape, Source
+from ..levels import Hierarchy, Level, Settings, Share, Within, inner_cages, nested_cages
+from .sources import Made, Shape, Source, limits_of
 
 MAX_PROCESSES_ON_WINDOWS = 61
 """Worker processes that Python can wait for there."""
@@ -78,7 +77,7 @@ def _outcomes(
                 padding=given.clearance or 0.0,
                 threshold=HALF if given.threshold is None else given.threshold,
                 holes=given.loops == "keep",
-                limits=replace(Limits(), **dict(given.limits)),
+                limits=limits_of(given),
             )
 
         def listen(progress: Any, number: int = number, name: str = shape.name) -> None:
@@ -99,11 +98,27 @@ def _processes(count: int) -> Executor:
 
 
 def _counts(shape: Shape, given: Namespace) -> list[Any]:
-    """Levels of a shape, with shares as numbers where what is drawn is not what cages are made around."""
+    """Levels of a shape; if it is grown by a clearance in metres, such as have what is drawn for their measure.
+
+    Raises NestedCagesError for tolerances that the clearance alone exceeds, and for those in degrees.
+    """
     if shape.drawn is None:
         return list(given.levels)
-    sizes, keeps = [len(loop) for loop in shape.drawn.loops], given.loops == "keep"
-    return [level.of(sizes, keeps=keeps) if isinstance(level, Share) else level for level in given.levels]
+    found, sizes, side = list[Any](), [len(loop) for loop in shape.drawn.loops], -1.0 if given.inside else 1.0
+    ratio = shape.drawn.area / Mesh.of(shape.content).area
+    for level in given.levels:
+        if isinstance(level, Share):
+            level = level.of(sizes, keeps=given.loops == "keep")
+        elif isinstance(level, Within):
+            if level.distance is not None:
+                raise invalid_file("With a clearance in m, km or mi, a level is a count, a share or an excess of area.")
+            excess, taken = side * ((1.0 + side * level.limit) * ratio - 1.0), abs(1.0 / ratio - 1.0)
+            if not excess > 0.0:
+                problem = f"The clearance alone takes {100.0 * taken:.3g} % of the area; allow more than that."
+                raise NestedCagesError(problem, code="tolerance.unreachable", limit=level.limit, taken=taken)
+            level = Within(excess=excess)
+        found.append(level)
+    return found
 
 
 def _measured(drawn: Mesh | None, given: Namespace, hierarchy: Hierarchy) -> Sequence[Level]:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,8 +12,9 @@ import numpy as np
 
 from ..errors import invalid_file
 from ..formats import DRAWING_LIMITS, Frame, Limits, read_whole, to_svg
-from ..formats.geojson import LOOKS, loaded_json
+from ..formats.geojson import LOOKS, is_number, loaded_json
 from ..formats.geometries import polygons_of
+from ..formats.limits import Quota
 from ..formats.svg.document import Document
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import orientation
@@ -31,6 +31,9 @@ FEATURE, GEOMETRY = {"type", "properties", "geometry", "id", "bbox"}, {"type", "
 
 SAME_BOX = 1e-6
 """Difference of a bounding box from that of the coordinates, over its size, that is the rounding of its decimals."""
+
+FEATURES_PER_SECOND = 1_000
+"""Features that are read and checked in a second (measured)."""
 
 CLASS = re.compile(r"(level|inner)-(\d{1,6})")
 """The class of a path."""
@@ -58,13 +61,13 @@ def look_of(properties: Mapping[str, Any]) -> dict[str, Any]:
     return {key: properties[key] for key in LOOKS if key in properties}
 
 
-def read_results(path: str) -> Results:
+def read_results(path: str, limits: Limits) -> Results:
     """The cages of a file. Raises NestedCagesError for what is not to be checked."""
     if Path(path).suffix.lower() == ".svg":
         content = read_whole(path, DRAWING_LIMITS)
         found = Results(read_picture(content)[0], picture=content)
     else:
-        found = _map(read_whole(path, Limits()))
+        found = _map(read_whole(path, limits), limits)
     for levels in found.shapes:
         for side in (1, -1):
             numbers = sorted(side * level for level in levels if side * level > 0)
@@ -79,7 +82,7 @@ def read_picture(content: bytes, drawings: Source | None = None) -> tuple[list[L
     Raises NestedCagesError unless it is, word by word, what `to_svg` writes of these levels on the page of the
     drawings, or on its own.
     """
-    text = content.decode("utf-8").replace("\r\n", "\n")
+    text = content.decode("utf-8", "replace").replace("\r\n", "\n")
     document = Document(text, DRAWING_LIMITS)
     paths = [each for each in document.root.iter() if str(each.tag).endswith("}path")]
     names = [each.get("id", "") for each in paths]
@@ -87,8 +90,11 @@ def read_picture(content: bytes, drawings: Source | None = None) -> tuple[list[L
     if not all(sides):
         raise invalid_file(f"{names[sides.index(None)]!r:.60} has no level.")
     levels = [int(side[2]) if side[1] == "level" else -int(side[2]) for side in sides if side]
-    loops = [[loop.translate(LETTERS).split() for loop in each.get("d", "").split("M")[1:]] for each in paths]
-    meshes = [Mesh.from_loops([np.array(loop, float).reshape(-1, 2) for loop in each]) for each in loops]
+    try:
+        loops = [[loop.translate(LETTERS).split() for loop in each.get("d", "").split("M")[1:]] for each in paths]
+        meshes = [Mesh.from_loops([np.array(loop, float).reshape(-1, 2) for loop in each]) for each in loops]
+    except ValueError as error:
+        raise invalid_file("A path has more than loops of straight edges.") from error
     frame, y_up = document.frame, "<g " in text
     page, up = (frame, y_up) if drawings is None else (drawings.frame, drawings.y_up)
     again = to_svg(dict(zip(names, meshes, strict=True)), frame=page, levels=levels, y_up=up) if paths else ""
@@ -109,77 +115,80 @@ def read_picture(content: bytes, drawings: Source | None = None) -> tuple[list[L
     return [shapes[owner] for owner in sorted(shapes, key=lambda owner: (len(owner), owner))], frame, y_up  # by number
 
 
-def _map(content: bytes) -> Results:
+def _map(content: bytes, limits: Limits) -> Results:
     """The features of a map by their levels. Raises NestedCagesError for more than polygons."""
-    document = loaded_json(content, "GeoJSON", Limits(), _once)
-    json.dumps(document, allow_nan=False)  # raises
+    document = loaded_json(content, limits, strict=True)
+    if not isinstance(document, dict):
+        raise invalid_file("The map is not an object with features.")
     if document.get("type") != "FeatureCollection":
         feature = document if document.get("type") == "Feature" else {"type": "Feature", "geometry": document}
         document = {"type": "FeatureCollection", "features": [feature]}
     others = {key for key, value in document.items() if isinstance(value, dict | list)} - {"crs", "pixels", "bbox"}
-    if others != {"features"}:
+    if others != {"features"} or not isinstance(document["features"], list):
         raise invalid_file(f"The map has {', '.join(sorted(others)) or 'no features'}, not features alone.")
-    shapes, looks, tiles = list[Levels](), list[dict[str, Any]](), dict[tuple[int, int], list[Mesh]]()
+    Quota(limits).spend("seconds", len(document["features"]) / FEATURES_PER_SECOND)
+    shapes, looks, tiles = list[Levels](), list[dict[str, Any]](), list[tuple[int, Mesh, list[Mesh]]]()
     for number, feature in enumerate(document["features"]):
         mesh, properties = _feature(feature, number)
-        level, piece = properties.get("level", 1), properties.get("piece")
+        level, piece, look = properties.get("level", 1), properties.get("piece"), look_of(properties)
         if type(level) is not int:
             raise invalid_file(f"The level of feature {number} is {level!r:.40}, not a whole number.")
-        if type(piece) is int:
-            pieces = tiles.setdefault((len(shapes), level), [])
-            pieces.append(mesh)
-            if piece != len(pieces):
-                raise invalid_file(f"Feature {number} is piece {piece}, not {len(pieces)}.")
-        else:
+        if type(piece) is not int:
             if not shapes or level in shapes[-1]:
                 shapes.append({})
-                looks.append(look_of(properties))
+                looks.append(look)
             shapes[-1][level] = mesh
-        if not looks or look_of(properties) != looks[-1]:
+            tiles.append((level, mesh, []))
+        elif not tiles or (level, piece) != (tiles[-1][0], len(tiles[-1][2]) + 1):
+            raise invalid_file(f"Feature {number} is not the next piece of the cage before it.")
+        else:
+            tiles[-1][2].append(mesh)
+        if look != looks[-1]:
             raise invalid_file(f"Feature {number} has another time or style than what is before it.")
-    for (count, level), pieces in tiles.items():
-        if level not in shapes[count - 1] or not _fill(pieces, shapes[count - 1][level]):
+    for level, cage, pieces in tiles:
+        if pieces and not _fill(pieces, cage):
             raise invalid_file(f"The pieces of a cage of level {level} do not fill it, each once and convex.")
     _check_box(document, [mesh for levels in shapes for mesh in levels.values()])
-    return Results(shapes, looks, document.get("crs"), document.get("pixels"))
-
-
-def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """A JSON object. Raises NestedCagesError for a member that is there twice."""
-    if len(found := dict(pairs)) < len(pairs):
-        raise invalid_file("The map has an object with the same member twice.")
-    return found
+    pixels = document.get("pixels")
+    return Results(shapes, looks, document.get("crs"), pixels if pixels is None or isinstance(pixels, dict) else {})
 
 
 def _feature(feature: Any, number: int) -> tuple[Mesh, dict[str, Any]]:
     """The polygons of a feature, and its properties. Raises NestedCagesError for all else."""
-    geometry, properties = feature["geometry"], feature.get("properties")
-    strange = [*({*feature} - FEATURE), *({*geometry} - GEOMETRY)]
-    kinds = feature["type"], geometry["type"]
+    members: dict[str, Any] = feature if isinstance(feature, dict) else {}
+    geometry: Any = members.get("geometry")
+    properties = members.get("properties")
+    kinds = members.get("type"), geometry.get("type") if isinstance(geometry, dict) else None
     if kinds not in (("Feature", "Polygon"), ("Feature", "MultiPolygon")) or not isinstance(properties, dict | None):
         raise invalid_file(f"Feature {number} is no polygon.")
+    strange = [*({*members} - FEATURE), *({*geometry} - GEOMETRY)]
     rings = [ring for polygon in polygons_of(geometry) for ring in polygon]
-    if strange or any((ring[0] != ring[-1]).any() for ring in rings):
+    if strange or any((ring[:1] != ring[-1:]).any() for ring in rings):
         what = ", ".join(strange) or "a ring that is not closed"
         raise invalid_file(f"Feature {number} has {what}, and is not checked.")
     mesh, properties = Mesh.from_geometry(geometry), properties or {}
     if properties.keys() >= MEASURES and properties["vertices"] != len(mesh.vertices):
         raise invalid_file(f"Feature {number} has {len(mesh.vertices)} vertices, not as many as it says.")
-    _check_box(feature, [mesh])
+    _check_box(members, [mesh])
     _check_box(geometry, [mesh])
     return mesh, properties
 
 
-def _check_box(owner: Mapping[str, Any], meshes: list[Mesh]) -> None:
+def _check_box(owner: Mapping[str, Any], meshes: Sequence[Mesh]) -> None:
     """Raise NestedCagesError for a `bbox` that is not that of the coordinates."""
-    if "bbox" in owner:
+    if "bbox" not in owner:
+        return
+    box, right = owner["bbox"], np.zeros(4)
+    if meshes:
         points = np.concatenate([mesh.vertices for mesh in meshes])
         right = np.concatenate([points.min(axis=0), points.max(axis=0)])
-        if np.shape(owner["bbox"]) != (4,) or not np.allclose(owner["bbox"], right, 0.0, SAME_BOX * np.ptp(right)):
-            raise invalid_file("A bbox of the map is not that of its coordinates.")
+    if not isinstance(box, list) or len(box) != 4 or not all(map(is_number, box)):
+        raise invalid_file("A bbox of the map is not four numbers.")
+    if np.abs(np.array(box, float) - right).max() > SAME_BOX * np.ptp(right):
+        raise invalid_file("A bbox of the map is not that of its coordinates.")
 
 
-def _fill(pieces: list[Mesh], cage: Mesh) -> bool:
+def _fill(pieces: Sequence[Mesh], cage: Mesh) -> bool:
     """Whether convex pieces cover a cage exactly once: their borders add up to its own, and so do winding numbers."""
     border: Counter[tuple[float, ...]] = Counter()
     for mesh, sign in [*((piece, 1) for piece in pieces), (cage, -1)]:

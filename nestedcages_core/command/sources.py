@@ -82,9 +82,14 @@ def matching_files(patterns: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(found))
 
 
+def limits_of(given: Namespace, default: Limits | None = None) -> Limits:
+    """The limits that the options say."""
+    return replace(default or Limits(), **dict(given.limits))
+
+
 def read(path: str, given: Namespace) -> Source:
     """The shapes of a file, grown where a clearance is in metres. Raises NestedCagesError or OSError."""
-    limits, kind = replace(Limits(), **dict(given.limits)), kind_of(path)
+    limits, kind = limits_of(given), kind_of(path)
     data: Any
     if path == STREAM:
         data, kind = _streamed(limits)
@@ -102,9 +107,11 @@ def read(path: str, given: Namespace) -> Source:
             layers=tuple(given.layers or ()),
             strokes=not given.no_strokes,
             crop=not given.no_crop,
-            limits=replace(DRAWING_LIMITS, **dict(given.limits)),
+            limits=limits_of(given, DRAWING_LIMITS),
         )
         return Source(path, kind, [Shape("drawing", drawing.mesh)], drawing.notes, frame=drawing.frame, pixels=DOWN)
+    if given.inside:
+        raise invalid_file("Cages inside are for drawings and maps; leave out --inside, or the picture.")
     picture = decode_png(data, limits=limits)
     height, width = picture.shape[:2]
     opaque = "No pixel is fully transparent, so the whole picture may count as opaque."

@@ -7,7 +7,7 @@ import math
 import os
 import warnings
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,6 +17,7 @@ from ..errors import NestedCagesError, NestedCagesWarning, invalid_file, no_outl
 from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh, MeshLike
+from ..geometry.mesh.validation import MAX_COORDINATE
 from .decimals import check_decimals
 from .files import write_whole
 from .geometries import polygons_of, shown
@@ -25,6 +26,9 @@ from .limits import LimitError, Limits, Quota
 from .lonlat import across, may_be_degrees
 from .meshes import left_out_of, mesh_of_polygons, meshes_of
 from .pieces import convex_pieces
+
+FEATURES_PER_SECOND, RINGS_PER_SECOND = 2_500, 10_000
+"""Features, and rings of them, that are read in a second (measured); to unite outlines takes longer."""
 
 NAMES = ("name", "NAME", "Name")
 """Properties that name a feature."""
@@ -51,7 +55,8 @@ class Feature:
     repairs: tuple[str, ...] = ()
     """Repairs on reading, each with its place."""
     given: tuple[FloatArray, ...] = ()
-    """Rings (k, 2) as they were read, before any repair but that across the 180th meridian."""
+    """Rings (k, 2) as they were read, before repairs but those across the 180th meridian; none where the mesh has them
+    as they are."""
 
     @property
     def __geo_interface__(self) -> dict[str, Any]:
@@ -114,9 +119,13 @@ def read_map(source: Any, limits: Limits | None = None, *, specks: float = 0.0, 
     if isinstance(members, str | bytes | Mapping) or not hasattr(members, "__iter__"):
         raise invalid_file(f"The FeatureCollection has {shown(members)} where its list of features belongs.")
     pixels = document.get("pixels") if isinstance(document.get("pixels"), Mapping) else None
+    if pixels and not all(is_number(pixels.get(side, 0)) for side in ("width", "height")):
+        raise invalid_file("The width and the height of the pixels are not numbers.")
     degrees = pixels is None and may_be_degrees(document.get("crs"))
     features, refused, without, quota = [], [], 0, Quota(limits)
     left_out: Counter[str] = Counter()
+    if hasattr(members, "__len__"):
+        quota.spend("seconds", len(members) / FEATURES_PER_SECOND)
     for number, member in enumerate(members):
         quota.spend("elements", 1)
         name = f"feature {number}"
@@ -125,12 +134,13 @@ def read_map(source: Any, limits: Limits | None = None, *, specks: float = 0.0, 
             name = _name(number, properties, identity)
             polygons = [] if geometry is None else polygons_of(geometry, left_out=left_out)
             quota.spend("points", sum(len(ring) for polygon in polygons for ring in polygon))
+            quota.spend("seconds", sum(map(len, polygons)) / RINGS_PER_SECOND)
             if not polygons:
                 without += 1
                 continue
             polygons, shifted = across(polygons) if degrees else (polygons, [])
             mesh, repairs = mesh_of_polygons(polygons, quota=quota, specks=specks, inside=inside)
-            rings = tuple(ring for polygon in polygons for ring in polygon)
+            rings = tuple(ring for polygon in polygons for ring in polygon) if repairs else ()
             features.append(Feature(mesh, properties, identity, name, (*shifted, *repairs, *lost), rings))
         except LimitError:
             raise
@@ -263,24 +273,46 @@ def write_geojson(
     write_whole(path, to_geojson(shapes, **options))
 
 
-def loaded_json(text: Any, what: str, limits: Limits, members: Callable[[list[Any]], Any] | None = None) -> Any:
-    """A JSON document; members: makes an object of its pairs, instead of a dict. Raises NestedCagesError."""
+def loaded_json(text: Any, limits: Limits, *, strict: bool = False) -> Any:
+    """A JSON document; strict: without NaN, and members that are there twice. Raises NestedCagesError."""
     if not isinstance(text, str | bytes | bytearray):
-        raise invalid_file(f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}.")
+        raise invalid_file(f"GeoJSON is read from text or bytes, not from {type(text).__name__}.")
     limits.check("bytes", len(text))
+    hooks: dict[str, Any] = (
+        {"object_pairs_hook": _once, "parse_constant": _finite, "parse_float": _finite} if strict else {}
+    )
     try:
-        return json.loads(text, object_pairs_hook=members)
+        return json.loads(text, **(hooks if strict else {}))
     except (ValueError, RecursionError) as error:
         problem: object = "its brackets are nested too deeply" if isinstance(error, RecursionError) else error
         if "int_max_str_digits" in str(error):  # Python's advice, to programmers
             problem = "a whole number in it has thousands of digits"
-        raise invalid_file(f"This is not {what}: {problem}.") from error
+        raise invalid_file(f"This is not GeoJSON: {problem}.") from error
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value of JSON is a number that a coordinate can be."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < MAX_COORDINATE
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object. Raises NestedCagesError for a member that is there twice."""
+    if len(found := dict(pairs)) < len(pairs):
+        raise invalid_file("The document has an object with the same member twice.")
+    return found
+
+
+def _finite(word: str) -> float:
+    """A number of JSON. Raises NestedCagesError for NaN, Infinity, and what is as large."""
+    if not math.isfinite(number := float(word)):
+        raise invalid_file(f"The document has {word:.40}, which is no finite number.")
+    return number
 
 
 def _loaded(source: Any, limits: Limits) -> Mapping[str, Any]:
     document = getattr(source, "__geo_interface__", source)
     if not isinstance(document, Mapping):
-        document = loaded_json(source, "GeoJSON", limits)
+        document = loaded_json(source, limits)
     if not isinstance(document, Mapping) or not isinstance(document.get("type"), str):
         raise invalid_file("This is not GeoJSON: the document is not an object with a type.")
     if document["type"] == "Topology":

@@ -24,7 +24,8 @@ class Limits:
     points: int = 1_000_000
     """Points of all outlines together: a million of them take about 1 GB of memory."""
     seconds: int = 10
-    """Time for uniting outlines, as the numbers of their crossings and of boxes that meet tell it beforehand."""
+    """Time for reading features and uniting outlines, as the numbers of features, of crossings and of boxes that meet
+    tell it beforehand."""
     pixels: int = 2**26
     """Pixels of a picture: 256 MB as 8-bit RGBA."""
 
@@ -63,7 +64,5 @@ class Quota:
         allowed = getattr(self.limits, what)
         if self.used[what] > allowed:
             has = f"more than the {allowed:,} {what} allowed"
-            crossing = (
-                f"more outlines that cross or lie over each other than can be united in the {allowed:,} seconds allowed"
-            )
-            raise _beyond(what, crossing if what == "seconds" else has)
+            late = f"more features, or outlines over each other, than can be read in the {allowed:,} seconds allowed"
+            raise _beyond(what, late if what == "seconds" else has)

@@ -48,8 +48,8 @@ def convex_pieces(mesh: Mesh, most: int = 8) -> list[FloatArray]:
     return [mesh.vertices[piece] for piece in piece_vertices(mesh, most)]
 
 
-def piece_vertices(mesh: Mesh, most: int = 8, *, orders: int = ORDERS) -> list[Piece]:
-    """The same as numbers of vertices of the mesh; orders: how many orders of the diagonals are tried."""
+def piece_vertices(mesh: Mesh, most: int = 8) -> list[Piece]:
+    """The same as numbers of vertices of the mesh."""
     if isinstance(most, bool) or not isinstance(most, int | np.integer) or most < 3:
         raise invalid_setting(f"Convex pieces have at least 3 vertices, so most must be at least 3, not {most!r}.")
     tiles = triangulate(mesh)
@@ -62,7 +62,7 @@ def piece_vertices(mesh: Mesh, most: int = 8, *, orders: int = ORDERS) -> list[P
     places: list[tuple[float, float]] = [(float(x), float(y)) for x, y in tiles.vertices]
     rng = random.Random(0)
     best = _merged(triangles, owner, order, places, most)
-    for _ in range(min(orders - 1, max(MAX_DIAGONALS // max(len(order), 1), 1))):
+    for _ in range(min(ORDERS - 1, max(MAX_DIAGONALS // max(len(order), 1), 1))):
         rng.shuffle(order)
         best = min(best, _merged(triangles, owner, order, places, most), key=len)
     return best

@@ -382,6 +382,15 @@ def test_motions_are_judged_between_their_frames(tmp_path: Path) -> None:
     judged(move(fine, turned[:1].repeat(2, 0)), [nested_cages(fine, [k]).cages[0] for k in (20, 22)], holds=False)
 
 
+def test_checks_of_very_much_are_refused_at_once(tmp_path: Path) -> None:
+    for name, shape in (("in", ONE), ("out", AROUND)):
+        many = [Feature(shape.moved(shape.vertices + np.array([9.0 * k, 0.0]))) for k in range(1100)]
+        (tmp_path / f"{name}.geojson").write_text(to_geojson(many if name == "out" else many[:400]))
+    words = [tmp_path / "in.geojson", tmp_path / "out.geojson"]
+    assert "allowed" in checked(*words, "--limit", "seconds=1", holds=False)
+    assert "1100" in checked(*words, holds=False)
+
+
 def test_what_is_not_there_or_wrongly_used(folder: Path) -> None:
     checked(folder / "in.svg", folder / "none.geojson", holds=False)
     (folder / "letter.svg").write_text(to_svg(letter_a()))

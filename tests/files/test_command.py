@@ -77,11 +77,6 @@ def test_without_an_output_the_cages_are_certified_only(drawing: Path, tmp_path:
     assert {path.name for path in tmp_path.iterdir()} == {"letter.svg", "r.json"}
 
 
-def test_inner_cages_are_made_by_an_option(drawing: Path, tmp_path: Path) -> None:
-    assert run(drawing, "--levels", 24, "--inside", "-o", tmp_path / "out.geojson", "--quiet").status == 0
-    assert polygon(letter_a(1)).contains(polygon(read_geojson(tmp_path / "out.geojson")))
-
-
 @pytest.mark.slow
 def test_features_of_a_map_get_their_own_cages(tmp_path: Path) -> None:
     members = [region(0.0, "West"), region(2.0, None, 12), region(4.0, "East")]
@@ -135,6 +130,7 @@ def test_a_map_has_the_north_up_and_a_picture_its_frame(tmp_path: Path) -> None:
     assert run(tmp_path / "full.png", "--levels", 4, "-o", out, "--quiet").status == 0
     assert 'viewBox="0 0 11 9"' in out.read_text()
     assert np.ravel(from_svg(out.read_text(), element="drawing").bounds).tolist() == [2, 2, 9, 7]
+    assert run("full.png", "map.geojson", "--levels", 8, "--inside", cwd=tmp_path).err.count("error: ") == 1
     (tmp_path / "opaque.png").write_bytes(png(np.ones((5, 7), bool)))
     assert run(tmp_path / "opaque.png", "--levels", 4, "--quiet").err.count("note: ") == 1  # all may be background
 
@@ -269,15 +265,6 @@ def test_parts_share_a_loop_as_asked_for(options: list[str], loops: int, tmp_pat
     assert "--convex" not in options or shapely.unary_union(
         [polygon(Mesh.of(each)) for each in cage.rings]
     ).area == pytest.approx(sum(polygon(Mesh.of(each)).convex_hull.area for each in cage.rings))
-
-
-def test_a_tolerance_keeps_cages_around_curves(tmp_path: Path) -> None:
-    """A clearance of at least the tolerance of curves encloses the curves themselves."""
-    (tmp_path / "a.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><circle r="10"/></svg>')
-    command = ["a.svg", "--levels", 16, "--tolerance", 0.05, "--clearance", 0.05, "-o", "out.geojson", "--quiet"]
-    assert run(*command, cwd=tmp_path).status == 0
-    cage = polygon(read_geojson(tmp_path / "out.geojson"))
-    assert cage.contains(shapely.Point(0, 0).buffer(10.0, 1000))
 
 
 @pytest.mark.parametrize(
