@@ -81,6 +81,18 @@ def test_each_handle_moves_its_corner_and_the_drawing_follows(cage) -> None:
 
 
 @pytest.mark.slow
+def test_outlines_are_drawn_where_cages_are(drawn, cage) -> None:
+    for off in (0.0, 1.0):
+        cage.location.x += off
+        ends = drawn("LINES")
+        corners = np.array([cage.matrix_world @ vertex.co for vertex in cage.data.vertices])
+        assert len(ends) == 2 * sum(len(each.data.vertices) for each in set_of(cage).cages)
+        assert all(np.abs(ends - corner).max(axis=1).min() < 1e-5 for corner in corners)
+    cage.hide_set(True)
+    assert len(drawn("LINES")) == 2 * len(set_of(cage).cages[0].data.vertices)
+
+
+@pytest.mark.slow
 def test_handles_bind_and_are_added_once(cage) -> None:
     bpy.ops.object.nested_cages_bind(action="UNBIND")
     assert bpy.ops.object.nested_cages_puppet(source="HANDLES") == {"FINISHED"}
