@@ -15,9 +15,9 @@ SENTENCES: Mapping[str, str] = {
         "Your outline could not be used, and another one took its place: draw it around the drawing and all its parts, "
         "with no holes that the drawing has not."
     ),
-    "check.holds": "{when}'{outer}' encloses '{inner}': gap {clearance:.3g}, {excess_percent:.2f} % larger",
+    "check.holds": "{when}'{outer}' encloses '{inner}': clearance {clearance:.3g}, {excess_percent:.2f} % larger",
     "check.unjudged": "{when}'{outer}' passes over itself, so whether it encloses '{inner}' is not judged",
-    "check.frames": "'{outer}' encloses '{inner}' on all frames from {first} to {last}: gap {clearance:.3g} at least",
+    "check.frames": "'{outer}' encloses '{inner}' on all frames from {first} to {last}: clearance {clearance:.3g}",
     "check.broken": "{when}'{outer}' does not enclose '{inner}': {text}",
     "check.invalid": "{when}{text}",
     "check.folded": "{when}'{inner}' {how}: {share_percent:.2g} % of its area{more}",

@@ -3,7 +3,7 @@
     python packaging/docs_pages.py
 
 The pages keep their places, so that links between them are the same on a code host and on the site. What a page links
-to comes along. The API reference is listed from what the core and its rooms offer, and filled in by mkdocstrings.
+to comes along. The API reference lists the public names of the core and its packages; mkdocstrings fills it in.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def main() -> int:
     for name, text in codes.items():
         write(Path("errors") / f"{name}.md", text)
     write(Path("api/core.md"), core_page())
-    write(Path("api/rooms.md"), rooms_page())
+    write(Path("api/packages.md"), packages_page())
     print(f"{len(sources) + len(codes) + 2} pages gathered in {SITE.relative_to(ROOT)}")
     return 0
 
@@ -54,7 +54,7 @@ def error_pages(listed: str) -> dict[str, str]:
     """A page for each code in the tables of docs/errors.md."""
     pages = {}
     for code, meaning, data in re.findall(r"^\| `([\w.]+)` \| (.*) \| (.*) \|$", listed, re.MULTILINE):
-        meaning = meaning.replace("](needs.md)", "](../docs/needs.md)")
+        meaning = meaning.replace("](constraints.md", "](../docs/constraints.md")
         lines = [f"# {code}", "", meaning, "", f"Data: {data or 'none'}.", "", "[All codes](../docs/errors.md)", ""]
         pages[code] = "\n".join(lines)
     return pages
@@ -72,10 +72,10 @@ def core_page() -> str:
     return "\n".join(lines)
 
 
-def rooms_page() -> str:
-    """What each room offers beyond that."""
+def packages_page() -> str:
+    """The public names of each package that are not at the top."""
     top = set(offered(CORE / "__init__.py"))
-    lines = ["# The rooms", "", "Method objects and what they are made of, room by room.", ""]
+    lines = ["# The packages", "", "Public names of each package that are not at the top.", ""]
     for path in sorted(CORE.rglob("*.py")):
         names = [name for name in offered(path) if name not in top]
         if names and path != CORE / "__init__.py":

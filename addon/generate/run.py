@@ -31,7 +31,7 @@ def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing)
     place = "in a hole" if len(set(where.data.get("loops", ()))) < 2 else "between two outlines"
     several = f" on {levels} levels" if levels > 1 else ""
     raise UserError(
-        f"'{drawing.name}': No cage keeps a gap of {clearance * scale:.6g}{several} {place}: ask for less than "
+        f"'{drawing.name}': No cage keeps a clearance of {clearance * scale:.6g}{several} {place}: ask for less than "
         f"{most * scale:.6g}, or {bound.remedy}.",
         drawing.fault(where),
     )

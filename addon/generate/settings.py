@@ -58,10 +58,10 @@ class GenerationProperties:
         unit="ROTATION",
     )
     clearance: length(
-        "Gap", "Smallest distance between a cage and what it encloses; 0 uses the share of the size below"
+        "Clearance", "Smallest distance between a cage and what it encloses; 0 uses the share of the size below"
     )
     clearance_share: number(
-        "Gap in %",
+        "Clearance in %",
         "Smallest distance in percent of the drawing's diagonal; 0 uses the smallest that is safe, 0.001 %",
         min=0.0,
         max=100.0,

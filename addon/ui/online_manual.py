@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from ..generate.groups import ANIMATION, FRAMES, PLACES, RULES
+from ..generate.groups import ANIMATION, FRAMES, GROUPS, LOOKS, READING, SHAPE
 
 # The folder of the extension, or of the repository.
 ROOT = Path(__file__).resolve().parents[2]
@@ -17,35 +17,40 @@ OPERATORS = {
     "verify": "verify",
     "bind": "bind",
     "remove_animation": "animation#remove-animation-keep-cages",
-    "follow": "motion#follow-a-moving-drawing",
-    "live": "motion#live",
-    "export": "export#to-a-file",
-    "import": "export#from-a-file",
+    "follow": "animation#follow-a-moving-drawing",
+    "live": "animation#live",
+    "export": "export#export",
+    "import": "export#import",
     "cutout": "pictures#cutout",
-    **dict.fromkeys(("puppet", "clip", "snap"), "characters#a-puppet"),
+    **dict.fromkeys(("puppet", "walk", "snap"), "characters#puppet"),
     "select_fault": "messages",
     "generate": "cages",
 }
 # The same of settings that are about something else than their operator.
 OWN = {
     "import.hidden": "godot#in-blender",
-    **dict.fromkeys(("import.repaint", "import.replace_weights"), "godot#if-you-repaint-it"),
-    **dict.fromkeys(("import.vertices", "import.padding", "import.threshold"), "pictures#outline-of-an-image"),
+    **dict.fromkeys(("import.repaint", "import.replace_weights"), "godot#repaint"),
+    **dict.fromkeys(("import.vertices", "import.padding", "import.threshold"), "pictures#outline-of-selected"),
     **dict.fromkeys(("import.gap", "import.holes"), "silhouette"),
     **dict.fromkeys(("puppet.gap", "puppet.vertices"), "characters#one-cage"),
 }
 # Settings of cages.
 SETTINGS = {
-    "levels": "levels",
-    "clearance": "levels#gap",
-    "inside": "levels#cage-inside",
-    "decimation": "levels#coarse-meshes",
-    "energy": "levels#energy",
-    "as_published": "levels#as-published",
-    "use_selected_as_levels": "own_meshes",
-    "together": "cages",
-    **dict.fromkeys((*RULES, *PLACES), "shape"),
-    **dict.fromkeys((*FRAMES, *ANIMATION), "animation"),
+    "levels": "cages#vertices",
+    "clearance": "cages#clearance",
+    "inside": "cages#cage-inside",
+    "together": "cages#all-in-one",
+    "use_selected_as_levels": "cages#selected-as-cages",
+    **dict.fromkeys((*READING, *SHAPE, *LOOKS), "cages#advanced"),
+    "convex": "constraints#convex",
+    "grid": "constraints#grid",
+    "loops": "constraints#loops",
+    "symmetry": "constraints#symmetry",
+    "directions": "constraints#edges",
+    **dict.fromkeys(GROUPS, "constraints#weights-and-pins"),
+    "joint_armature": "constraints#joints",
+    **dict.fromkeys(("min_edge", "min_angle"), "constraints#shortest-edge-and-sharpest-angle"),
+    **dict.fromkeys((*FRAMES, *ANIMATION), "animation#how-cages-form"),
 }
 WITH_SETTINGS = ("nestedcages*", "object_ot_nested_cages_generate", "object_ot_nested_cages_follow")
 # Blender's names of items, in lower case with wildcards, and the page about them. The first match counts.

@@ -23,7 +23,7 @@ from .pairs import Bodies, Pairs
 
 OVERSHOOT = 1.02
 """Factor on motions that restore distances or bounds: it makes up for what is not linear, so that passes end
-(docs/ablation.md: overshoot of restoration)."""
+(docs/numbers.md: overshoot of restoration)."""
 
 
 class Contacts(NamedTuple):

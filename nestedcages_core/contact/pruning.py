@@ -4,7 +4,7 @@ All fine vertices on the inner side of a cage edge share its normal. Their const
 motions u, v of its ends are implied by those on the lower convex hull of the points (t, room). What steps then miss of
 a contact that is nearly implied, their restoration makes up for.
 
-See docs/ablation.md: pruning of implied constraints.
+See docs/numbers.md: pruning of implied constraints.
 """
 
 from __future__ import annotations

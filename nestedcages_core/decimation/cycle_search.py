@@ -32,7 +32,7 @@ OFFSET = 5e-5
 
 SAMPLES_PER_VERTEX, MIN_SAMPLES, MIN_SAMPLES_OF_A_LOOP = 3.0, 80, 12
 """Samples: per vertex of the cage; at least, in all; at least, for each loop
-(docs/ablation.md: line cycles: places)."""
+(docs/numbers.md: line cycles: places)."""
 
 LONGEST_STRETCH = 3.0
 """Length of the longest stretches that have tangents, in mean edges of the cage."""

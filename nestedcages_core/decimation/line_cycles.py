@@ -6,7 +6,7 @@ of the next, and the outline between these contacts. So dynamic programming find
 candidates, and the best number of lines for each loop. Where edges that are not neighbours cross, one of them gives
 way, and the search is repeated.
 
-See docs/ablation.md: line cycles; the curve.
+See docs/numbers.md: line cycles; the curve.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ OFFSETS = (OFFSET, 1e-6, 3e-8, 1e-9)
 """Distances of lines from the outline, in diameters, tried in turn: gaps may be too narrow for the first."""
 
 CROSSING_RULES = (1.0, 1e9, 0.3)
-"""Rules for which of two crossing edges is shortened; the best result is kept (docs/ablation.md: line cycles: ways to
+"""Rules for which of two crossing edges is shortened; the best result is kept (docs/numbers.md: line cycles: ways to
 clear crossings)."""
 
 ALL_POINTS, MIN_POINTS, POINTS_PER_VERTEX = 1500, 400, 16

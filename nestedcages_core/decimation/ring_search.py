@@ -22,7 +22,7 @@ CHEAP_WORK = 1e6
 
 MAX_ACROSS, MAX_MORE = 2, 6
 """Number of searches through the opposite line of the best cycle, and through lines between two lines of it
-(docs/ablation.md: line cycles: searches through other lines)."""
+(docs/numbers.md: line cycles: searches through other lines)."""
 
 MAX_MORE_IN_PARTS = 60
 """The same where rotations leave few lines to each part, so that the first one decides."""

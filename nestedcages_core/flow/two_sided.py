@@ -44,7 +44,7 @@ class TwoSidedFlow:
     longest_step: float = 0.04
     """Maximum motion of a coordinate per step."""
     vertex_limit: int = 6
-    """Maximum number of steps with samples at the vertices only (docs/ablation.md: flow: steps with samples at
+    """Maximum number of steps with samples at the vertices only (docs/numbers.md: flow: steps with samples at
     vertices)."""
     limit: int = 20
     """Maximum number of steps of every other descent."""

@@ -79,7 +79,7 @@ class Settings:
         about: The mesh that distances, excesses, weights, pins and a symmetry are about when levels are made one by
             one: a drawing inside the fine mesh, or around it for inner cages. Default: the fine mesh.
         decimation: Turns a vertex count into a coarse mesh. Default: `LineCycles()`.
-        fallback: Decimation to start from where a user's own mesh or another `decimation` fails (docs/ablation.md: the
+        fallback: Decimation to start from where a user's own mesh or another `decimation` fails (docs/numbers.md: the
             hull as fallback). None: nothing but the first start, the paper's way, is tried. Default:
             `LineCycles(on_curve=False)`.
         flow: Brings the fine mesh inside the coarse one. Default: `TwoSidedFlow()`.

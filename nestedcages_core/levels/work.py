@@ -109,7 +109,7 @@ def methods_for(settings: Settings, plan: Plan) -> Settings:
 def contacts_for(settings: Settings, *, own: bool = False) -> tuple[Contact, ...]:
     """The contacts to try in turn: the user's, or sequential QPs; from an own coarse mesh also IPC, which takes longer.
 
-    See docs/ablation.md: sequential QPs first; sequential QPs; IPC behind sequential QPs.
+    See docs/numbers.md: sequential QPs first; sequential QPs; IPC behind sequential QPs.
     """
     if isinstance(settings.contact, Sequence):
         return tuple(settings.contact)

@@ -156,7 +156,7 @@ class Tightening:
 def soft_motion(bodies: Bodies, program: QuadraticProgram, solution: QPSolution) -> NegativeCurvature | None:
     """The motion that leads off a saddle, its longest row of length 1; None at a local minimum.
 
-    See docs/ablation.md: escapes from saddles.
+    See docs/numbers.md: escapes from saddles.
     """
     active = solution.multipliers > ACTIVE_MULTIPLIER * solution.multipliers.max(initial=0.0)
     if bodies.elimination is None:

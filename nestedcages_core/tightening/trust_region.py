@@ -26,7 +26,7 @@ GROWTH = 2.5
 """Factor on the longest motion of a good step, for the radius after it."""
 
 MAX_ATTEMPTS = 3
-"""Cap on the trials of one step; more gain nothing over a new model with smaller radii (docs/ablation.md: trials of
+"""Cap on the trials of one step; more gain nothing over a new model with smaller radii (docs/numbers.md: trials of
 shortened steps)."""
 
 STEP_REDUCTION = 0.4

@@ -1,4 +1,4 @@
-"""The documentation is true: links lead somewhere, Python runs, the picture of the rooms is up to date."""
+"""The documentation is true: links lead somewhere, Python runs, the diagrams are up to date."""
 
 import doctest
 import importlib.util
@@ -20,7 +20,7 @@ from support.sources import ROOT
 
 PAGES = [
     path
-    for folder in (".", "docs", "docs/guide", "docs/comparison", "docs/needs", "benchmarks", "examples")
+    for folder in (".", "docs", "docs/guide", "benchmarks", "examples")
     for path in sorted((ROOT / folder).glob("*.md"))
 ]
 PYTHON = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)

@@ -1,4 +1,4 @@
-"""Shapes that tests of several rooms draw, and shapely's view of them. All drawn here."""
+"""Shapes that several tests draw, and shapely's view of them. All drawn here."""
 
 from collections.abc import Callable
 from itertools import pairwise
