@@ -9,6 +9,8 @@ from typing import Self
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.precision import ROUND_OFF
+from ..geometry.vectors import dot
 from ..progress import Tick, no_tick
 from .outline import Lines
 from .shortest_cycles import Graph, Paths, run_batched
@@ -17,12 +19,21 @@ from .turns import Turns
 MAX_STARTS, APART = 4, 0.1
 """Number of lines through which a first cycle is sought; part of all lines among which no second such line lies."""
 
+SUPPORTING = 1e6
+"""Preference of lines that have the whole outline on one side: a cage is likely to follow one of them."""
+
+CORNERS = 32
+"""Directions whose extreme vertices tell that."""
+
 CHEAP_WORK = 1e6
 """Turns times lines of the cage up to which there is time for one more search."""
 
-MAX_ACROSS, MAX_MORE = 2, 6
+MAX_ACROSS, MAX_MORE = 4, 6
 """Number of searches through the opposite line of the best cycle, and through lines between two lines of it
 (docs/numbers.md: line cycles: searches through other lines)."""
+
+ROUGH_ACROSS = 2
+"""The first of these where an estimate is enough: it is within about 1 %."""
 
 MAX_MORE_IN_PARTS = 60
 """The same where rotations leave few lines to each part, so that the first one decides."""
@@ -37,8 +48,8 @@ IMPROVED = 1e-3
 SPARE = 3
 """Lines that a later search allows beyond those wanted."""
 
-MAX_REFINED = 3
-"""Number of searches near the best cycle, one after the other."""
+MAX_REFINED, REROUTED = 3, 3
+"""Number of searches near the best cycle, one after the other; of lines that it is sought through after changes."""
 
 USUAL_REACH, WIDE_REACH = 2, 8
 """Turns by which a cycle near another one may run ahead of it or fall behind; the same after lines were shortened."""
@@ -95,29 +106,33 @@ class RingSearch:
         return other
 
     def solve(self) -> Iterator[list[Paths]]:
-        """Search from scratch through the lines with the most turns from and to them, until there is a cycle."""
+        """Search from scratch through the lines that most cycles are likely to have, until there is a cycle."""
         self._forget()
+        lines, points = self.lines.take(slice(self.count)), self.lines.point
         open_ = np.isfinite(self.graph.areas)
         onto, off = (np.bincount(ends[open_], minlength=self.count) for ends in (self.turns.target, self.turns.source))
-        score = off * onto
+        turn = 2.0 * np.pi / CORNERS * np.arange(CORNERS)
+        corners = points[np.unique((points @ np.stack((np.cos(turn), np.sin(turn)))).argmax(axis=0))]
+        above = (lines.right @ corners.T).max(axis=1) - dot(lines.right, lines.point)
+        score = off * onto * np.where(above <= ROUND_OFF, SUPPORTING, 1.0)
         for _ in range(MAX_STARTS):
             start = int(score.argmax())
-            if self.found or score[start] <= 0:
+            if self.found or score[start] <= 0.0:
                 return
             yield from self._search(self.most, start)
             near = int(APART * self.count)
-            score[np.arange(start - near, start + near + 1) % self.count] = -1
+            score[np.arange(start - near, start + near + 1) % self.count] = -1.0
 
     def improve(self, number: int, *, roughly: bool = False) -> Iterator[list[Paths]]:
         """Search through other lines of the best cycle of a number of lines, as long as that takes little time.
 
-        roughly: whether an estimate within about 1 % is enough.
+        roughly: whether through few of them.
         """
         if number <= (self.tried if roughly else self.improved):
             return
         self.tried = most = min(number + SPARE, self.most)
         spare = int(CHEAP_WORK / (len(self.graph.areas) * (most + 1)))
-        for _ in range(min(spare, MAX_ACROSS)):
+        for _ in range(min(spare, ROUGH_ACROSS if roughly else MAX_ACROSS)):
             if not (yield from self._search(most, self._across(number))):
                 break
         if roughly:
@@ -134,7 +149,7 @@ class RingSearch:
     def refine(self, number: int) -> Iterator[list[Paths]]:
         """Search through other lines of the best cycle of a number of lines, near this cycle, as long as that helps."""
         for _ in range(MAX_REFINED):
-            if not (yield from self._near(self._part(number), self._across(number), USUAL_REACH)):
+            if not (yield from self._near(self._part(number), [self._across(number)], USUAL_REACH)):
                 return
 
     def reroute(self, number: int) -> Iterator[list[Paths]]:
@@ -142,14 +157,18 @@ class RingSearch:
         cycle = self._part(number)
         self.graph = self.graph._replace(areas=self.turns.within(self.free))
         self._forget()
-        yield from self._near(cycle, int(cycle[0]), WIDE_REACH)
+        starts = cycle[np.unique(np.linspace(0, number, REROUTED, endpoint=False).astype(np.int64))]
+        yield from self._near(cycle, starts.tolist(), WIDE_REACH)
         if not self.found:
             yield from self.solve()
 
-    def _near(self, cycle: IntArray, start: int, reach: int) -> Generator[list[Paths], None, bool]:
-        """Search through a line near a cycle; whether the best one is better than before."""
-        corridor = np.sort(np.mod(cycle - start, self.count)).tolist()
-        return (yield from self._run([Paths(self.graph, start, min(len(cycle) + SPARE, self.most), corridor, reach)]))
+    def _near(self, cycle: IntArray, starts: Sequence[int], reach: int) -> Generator[list[Paths], None, bool]:
+        """Search through some lines near a cycle; whether one is better than before."""
+        most, several = min(len(cycle) + SPARE, self.most), []
+        for start in starts:
+            corridor = np.sort(np.mod(cycle - start, self.count)).tolist()
+            several.append(Paths(self.graph, start, most, corridor, reach))
+        return (yield from self._run(several))
 
     def extend(self, most: int) -> bool:
         """Let cycles have twice as many lines, at most a number; whether they may have more than before."""

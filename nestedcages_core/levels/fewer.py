@@ -15,7 +15,7 @@ from .certify import UnsettledError
 from .draft import PAPER_PREFERENCE
 from .work import FAILURES, Work, methods_for
 
-COUNTS = (3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48, 56, 64, 80, 96, 128, 192, 256, 384, 512)
+COUNTS = (3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 36, 40, 48, 56, 64, 80, 96, 128, 192, 256, 384, 512)
 """Numbers of vertices that are tried below the wanted one, where a vertex too many is moved outwards."""
 
 SMALLER, TRIES_FOR_WISHES = 0.8, 8
