@@ -62,11 +62,12 @@ def at_rest(work: Work, start: Start) -> Draft:
 
 
 def is_at_rest(work: Work, start: Start) -> bool:
-    """Whether the fine mesh stays where it is: it is inside, or all of it that thinning left, where there is no need of
-    steps; or there is no time."""
-    if work.rests or work.watch.over is not None:
+    """Whether the fine mesh stays where it is: it is inside, or all of it that thinning left, and no steps lead into
+    the user's own coarse mesh; or there is no time."""
+    steps = work.settings.steps
+    if work.rests or work.watch.over is not None or (start.source == SOURCE and not steps):
         return True
-    return not work.settings.steps and (start.source == SOURCE or Nesting(start.coarse, work.plan.fine).encloses())
+    return not (steps and start.source == OWN) and Nesting(start.coarse, work.plan.fine).encloses()
 
 
 def flowed(work: Work, draft: Draft) -> Draft:
