@@ -121,12 +121,6 @@ def standing(obj: Object) -> Object | None:
     return standing(carrier) if plain and inverse == Matrix() and obj.matrix_basis == Matrix() else None
 
 
-def copy_transform(source: Object, target: Object) -> None:
-    """Copies the exact transform of an object to another one."""
-    for channel in TRANSFORM:
-        setattr(target, channel, getattr(source, channel))
-
-
 def _inverse(matrix: Matrix) -> Matrix | None:
     """The inverse; None if there is none, which Blender 5.2 tells by an exception whatever the fallback."""
     try:

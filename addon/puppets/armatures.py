@@ -6,7 +6,7 @@ is not ours in it stays.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from math import radians
@@ -97,15 +97,24 @@ def frame_of(armature: Object) -> Frame:
     return Frame(world_matrix(armature), height, scale_of(armature), own=True)
 
 
+def bones_at_rest(bones: Iterable[Any], unit: float = 1.0) -> tuple[core.Bone, ...]:
+    """Bones of an armature at rest, in units of a length; the parent of each is the nearest of them above it."""
+    number: dict[str, int] = {}
+    found = []
+    for bone in bones:
+        above = bone.parent
+        while above is not None and above.name not in number:
+            above = above.parent
+        head, tail = ((end.x / unit, end.y / unit) for end in (bone.head_local, bone.tail_local))
+        found.append(core.Bone(head, tail, number[above.name] if above is not None else None, bone.name))
+        number[bone.name] = len(number)
+    return tuple(found)
+
+
 def figure_of(armature: Object) -> core.puppets.Figure:
     """What clips need of a puppet, as its bones are now."""
-    own = [bone for bone in armature.data.bones if part_of(bone)]
-    number = {bone.name: k for k, bone in enumerate(own)}
-    bones, limbs = list[core.Bone](), dict[str, list[str]]()
+    own, limbs = [bone for bone in armature.data.bones if part_of(bone)], dict[str, list[str]]()
     for bone in own:
-        above = owner_of(bone.parent)
-        head, tail = ((end.x, end.y) for end in (bone.head_local, bone.tail_local))
-        bones.append(core.Bone(head, tail, number[above.name] if above is not None else None, bone.name))
         limbs.setdefault(bone.get(keys.LIMB, ""), []).append(bone.name)
     kinds: dict[str, list[tuple[str, ...]]] = {kind: [] for kind in core.puppets.Limbs._fields}
     for name, chain in sorted(limbs.items()):
@@ -113,7 +122,7 @@ def figure_of(armature: Object) -> core.puppets.Figure:
             kinds[name.split()[0]].append(tuple(chain))
     ranges = tuple(core.puppets.JointRange(*bone[keys.PROVED]) for bone in own)
     found = core.puppets.Limbs(**{kind: tuple(chains) for kind, chains in kinds.items()})
-    return core.puppets.Figure(tuple(bones), ranges, found, float(armature.data.get(keys.AHEAD, 1.0)))
+    return core.puppets.Figure(bones_at_rest(own), ranges, found, float(armature.data.get(keys.AHEAD, 1.0)))
 
 
 def choices_in(

@@ -18,7 +18,7 @@ from ..core import blamed, core
 from ..drawing.plane import space_to_space, transform
 from ..errors import FloatArray, UserError
 from ..files.pictures import image_on, size_of
-from . import exported
+from . import armatures, exported
 
 # Part of the weights of a point that engines may leave out, as they take four bones, before it is told.
 LEFT_OUT = 0.05
@@ -65,7 +65,7 @@ def cutouts_in_scene(context: Context, rig: Object) -> tuple[core.puppets.GamePu
     high = np.max([at + _pixels_of(obj) for at, (obj, _) in zip(corners, pictures, strict=True)], axis=0)
     place = core.puppets.Placement(*np.ceil(high - low).astype(int).tolist())
     shift = np.array((low[0] + 0.5 * place.width, low[1]))
-    bones = _bones_of(rig, unit)
+    bones = armatures.bones_at_rest(rig.data.bones, unit)
     number, meshes, notes = {bone.name: k for k, bone in enumerate(bones)}, list[core.puppets.PartMesh](), list[str]()
     for (obj, cage_set), points in zip(pictures, places, strict=True):
         weights = _weights(obj, cage_set, number)
@@ -83,20 +83,6 @@ def cutouts_in_scene(context: Context, rig: Object) -> tuple[core.puppets.GamePu
 
 def _moved(end: tuple[float, float], shift: FloatArray) -> tuple[float, float]:
     return end[0] - float(shift[0]), end[1] - float(shift[1])
-
-
-def _bones_of(rig: Object, unit: float) -> tuple[core.Bone, ...]:
-    """The bones of an armature at rest, in units of a length; parents come first."""
-    number = {bone.name: k for k, bone in enumerate(rig.data.bones)}
-    return tuple(
-        core.Bone(
-            (bone.head_local.x / unit, bone.head_local.y / unit),
-            (bone.tail_local.x / unit, bone.tail_local.y / unit),
-            number[bone.parent.name] if bone.parent is not None else None,
-            bone.name,
-        )
-        for bone in rig.data.bones
-    )
 
 
 def _points_in(space: Object, obj: Object) -> FloatArray:

@@ -123,17 +123,12 @@ def pictured(context: Context, rig: Object) -> tuple[core.puppets.GamePuppet, tu
 
 def _bones_of(rig: Object, unit: float) -> tuple[core.Bone, ...]:
     """The bones of a puppet at rest, in units of a length."""
-    bones = armatures.figure_of(rig).bones
-    return tuple(replace(bone, head=_pixels(bone.head, unit), tail=_pixels(bone.tail, unit)) for bone in bones)
+    return armatures.bones_at_rest(filter(armatures.part_of, rig.data.bones), unit)
 
 
 def _in_rig(obj: Object) -> FloatArray:
     """(4, 4) the place of a part in its armature, which Blender does not keep up to date for hidden objects."""
     return np.array(obj.matrix_parent_inverse @ obj.matrix_basis)
-
-
-def _pixels(place: Any, unit: float) -> tuple[float, float]:
-    return place[0] / unit, place[1] / unit
 
 
 def group_weights(obj: Object, number: dict[str, int]) -> FloatArray:
